@@ -1,0 +1,58 @@
+// What the commands of `motiondb` have in common: global options, the connection, and the form that
+// a command takes. One command, one file; `main.cc` parses, then runs the one that was chosen.
+#pragma once
+
+#include <motiondb/client.h>
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+
+namespace motiondb::client {
+
+// Options that every command takes, before or after its name.
+struct GlobalOptions {
+  std::string server = ClientOptions().server;
+  bool json = false;
+  double timeout_seconds = 600;
+};
+
+// Where a command puts what it will do, while the command line is being read.
+struct CommandLine {
+  CLI::App& app;
+  const GlobalOptions& global;
+  std::function<absl::Status()>& chosen;
+};
+
+// Adds a command whose `Options` its `declare` binds to the command line and its `run` then uses.
+template <typename Options, typename Declare>
+void AddCommand(CommandLine line, const std::string& name, const std::string& description,
+                const Declare& declare, absl::Status (*run)(const Options&, const GlobalOptions&)) {
+  CLI::App* command = line.app.add_subcommand(name, description);
+  command->fallthrough();
+  const auto options = std::make_shared<Options>();
+  declare(*command, *options);
+  command->callback([options, run, &global = line.global, &chosen = line.chosen] {
+    chosen = [options, run, &global] { return run(*options, global); };
+  });
+}
+
+// Connects to the server that the command line names.
+absl::StatusOr<Client> Connect(const GlobalOptions& global);
+
+void AddCreateCommand(CommandLine line);
+void AddDeleteCommand(CommandLine line);
+void AddDescribeCommand(CommandLine line);
+void AddDumpCommand(CommandLine line);
+void AddEstimateCommand(CommandLine line);
+void AddExportCommand(CommandLine line);
+void AddIngestCommand(CommandLine line);
+void AddListCommand(CommandLine line);
+void AddOperationsCommand(CommandLine line);
+void AddPredictCommand(CommandLine line);
+void AddRecognizeCommand(CommandLine line);
+
+}  // namespace motiondb::client

@@ -1,0 +1,164 @@
+#include "client/cli/database_text.h"
+
+#include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/operation.pb.h>
+
+#include "client/cli/resource_name.h"
+#include "client/cli/table.h"
+
+namespace motiondb::client {
+namespace {
+
+using google::protobuf::util::TimeUtil;
+
+// The last word of an enum's name, in small letters: SCALING_KIND -> "kind".
+std::string LastWord(const std::string& enum_name) {
+  std::string word = enum_name.substr(enum_name.rfind('_') + 1);
+  for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return word;
+}
+
+std::string ModelWord(int version) { return version == 0 ? "none" : std::to_string(version); }
+
+// To the second: a person does not read nanoseconds.
+std::string TimeText(const google::protobuf::Timestamp& time) {
+  return TimeUtil::ToString(TimeUtil::SecondsToTimestamp(time.seconds()));
+}
+
+}  // namespace
+
+std::string LabelWord(const std::string& label) { return label.empty() ? "(no label)" : label; }
+
+std::string StateWord(const v1::Operation& operation) {
+  return LastWord(v1::OperationState_Name(operation.state()));
+}
+
+std::string DatabasesText(const std::vector<v1::Database>& databases) {
+  if (databases.empty()) return "no databases yet: make one with `motiondb create DB`\n";
+  Table table({{"DATABASE"},
+               {"CLIPS", Align::kRight},
+               {"FRAMES", Align::kRight},
+               {"RATE", Align::kRight},
+               {"MARKERS"},
+               {"SCALING"},
+               {"MODEL", Align::kRight},
+               {"CREATED"}});
+  for (const v1::Database& database : databases) {
+    table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
+                  std::to_string(database.frame_count()),
+                  fmt::format("{:g} Hz", database.frame_rate_hz()), database.marker_set(),
+                  LastWord(v1::Scaling_Name(database.scaling())),
+                  ModelWord(database.model_version()), TimeText(database.create_time())});
+  }
+  return table.ToString();
+}
+
+std::string DatabaseText(const v1::Database& database) {
+  Table table({{""}, {""}});
+  table.AddRow({"database", ShortName(database.name())});
+  table.AddRow({"frame rate", fmt::format("{:g} Hz", database.frame_rate_hz())});
+  table.AddRow({"least frames in a node", std::to_string(database.min_frames())});
+  table.AddRow({"scaling", LastWord(v1::Scaling_Name(database.scaling()))});
+  table.AddRow({"marker set", database.marker_names_size() == 0
+                                  ? database.marker_set()
+                                  : fmt::format("{}, {} markers", database.marker_set(),
+                                                database.marker_names_size())});
+  return table.ToString();
+}
+
+std::string ClipsText(const std::vector<v1::Clip>& clips) {
+  if (clips.empty()) return "no clips yet: put some in with `motiondb ingest DB FILE...`\n";
+  Table table({{"CLIP"},
+               {"LABEL"},
+               {"SUBJECT"},
+               {"FRAMES", Align::kRight},
+               {"LENGTH", Align::kRight},
+               {"LEG", Align::kRight},
+               {"SOURCE RATE", Align::kRight},
+               {"FILE"}});
+  for (const v1::Clip& clip : clips) {
+    table.AddRow({ShortName(clip.name()), LabelWord(clip.label()), clip.subject(),
+                  std::to_string(clip.frame_count()),
+                  fmt::format("{:.2f} s", clip.duration_seconds()),
+                  fmt::format("{:.3f} m", clip.leg_length_m()),
+                  fmt::format("{:g} Hz", clip.source_frame_rate_hz()), clip.file_name()});
+  }
+  return table.ToString();
+}
+
+std::string IngestedClipText(const v1::Clip& clip) {
+  std::string text = fmt::format("{}  {}  {} frames  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
+                                 ShortName(clip.name()), LabelWord(clip.label()),
+                                 clip.frame_count(), clip.duration_seconds(), clip.leg_length_m(),
+                                 clip.file_name(), clip.source_frame_rate_hz());
+  // The report may have several lines; all are set in under their clip.
+  std::string report = clip.source_report();
+  while (!report.empty()) {
+    const size_t end = report.find('\n');
+    if (const std::string line = report.substr(0, end); !line.empty()) text += "    " + line + "\n";
+    report.erase(0, end == std::string::npos ? end : end + 1);
+  }
+  return text;
+}
+
+std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
+  Table table({{""}, {"", Align::kRight}});
+  const auto count = [&](const std::string& what, int number) {
+    table.AddRow({what, std::to_string(number)});
+  };
+  table.AddRow({"database", ShortName(description.name())});
+  count("frames", description.frame_count());
+  count("clips", description.clip_count());
+  count("layers", description.layer_count());
+  count("nodes, all layers", description.node_count());
+  count("nodes, bottom layer", description.bottom_node_count());
+  count("dimensions", description.dimension_count());
+  table.AddRow({"frame rate", fmt::format("{:g} Hz", description.frame_rate_hz())});
+  table.AddRow({"model version", ModelWord(description.model_version())});
+  table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
+  std::string text = table.ToString();
+  if (description.stored_clip_count() != description.clip_count()) {
+    text += fmt::format("{} clips are stored; the model knows {} of them\n",
+                        description.stored_clip_count(), description.clip_count());
+  }
+  if (description.nodes_per_layer_size() > 0) {
+    Table layers({{"LAYER", Align::kRight}, {"NODES", Align::kRight}});
+    for (int i = 0; i < description.nodes_per_layer_size(); ++i) {
+      layers.AddRow({std::to_string(i + 1), std::to_string(description.nodes_per_layer(i))});
+    }
+    text += "\n" + layers.ToString();
+  }
+  if (description.labels_size() > 0) {
+    Table labels({{"LABEL"}, {"CLIPS", Align::kRight}, {"FRAMES", Align::kRight}});
+    for (const auto& label : description.labels()) {
+      labels.AddRow({LabelWord(label.label()), std::to_string(label.clip_count()),
+                     std::to_string(label.frame_count())});
+    }
+    text += "\n" + labels.ToString();
+  }
+  return text;
+}
+
+std::string OperationsText(const std::vector<v1::Operation>& operations) {
+  if (operations.empty()) return "no operations\n";
+  Table table({{"OPERATION"},
+               {"DATABASE"},
+               {"STATE"},
+               {"PROGRESS", Align::kRight},
+               {"STAGE"},
+               {"MODEL", Align::kRight},
+               {"CREATED"},
+               {"ERROR"}});
+  for (const v1::Operation& operation : operations) {
+    table.AddRow({ShortName(operation.name()), ShortName(operation.database()),
+                  StateWord(operation), fmt::format("{:.0f} %", operation.progress() * 100),
+                  operation.stage(), ShortName(operation.model()),
+                  TimeText(operation.create_time()), operation.error().message()});
+  }
+  return table.ToString();
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,47 @@
+#include "client/cli/estimation_text.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/query.pb.h>
+
+namespace motiondb::client {
+namespace {
+
+constexpr size_t kLineColumns = 96;
+
+// "  12x5 13x3 ...", broken into lines.
+std::string RunsText(const v1::NodePath& path) {
+  std::string text;
+  std::string line = " ";
+  for (int begin = 0, end = 0; begin < path.node_ids_size(); begin = end) {
+    while (end < path.node_ids_size() && path.node_ids(end) == path.node_ids(begin)) ++end;
+    const std::string run = fmt::format(" {}x{}", path.node_ids(begin), end - begin);
+    if (line.size() + run.size() > kLineColumns) {
+      text += line + "\n";
+      line = " ";
+    }
+    line += run;
+  }
+  return text + line + "\n";
+}
+
+}  // namespace
+
+std::string EstimationText(const v1::EstimateResponse& response) {
+  std::string text =
+      fmt::format("state: node {} of layer {}, probability {:.3f}\n", response.state().node_id(),
+                  response.layer(), response.state().probability());
+  int rank = 0;
+  for (const auto& path : response.paths()) {
+    const double seconds =
+        response.frame_rate_hz() > 0 ? path.node_ids_size() / response.frame_rate_hz() : 0;
+    text += fmt::format(
+        "path {}: {} frames, {:.2f} s at {:g} Hz, log probability {:.2f}, as node x "
+        "frames\n",
+        ++rank, path.node_ids_size(), seconds, response.frame_rate_hz(), path.log_probability());
+    text += RunsText(path);
+  }
+  if (rank == 0) text += "no path explains the observation\n";
+  return text;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,99 @@
+// motiondb ingest DB FILE...: motion files in, and the model that knows them.
+#include <fmt/format.h>
+#include <motiondb/v1/database.pb.h>
+
+#include <algorithm>
+
+#include "client/cli/clip_list.h"
+#include "client/cli/command.h"
+#include "client/cli/ingest_batch.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/resource_name.h"
+
+namespace motiondb::client {
+namespace {
+
+struct IngestOptions {
+  std::string database;
+  std::vector<std::string> files;
+  std::string list;
+  std::string label;
+  std::string subject;
+  SourceOptions source;
+};
+
+void Declare(CLI::App& command, IngestOptions& options) {
+  command.add_option("DB", options.database, "Database")->required();
+  command.add_option("FILE", options.files, "Motion files");
+  command
+      .add_option(
+          "--list", options.list,
+          "File that lists clips: tab-separated, a header line, columns path and label, where "
+          "present subject and skeleton; paths relative to it")
+      ->type_name("FILE.tsv");
+  command.add_option("--label", options.label, "Label of clips that the list gives none")
+      ->type_name("L");
+  command.add_option("--subject", options.subject, "Subject of clips that the list gives none")
+      ->type_name("S");
+  AddSourceOptions(command, options.source);
+  command.footer(
+      "Waits for the new model. A file that cannot be ingested does not stop the others; each "
+      "such\n"
+      "file is reported at the end, and the exit status is then 1.");
+}
+
+// The clips that files and list name; what the list leaves open comes from the options.
+absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
+  std::vector<ClipEntry> clips;
+  for (const std::string& file : options.files) clips.push_back({file, "", "", {}});
+  if (!options.list.empty()) {
+    const auto text = ReadFileBytes(options.list);
+    if (!text.ok()) return text.status();
+    auto listed = ParseClipList(options.list, *text);
+    if (!listed.ok()) return listed.status();
+    std::move(listed->begin(), listed->end(), std::back_inserter(clips));
+  }
+  if (clips.empty())
+    return absl::InvalidArgumentError("nothing to ingest: name files, or a --list");
+  for (ClipEntry& clip : clips) {
+    if (clip.label.empty()) clip.label = options.label;
+    if (clip.subject.empty()) clip.subject = options.subject;
+    if (clip.skeleton.empty()) clip.skeleton = options.source.skeleton;
+  }
+  return clips;
+}
+
+// Asked first, so that a misspelt database is one error, not one for each file.
+absl::Status CheckDatabase(const Client& client, const std::string& name) {
+  v1::GetDatabaseRequest request;
+  request.set_name(name);
+  return client.GetDatabase(request).status();
+}
+
+absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
+  const auto clips = Clips(options);
+  if (!clips.ok()) return clips.status();
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const std::string database = DatabaseName(options.database);
+  if (const absl::Status status = CheckDatabase(*client, database); !status.ok()) return status;
+  IngestBatch batch(*client, database, options.source, global.json);
+  absl::Status status = batch.Send(*clips);
+  if (status.ok()) status = batch.AwaitModel();
+  std::fflush(stdout);
+  for (const std::string& failure : batch.failures()) {
+    fmt::print(stderr, "motiondb: {}\n", failure);
+  }
+  if (!status.ok() || batch.failures().empty()) return status;
+  return absl::InvalidArgumentError(
+      fmt::format("{} of {} files were not ingested", batch.failures().size(), clips->size()));
+}
+
+}  // namespace
+
+void AddIngestCommand(CommandLine line) {
+  AddCommand<IngestOptions>(line, "ingest", "Store motion files and wait for the new model",
+                            Declare, Run);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,95 @@
+// `motiondb`, the command line of a motiondb server: parses, runs one command, reports its error.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <exception>
+
+#include "client/cli/command.h"
+
+namespace motiondb::client {
+namespace {
+
+constexpr int kFailed = 1;
+constexpr int kWrongUsage = 2;
+
+// What was wrong with the command line, and where help is.
+std::string UsageError(const CLI::App* app, const CLI::Error& error) {
+  const CLI::App* command = app;
+  std::string name = "motiondb";
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += " " + command->get_name();
+  }
+  // CLI11 only says that a command is missing where a word is no command.
+  const std::vector<std::string> unknown = app->remaining(true);
+  const std::string what = unknown.empty() || error.get_name() != "RequiredError"
+                               ? error.what()
+                               : fmt::format("no such command: {}", unknown.front());
+  return fmt::format("motiondb: {}\nTry `{} --help`.\n", what, name);
+}
+
+void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
+  app.add_option("--server", global.server, "Address of the server")
+      ->envname("MOTIONDB_SERVER")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_flag("--json", global.json,
+               "Print the server's answer as JSON with the proto's field names; one object a line");
+  app.add_option("--timeout", global.timeout_seconds, "How long one call may take")
+      ->type_name("SECONDS")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
+}
+
+int Run(int argc, char** argv) {
+  CLI::App app("motiondb: store, recognize, estimate and predict human motion", "motiondb");
+  GlobalOptions global;
+  std::function<absl::Status()> chosen;
+  app.require_subcommand(1);
+  app.failure_message(UsageError);
+  // Commands take over the footer that stands when they are added.
+  app.footer("Every command also takes --server HOST:PORT, --json and --timeout SECONDS.");
+  AddGlobalOptions(app, global);
+  const CommandLine line{app, global, chosen};
+  AddCreateCommand(line);
+  AddIngestCommand(line);
+  AddListCommand(line);
+  AddDescribeCommand(line);
+  AddRecognizeCommand(line);
+  AddEstimateCommand(line);
+  AddPredictCommand(line);
+  AddDumpCommand(line);
+  AddExportCommand(line);
+  AddDeleteCommand(line);
+  AddOperationsCommand(line);
+  app.footer(
+      "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
+      "extensions: .bvh, .amc (its .asf is found beside it), .trc, .c3d. Options may stand before\n"
+      "or after the command. `motiondb COMMAND --help` says more about a command.");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : kWrongUsage;
+  }
+  absl::Status status = chosen();
+  // An answer that did not reach its reader (a full disk) is a failure, too.
+  if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && status.ok()) {
+    status = absl::DataLossError("standard output: cannot be written");
+  }
+  if (status.ok()) return 0;
+  fmt::print(stderr, "motiondb: {}\n", std::string(status.message()));
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace motiondb::client
+
+int main(int argc, char** argv) {
+  try {
+    return motiondb::client::Run(argc, argv);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "motiondb: {}\n", error.what());
+    return 1;
+  }
+}

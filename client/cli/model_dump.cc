@@ -1,0 +1,261 @@
+#include "client/cli/model_dump.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/model.pb.h>
+
+#include <cctype>
+#include <fstream>
+#include <utility>
+
+#include "client/cli/json_output.h"
+#include "client/cli/npy_writer.h"
+
+namespace motiondb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kLayerFiles[] = {"node_of_frame.npy", "parent.npy", "mean.npy",
+                                       "variance.npy", "transitions.npy"};
+constexpr const char* kModelFiles[] = {"model.json", "states.npy", "clip_of_frame.npy"};
+
+absl::Status FileError(const fs::path& path, const std::error_code& error) {
+  return absl::UnknownError(fmt::format("{}: {}", path.string(), error.message()));
+}
+
+// Removes what a dump writes. Folders go only when nothing else is left in them.
+void RemoveEarlierDump(const fs::path& directory) {
+  std::error_code ignored;
+  for (const char* file : kModelFiles) fs::remove(directory / file, ignored);
+  std::vector<fs::path> layers;
+  for (fs::directory_iterator entry(directory / "layers", ignored), end; entry != end;
+       entry.increment(ignored)) {
+    layers.push_back(entry->path());
+  }
+  for (const fs::path& layer : layers) {
+    for (const char* file : kLayerFiles) fs::remove(layer / file, ignored);
+    fs::remove(layer, ignored);
+  }
+  fs::remove(directory / "layers", ignored);
+}
+
+// Reads one model and writes it, from the frames to the bottom layer and up to the root.
+class Dump {
+ public:
+  Dump(const Client& client, v1::Model model, fs::path directory)
+      : client_(client), model_(std::move(model)), directory_(std::move(directory)) {}
+
+  int layer_count() const { return model_.nodes_per_layer_size(); }
+  const v1::Model& model() const { return model_; }
+
+  absl::Status WriteStates();
+  absl::Status WriteClipOfFrame() const;
+  // Must be called for the bottom layer first, then for each one above in turn.
+  absl::Status WriteLayer(int layer);
+  absl::Status WriteJson(const v1::Database& database) const;
+
+ private:
+  absl::Status WriteNodes(int layer, const fs::path& folder, std::vector<int32_t>& parents) const;
+  absl::Status WriteTransitions(int layer, const fs::path& folder) const;
+
+  const Client& client_;
+  const v1::Model model_;
+  const fs::path directory_;
+  // Of the layer written last.
+  std::vector<int32_t> node_of_frame_;
+  std::vector<int32_t> parents_below_;
+};
+
+absl::Status WriteColumn(const fs::path& path, const std::vector<int32_t>& values) {
+  NpyWriter writer(path, NpyType::kInt32, {static_cast<int64_t>(values.size())});
+  for (const int32_t value : values) writer.Append(value);
+  return writer.Finish();
+}
+
+absl::Status Dump::WriteStates() {
+  NpyWriter writer(directory_ / "states.npy", NpyType::kFloat32,
+                   {model_.frame_count(), model_.dimension_count()});
+  v1::ReadStatesRequest request;
+  request.set_name(model_.name());
+  const absl::Status status =
+      client_.ReadStates(request, [&](const v1::ReadStatesResponse& block) -> absl::Status {
+        if (block.first_frame() != static_cast<int64_t>(node_of_frame_.size())) {
+          return absl::DataLossError(
+              fmt::format("states of {}: expected frame {}, the server sent {}", model_.name(),
+                          node_of_frame_.size(), block.first_frame()));
+        }
+        writer.AppendBytes(block.states());
+        node_of_frame_.insert(node_of_frame_.end(), block.bottom_node_ids().begin(),
+                              block.bottom_node_ids().end());
+        return absl::OkStatus();
+      });
+  if (!status.ok()) return status;
+  if (static_cast<int64_t>(node_of_frame_.size()) != model_.frame_count()) {
+    return absl::DataLossError(fmt::format("states of {}: expected nodes of {} frames, got {}",
+                                           model_.name(), model_.frame_count(),
+                                           node_of_frame_.size()));
+  }
+  return writer.Finish();
+}
+
+absl::Status Dump::WriteClipOfFrame() const {
+  std::vector<int32_t> clip_of_frame;
+  for (int clip = 0; clip < model_.first_frames_size(); ++clip) {
+    const bool last = clip + 1 == model_.first_frames_size();
+    const int64_t end = last ? model_.frame_count() : model_.first_frames(clip + 1);
+    const auto begin = static_cast<int64_t>(clip_of_frame.size());
+    if (model_.first_frames(clip) != begin || end < begin || end > model_.frame_count()) {
+      return absl::DataLossError(
+          fmt::format("{}: the first frames of its clips are not in order", model_.name()));
+    }
+    clip_of_frame.resize(static_cast<size_t>(end), clip);
+  }
+  return WriteColumn(directory_ / "clip_of_frame.npy", clip_of_frame);
+}
+
+absl::Status Dump::WriteLayer(int layer) {
+  // A frame's node here is the parent of its node in the layer below.
+  if (layer < layer_count()) {
+    for (int32_t& node : node_of_frame_) {
+      if (node < 0 || node >= static_cast<int64_t>(parents_below_.size())) {
+        return absl::DataLossError(
+            fmt::format("{}: layer {} has no node {}", model_.name(), layer + 1, node));
+      }
+      node = parents_below_[static_cast<size_t>(node)];
+    }
+  }
+  const fs::path folder = directory_ / "layers" / fmt::format("{:02}", layer);
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) return FileError(folder, error);
+  absl::Status status = WriteColumn(folder / "node_of_frame.npy", node_of_frame_);
+  if (status.ok()) status = WriteNodes(layer, folder, parents_below_);
+  if (status.ok()) status = WriteTransitions(layer, folder);
+  return status;
+}
+
+absl::Status Dump::WriteNodes(int layer, const fs::path& folder,
+                              std::vector<int32_t>& parents) const {
+  v1::ListNodesRequest request;
+  request.set_parent(model_.name());
+  request.set_layer(layer);
+  request.set_page_size(400);
+  const auto nodes = client_.AllNodes(request);
+  if (!nodes.ok()) return nodes.status();
+  const int64_t count = model_.nodes_per_layer(layer - 1);
+  NpyWriter mean(folder / "mean.npy", NpyType::kFloat32, {count, model_.dimension_count()});
+  NpyWriter variance(folder / "variance.npy", NpyType::kFloat32, {count, model_.dimension_count()});
+  parents.clear();
+  for (const v1::Node& node : *nodes) {
+    if (node.node_id() != static_cast<int64_t>(parents.size())) {
+      return absl::DataLossError(fmt::format("{}: layer {}: expected node {}, the server sent {}",
+                                             model_.name(), layer, parents.size(), node.node_id()));
+    }
+    parents.push_back(node.parent_id());
+    mean.AppendBytes(node.mean());
+    variance.AppendBytes(node.variance());
+  }
+  absl::Status status = mean.Finish();
+  if (status.ok()) status = variance.Finish();
+  if (status.ok()) status = WriteColumn(folder / "parent.npy", parents);
+  return status;
+}
+
+absl::Status Dump::WriteTransitions(int layer, const fs::path& folder) const {
+  v1::ListTransitionsRequest request;
+  request.set_parent(model_.name());
+  request.set_layer(layer);
+  request.set_page_size(10000);
+  const auto transitions = client_.AllTransitions(request);
+  if (!transitions.ok()) return transitions.status();
+  NpyWriter writer(folder / "transitions.npy", NpyType::kInt32,
+                   {static_cast<int64_t>(transitions->size()), 3});
+  for (const v1::Transition& transition : *transitions) {
+    writer.Append(transition.from_node_id());
+    writer.Append(transition.to_node_id());
+    writer.Append(transition.count());
+  }
+  return writer.Finish();
+}
+
+absl::Status Dump::WriteJson(const v1::Database& database) const {
+  std::string markers;
+  for (const std::string& name : database.marker_names()) {
+    markers += (markers.empty() ? "" : ", ") + JsonString(name);
+  }
+  const std::string json = fmt::format(
+      R"({{
+"model": {},
+"frame_rate_hz": {},
+"marker_names": [{}],
+"files": {{
+  "states.npy": "float32, frames x dimensions; for each marker in turn its position x y z, then its velocity x y z, in the reference frame, divided by the subject's leg length and by model.scales",
+  "clip_of_frame.npy": "int32, frames; index into model.clips",
+  "layers/LL/node_of_frame.npy": "int32, frames; layer LL counts from 01, the root alone",
+  "layers/LL/parent.npy": "int32, nodes; node in the layer above, -1 in layer 01",
+  "layers/LL/mean.npy": "float32, nodes x dimensions; scaled as states.npy",
+  "layers/LL/variance.npy": "float32, nodes x dimensions; as the likelihood uses them, shrunk and diagonal",
+  "layers/LL/transitions.npy": "int32, transitions x 3; from node, to node, count over all clips"
+}}
+}}
+)",
+      IndentedJson(model_), database.frame_rate_hz(), markers);
+  const fs::path path = directory_ / "model.json";
+  const fs::path partial = path.string() + ".partial";
+  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
+  file << json;
+  file.close();
+  if (!file) return absl::UnknownError(fmt::format("{}: cannot be written", path.string()));
+  std::error_code error;
+  fs::rename(partial, path, error);
+  return error ? FileError(path, error) : absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status PrepareDumpDirectory(const fs::path& directory, bool force) {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) return FileError(directory, error);
+  const bool empty = fs::is_empty(directory, error);
+  if (error) return FileError(directory, error);
+  if (empty) return absl::OkStatus();
+  if (!force) {
+    return absl::FailedPreconditionError(fmt::format(
+        "{}: is not empty; give another folder, or replace an earlier dump with --force",
+        directory.string()));
+  }
+  RemoveEarlierDump(directory);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<v1::Model> DumpModel(
+    const Client& client, const std::string& database, const fs::path& directory,
+    const std::function<void(double, const std::string&)>& on_progress) {
+  v1::GetDatabaseRequest database_request;
+  database_request.set_name(database);
+  const auto settings = client.GetDatabase(database_request);
+  if (!settings.ok()) return settings.status();
+  v1::GetModelRequest model_request;
+  model_request.set_name(database + "/models/current");
+  const auto model = client.GetModel(model_request);
+  if (!model.ok()) return model.status();
+
+  // Everything is asked of the version that GetModel named, so that no dump mixes two models.
+  Dump dump(client, model->model(), directory);
+  on_progress(0, "states");
+  absl::Status status = dump.WriteStates();
+  if (status.ok()) status = dump.WriteClipOfFrame();
+  const int layers = dump.layer_count();
+  for (int layer = layers; layer >= 1 && status.ok(); --layer) {
+    on_progress(static_cast<double>(layers - layer + 1) / (layers + 1),
+                fmt::format("layer {}", layer));
+    status = dump.WriteLayer(layer);
+  }
+  if (status.ok()) status = dump.WriteJson(settings->database());
+  if (!status.ok()) return status;
+  return dump.model();
+}
+
+}  // namespace motiondb::client

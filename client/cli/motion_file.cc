@@ -1,0 +1,130 @@
+#include "client/cli/motion_file.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/query.pb.h>
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <iterator>
+
+namespace motiondb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+bool HasExtension(const fs::path& file, const std::string& expected) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == expected;
+}
+
+v1::UpAxis UpAxisOf(const std::string& name) {
+  if (name == "x") return v1::UP_AXIS_X;
+  if (name == "y") return v1::UP_AXIS_Y;
+  if (name == "z") return v1::UP_AXIS_Z;
+  return v1::UP_AXIS_UNSPECIFIED;
+}
+
+}  // namespace
+
+void AddSourceOptions(CLI::App& command, SourceOptions& options) {
+  command
+      .add_option("--skeleton", options.skeleton,
+                  "ASF skeleton of AMC files; else the ASF beside each whose name begins the AMC's")
+      ->type_name("FILE.asf");
+  command
+      .add_option("--metres-per-unit", options.metres_per_unit,
+                  "Metres in one unit of length of the file; else as stated or deduced")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--up-axis", options.up_axis, "Axis that points up; else as stated or deduced")
+      ->type_name("x|y|z")
+      ->check(CLI::IsMember({"x", "y", "z"}));
+  command
+      .add_option("--frame-rate", options.frame_rate_hz,
+                  "Frame rate of files that state none (AMC: 120)")
+      ->type_name("HZ")
+      ->check(CLI::PositiveNumber);
+  command
+      .add_option("--leg-length", options.leg_length_m,
+                  "The subject's leg length; else measured or estimated")
+      ->type_name("M")
+      ->check(CLI::PositiveNumber);
+}
+
+v1::SourceConventions Conventions(const SourceOptions& options) {
+  v1::SourceConventions conventions;
+  conventions.set_metres_per_unit(options.metres_per_unit);
+  conventions.set_up_axis(UpAxisOf(options.up_axis));
+  conventions.set_frame_rate_hz(options.frame_rate_hz);
+  conventions.set_leg_length_m(options.leg_length_m);
+  return conventions;
+}
+
+bool NeedsSkeleton(const fs::path& file) { return HasExtension(file, ".amc"); }
+
+absl::StatusOr<fs::path> FindSkeletonBeside(const fs::path& amc) {
+  const fs::path folder = amc.has_parent_path() ? amc.parent_path() : fs::path(".");
+  const std::string name = amc.stem().string();
+  fs::path best;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const fs::path& candidate = entry->path();
+    const std::string stem = candidate.stem().string();
+    if (!HasExtension(candidate, ".asf") || name.rfind(stem, 0) != 0) continue;
+    if (best.empty() || stem.size() > best.stem().string().size()) best = candidate;
+  }
+  if (best.empty()) {
+    return absl::NotFoundError(fmt::format(
+        "{}: no ASF file beside it has a name that begins \"{}\"; name its skeleton with "
+        "--skeleton",
+        amc.string(), name));
+  }
+  return best;
+}
+
+absl::StatusOr<fs::path> SkeletonFor(const fs::path& file, const fs::path& given) {
+  if (!NeedsSkeleton(file)) return fs::path();
+  if (!given.empty()) return given;
+  return FindSkeletonBeside(file);
+}
+
+absl::StatusOr<std::string> ReadFileBytes(const fs::path& path) {
+  std::error_code error;
+  if (!fs::exists(path, error)) {
+    return absl::NotFoundError(fmt::format("{}: no such file", path.string()));
+  }
+  if (fs::is_directory(path, error)) {
+    return absl::InvalidArgumentError(fmt::format("{}: is a folder, not a file", path.string()));
+  }
+  std::ifstream file(path, std::ios::binary);
+  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  if (!file) return absl::UnknownError(fmt::format("{}: cannot be read", path.string()));
+  return bytes;
+}
+
+absl::StatusOr<v1::Observation> ObservationFromFile(const fs::path& file,
+                                                    const SourceOptions& options) {
+  auto bytes = ReadFileBytes(file);
+  if (!bytes.ok()) return bytes.status();
+  const auto skeleton = SkeletonFor(file, options.skeleton);
+  if (!skeleton.ok()) return skeleton.status();
+  v1::Observation observation;
+  v1::FileObservation& sent = *observation.mutable_file();
+  sent.set_file_name(file.filename().string());
+  sent.set_data(*std::move(bytes));
+  *sent.mutable_conventions() = Conventions(options);
+  if (!skeleton->empty()) {
+    auto skeleton_bytes = ReadFileBytes(*skeleton);
+    if (!skeleton_bytes.ok()) return skeleton_bytes.status();
+    sent.set_skeleton_file_name(skeleton->filename().string());
+    sent.set_skeleton_data(*std::move(skeleton_bytes));
+  }
+  return observation;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,103 @@
+// motiondb operations list|wait|cancel: long work on the server.
+#include <fmt/format.h>
+#include <motiondb/v1/operation.pb.h>
+
+#include "client/cli/command.h"
+#include "client/cli/database_text.h"
+#include "client/cli/json_output.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/resource_name.h"
+
+namespace motiondb::client {
+namespace {
+
+struct OperationsListOptions {
+  std::string database;
+};
+
+struct OperationOptions {
+  std::string operation;
+};
+
+void DeclareList(CLI::App& command, OperationsListOptions& options) {
+  command.add_option("DB", options.database, "Only those of this database; else all");
+}
+
+void DeclareOperation(CLI::App& command, OperationOptions& options) {
+  command.add_option("OPERATION", options.operation, "As `motiondb operations list` names it")
+      ->required();
+}
+
+// An error's details are of types that JSON output does not know; its message says the same.
+v1::Operation Printable(v1::Operation operation) {
+  if (operation.has_error()) operation.mutable_error()->clear_details();
+  return operation;
+}
+
+absl::Status RunList(const OperationsListOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::ListOperationsRequest request;
+  if (!options.database.empty()) request.set_database(DatabaseName(options.database));
+  const auto operations = client->AllOperations(request);
+  if (!operations.ok()) return operations.status();
+  if (global.json) {
+    for (const v1::Operation& operation : *operations) PrintJson(Printable(operation));
+  } else {
+    fmt::print("{}", OperationsText(*operations));
+  }
+  return absl::OkStatus();
+}
+
+// Prints how an operation stands, as `Response`, which carries it.
+template <typename Response>
+void Print(const v1::Operation& operation, bool json) {
+  if (json) {
+    Response response;
+    *response.mutable_operation() = Printable(operation);
+    PrintJson(response);
+  } else {
+    fmt::print("{}", OperationsText({operation}));
+  }
+}
+
+absl::Status RunWait(const OperationOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  ProgressBar bar;
+  const auto done = client->WaitOperation(
+      OperationName(options.operation),
+      [&](const v1::Operation& now) { bar.Show(now.progress(), now.stage()); });
+  bar.Clear();
+  if (!done.ok()) return done.status();
+  Print<v1::WaitOperationResponse>(*done, global.json);
+  return OperationStatus(*done);
+}
+
+absl::Status RunCancel(const OperationOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::CancelOperationRequest request;
+  request.set_name(OperationName(options.operation));
+  const auto response = client->CancelOperation(request);
+  if (!response.ok()) return response.status();
+  Print<v1::CancelOperationResponse>(response->operation(), global.json);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddOperationsCommand(CommandLine line) {
+  CLI::App* operations = line.app.add_subcommand("operations", "List, await or cancel long work");
+  operations->fallthrough();
+  operations->require_subcommand(1);
+  const CommandLine inner{*operations, line.global, line.chosen};
+  AddCommand<OperationsListOptions>(inner, "list", "List operations, newest first", DeclareList,
+                                    RunList);
+  AddCommand<OperationOptions>(inner, "wait", "Wait until an operation is done; fails if it failed",
+                               DeclareOperation, RunWait);
+  AddCommand<OperationOptions>(inner, "cancel", "Ask an operation to stop", DeclareOperation,
+                               RunCancel);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,48 @@
+#include "client/cli/progress_bar.h"
+
+#include <fmt/format.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+namespace motiondb::client {
+namespace {
+
+constexpr int kBarCells = 24;
+
+int TerminalColumns() {
+  winsize size{};
+  return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;
+}
+
+}  // namespace
+
+std::string ProgressLine(double fraction, const std::string& doing, int columns) {
+  const double shown = std::clamp(fraction, 0.0, 1.0);
+  const int filled = static_cast<int>(shown * kBarCells);
+  const std::string line = fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
+                                       std::string(kBarCells - filled, '.'), shown * 100, doing);
+  return line.substr(0, static_cast<size_t>(std::max(columns - 1, 0)));
+}
+
+ProgressBar::ProgressBar() : enabled_(isatty(STDERR_FILENO) == 1) {}
+
+ProgressBar::~ProgressBar() { Clear(); }
+
+void ProgressBar::Show(double fraction, const std::string& doing) {
+  if (!enabled_) return;
+  fmt::print(stderr, "\r\033[K{}", ProgressLine(fraction, doing, TerminalColumns()));
+  std::fflush(stderr);
+  shown_ = true;
+}
+
+void ProgressBar::Clear() {
+  if (!shown_) return;
+  fmt::print(stderr, "\r\033[K");
+  std::fflush(stderr);
+  shown_ = false;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,36 @@
+#include "client/cli/rebuild.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/model.pb.h>
+#include <motiondb/v1/operation.pb.h>
+
+#include "client/cli/progress_bar.h"
+
+namespace motiondb::client {
+
+absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation) {
+  ProgressBar bar;
+  auto done = client.WaitOperation(operation, [&](const v1::Operation& now) {
+    bar.Show(now.progress(), "model: " + (now.stage().empty() ? "waiting" : now.stage()));
+  });
+  if (!done.ok()) return done.status();
+  if (const absl::Status status = OperationStatus(*done); !status.ok()) {
+    return absl::Status(status.code(), fmt::format("the new model was not built: {}",
+                                                   std::string(status.message())));
+  }
+  return done;
+}
+
+absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operation& operation) {
+  if (operation.model().empty()) return std::string("no clip is left, so there is no model now");
+  v1::GetModelRequest request;
+  request.set_name(operation.model());
+  const auto response = client.GetModel(request);
+  if (!response.ok()) return response.status();
+  const v1::Model& model = response->model();
+  return fmt::format("model {}: {} clips, {} frames, {} layers, built in {:.2f} s", model.version(),
+                     model.clip_count(), model.frame_count(), model.nodes_per_layer_size(),
+                     model.build_seconds());
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,17 @@
+// Waiting for the model that an ingest or a deletion asked for.
+#pragma once
+
+#include <motiondb/client.h>
+
+#include <string>
+
+namespace motiondb::client {
+
+// Waits for the operation with a progress bar. The operation as it ended, or the error that it or
+// the call ended with.
+absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation);
+
+// "model 3: 19 clips, 6552 frames, built in 4.21 s", or that no clip is left for a model.
+absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operation& operation);
+
+}  // namespace motiondb::client

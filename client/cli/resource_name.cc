@@ -1,0 +1,23 @@
+#include "client/cli/resource_name.h"
+
+namespace motiondb::client {
+namespace {
+
+std::string InCollection(const std::string& collection, const std::string& given) {
+  return given.rfind(collection, 0) == 0 ? given : collection + given;
+}
+
+}  // namespace
+
+std::string DatabaseName(const std::string& given) { return InCollection("databases/", given); }
+
+std::string ClipName(const std::string& database, const std::string& given) {
+  if (given.rfind("databases/", 0) == 0) return given;
+  return DatabaseName(database) + "/clips/" + given;
+}
+
+std::string OperationName(const std::string& given) { return InCollection("operations/", given); }
+
+std::string ShortName(const std::string& name) { return name.substr(name.rfind('/') + 1); }
+
+}  // namespace motiondb::client

@@ -1,0 +1,56 @@
+#include "client/cli/table.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace motiondb::client {
+namespace {
+
+std::string Line(const std::vector<Table::Column>& columns, const std::vector<size_t>& widths,
+                 const std::vector<std::string>& cells) {
+  std::string line;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) line += "  ";
+    const std::string space(widths[i] - DisplayWidth(cells[i]), ' ');
+    line += columns[i].align == Align::kLeft ? cells[i] + space : space + cells[i];
+  }
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+}  // namespace
+
+size_t DisplayWidth(const std::string& text) {
+  return static_cast<size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+}
+
+std::string PadRight(const std::string& text, size_t width) {
+  const size_t shown = DisplayWidth(text);
+  return shown < width ? text + std::string(width - shown, ' ') : text;
+}
+
+Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+void Table::AddRow(std::vector<std::string> cells) {
+  cells.resize(columns_.size());
+  rows_.push_back(std::move(cells));
+}
+
+std::string Table::ToString() const {
+  std::vector<std::string> titles;
+  std::vector<size_t> widths;
+  for (const Column& column : columns_) {
+    titles.push_back(column.title);
+    widths.push_back(DisplayWidth(column.title));
+  }
+  const bool titled = std::any_of(widths.begin(), widths.end(), [](size_t w) { return w > 0; });
+  for (const auto& row : rows_) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], DisplayWidth(row[i]));
+  }
+  std::string text = titled ? Line(columns_, widths, titles) : "";
+  for (const auto& row : rows_) text += Line(columns_, widths, row);
+  return text;
+}
+
+}  // namespace motiondb::client

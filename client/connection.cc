@@ -1,0 +1,80 @@
+#include "client/connection.h"
+
+#include <fmt/format.h>
+
+#include "client/grpc_status.h"
+
+namespace motiondb::client {
+namespace {
+
+std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(options.max_receive_bytes);
+  arguments.SetMaxSendMessageSize(options.max_send_bytes);
+  // A motiondb server is on one's own network: a proxy for the web is not the way to it.
+  arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
+  // Try again soon, so that a server that is just starting is found within connect_timeout.
+  arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
+  arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
+  return grpc::CreateCustomChannel(
+      options.server,
+      options.credentials ? options.credentials : grpc::InsecureChannelCredentials(), arguments);
+}
+
+double Seconds(std::chrono::milliseconds time) {
+  return std::chrono::duration<double>(time).count();
+}
+
+}  // namespace
+
+Client::Connection::Connection(ClientOptions options)
+    : options_(std::move(options)),
+      channel_(OpenChannel(options_)),
+      databases(v1::DatabaseService::NewStub(channel_)),
+      clips(v1::ClipService::NewStub(channel_)),
+      models(v1::ModelService::NewStub(channel_)),
+      queries(v1::QueryService::NewStub(channel_)),
+      operations(v1::OperationService::NewStub(channel_)) {}
+
+absl::Status Client::Connection::WaitUntilConnected() const {
+  if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {
+    return absl::OkStatus();
+  }
+  return absl::UnavailableError(fmt::format(
+      "no motiondb server answered at {} within {:g} s: start one with `motiondbd --listen {}`, or "
+      "give the address of one that runs",
+      options_.server, Seconds(options_.connect_timeout), options_.server));
+}
+
+std::chrono::milliseconds Client::Connection::TimeoutOf(const CallOptions& options) const {
+  return options.timeout.value_or(options_.call_timeout);
+}
+
+void Client::Connection::Prepare(grpc::ClientContext& context, const CallOptions& options) const {
+  const auto timeout = TimeoutOf(options);
+  // Later than a year is as good as never, and cannot overflow the clock.
+  if (timeout > std::chrono::hours(24 * 365)) return;
+  context.set_deadline(std::chrono::system_clock::now() + timeout);
+}
+
+absl::Status Client::Connection::Finish(const grpc::Status& status,
+                                        const CallOptions& options) const {
+  absl::Status result = FromGrpc(status);
+  if (result.code() == absl::StatusCode::kUnavailable) {
+    return absl::UnavailableError(fmt::format(
+        "the motiondb server at {} is not available ({}): see that motiondbd runs there, "
+        "or give the address of another",
+        options_.server, status.error_message()));
+  }
+  // gRPC's own words for a deadline that passed here; a server that ran out of time says more.
+  if (result.code() == absl::StatusCode::kDeadlineExceeded &&
+      status.error_message() == "Deadline Exceeded") {
+    return absl::DeadlineExceededError(
+        fmt::format("no answer from the motiondb server at {} within "
+                    "{:g} s",
+                    options_.server, Seconds(TimeoutOf(options))));
+  }
+  return result;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,42 @@
+// How a client reaches its server, and how long it waits. Plain values: copy them freely.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace grpc {
+class ChannelCredentials;
+}
+
+namespace motiondb::client {
+
+// As a time to wait: no limit.
+inline constexpr std::chrono::milliseconds kNoTimeout = std::chrono::milliseconds::max();
+
+struct ClientOptions {
+  // Address of the server, HOST:PORT.
+  std::string server = "127.0.0.1:50051";
+  // How long Client::Connect tries. A server that is just starting is reached within it.
+  std::chrono::milliseconds connect_timeout{2000};
+  // How long a call may take where its CallOptions do not say.
+  std::chrono::milliseconds call_timeout{60'000};
+  // Largest message taken from the server. Files, states and nodes come in blocks far below it; a
+  // recognition that ranks many clips in many windows is what grows.
+  int max_receive_bytes = 64 << 20;
+  // Largest message sent: an observation carries its file whole.
+  int max_send_bytes = 64 << 20;
+  // How the connection is secured and who the caller is; any gRPC credentials will do. Null means
+  // plain text.
+  std::shared_ptr<grpc::ChannelCredentials> credentials;
+};
+
+// What one call does differently.
+struct CallOptions {
+  // How long the call may take, or kNoTimeout. Absent: ClientOptions::call_timeout, except where a
+  // function says otherwise.
+  std::optional<std::chrono::milliseconds> timeout;
+};
+
+}  // namespace motiondb::client

@@ -1,0 +1,76 @@
+// The generated messages of the wire contract, declared but not defined, so that
+// <motiondb/client.h> stays cheap to include. A program that makes or reads a message includes its
+// header, for example <motiondb/v1/query.pb.h>.
+#pragma once
+
+namespace motiondb::v1 {
+
+// database.proto
+class CreateDatabaseRequest;
+class CreateDatabaseResponse;
+class Database;
+class DeleteDatabaseRequest;
+class DeleteDatabaseResponse;
+class DescribeDatabaseRequest;
+class DescribeDatabaseResponse;
+class GetDatabaseRequest;
+class GetDatabaseResponse;
+class ListDatabasesRequest;
+class ListDatabasesResponse;
+
+// clip.proto
+class Clip;
+class DeleteClipRequest;
+class DeleteClipResponse;
+class ExportClipHeader;
+class ExportClipRequest;
+class ExportClipResponse;
+class GetClipRequest;
+class GetClipResponse;
+class GetSkeletonRequest;
+class GetSkeletonResponse;
+class IngestClipHeader;
+class IngestClipResponse;
+class ListClipsRequest;
+class ListClipsResponse;
+class ListSkeletonsRequest;
+class ListSkeletonsResponse;
+class Skeleton;
+
+// model.proto
+class GetModelRequest;
+class GetModelResponse;
+class ListModelsRequest;
+class ListModelsResponse;
+class ListNodesRequest;
+class ListNodesResponse;
+class ListTransitionsRequest;
+class ListTransitionsResponse;
+class Model;
+class Node;
+class ReadStatesRequest;
+class ReadStatesResponse;
+class Transition;
+
+// operation.proto
+class CancelOperationRequest;
+class CancelOperationResponse;
+class GetOperationRequest;
+class GetOperationResponse;
+class ListOperationsRequest;
+class ListOperationsResponse;
+class Operation;
+class WaitOperationRequest;
+class WaitOperationResponse;
+
+// query.proto
+class EstimateRequest;
+class EstimateResponse;
+class PredictRequest;
+class PredictResponse;
+class PredictSeriesRequest;
+class PredictSeriesResponse;
+class RecognizeRequest;
+class RecognizeResponse;
+
+}  // namespace motiondb::v1

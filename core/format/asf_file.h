@@ -1,0 +1,48 @@
+// The contents of an ASF (Acclaim skeleton) file, in the file's own units and words.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+
+namespace motiondb::core {
+
+// One value that a bone takes in each frame of an AMC file.
+struct AsfChannel {
+  enum class Kind { kTranslation, kRotation, kStretch };
+  Kind kind = Kind::kRotation;
+  int axis = 0;  // 0 x, 1 y, 2 z; means nothing for kStretch
+  double lower = -std::numeric_limits<double>::infinity();  // in the file's units
+  double upper = std::numeric_limits<double>::infinity();
+};
+
+// A bone, or the root, whose direction and length are zero.
+struct AsfBone {
+  std::string name;                                     // UTF-8
+  int parent = -1;                                      // index into AsfFile::bones
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit length, from its start to its tip
+  double length = 0;
+  Eigen::Vector3d axis_angles =
+      Eigen::Vector3d::Zero();  // about axis_order's axes, first applied first
+  std::array<int, 3> axis_order = {0, 1, 2};
+  std::vector<AsfChannel> channels;  // in the order in which an AMC lists their values
+};
+
+struct AsfFile {
+  std::string name;
+  std::optional<double> length_unit;  // `length` of :units
+  bool degrees = true;                // `angle` of :units
+  Eigen::Vector3d root_position = Eigen::Vector3d::Zero();
+  std::vector<AsfBone> bones;  // the root first, a parent before its children
+};
+
+// Unknown sections are skipped. Errors: see ReadMotionFile.
+absl::StatusOr<AsfFile> ReadAsf(SourceFile file);
+
+}  // namespace motiondb::core

@@ -1,0 +1,230 @@
+#include "core/format/bvh_reader.h"
+
+#include <algorithm>
+#include <limits>
+#include <memory>
+
+#include "core/format/bvh_hierarchy.h"
+#include "core/format/conventions.h"
+#include "core/format/frame_rate.h"
+#include "core/format/head_and_feet.h"
+#include "core/motion/forward_kinematics.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kCentimetre = 0.01;
+
+// Where the value of a channel goes: column = factor * value + bias.
+struct ChannelColumn {
+  int column;
+  double factor;
+  double bias;
+};
+
+// The channels of all joints in the file's order. A skeleton has a joint's translations before its
+// rotations; the file may have them in any order.
+std::vector<ChannelColumn> ChannelColumns(const std::vector<BvhJoint>& joints) {
+  std::vector<ChannelColumn> columns;
+  int first = 0;
+  for (const BvhJoint& joint : joints) {
+    int translation = first;
+    int rotation = first + static_cast<int>(std::count_if(
+                               joint.channels.begin(), joint.channels.end(),
+                               [](BvhChannel c) { return c.kind == Dof::Kind::kTranslation; }));
+    for (const BvhChannel& channel : joint.channels) {
+      if (channel.kind == Dof::Kind::kTranslation) {
+        columns.push_back({translation++, 1.0, -joint.offset[channel.axis]});
+      } else {
+        columns.push_back({rotation++, kRadiansPerDegree, 0.0});
+      }
+    }
+    first += static_cast<int>(joint.channels.size());
+  }
+  return columns;
+}
+
+std::vector<Dof> Dofs(const BvhJoint& joint, const Eigen::Matrix3d& axes) {
+  std::vector<Dof> dofs;
+  for (const Dof::Kind kind : {Dof::Kind::kTranslation, Dof::Kind::kRotation}) {
+    for (const BvhChannel& channel : joint.channels) {
+      if (channel.kind != kind) continue;
+      const Eigen::Vector3d unit = Eigen::Vector3d::Unit(channel.axis);
+      dofs.push_back({.kind = kind, .axis = unit});
+      if (kind == Dof::Kind::kTranslation) dofs.back().axis = axes * unit;
+    }
+  }
+  return dofs;
+}
+
+absl::StatusOr<Skeleton> BuildSkeleton(const std::vector<BvhJoint>& joints, double metres_per_unit,
+                                       const Eigen::Matrix3d& world_from_file) {
+  std::vector<Joint> built;
+  for (const BvhJoint& joint : joints) {
+    const bool root = joint.parent < 0;
+    const Eigen::Matrix3d axes = root ? world_from_file : Eigen::Matrix3d::Identity();
+    built.push_back({.name = joint.name,
+                     .parent = joint.parent,
+                     .offset_m = axes * joint.offset * metres_per_unit,
+                     .pre_rotation = axes,
+                     .dofs = Dofs(joint, axes)});
+  }
+  return Skeleton::Create(joints.front().name, std::move(built));
+}
+
+absl::Status ReadFrameTime(TextScanner& scanner, std::vector<std::string>& notes, double& rate_hz) {
+  std::string_view token = scanner.Token();
+  if (IsKeyword(token, "frame")) {
+    token = scanner.Token();
+    if (!IsKeyword(token, "time")) return scanner.Expected("'Frame Time:'", token);
+  } else if (!IsKeyword(token, "frametime")) {
+    return scanner.Expected("'Frame Time:'", token);
+  }
+  MOTIONDB_RETURN_IF_ERROR(scanner.ReadKeyword(":"));
+  double seconds = 0;
+  MOTIONDB_RETURN_IF_ERROR(scanner.ReadNumber("the frame time in seconds", seconds));
+  if (!(seconds > 0) || !IsFrameRate(1 / seconds)) {
+    return scanner.Error(
+        "expected a frame time above 0 s that is between 1e-5 and 1000 s, found {}", seconds);
+  }
+  rate_hz = SnapFrameRate(1 / seconds, notes);
+  return absl::OkStatus();
+}
+
+std::size_t CountNumbers(std::string_view line) {
+  TextScanner numbers({.name = "", .bytes = line});
+  std::size_t count = 0;
+  for (double value = 0; numbers.TryNumber(value);) ++count;
+  return count;
+}
+
+// How many numbers the first line of frames holds, if that may explain why they do not add up.
+std::string NumbersOnLine(std::string_view line, std::size_t expected) {
+  const std::size_t count = CountNumbers(line);
+  if (count == 0 || count == expected) return "";
+  return fmt::format(" (the first line of frames has {} numbers, the hierarchy {} channels)", count,
+                     expected);
+}
+
+// Nothing may follow the frames, but for one frame more, on a line as long as the others: some
+// writers count from 0.
+absl::Status ReadSurplus(TextScanner& scanner, int frames, std::string_view first_line,
+                         std::size_t width, std::vector<std::string>& notes) {
+  if (scanner.AtEnd()) return absl::OkStatus();
+  const std::string_view line = scanner.Line();
+  if (CountNumbers(line) == width && CountNumbers(first_line) == width && scanner.AtEnd()) {
+    notes.push_back(fmt::format("the file has a frame more than the {} it says, left out", frames));
+    return absl::OkStatus();
+  }
+  return scanner.Error("expected the file to end after {} frames, found '{}'{}", frames,
+                       Shown(line), NumbersOnLine(first_line, width));
+}
+
+absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
+                                       const std::vector<ChannelColumn>& columns,
+                                       std::vector<std::string>& notes) {
+  const std::size_t width = columns.size();
+  // A number takes two bytes at least: a digit and a space. Memory is taken for no more than that.
+  const std::size_t most = (scanner.bytes_left() + 1) / 2 / width;
+  const int held = static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(frames)));
+  JointMatrix values(held, static_cast<Eigen::Index>(width));
+  scanner.AtEnd();
+  const std::string_view first_line = scanner.PeekLine();
+  for (int frame = 0; frame < frames; ++frame) {
+    if (frame == held || scanner.AtEnd()) {
+      return scanner.Error("the file ends here (truncated?), expected {} frames, found {}{}",
+                           frames, frame, NumbersOnLine(first_line, width));
+    }
+    double* row = values.data() + frame * values.cols();
+    for (const ChannelColumn& column : columns) {
+      double value = 0;
+      if (!scanner.TryNumber(value)) {
+        return scanner.Expected(
+            fmt::format("number {} of {} of frame {} of {}{}", &column - columns.data() + 1, width,
+                        frame + 1, frames, NumbersOnLine(first_line, width)),
+            scanner.LastRead());
+      }
+      row[column.column] = column.factor * value + column.bias;
+    }
+  }
+  MOTIONDB_RETURN_IF_ERROR(ReadSurplus(scanner, frames, first_line, width, notes));
+  return values;
+}
+
+// Works out unit and up axis from the joints' positions in frames spread over the clip.
+absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointMatrix& values,
+                               const ReadOptions& options, SourceReport& report) {
+  constexpr Eigen::Index kSamples = 32;
+  MOTIONDB_ASSIGN_OR_RETURN(Skeleton unscaled,
+                            BuildSkeleton(joints, 1, Eigen::Matrix3d::Identity()));
+  const Eigen::Index count = std::min(kSamples, values.rows());
+  JointMotion sample{.skeleton = std::make_shared<const Skeleton>(std::move(unscaled)),
+                     .frame_rate_hz = 1,
+                     .angles = JointMatrix(count, values.cols())};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    sample.angles.row(i) = values.row(i * values.rows() / count);
+  }
+  const FrameMatrix positions = JointPositions(sample);
+  std::vector<std::string> names;
+  for (const BvhJoint& joint : joints) names.push_back(joint.name);
+
+  const std::optional<double> stature = StatureAlongBones(*sample.skeleton, positions);
+  DecideUnit({.given = options.metres_per_unit,
+              .stated = {},
+              .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
+              .custom = kCentimetre},
+             report);
+  DecideUpAxis({.given = options.up_axis,
+                .stated = {},
+                .deduced = DeduceUpAxis(names, positions),
+                .custom = UpAxis::kY},
+               report);
+  if (report.unit_provenance == Provenance::kAssumed) {
+    report.notes.push_back(
+        stature ? fmt::format("a stature of {:.4g} units fits no known unit: cm assumed", *stature)
+                : "no head and feet among the joints' names: cm assumed");
+  }
+  return absl::OkStatus();
+}
+
+// From the file's unit to metres; rotations stay.
+void ScaleTranslations(const Skeleton& skeleton, double metres_per_unit, JointMatrix& values) {
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    int column = skeleton.first_dof(j);
+    for (const Dof& dof : skeleton.joints()[j].dofs) {
+      if (dof.kind == Dof::Kind::kTranslation) values.col(column) *= metres_per_unit;
+      ++column;
+    }
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<MotionFile> ReadBvh(SourceFile file, const ReadOptions& options) {
+  TextScanner scanner(file, kBvhPunctuation);
+  MotionFile read;
+  SourceReport& report = read.report;
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<BvhJoint> joints,
+                            ReadBvhHierarchy(scanner, report.notes));
+  int frames = 0;
+  double rate_hz = 0;
+  MOTIONDB_RETURN_IF_ERROR(scanner.ReadKeyword("frames"));
+  MOTIONDB_RETURN_IF_ERROR(scanner.ReadKeyword(":"));
+  MOTIONDB_RETURN_IF_ERROR(
+      scanner.ReadInteger("the number of frames", 1, std::numeric_limits<int>::max(), frames));
+  MOTIONDB_RETURN_IF_ERROR(ReadFrameTime(scanner, report.notes, rate_hz));
+  MOTIONDB_ASSIGN_OR_RETURN(JointMatrix values,
+                            ReadFrames(scanner, frames, ChannelColumns(joints), report.notes));
+  if (auto note = NoteOnFileEnd(scanner)) report.notes.push_back(*std::move(note));
+
+  MOTIONDB_RETURN_IF_ERROR(DecideConventions(joints, values, options, report));
+  MOTIONDB_ASSIGN_OR_RETURN(Skeleton skeleton, BuildSkeleton(joints, report.metres_per_unit,
+                                                             WorldFromFile(report.up_axis)));
+  ScaleTranslations(skeleton, report.metres_per_unit, values);
+  read.motion = JointMotion{.skeleton = std::make_shared<const Skeleton>(std::move(skeleton)),
+                            .frame_rate_hz = options.frame_rate_hz.value_or(rate_hz),
+                            .angles = std::move(values)};
+  return read;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,244 @@
+#include "core/format/c3d_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/format/c3d_bytes.h"
+#include "core/format/c3d_labels.h"
+#include "core/format/c3d_parameters.h"
+#include "core/format/conventions.h"
+#include "core/format/frame_rate.h"
+#include "core/format/head_and_feet.h"
+#include "core/format/text_scanner.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kLargestCoordinate = 1e18;  // as in text files
+
+// Byte offsets in the header of a file.
+constexpr std::size_t kParameterBlockAt = 0;
+constexpr std::size_t kKeyAt = 1;
+constexpr std::size_t kPointCountAt = 2;
+constexpr std::size_t kAnalogCountAt = 4;
+constexpr std::size_t kFirstFrameAt = 6;
+constexpr std::size_t kLastFrameAt = 8;
+constexpr std::size_t kScaleAt = 12;
+constexpr std::size_t kDataBlockAt = 16;
+constexpr std::size_t kRateAt = 20;
+
+// Where the points are in the file, and how they are written.
+struct PointLayout {
+  std::size_t data = 0;          // offset of the first frame
+  std::size_t frame_stride = 0;  // bytes
+  Eigen::Index frames = 0;
+  int first_frame = 1;
+  int points = 0;
+  bool real = false;
+  double scale = 1;  // of whole numbers
+  double rate_hz = 0;
+};
+
+struct ParameterSection {
+  std::size_t start = 0;
+  std::size_t end = 0;
+  C3dProcessor processor = C3dProcessor::kIntel;
+};
+
+absl::StatusOr<ParameterSection> FindParameters(SourceFile file) {
+  const C3dBytes bytes(file, C3dProcessor::kIntel);  // single bytes are the same everywhere
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(0, kC3dBlock, "header"));
+  constexpr int kKey = 0x50;
+  if (bytes.Byte(kKeyAt) != kKey) {
+    return bytes.Error(kKeyAt, "expected the key of C3D files (80), found {}", bytes.Byte(kKeyAt));
+  }
+  const std::size_t block = bytes.Byte(kParameterBlockAt);
+  if (block < 2) {
+    return bytes.Error(kParameterBlockAt, "expected the parameters' block (2 or more), found {}",
+                       block);
+  }
+  ParameterSection section{.start = (block - 1) * kC3dBlock};
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(section.start, kC3dBlock, "parameters"));
+  const std::size_t blocks = std::max<std::size_t>(1, bytes.Byte(section.start + 2));
+  section.end = section.start + blocks * kC3dBlock;
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(section.start, blocks * kC3dBlock, "parameters"));
+  const int processor = bytes.Byte(section.start + 3);
+  if (processor < 84 || processor > 86) {
+    return bytes.Error(section.start + 3,
+                       "expected a processor of 84 (Intel), 85 (DEC) or 86 (MIPS), found {}",
+                       processor);
+  }
+  section.processor = static_cast<C3dProcessor>(processor);
+  return section;
+}
+
+// A whole number that TRIAL keeps in two words.
+std::optional<double> LongWord(const C3dParameters& parameters, const std::string& name) {
+  const auto low = parameters.Number("TRIAL", name, 0);
+  const auto high = parameters.Number("TRIAL", name, 1);
+  if (!low || !high) return std::nullopt;
+  return *low + 65536 * *high;
+}
+
+// The header counts frames in words of 16 bits; parameters tell the rest of a longer recording.
+double FrameCount(const C3dBytes& bytes, const C3dParameters& parameters) {
+  constexpr int kFull = 65535;
+  const int first = bytes.Word(kFirstFrameAt);
+  const int last = bytes.Word(kLastFrameAt);
+  const std::optional<double> frames = parameters.Number("POINT", "FRAMES");
+  if (last < kFull && last >= first && frames != kFull) return last - first + 1;
+  const auto start = LongWord(parameters, "ACTUAL_START_FIELD");
+  const auto end = LongWord(parameters, "ACTUAL_END_FIELD");
+  if (start && end && *end >= *start) return *end - *start + 1;
+  if (const auto long_frames = parameters.Number("POINT", "LONG_FRAMES")) return *long_frames;
+  return frames.value_or(last - first + 1);
+}
+
+absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameters& parameters) {
+  PointLayout layout;
+  layout.points = bytes.Word(kPointCountAt);
+  if (layout.points == 0) {
+    return bytes.Error(kPointCountAt, "expected at least one point, found 0");
+  }
+  const double used = parameters.Number("POINT", "USED").value_or(layout.points);
+  if (used != layout.points) {
+    return bytes.Error(kPointCountAt, "expected {} points, as POINT:USED says, found {}", used,
+                       layout.points);
+  }
+  layout.first_frame = bytes.Word(kFirstFrameAt);
+  const double frames = FrameCount(bytes, parameters);
+  if (!(frames >= 1 && frames <= std::numeric_limits<int>::max())) {
+    return bytes.Error(kFirstFrameAt, "expected at least one frame, found {}", frames);
+  }
+  layout.frames = static_cast<Eigen::Index>(frames);
+
+  layout.scale = parameters.Number("POINT", "SCALE").value_or(bytes.Real(kScaleAt));
+  if (!(std::abs(layout.scale) > 0 && std::abs(layout.scale) < 1e9)) {
+    return bytes.Error(kScaleAt, "expected a scale that is finite and not 0, found {}",
+                       layout.scale);
+  }
+  layout.real = layout.scale < 0;
+  layout.rate_hz = parameters.Number("POINT", "RATE").value_or(bytes.Real(kRateAt));
+  if (!IsFrameRate(layout.rate_hz)) {
+    return bytes.Error(kRateAt, "expected a frame rate from 0.001 to 100000 Hz, found {}",
+                       layout.rate_hz);
+  }
+  const std::size_t block = bytes.Word(kDataBlockAt);
+  if (block < 2) {
+    return bytes.Error(kDataBlockAt, "expected the data's block (2 or more), found {}", block);
+  }
+  layout.data = (block - 1) * kC3dBlock;
+  const std::size_t analog = bytes.Word(kAnalogCountAt);
+  layout.frame_stride =
+      (4 * static_cast<std::size_t>(layout.points) + analog) * (layout.real ? 4 : 2);
+  MOTIONDB_RETURN_IF_ERROR(
+      bytes.Require(layout.data, static_cast<std::size_t>(layout.frames) * layout.frame_stride,
+                    fmt::format("{} frames", layout.frames)));
+  return layout;
+}
+
+// One point: x, y, z and a word that is negative where the point is invalid. False if a coordinate
+// is infinite or absurd.
+bool ReadPoint(const C3dBytes& bytes, const PointLayout& layout, std::size_t offset,
+               float* position) {
+  double xyz[3];
+  bool invalid = false;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    xyz[axis] = layout.real ? bytes.Real(offset + 4 * axis)
+                            : layout.scale * bytes.SignedWord(offset + 2 * axis);
+    invalid |= std::isnan(xyz[axis]);
+  }
+  invalid |= layout.real ? bytes.Real(offset + 12) < 0 : bytes.SignedWord(offset + 6) < 0;
+  invalid |= xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!invalid && !(std::abs(xyz[axis]) <= kLargestCoordinate)) return false;
+    position[axis] =
+        invalid ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(xyz[axis]);
+  }
+  return true;
+}
+
+absl::StatusOr<FrameMatrix> ReadPoints(const C3dBytes& bytes, const PointLayout& layout,
+                                       const std::vector<C3dMarker>& markers) {
+  const std::size_t point_size = layout.real ? 16 : 8;
+  FrameMatrix positions(layout.frames, 3 * static_cast<Eigen::Index>(markers.size()));
+  float* position = positions.data();
+  for (Eigen::Index frame = 0; frame < layout.frames; ++frame) {
+    const std::size_t start = layout.data + static_cast<std::size_t>(frame) * layout.frame_stride;
+    for (const C3dMarker& marker : markers) {
+      const std::size_t offset = start + marker.point * point_size;
+      if (!ReadPoint(bytes, layout, offset, position)) {
+        return bytes.Error(offset, "expected a finite position of '{}' in frame {}", marker.name,
+                           layout.first_frame + frame);
+      }
+      position += 3;
+    }
+  }
+  return positions;
+}
+
+std::optional<UpAxis> StatedUpAxis(const C3dParameters& parameters) {
+  const std::vector<std::string_view> axis = parameters.Strings("POINT", "Y_SCREEN");
+  if (axis.empty()) return std::nullopt;
+  if (IsKeyword(axis[0], "+x")) return UpAxis::kX;
+  if (IsKeyword(axis[0], "+y")) return UpAxis::kY;
+  if (IsKeyword(axis[0], "+z")) return UpAxis::kZ;
+  if (IsKeyword(axis[0], "-x")) return UpAxis::kMinusX;
+  if (IsKeyword(axis[0], "-y")) return UpAxis::kMinusY;
+  if (IsKeyword(axis[0], "-z")) return UpAxis::kMinusZ;
+  return std::nullopt;
+}
+
+void DecideConventions(const C3dParameters& parameters, const std::vector<std::string>& names,
+                       const FrameMatrix& positions, const ReadOptions& options,
+                       SourceReport& report) {
+  constexpr double kMillimetre = 0.001;
+  const std::vector<std::string_view> unit = parameters.Strings("POINT", "UNITS");
+  const std::optional<double> stature = StatureOfPoints(names, positions);
+  DecideUnit({.given = options.metres_per_unit,
+              .stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]),
+              .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
+              .custom = kMillimetre},
+             report);
+  DecideUpAxis({.given = options.up_axis,
+                .stated = StatedUpAxis(parameters),
+                .deduced = DeduceUpAxis(names, positions),
+                .custom = UpAxis::kZ},
+               report);
+}
+
+}  // namespace
+
+absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ParameterSection section, FindParameters(file));
+  const C3dBytes bytes(file, section.processor);
+  // The count of blocks is wrong in some files: what lies before the data is parameters too.
+  const std::size_t data = bytes.Word(kDataBlockAt) * kC3dBlock;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const C3dParameters parameters,
+      C3dParameters::Read(bytes, section.start,
+                          std::max(section.end, std::max(data, kC3dBlock) - kC3dBlock)));
+  MOTIONDB_ASSIGN_OR_RETURN(const PointLayout layout, ReadLayout(bytes, parameters));
+  MotionFile read;
+  SourceReport& report = read.report;
+  const std::vector<C3dMarker> markers = C3dMarkers(parameters, layout.points, report.notes);
+  if (markers.empty()) {
+    return bytes.Error(kPointCountAt, "expected at least one marker, found computed points only");
+  }
+  if (layout.first_frame != 1) {
+    report.notes.push_back(fmt::format("frames start at {}", layout.first_frame));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(FrameMatrix positions, ReadPoints(bytes, layout, markers));
+  std::vector<std::string> names;
+  for (const C3dMarker& marker : markers) names.push_back(marker.name);
+  DecideConventions(parameters, names, positions, options, report);
+  ToWorld(report, positions);
+  read.motion = MarkerMotion{.names = std::move(names),
+                             .frame_rate_hz = options.frame_rate_hz.value_or(layout.rate_hz),
+                             .positions_m = std::move(positions)};
+  return read;
+}
+
+}  // namespace motiondb::core

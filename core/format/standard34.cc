@@ -1,0 +1,286 @@
+// The default marker set, written in its own file format (README.md). Every marker is a joint, a point
+// between joints or one just past them, so that skeletons, joint positions and optical markers all have
+// it. Weights below were set so that one motion told by different sources gives the same markers.
+#include "core/format/marker_set_file.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr std::string_view kText = R"(motiondb-marker-set 1
+name standard34
+marker Pelvis
+marker LHip
+marker RHip
+marker LKnee
+marker RKnee
+marker LAnkle
+marker RAnkle
+marker LHeel
+marker RHeel
+marker LToe
+marker RToe
+marker LThigh
+marker RThigh
+marker LShin
+marker RShin
+marker Waist
+marker Spine
+marker Neck
+marker Head
+marker HeadTop
+marker LClavicle
+marker RClavicle
+marker LShoulder
+marker RShoulder
+marker LUpperArm
+marker RUpperArm
+marker LElbow
+marker RElbow
+marker LForearm
+marker RForearm
+marker LWrist
+marker RWrist
+marker LHand
+marker RHand
+hips LHip RHip
+leg LHip LKnee LAnkle
+leg RHip RKnee RAnkle
+
+# Unless a mapping says otherwise:
+Pelvis = 0.5 LHip + 0.5 RHip
+LThigh = 0.5 LHip + 0.5 LKnee
+LShin = 0.5 LKnee + 0.5 LAnkle
+LHeel = 1.37 LAnkle + -0.12 LKnee + -0.25 LToe
+LClavicle = 0.5 Neck + 0.5 LShoulder
+LUpperArm = 0.5 LShoulder + 0.5 LElbow
+LForearm = 0.5 LElbow + 0.5 LWrist
+RThigh = 0.5 RHip + 0.5 RKnee
+RShin = 0.5 RKnee + 0.5 RAnkle
+RHeel = 1.37 RAnkle + -0.12 RKnee + -0.25 RToe
+RClavicle = 0.5 Neck + 0.5 RShoulder
+RUpperArm = 0.5 RShoulder + 0.5 RElbow
+RForearm = 0.5 RElbow + 0.5 RWrist
+
+# Acclaim skeletons of the CMU and HDM05 collections. A joint is where its bone begins.
+mapping acclaim
+signature lfemur rfemur ltibia rtibia lfoot rfoot ltoes rtoes upperback thorax lowerneck head head_end
+signature lhumerus rhumerus lradius rradius lhand rhand lfingers rfingers
+Waist = upperback
+Spine = thorax
+Neck = lowerneck
+Head = head
+HeadTop = head_end
+LHip = lfemur
+LKnee = ltibia
+LAnkle = lfoot
+LToe = ltoes
+LShoulder = lhumerus
+LElbow = lradius
+LWrist = lhand
+LHand = lfingers
+RHip = rfemur
+RKnee = rtibia
+RAnkle = rfoot
+RToe = rtoes
+RShoulder = rhumerus
+RElbow = rradius
+RWrist = rhand
+RHand = rfingers
+
+# BVH conversions of the CMU collection, and joint positions under the same names. They lack the
+# segment below the neck, so head and arms are raised by one like it.
+mapping cmu-bvh
+signature Hips LeftUpLeg RightUpLeg LeftLeg RightLeg LeftFoot RightFoot LeftToeBase RightToeBase
+signature Spine Spine1 Neck Neck1 Head LeftArm RightArm LeftForeArm RightForeArm LeftHand RightHand
+Waist = Spine
+Spine = Spine1
+Neck = Neck1
+Head = 2 Head + -1 Neck1
+HeadTop = 3 Head + -2 Neck1
+LHip = LeftUpLeg
+LKnee = LeftLeg
+LAnkle = LeftFoot
+LToe = LeftToeBase
+LShoulder = LeftArm + Neck1 + -1 Neck
+LElbow = LeftForeArm + Neck1 + -1 Neck
+LWrist = 1.4 LeftHand + -0.4 LeftForeArm + Neck1 + -1 Neck
+LHand = 1.65 LeftHand + -0.65 LeftForeArm + Neck1 + -1 Neck
+RHip = RightUpLeg
+RKnee = RightLeg
+RAnkle = RightFoot
+RToe = RightToeBase
+RShoulder = RightArm + Neck1 + -1 Neck
+RElbow = RightForeArm + Neck1 + -1 Neck
+RWrist = 1.4 RightHand + -0.4 RightForeArm + Neck1 + -1 Neck
+RHand = 1.65 RightHand + -0.65 RightForeArm + Neck1 + -1 Neck
+
+# Another naming of the same conversions.
+mapping cmu-bvh-hips
+signature Hips LeftHip RightHip LeftKnee RightKnee LeftAnkle RightAnkle LeftToe RightToe Chest Chest2
+signature lowerneck Neck Head LeftShoulder RightShoulder LeftElbow RightElbow LeftWrist RightWrist
+Waist = Chest
+Spine = Chest2
+Neck = Neck
+Head = 2 Head + -1 Neck
+HeadTop = 3 Head + -2 Neck
+LHip = LeftHip
+LKnee = LeftKnee
+LAnkle = LeftAnkle
+LToe = LeftToe
+LShoulder = LeftShoulder + Neck + -1 lowerneck
+LElbow = LeftElbow + Neck + -1 lowerneck
+LWrist = 1.4 LeftWrist + -0.4 LeftElbow + Neck + -1 lowerneck
+LHand = 1.65 LeftWrist + -0.65 LeftElbow + Neck + -1 lowerneck
+RHip = RightHip
+RKnee = RightKnee
+RAnkle = RightAnkle
+RToe = RightToe
+RShoulder = RightShoulder + Neck + -1 lowerneck
+RElbow = RightElbow + Neck + -1 lowerneck
+RWrist = 1.4 RightWrist + -0.4 RightElbow + Neck + -1 lowerneck
+RHand = 1.65 RightWrist + -0.65 RightElbow + Neck + -1 lowerneck
+
+# The DAZ-friendly BVH conversion of the CMU collection.
+mapping daz
+signature hip abdomen chest neck head leftEye rightEye lThigh rThigh lShin rShin lFoot rFoot lFoot_end rFoot_end
+signature lShldr rShldr lForeArm rForeArm lHand rHand
+Waist = 0.7 abdomen + 0.3 chest
+Spine = 0.85 chest + 0.15 neck
+Neck = 0.34 chest + 0.66 neck
+Head = 1.4 head + -0.4 neck offset head 0 0 -0.08
+HeadTop = 2.3 head + -1.3 neck offset head 0 0.04 -0.12
+LHip = lThigh
+LKnee = 0.8 lShin + 0.2 lFoot
+LAnkle = 1.1 lFoot + -0.1 lShin
+LToe = lFoot_end + 0.1 lFoot + -0.1 lShin
+LShoulder = 1.37 lShldr + -0.37 rShldr
+LElbow = lForeArm + 0.28 lShldr + -0.28 rShldr
+LWrist = 1.25 lHand + -0.25 lForeArm + 0.24 lShldr + -0.24 rShldr
+LHand = 1.45 lHand + -0.45 lForeArm + 0.24 lShldr + -0.24 rShldr
+RHip = rThigh
+RKnee = 0.8 rShin + 0.2 rFoot
+RAnkle = 1.1 rFoot + -0.1 rShin
+RToe = rFoot_end + 0.1 rFoot + -0.1 rShin
+RShoulder = 1.37 rShldr + -0.37 lShldr
+RElbow = rForeArm + 0.28 rShldr + -0.28 lShldr
+RWrist = 1.25 rHand + -0.25 rForeArm + 0.24 rShldr + -0.24 lShldr
+RHand = 1.45 rHand + -0.45 rForeArm + 0.24 rShldr + -0.24 lShldr
+
+# Character Creator and iClone skeletons.
+mapping character-creator
+signature CC_Base_L_Thigh CC_Base_R_Thigh CC_Base_L_Calf CC_Base_R_Calf CC_Base_L_Foot CC_Base_R_Foot
+signature CC_Base_L_ToeBase CC_Base_R_ToeBase CC_Base_Spine01 CC_Base_Spine02 CC_Base_NeckTwist01
+signature CC_Base_Head CC_Base_L_Upperarm CC_Base_R_Upperarm CC_Base_L_Forearm CC_Base_R_Forearm
+signature CC_Base_L_Hand CC_Base_R_Hand
+Waist = 0.3 CC_Base_Spine01 + 0.7 CC_Base_Spine02
+Spine = 0.66 CC_Base_Spine02 + 0.34 CC_Base_NeckTwist01
+Neck = 0.16 CC_Base_Spine02 + 0.84 CC_Base_NeckTwist01
+Head = 2 CC_Base_Head + -1 CC_Base_NeckTwist01
+HeadTop = 3 CC_Base_Head + -2 CC_Base_NeckTwist01
+LHip = CC_Base_L_Thigh
+LKnee = CC_Base_L_Calf
+LAnkle = CC_Base_L_Foot
+LToe = CC_Base_L_ToeBase
+LShoulder = 1.12 CC_Base_L_Upperarm + -0.12 CC_Base_R_Upperarm
+LElbow = CC_Base_L_Forearm + 0.12 CC_Base_L_Upperarm + -0.12 CC_Base_R_Upperarm
+LWrist = 1.2 CC_Base_L_Hand + -0.2 CC_Base_L_Forearm + 0.12 CC_Base_L_Upperarm + -0.12 CC_Base_R_Upperarm
+LHand = 1.4 CC_Base_L_Hand + -0.4 CC_Base_L_Forearm + 0.12 CC_Base_L_Upperarm + -0.12 CC_Base_R_Upperarm
+RHip = CC_Base_R_Thigh
+RKnee = CC_Base_R_Calf
+RAnkle = CC_Base_R_Foot
+RToe = CC_Base_R_ToeBase
+RShoulder = 1.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
+RElbow = CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
+RWrist = 1.2 CC_Base_R_Hand + -0.2 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
+RHand = 1.4 CC_Base_R_Hand + -0.4 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
+
+# The CMU's 41 optical markers. Joints lie inside the body: the waist's width tells how far.
+mapping cmu-optical
+signature LFWT RFWT LBWT RBWT LKNE RKNE LANK RANK LHEE RHEE LTOE RTOE LMT5 RMT5 C7 T10 CLAV STRN
+signature LSHO RSHO LUPA RUPA LELB RELB LWRA RWRA LWRB RWRB LFIN RFIN LFHD RFHD LBHD RBHD
+Waist = 0.15 LFWT + 0.15 RFWT + 0.15 LBWT + 0.15 RBWT + 0.2 T10 + 0.2 STRN
+Spine = 0.0375 LFWT + 0.0375 RFWT + 0.0375 LBWT + 0.0375 RBWT + 0.425 T10 + 0.425 STRN
+Neck = 0.21 C7 + 0.21 CLAV + 0.29 T10 + 0.29 STRN
+Head = 0.0975 LFHD + 0.0975 RFHD + 0.0975 LBHD + 0.0975 RBHD + 0.305 C7 + 0.305 CLAV
+HeadTop = 0.22 LFHD + 0.22 RFHD + 0.22 LBHD + 0.22 RBHD + 0.06 C7 + 0.06 CLAV
+LHip = 0.8675 LFWT + 0.3675 LBWT + 0.1175 RFWT + 0.1175 RBWT + -0.235 T10 + -0.235 STRN
+LKnee = LKNE + -0.25 LFWT + -0.25 LBWT + 0.25 RFWT + 0.25 RBWT
+LAnkle = LANK + -0.25 LFWT + -0.25 LBWT + 0.25 RFWT + 0.25 RBWT
+LHeel = LHEE + -0.1 LFWT + -0.1 LBWT + 0.1 RFWT + 0.1 RBWT
+LToe = 0.7 LTOE + 0.3 LMT5 + -0.15 LFWT + -0.15 LBWT + 0.15 RFWT + 0.15 RBWT
+LShoulder = 0.78 LSHO + 0.22 LUPA
+LElbow = LELB + -0.15 LFWT + -0.15 LBWT + 0.15 RFWT + 0.15 RBWT
+LWrist = 0.5 LWRA + 0.5 LWRB
+LHand = LFIN
+RHip = 0.8675 RFWT + 0.3675 RBWT + 0.1175 LFWT + 0.1175 LBWT + -0.235 T10 + -0.235 STRN
+RKnee = RKNE + -0.25 RFWT + -0.25 RBWT + 0.25 LFWT + 0.25 LBWT
+RAnkle = RANK + -0.25 RFWT + -0.25 RBWT + 0.25 LFWT + 0.25 LBWT
+RHeel = RHEE + -0.1 RFWT + -0.1 RBWT + 0.1 LFWT + 0.1 LBWT
+RToe = 0.7 RTOE + 0.3 RMT5 + -0.15 RFWT + -0.15 RBWT + 0.15 LFWT + 0.15 LBWT
+RShoulder = 0.78 RSHO + 0.22 RUPA
+RElbow = RELB + -0.15 RFWT + -0.15 RBWT + 0.15 LFWT + 0.15 LBWT
+RWrist = 0.5 RWRA + 0.5 RWRB
+RHand = RFIN
+
+# BVH skeletons named after the joints of the body.
+mapping hip-knee-ankle
+signature Hips LeftHip RightHip LeftKnee RightKnee LeftAnkle RightAnkle LeftToes RightToes Ab Chest Neck
+signature Head Head_end LeftShoulder RightShoulder LeftElbow RightElbow LeftWrist RightWrist
+signature LeftWrist_end RightWrist_end
+Waist = 0.4 Ab + 0.6 Chest
+Spine = 0.8 Chest + 0.2 Neck
+Neck = 0.2 Chest + 0.8 Neck
+Head = Head
+HeadTop = 0.5 Head + 0.5 Head_end
+LHip = LeftHip
+LKnee = LeftKnee
+LAnkle = LeftAnkle
+LToe = LeftToes
+LShoulder = LeftShoulder
+LElbow = LeftElbow
+LWrist = LeftWrist
+LHand = 0.5 LeftWrist + 0.5 LeftWrist_end
+RHip = RightHip
+RKnee = RightKnee
+RAnkle = RightAnkle
+RToe = RightToes
+RShoulder = RightShoulder
+RElbow = RightElbow
+RWrist = RightWrist
+RHand = 0.5 RightWrist + 0.5 RightWrist_end
+
+# Character rigs with a straight spine (Mixamo, Rokoko and their like).
+mapping biped
+signature Hips Spine Spine1 Spine2 Neck Head Head_end LeftUpLeg RightUpLeg LeftLeg RightLeg LeftFoot RightFoot
+signature LeftToeBase RightToeBase LeftArm RightArm LeftForeArm RightForeArm LeftHand RightHand
+Waist = 0.3 Spine + 0.7 Spine1
+Spine = Spine2
+Neck = 0.4 Spine2 + 0.6 Neck
+Head = Head
+HeadTop = 0.5 Head + 0.5 Head_end
+LHip = LeftUpLeg
+LKnee = LeftLeg
+LAnkle = LeftFoot
+LToe = LeftToeBase
+LShoulder = LeftArm
+LElbow = LeftForeArm
+LWrist = LeftHand
+LHand = 1.25 LeftHand + -0.25 LeftForeArm
+RHip = RightUpLeg
+RKnee = RightLeg
+RAnkle = RightFoot
+RToe = RightToeBase
+RShoulder = RightArm
+RElbow = RightForeArm
+RWrist = RightHand
+RHand = 1.25 RightHand + -0.25 RightForeArm
+)";
+
+}  // namespace
+
+const MarkerScheme& StandardScheme() {
+  static const MarkerScheme scheme = *ReadMarkerSetFile({"standard34", kText});
+  return scheme;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,31 @@
+#include "core/format/unique_names.h"
+
+#include <fmt/format.h>
+
+#include "core/format/text_encoding.h"
+
+namespace motiondb::core {
+
+std::string UniqueNames::Add(std::string_view name) {
+  const std::string wanted = ToUtf8(name);
+  std::string given = wanted;
+  // Counts on from where the same name ended before: a file of one name takes no quadratic time.
+  while (!taken_.emplace(given, 1).second) {
+    given = fmt::format("{}_{}", wanted, ++taken_[wanted]);
+  }
+  if (given != wanted) changed_.push_back(given);
+  return given;
+}
+
+std::string UniqueNames::Note() const {
+  constexpr std::size_t kShown = 3;
+  if (changed_.empty()) return "";
+  std::string note = "names used twice were made distinct: ";
+  for (std::size_t i = 0; i < changed_.size() && i < kShown; ++i) {
+    note += (i == 0 ? "" : ", ") + changed_[i];
+  }
+  return changed_.size() > kShown ? fmt::format("{} and {} more", note, changed_.size() - kShown)
+                                  : note;
+}
+
+}  // namespace motiondb::core

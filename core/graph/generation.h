@@ -1,0 +1,22 @@
+// Motion generation probability (section IV-B): how probable it is that a transition graph
+// generates an observation, summed over all node paths by the forward algorithm. Safe to call from
+// any thread.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/graph/transition_graph.h"
+
+namespace motiondb::core {
+
+// frames x nodes: log probabilities (or densities) of each observed frame in each node of a graph.
+using EmissionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// log of the sum over all paths n_1 ... n_M of prod P_t(n_{i-1}, n_i) e_i(n_i), the first frame
+// without a transition (eq. 7 summed). `transition_floor` is the probability of a transition never
+// seen. `last`, where given, receives the distribution over nodes at the last frame (sums to 1;
+// zeros where no path exists). -infinity where no path exists. O(frames * (nodes + edges)).
+double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
+                     double transition_floor, Eigen::VectorXd* last = nullptr);
+
+}  // namespace motiondb::core

@@ -1,0 +1,71 @@
+#include "core/graph/transition_graph.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace motiondb::core {
+namespace {
+
+// Edges from transitions (from, to) in any order. Sorting keeps memory at one pair a transition.
+TransitionGraph FromPairs(std::vector<std::pair<std::int32_t, std::int32_t>> pairs,
+                          int node_count) {
+  std::sort(pairs.begin(), pairs.end());
+  std::vector<std::int32_t> row_begin(static_cast<std::size_t>(node_count) + 1, 0);
+  std::vector<Edge> edges;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (i > 0 && pairs[i] == pairs[i - 1]) {
+      ++edges.back().count;
+      continue;
+    }
+    edges.push_back({pairs[i].second, 1});
+    ++row_begin[pairs[i].first + 1];
+  }
+  for (int k = 0; k < node_count; ++k) row_begin[k + 1] += row_begin[k];
+  return TransitionGraph(std::move(row_begin), std::move(edges));
+}
+
+}  // namespace
+
+TransitionGraph::TransitionGraph(std::vector<std::int32_t> row_begin, std::vector<Edge> edges)
+    : row_begin_(std::move(row_begin)), edges_(std::move(edges)), row_sums_(node_count()) {
+  for (int from = 0; from < node_count(); ++from) {
+    for (const Edge& edge : row(from)) row_sums_[from] += edge.count;
+  }
+}
+
+std::int32_t TransitionGraph::count(int from, int to) const {
+  const auto edges = row(from);
+  const auto it = std::lower_bound(edges.begin(), edges.end(), to,
+                                   [](const Edge& edge, int node) { return edge.to < node; });
+  return it != edges.end() && it->to == to ? it->count : 0;
+}
+
+TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequences,
+                                 int node_count) {
+  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  for (const auto& sequence : sequences) {
+    for (std::size_t i = 1; i < sequence.size(); ++i) {
+      pairs.emplace_back(sequence[i - 1], sequence[i]);
+    }
+  }
+  return FromPairs(std::move(pairs), node_count);
+}
+
+ClipGraph CountClipTransitions(std::span<const std::int32_t> sequence) {
+  ClipGraph graph;
+  graph.nodes.assign(sequence.begin(), sequence.end());
+  std::sort(graph.nodes.begin(), graph.nodes.end());
+  graph.nodes.erase(std::unique(graph.nodes.begin(), graph.nodes.end()), graph.nodes.end());
+  graph.frames.resize(graph.nodes.size());
+  std::vector<std::int32_t> states;
+  states.reserve(sequence.size());
+  for (std::int32_t node : sequence) {
+    const auto it = std::lower_bound(graph.nodes.begin(), graph.nodes.end(), node);
+    states.push_back(static_cast<std::int32_t>(it - graph.nodes.begin()));
+    ++graph.frames[states.back()];
+  }
+  graph.transitions = CountTransitions(std::span(&states, 1), static_cast<int>(graph.nodes.size()));
+  return graph;
+}
+
+}  // namespace motiondb::core

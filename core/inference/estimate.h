@@ -1,0 +1,32 @@
+// What state is it in? (sections IV-A, V-A). Safe to call from any thread.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/inference/cancellation.h"
+#include "core/inference/node_path.h"
+#include "core/model/model.h"
+
+namespace motiondb::core {
+
+struct NodeState {
+  int node = 0;
+  double probability = 0;
+};
+
+struct Estimation {
+  int layer = 0;
+  std::vector<NodePath> paths;  // best first
+  // Last node of the best path, with its probability given the whole observation.
+  NodeState state;
+};
+
+// The node paths of an observation (not scaled; the model's markers and frame rate) in the global
+// graph. INVALID_ARGUMENT for settings out of range or an observation that does not fit;
+// FAILED_PRECONDITION if the strict rule (floor 0) allows no path; CANCELLED.
+absl::StatusOr<Estimation> Estimate(const Model& model, const StateSequence& observation,
+                                    const NodePathOptions& options,
+                                    const Cancelled& cancelled = {});
+
+}  // namespace motiondb::core

@@ -1,0 +1,143 @@
+#include "core/inference/node_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr Eigen::Index kMaxExactCells = 1 << 25;  // frames x nodes, some 24 bytes each
+
+// Candidates of one frame on the way down: nodes of the layer with their log densities.
+struct Descent {
+  std::vector<std::int32_t> nodes;
+  std::vector<double> log_density;
+};
+
+// The children of a frame's candidates. A copy of a leaf keeps the density already known.
+Descent Children(const Model& model, int layer, const Descent& above, const float* state) {
+  const Tree& tree = model.tree();
+  Descent below;
+  for (std::size_t i = 0; i < above.nodes.size(); ++i) {
+    const int first = tree.first_child(layer, above.nodes[i]);
+    const int count = tree.child_count(layer, above.nodes[i]);
+    for (int c = first; c < first + count; ++c) {
+      below.nodes.push_back(c);
+      below.log_density.push_back(
+          count == 1 ? above.log_density[i]
+                     : model.gaussians().LogDensity(tree.branch(layer + 1, c), state));
+    }
+  }
+  return below;
+}
+
+Lattice MakeLattice(const std::vector<Descent>& frames) {
+  Lattice lattice;
+  lattice.reserve(frames.size());
+  for (const Descent& frame : frames) {
+    LatticeFrame& made = lattice.emplace_back();
+    made.nodes = frame.nodes;
+    made.log_emission = Eigen::Map<const Eigen::VectorXd>(
+        frame.log_density.data(), static_cast<Eigen::Index>(frame.log_density.size()));
+    NormalizeEmission(made.log_emission);
+  }
+  return lattice;
+}
+
+// Keeps the candidates through which the best paths go. Where the strict rule leaves no path at
+// all, the likelihood alone decides.
+void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathOptions& options,
+           std::vector<Descent>& frames) {
+  const auto limit = static_cast<std::size_t>(options.max_candidates);
+  if (std::all_of(frames.begin(), frames.end(),
+                  [&](const Descent& frame) { return frame.nodes.size() <= limit; })) {
+    return;
+  }
+  const auto marginals = MaxMarginals(lattice, graph, options.transition_floor);
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    Descent& frame = frames[t];
+    if (frame.nodes.size() <= limit) continue;
+    const bool any = std::isfinite(marginals[t].maxCoeff());
+    const Eigen::VectorXd& score = any ? marginals[t] : lattice[t].log_emission;
+    std::vector<int> order(frame.nodes.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::nth_element(
+        order.begin(), order.begin() + options.max_candidates, order.end(),
+        [&](int a, int b) { return std::pair(-score[a], a) < std::pair(-score[b], b); });
+    order.resize(limit);
+    std::sort(order.begin(), order.end());
+    Descent kept;
+    for (int i : order) {
+      kept.nodes.push_back(frame.nodes[i]);
+      kept.log_density.push_back(frame.log_density[i]);
+    }
+    frame = std::move(kept);
+  }
+}
+
+}  // namespace
+
+absl::Status CheckOptions(const NodePathOptions& options) {
+  if (options.path_count < 1 || options.path_count > 100) {
+    return InvalidArgument("path_count: expected 1 to 100, got {}", options.path_count);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+  }
+  if (options.max_candidates < 0) {
+    return InvalidArgument("max_candidates: expected 0 or more, got {}", options.max_candidates);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& observation,
+                                    const NodePathOptions& options, const Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(const int bottom, model.ResolveLayer(options.layer));
+  if (options.max_candidates == 0 &&
+      observation.rows() * model.tree().node_count(bottom) > kMaxExactCells) {
+    return InvalidArgument(
+        "max_candidates: keeping all {} nodes of layer {} for {} frames would take too much memory",
+        model.tree().node_count(bottom), bottom, observation.rows());
+  }
+  std::vector<Descent> frames;
+  for (Eigen::Index t = 0; t < observation.rows(); ++t) {
+    frames.push_back({{0}, {model.gaussians().LogDensity(0, observation.row(t).data())}});
+  }
+  for (int layer = 1; layer < bottom; ++layer) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    for (Eigen::Index t = 0; t < observation.rows(); ++t) {
+      frames[t] = Children(model, layer, frames[t], observation.row(t).data());
+    }
+    if (options.max_candidates > 0 && layer + 1 < bottom) {
+      Prune(MakeLattice(frames), model.global_graph(layer + 1), options, frames);
+    }
+  }
+  return MakeLattice(frames);
+}
+
+absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& observation,
+                                         const NodePathOptions& options,
+                                         const Cancelled& cancelled) {
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  PathSearch search;
+  MOTIONDB_ASSIGN_OR_RETURN(search.layer, model.ResolveLayer(options.layer));
+  MOTIONDB_ASSIGN_OR_RETURN(search.lattice, DescendTree(model, observation, options, cancelled));
+  search.paths = BestPaths(search.lattice, model.global_graph(search.layer),
+                           options.transition_floor, options.path_count);
+  if (!search.paths.empty()) return search;
+  if (options.max_candidates == 0) {
+    return FailedPrecondition(
+        "no path through layer {} was ever seen: allow others with a transition floor above 0",
+        search.layer);
+  }
+  // Pruning can cut every path that the strict rule allows; the exact search decides.
+  NodePathOptions exact = options;
+  exact.max_candidates = 0;
+  return FindNodePaths(model, observation, exact, cancelled);
+}
+
+}  // namespace motiondb::core

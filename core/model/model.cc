@@ -1,0 +1,95 @@
+#include "core/model/model.h"
+
+#include <algorithm>
+#include <functional>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+absl::Status CheckFrames(const ModelParts& parts) {
+  const auto frames = static_cast<int>(parts.states.rows());
+  if (parts.tree.frame_count() != frames || parts.root_path.rows() != frames || frames == 0) {
+    return DataLoss("model: {} states, {} root poses and a tree of {} frames do not fit", frames,
+                    parts.root_path.rows(), parts.tree.frame_count());
+  }
+  const int dimensions = parts.marker_set.dimension_count();
+  if (parts.states.cols() != dimensions || parts.scale.divisor.size() != dimensions ||
+      parts.gaussians.dimension_count() != dimensions || !(parts.scale.divisor.array() > 0).all()) {
+    return DataLoss("model: states, scale and statistics must have {} dimensions", dimensions);
+  }
+  int next = 0;
+  for (const ModelClip& clip : parts.clips) {
+    if (clip.first_frame != next || clip.frame_count < 1 || clip.frame_count > frames - next) {
+      return DataLoss("model: clip '{}' does not follow the one before it", clip.id);
+    }
+    next += clip.frame_count;
+  }
+  if (next != frames) return DataLoss("model: clips hold {} of {} frames", next, frames);
+  return absl::OkStatus();
+}
+
+bool Fits(const TransitionGraph& graph, int node_count) {
+  return graph.node_count() == node_count &&
+         std::all_of(graph.edges().begin(), graph.edges().end(), [&](const Edge& edge) {
+           return edge.to >= 0 && edge.to < node_count && edge.count > 0;
+         });
+}
+
+bool Fits(const ClipGraph& graph, int node_count) {
+  const std::size_t states = graph.nodes.size();
+  return states > 0 && graph.frames.size() == states && graph.nodes.front() >= 0 &&
+         graph.nodes.back() < node_count &&
+         std::is_sorted(graph.nodes.begin(), graph.nodes.end(), std::less_equal<>()) &&
+         Fits(graph.transitions, static_cast<int>(states));
+}
+
+absl::Status CheckLayers(const ModelParts& parts) {
+  const auto layers = static_cast<std::size_t>(parts.tree.layer_count());
+  if (parts.gaussians.branch_count() != static_cast<int>(parts.tree.branches().size())) {
+    return DataLoss("model: statistics of {} nodes for a tree of {}",
+                    parts.gaussians.branch_count(), parts.tree.branches().size());
+  }
+  if (parts.global_graphs.size() != layers || parts.clip_graphs.size() != layers ||
+      parts.familiarity.scores.size() != layers) {
+    return DataLoss("model: graphs or familiarity are not those of a tree of {} layers", layers);
+  }
+  for (std::size_t l = 0; l < layers; ++l) {
+    const int nodes = parts.tree.node_count(static_cast<int>(l) + 1);
+    const auto& clips = parts.clip_graphs[l];
+    if (!Fits(parts.global_graphs[l], nodes) || clips.size() != parts.clips.size() ||
+        !std::all_of(clips.begin(), clips.end(),
+                     [&](const ClipGraph& graph) { return Fits(graph, nodes); })) {
+      return DataLoss("model: the graphs of layer {} do not fit its {} nodes", l + 1, nodes);
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Model> Model::Create(ModelParts parts) {
+  MOTIONDB_RETURN_IF_ERROR(CheckFrames(parts));
+  MOTIONDB_RETURN_IF_ERROR(CheckLayers(parts));
+  return Model(std::move(parts));
+}
+
+int Model::clip_of_frame(int frame) const {
+  const auto after =
+      std::upper_bound(parts_.clips.begin(), parts_.clips.end(), frame,
+                       [](int f, const ModelClip& clip) { return f < clip.first_frame; });
+  return static_cast<int>(after - parts_.clips.begin()) - 1;
+}
+
+absl::StatusOr<int> Model::ResolveLayer(int layer) const {
+  if (layer == 0) return layer_count();
+  if (layer < 0 || layer > layer_count()) {
+    return absl::OutOfRangeError(
+        fmt::format("layer: expected 1 to {}, or 0 for the bottom, got {}", layer_count(), layer));
+  }
+  return layer;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,86 @@
+// A model: what one database knows at one version. Immutable once made, so queries share it freely
+// and keep scratch of their own.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/graph/transition_graph.h"
+#include "core/model/familiarity.h"
+#include "core/motion/states.h"
+#include "core/tree/feature_scale.h"
+#include "core/tree/node_gaussians.h"
+#include "core/tree/tree.h"
+
+namespace motiondb::core {
+
+// How a database's models are built. Fixed when the database is created.
+struct BuildSettings {
+  double frame_rate_hz = 60;
+  int min_frames = 16;  // fewest frames of a node (section III-B)
+  Scaling scaling = Scaling::kKind;
+};
+
+// A clip as the model knows it: a run of frames.
+struct ModelClip {
+  std::string id;
+  std::string label;
+  std::int32_t first_frame = 0;
+  std::int32_t frame_count = 0;
+  double leg_length_m = 0;
+};
+
+// Everything a model is made of, as a builder makes it and a store gives it back.
+struct ModelParts {
+  BuildSettings settings;
+  MarkerSet marker_set;
+  std::vector<ModelClip> clips;  // in frame order, without gaps
+  FrameMatrix states;            // frames x 6 N_v, scaled
+  RootPath root_path;            // frames x 3
+  FeatureScale scale;            // what states were divided by
+  Tree tree;
+  NodeGaussians gaussians;                          // one for each branch of the tree
+  std::vector<TransitionGraph> global_graphs;       // [layer - 1]
+  std::vector<std::vector<ClipGraph>> clip_graphs;  // [layer - 1][clip]
+  FamiliarityReference familiarity;
+  double build_seconds = 0;  // set by whoever holds the clock
+};
+
+class Model {
+ public:
+  // DATA_LOSS if the parts do not fit each other.
+  static absl::StatusOr<Model> Create(ModelParts parts);
+
+  const BuildSettings& settings() const { return parts_.settings; }
+  const MarkerSet& marker_set() const { return parts_.marker_set; }
+  const std::vector<ModelClip>& clips() const { return parts_.clips; }
+  const FrameMatrix& states() const { return parts_.states; }
+  const RootPath& root_path() const { return parts_.root_path; }
+  const FeatureScale& scale() const { return parts_.scale; }
+  const Tree& tree() const { return parts_.tree; }
+  const NodeGaussians& gaussians() const { return parts_.gaussians; }
+  const TransitionGraph& global_graph(int layer) const { return parts_.global_graphs[layer - 1]; }
+  const std::vector<ClipGraph>& clip_graphs(int layer) const {
+    return parts_.clip_graphs[layer - 1];
+  }
+  const FamiliarityReference& familiarity() const { return parts_.familiarity; }
+  double build_seconds() const { return parts_.build_seconds; }
+  // For whoever holds the clock, before the model is shared.
+  void set_build_seconds(double seconds) { parts_.build_seconds = seconds; }
+  const ModelParts& parts() const { return parts_; }
+
+  int frame_count() const { return static_cast<int>(parts_.states.rows()); }
+  int layer_count() const { return parts_.tree.layer_count(); }
+  // Index into clips() of the clip that holds a frame. O(log clips).
+  int clip_of_frame(int frame) const;
+  // The layer that a request means: 0 is the bottom. OUT_OF_RANGE names the layers there are.
+  absl::StatusOr<int> ResolveLayer(int layer) const;
+
+ private:
+  explicit Model(ModelParts parts) : parts_(std::move(parts)) {}
+  ModelParts parts_;
+};
+
+}  // namespace motiondb::core

@@ -1,0 +1,34 @@
+// Forward kinematics: joint angles -> where every joint is in the world.
+// The functions keep no state and are safe to call from any thread.
+#pragma once
+
+#include <Eigen/Geometry>
+#include <span>
+#include <vector>
+
+#include "core/motion/matrix.h"
+#include "core/motion/motion.h"
+#include "core/motion/skeleton.h"
+
+namespace motiondb::core {
+
+// One frame: angles (1 x dof_count, rad and m) -> world_from_joint of each joint (m), in the
+// skeleton's order. A row of a JointMatrix binds without a copy.
+// REQUIRES: angles.size() == skeleton.dof_count().
+std::vector<Eigen::Isometry3d> ForwardKinematics(
+    const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles);
+
+// The same into the caller's storage, for loops over frames: takes no memory.
+// REQUIRES: also world_from_joint.size() == skeleton.joint_count().
+void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
+                       std::span<Eigen::Isometry3d> world_from_joint);
+
+// The transform of one joint relative to its parent (to the world for a root). `q` holds the
+// joint's own degrees of freedom, as many as joint.dofs.
+Eigen::Isometry3d ParentFromJoint(const Joint& joint, std::span<const double> q);
+
+// World positions (m) of all joints over all frames: frames x 3 * joint_count, x y z of each joint
+// in turn. O(frames * joints).
+FrameMatrix JointPositions(const JointMotion& motion);
+
+}  // namespace motiondb::core

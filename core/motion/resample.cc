@@ -1,0 +1,62 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/motion/error.h"
+#include "core/motion/states.h"
+
+namespace motiondb::core {
+namespace {
+
+// Catmull-Rom between p1 and p2; linear where the outer points are missing.
+float Interpolate(float p0, float p1, float p2, float p3, float u) {
+  const float linear = p1 + u * (p2 - p1);
+  const float cubic =
+      p1 +
+      0.5f * u * (p2 - p0 + u * (2 * p0 - 5 * p1 + 4 * p2 - p3 + u * (3 * (p1 - p2) + p3 - p0)));
+  return std::isnan(cubic) ? linear : cubic;
+}
+
+}  // namespace
+
+absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_rate_hz) {
+  if (!(frame_rate_hz > 0 && std::isfinite(frame_rate_hz) && motion.frame_rate_hz > 0 &&
+        std::isfinite(motion.frame_rate_hz))) {
+    return InvalidArgument("frame rates must be positive, got {} and {}", motion.frame_rate_hz,
+                           frame_rate_hz);
+  }
+  const Eigen::Index frames = motion.positions_m.rows();
+  if (frames < 2) return InvalidArgument("a motion needs at least 2 frames, got {}", frames);
+  if (std::abs(motion.frame_rate_hz - frame_rate_hz) < 1e-6) {
+    MarkerMotion same = motion;
+    same.frame_rate_hz = frame_rate_hz;
+    return same;
+  }
+  const double step = motion.frame_rate_hz / frame_rate_hz;
+  const double last = static_cast<double>(frames - 1);
+  const double count = std::floor(last / step + 1e-6) + 1;
+  if (count > 1e8) {
+    return InvalidArgument("resampling from {} to {} Hz would make {} frames", motion.frame_rate_hz,
+                           frame_rate_hz, count);
+  }
+  MarkerMotion resampled{motion.names, frame_rate_hz, {}};
+  resampled.positions_m.resize(static_cast<Eigen::Index>(count), motion.positions_m.cols());
+  const auto row = [&](Eigen::Index t) {
+    return motion.positions_m.row(std::clamp<Eigen::Index>(t, 0, frames - 1));
+  };
+  for (Eigen::Index t = 0; t < resampled.positions_m.rows(); ++t) {
+    const double at = std::min(static_cast<double>(t) * step, last);
+    auto before = static_cast<Eigen::Index>(std::floor(at + 1e-9));
+    const auto u = static_cast<float>(std::max(0.0, at - static_cast<double>(before)));
+    if (u < 1e-6f) {  // a frame that was recorded, though its neighbours may be missing
+      resampled.positions_m.row(t) = row(before);
+      continue;
+    }
+    for (Eigen::Index c = 0; c < motion.positions_m.cols(); ++c) {
+      resampled.positions_m(t, c) = Interpolate(row(before - 1)[c], row(before)[c],
+                                                row(before + 1)[c], row(before + 2)[c], u);
+    }
+  }
+  return resampled;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,205 @@
+#include "core/motion/states.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kMaxGapSeconds = 0.5;
+// Below this part of its length on the floor, the line between the hips no longer tells the front.
+constexpr double kMinFloorShare = 0.2;
+
+using MarkerRow = Eigen::Matrix<float, 1, 3>;
+
+MarkerRow At(const MarkerMotion& motion, Eigen::Index frame, int marker) {
+  return motion.positions_m.row(frame).segment<3>(3 * marker);
+}
+
+// Median of the finite values; NaN if there is none.
+double Median(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return std::nan("");
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+Eigen::Matrix2d FloorRotation(double heading) {
+  return Eigen::Rotation2Dd(heading).toRotationMatrix();
+}
+
+// Fills rows without a pose between the nearest that have one.
+void Interpolate(const std::vector<bool>& valid, RootPath& path) {
+  const auto frames = static_cast<Eigen::Index>(valid.size());
+  Eigen::Index before = -1;
+  for (Eigen::Index t = 0; t <= frames; ++t) {
+    if (t < frames && !valid[t]) continue;
+    for (Eigen::Index g = before + 1; g < t; ++g) {
+      if (before < 0) {
+        path.row(g) = path.row(t);
+      } else if (t == frames) {
+        path.row(g) = path.row(before);
+      } else {
+        const double share = static_cast<double>(g - before) / static_cast<double>(t - before);
+        path.row(g) = (1 - share) * path.row(before) + share * path.row(t);
+      }
+    }
+    before = t;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotion& motion) {
+  double sum = 0;
+  int count = 0;
+  for (const auto& [hip, knee, ankle] : set.landmarks.legs) {
+    std::vector<double> lengths;
+    for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
+      lengths.push_back((At(motion, t, hip) - At(motion, t, knee)).norm() +
+                        (At(motion, t, knee) - At(motion, t, ankle)).norm());
+    }
+    if (const double length = Median(std::move(lengths)); length > 0) {
+      sum += length;
+      ++count;
+    }
+  }
+  if (count > 0) return sum / count;
+
+  std::vector<double> heights;
+  for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
+    std::vector<double> z;
+    for (int m = 0; m < set.marker_count(); ++m) z.push_back(At(motion, t, m)[2]);
+    const double lowest = *std::min_element(z.begin(), z.end(), [](double a, double b) {
+      return a < b || (std::isnan(b) && !std::isnan(a));
+    });
+    heights.push_back(Median(std::move(z)) - lowest);
+  }
+  const double height = Median(std::move(heights));
+  if (!(height > 0)) {
+    return InvalidArgument("the subject's size cannot be told from its markers: give a leg length");
+  }
+  return height / 2;
+}
+
+absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotion& motion) {
+  const Landmarks& landmarks = set.landmarks;
+  if (landmarks.left_hip < 0 || landmarks.right_hip < 0) {
+    return InvalidArgument("marker set '{}' does not say which markers are the hips", set.name);
+  }
+  const Eigen::Index frames = motion.positions_m.rows();
+  RootPath path(frames, 3);
+  std::vector<bool> placed(frames);
+  std::vector<bool> turned(frames);
+  bool any = false;
+  double heading = 0;
+  for (Eigen::Index t = 0; t < frames; ++t) {
+    const Eigen::Vector3d left = At(motion, t, landmarks.left_hip).cast<double>();
+    const Eigen::Vector3d right = At(motion, t, landmarks.right_hip).cast<double>();
+    const Eigen::Vector3d across = left - right;
+    placed[t] = across.allFinite();
+    if (!placed[t]) continue;
+    path.row(t).head<2>() = (0.5 * (left + right)).head<2>();
+    const double on_floor = across.head<2>().norm();
+    turned[t] = on_floor > 0 && on_floor >= kMinFloorShare * across.norm();
+    if (!turned[t]) continue;
+    // Left is the frame's y axis; its x axis, the front, is a quarter turn to the right of it.
+    const double raw = std::atan2(across.y(), across.x()) - std::numbers::pi / 2;
+    heading = any ? heading + std::remainder(raw - heading, 2 * std::numbers::pi)
+                  : std::remainder(raw, 2 * std::numbers::pi);
+    path(t, 2) = heading;
+    any = true;
+  }
+  if (!any) {
+    return InvalidArgument("markers '{}' and '{}' are in no frame together: root and front unknown",
+                           set.markers[landmarks.left_hip], set.markers[landmarks.right_hip]);
+  }
+  RootPath headings = path;
+  Interpolate(placed, path);
+  Interpolate(turned, headings);
+  path.col(2) = headings.col(2);
+  return path;
+}
+
+absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMotion& motion,
+                                            std::optional<double> leg_length_m) {
+  const Eigen::Index frames = motion.positions_m.rows();
+  if (frames == 0 || motion.positions_m.cols() != 3 * set.marker_count()) {
+    return InvalidArgument("expected frames of {} markers, got {} frames of {} numbers",
+                           set.marker_count(), frames, motion.positions_m.cols());
+  }
+  if (leg_length_m && !(*leg_length_m > 0 && std::isfinite(*leg_length_m))) {
+    return InvalidArgument("leg_length_m: expected more than 0, got {}", *leg_length_m);
+  }
+  StateSequence sequence;
+  sequence.frame_rate_hz = motion.frame_rate_hz;
+  MOTIONDB_ASSIGN_OR_RETURN(sequence.root_path, ReferenceFrames(set, motion));
+  if (leg_length_m) {
+    sequence.leg_length_m = *leg_length_m;
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(sequence.leg_length_m, EstimateLegLength(set, motion));
+  }
+
+  sequence.states.resize(frames, set.dimension_count());
+  for (Eigen::Index t = 0; t < frames; ++t) {
+    const Eigen::Matrix2d turn = FloorRotation(-sequence.root_path(t, 2));
+    const Eigen::Vector2d origin = sequence.root_path.row(t).head<2>();
+    const auto put = [&](Eigen::Index column, Eigen::Vector3d v) {
+      v.head<2>() = turn * v.head<2>();
+      sequence.states.row(t).segment<3>(column) =
+          (v / sequence.leg_length_m).cast<float>().transpose();
+    };
+    for (int m = 0; m < set.marker_count(); ++m) {
+      const Eigen::Vector3d here = At(motion, t, m).cast<double>();
+      put(6 * m, here - Eigen::Vector3d(origin.x(), origin.y(), 0));
+      // The neighbours that are there; the frame itself stands in for one that is not.
+      const auto neighbour = [&](Eigen::Index n, double& span) -> Eigen::Vector3d {
+        if (n < 0 || n >= frames || At(motion, n, m).hasNaN()) return here;
+        span += 1;
+        return At(motion, n, m).cast<double>();
+      };
+      double span = 0;
+      const Eigen::Vector3d before = neighbour(t - 1, span);
+      const Eigen::Vector3d after = neighbour(t + 1, span);
+      put(6 * m + 3, span > 0 ? Eigen::Vector3d((after - before) * motion.frame_rate_hz / span)
+                              : Eigen::Vector3d::Constant(std::nan("")));
+    }
+  }
+  return sequence;
+}
+
+absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
+                                        double frame_rate_hz, Gaps gaps,
+                                        std::optional<double> leg_length_m,
+                                        std::vector<std::string>* notes) {
+  MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped, ApplyScheme(scheme, motion, leg_length_m));
+  if (gaps == Gaps::kFill) {
+    // After the mapping: only markers that are used must be whole.
+    MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
+    if (notes != nullptr) notes->insert(notes->end(), filled.begin(), filled.end());
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
+  return ComputeStates(scheme.set, resampled, leg_length_m);
+}
+
+FrameMatrix WorldPositions(const StateSequence& sequence) {
+  const Eigen::Index markers = sequence.states.cols() / 6;
+  FrameMatrix positions(sequence.states.rows(), 3 * markers);
+  for (Eigen::Index t = 0; t < sequence.states.rows(); ++t) {
+    const Eigen::Matrix2d turn = FloorRotation(sequence.root_path(t, 2));
+    for (Eigen::Index m = 0; m < markers; ++m) {
+      Eigen::Vector3d p = sequence.leg_length_m *
+                          sequence.states.row(t).segment<3>(6 * m).cast<double>().transpose();
+      p.head<2>() = turn * p.head<2>();
+      p.head<2>() += sequence.root_path.row(t).head<2>().transpose();
+      positions.row(t).segment<3>(3 * m) = p.cast<float>().transpose();
+    }
+  }
+  return positions;
+}
+
+}  // namespace motiondb::core

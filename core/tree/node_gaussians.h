@@ -1,0 +1,45 @@
+// The distribution of states in each node: a Gaussian with diagonal covariance, shrunk towards the
+// whole database's, for a node may have 16 frames and the state 204 dimensions. Immutable; safe to
+// share. The one place that knows what P_o(x | k) is.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "absl/status/statusor.h"
+#include "core/motion/matrix.h"
+#include "core/tree/parallel.h"
+#include "core/tree/tree.h"
+
+namespace motiondb::core {
+
+class NodeGaussians {
+ public:
+  NodeGaussians() = default;
+
+  // From stored means and variances, branches x dimensions. DATA_LOSS if a variance is not
+  // positive.
+  static absl::StatusOr<NodeGaussians> Create(FrameMatrix means, FrameMatrix variances);
+
+  // From the tree and the scaled states it was built on. Variance of dimension d in node k with n_k
+  // frames: (1 - l) var_k + l * 0.3 * var_all, l = 16 / (n_k + 16), at least 1e-3 of the mean of
+  // var_all.
+  static NodeGaussians Fit(const Tree& tree, const FrameMatrix& states,
+                           const ParallelFor& parallel);
+
+  int branch_count() const { return static_cast<int>(means_.rows()); }
+  int dimension_count() const { return static_cast<int>(means_.cols()); }
+  const FrameMatrix& means() const { return means_; }
+  const FrameMatrix& variances() const { return variances_; }
+
+  // log P_o(x | branch), natural, of a scaled state x (dimensions). Missing dimensions (NaN) are
+  // left out: the density is that of the others. O(dimensions).
+  double LogDensity(int branch, const float* x) const;
+
+ private:
+  FrameMatrix means_;
+  FrameMatrix variances_;
+  FrameMatrix inverse_deviations_;
+  Eigen::VectorXd log_normalizers_;
+};
+
+}  // namespace motiondb::core

@@ -1,0 +1,43 @@
+#!/usr/bin/env bash
+# Installs what a set of purposes needs and this machine lacks (Debian 12): install_packages.sh build test.
+set -euo pipefail
+
+build=(
+  g++ cmake ninja-build ccache pkg-config
+  libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
+  libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
+)
+test=(
+  catch2 clang-format
+  assimp-testmodels  # real motion that any machine can install
+  dart-doc           # two C3D captures
+  python3-numpy      # opens what `motiondb dump` writes
+)
+demo=(assimp-testmodels)
+
+wanted=()
+for purpose in "$@"; do
+  case "$purpose" in
+    build) wanted+=("${build[@]}") ;;
+    test) wanted+=("${test[@]}") ;;
+    demo) wanted+=("${demo[@]}") ;;
+    *) echo "install_packages.sh: expected build, test or demo, got '$purpose'" >&2; exit 2 ;;
+  esac
+done
+
+missing=()
+for package in "${wanted[@]}"; do
+  status=$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null || true)
+  [ "$status" = installed ] || missing+=("$package")
+done
+[ ${#missing[@]} -eq 0 ] && exit 0
+
+echo "installing: ${missing[*]}"
+as_root=()
+if [ "$(id -u)" != 0 ]; then
+  command -v sudo >/dev/null || { echo "install these as root: ${missing[*]}" >&2; exit 1; }
+  as_root=(sudo)
+fi
+export DEBIAN_FRONTEND=noninteractive
+"${as_root[@]}" apt-get update -qq
+"${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

@@ -1,0 +1,16 @@
+// The wall clock, as stores keep it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+namespace motiondb::server {
+
+// Microseconds since the Unix epoch.
+inline std::int64_t NowMicroseconds() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,133 @@
+#include "server/engine/engine.h"
+
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+
+namespace motiondb::server {
+
+Engine::Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options)
+    : options_(options),
+      store_(std::move(store)),
+      operations_(*store_),
+      skeletons_(*store_),
+      workers_(options),
+      rebuilder_(*store_, operations_, workers_, options) {}
+
+Engine::~Engine() {
+  Drain();
+  // The last handlers refer to members that are destroyed before the pools.
+  workers_.Join();
+}
+
+void Engine::Drain() {
+  operations_.ReleaseWaiters();
+  rebuilder_.Stop();
+}
+
+absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
+                                                               const core::BuildSettings& settings,
+                                                               const MarkerSetSetting& marker_set) {
+  const storage::DatabaseRecord record{.name = database,
+                                       .settings = settings,
+                                       .marker_set = marker_set.name,
+                                       .marker_set_text = marker_set.text,
+                                       .create_time_us = NowMicroseconds()};
+  MOTIONDB_ASSIGN_OR_RETURN(auto scheme, StoredScheme(record));
+  auto live = std::make_shared<LiveDatabase>(database, settings);
+  live->set_scheme(std::move(scheme));
+  const std::lock_guard naming(naming_mutex_);
+  MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record));
+  const std::lock_guard lock(mutex_);
+  databases_[database] = std::move(live);
+  spdlog::info("database '{}': created", database);
+  return record;
+}
+
+absl::Status Engine::DeleteDatabase(const std::string& database) {
+  const std::lock_guard naming(naming_mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  MOTIONDB_RETURN_IF_ERROR(live->Retire([&] {
+    const absl::Status deleted = store_->DeleteDatabase(database);
+    if (!deleted.ok()) return deleted;
+    rebuilder_.Forget(*live);
+    live->set_snapshot(nullptr);
+    const std::lock_guard lock(mutex_);
+    databases_.erase(database);
+    return absl::OkStatus();
+  }));
+  skeletons_.Clear();
+  spdlog::info("database '{}': deleted", database);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  const auto found = databases_.find(database);
+  if (found == databases_.end()) return core::NotFound("database '{}' does not exist", database);
+  return found->second;
+}
+
+absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
+  if (auto snapshot = database.snapshot()) return snapshot;
+  if (const auto operation = rebuilder_.CurrentOperation(database)) {
+    return core::FailedPrecondition(
+        "database '{}' has no model yet; its first model is being built: wait for operations/{}",
+        database.name(), *operation);
+  }
+  return core::FailedPrecondition(
+      "database '{}' has no model yet: ingest clips first (motiondb ingest {} FILE...)",
+      database.name(), database.name());
+}
+
+absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> Engine::BeginIngest(
+    const std::shared_ptr<LiveDatabase>& database) {
+  std::unique_ptr<Rebuilder::Ingest> ingest;
+  MOTIONDB_RETURN_IF_ERROR(database->WhileAlive([&] {
+    ingest = std::make_unique<Rebuilder::Ingest>(rebuilder_, database);
+    return absl::OkStatus();
+  }));
+  return ingest;
+}
+
+absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
+                                        IngestFile file, const core::Cancelled& cancelled) {
+  Ingested ingested;
+  const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
+    spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
+                 clip.frame_count, clip.source_report);
+    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database));
+    return absl::OkStatus();
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip, IngestClip(*store_, *database, std::move(file),
+                                                      options_.max_frames, cancelled, stored));
+  return ingested;
+}
+
+absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& database,
+                                                            const std::string& clip) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  storage::OperationRecord operation;
+  const absl::Status deleted = live->WhileAlive([&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
+    MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip));
+    live->AddStored(-1, -record.frame_count);
+    spdlog::info("database '{}': clip '{}' deleted", database, clip);
+    MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
+    return absl::OkStatus();
+  });
+  MOTIONDB_RETURN_IF_ERROR(deleted);
+  skeletons_.Clear();
+  return operation;
+}
+
+absl::StatusOr<storage::OperationRecord> Engine::CancelOperation(const std::string& operation) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
+  if (!record.done()) rebuilder_.Cancel(record);
+  return operations_.Get(operation);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,94 @@
+// The server without its transport: databases, their models and the operations that rebuild them,
+// on top of a store. Knows no gRPC. Thread-safe; owns the store and all threads.
+//
+// A database is named by its id alone here, without "databases/".
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/engine/ingest.h"
+#include "server/engine/live_database.h"
+#include "server/engine/marker_schemes.h"
+#include "server/engine/operation_book.h"
+#include "server/engine/options.h"
+#include "server/engine/rebuilder.h"
+#include "server/engine/skeleton_cache.h"
+#include "server/engine/workers.h"
+#include "storage/motion_store.h"
+
+namespace motiondb::server {
+
+struct Ingested {
+  storage::ClipRecord clip;
+  storage::OperationRecord operation;
+};
+
+class Engine {
+ public:
+  // Reads the stored models, without building any, and takes up what a former server left undone. A
+  // model that cannot be read, or was built from other clips than there are, is rebuilt.
+  static absl::StatusOr<std::unique_ptr<Engine>> Open(std::unique_ptr<storage::MotionStore> store,
+                                                      const EngineOptions& options);
+  ~Engine();
+
+  // For what needs no more than to be read.
+  storage::MotionStore& store() { return *store_; }
+  OperationBook& operations() { return operations_; }
+  Workers& workers() { return workers_; }
+  SkeletonCache& skeletons() { return skeletons_; }
+  const EngineOptions& options() const { return options_; }
+
+  // ALREADY_EXISTS.
+  absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
+                                                         const core::BuildSettings& settings,
+                                                         const MarkerSetSetting& marker_set);
+  // With its clips, models and operations; what runs for it stops.
+  absl::Status DeleteDatabase(const std::string& database);
+  // NOT_FOUND.
+  absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
+
+  // The model that answers queries now. FAILED_PRECONDITION, saying what to do, if there is none.
+  absl::StatusOr<std::shared_ptr<const Snapshot>> CurrentModel(const LiveDatabase& database);
+
+  // Announces an ingest, for as long as the result lives, so that a rebuild waits for it.
+  absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> BeginIngest(
+      const std::shared_ptr<LiveDatabase>& database);
+  // See IngestClip; with the rebuild that will make the clip known.
+  absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database, IngestFile file,
+                                  const core::Cancelled& cancelled);
+  // Returns the rebuild that takes the clip out of the model. NOT_FOUND.
+  absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
+                                                      const std::string& clip);
+  // Returns the operation as it then stands. NOT_FOUND.
+  absl::StatusOr<storage::OperationRecord> CancelOperation(const std::string& operation);
+
+  // Stops builds, whose operations stay PENDING for the next server, and ends all waiting for
+  // operations. Queries go on.
+  void Drain();
+
+ private:
+  Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options);
+  absl::Status LoadDatabases();
+  absl::Status LoadDatabase(const storage::DatabaseRecord& record);
+  absl::Status ResumeOperations();
+  absl::Status RebuildWhereNeeded();
+
+  const EngineOptions options_;
+  const std::unique_ptr<storage::MotionStore> store_;
+  OperationBook operations_;
+  SkeletonCache skeletons_;
+  Workers workers_;
+  Rebuilder rebuilder_;
+
+  // Held over creating and deleting, which may be long; mutex_ only guards the map.
+  std::mutex naming_mutex_;
+  std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<LiveDatabase>> databases_;
+};
+
+}  // namespace motiondb::server

@@ -1,0 +1,121 @@
+#include "server/engine/ingest.h"
+
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "core/format/marker_set_file.h"
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+#include "server/engine/content_hash.h"
+#include "server/engine/file_names.h"
+#include "server/engine/representation.h"
+
+namespace motiondb::server {
+namespace {
+
+// What labels a clip that came without one.
+constexpr char kNoLabel[] = "unlabelled";
+
+// Central differences need a frame on each side of somewhere.
+constexpr int kFewestFrames = 2;
+
+using SchemePointer = std::shared_ptr<const core::MarkerScheme>;
+
+absl::StatusOr<core::MotionFile> Read(const IngestFile& file) {
+  std::optional<core::SourceFile> skeleton;
+  if (!file.skeleton_file_name.empty()) {
+    skeleton = core::SourceFile{file.skeleton_file_name, file.skeleton_bytes};
+  }
+  return core::ReadMotionFile(file.format, {file.file_name, file.file_bytes}, skeleton,
+                              file.conventions);
+}
+
+std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes) {
+  std::string text = core::Describe(report);
+  for (const std::string& note : notes) text += "; " + note;
+  return text;
+}
+
+storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
+                          const core::MotionFile& source, core::StateSequence states,
+                          const std::vector<std::string>& notes) {
+  storage::NewClip clip;
+  storage::ClipRecord& record = clip.record;
+  record.database = database.name();
+  record.id = file.clip_id.empty() ? ClipIdFromFileName(file.file_name) : file.clip_id;
+  record.label = file.label.empty() ? kNoLabel : std::move(file.label);
+  record.subject = std::move(file.subject);
+  record.file_name = std::move(file.file_name);
+  record.skeleton_file_name = std::move(file.skeleton_file_name);
+  record.format = file.format;
+  record.frame_count = states.frame_count();
+  record.duration_seconds = states.frame_count() / states.frame_rate_hz;
+  record.source_frame_rate_hz = FrameRate(source.motion);
+  record.leg_length_m = states.leg_length_m;
+  record.source_report = ReportOf(source.report, notes);
+  record.content_hash = ContentHash(file.file_bytes, file.skeleton_bytes);
+  record.create_time_us = NowMicroseconds();
+  clip.id_is_fixed = !file.clip_id.empty();
+  clip.file_bytes = std::move(file.file_bytes);
+  clip.skeleton_bytes = std::move(file.skeleton_bytes);
+  clip.states = std::move(states);
+  if (const auto* joints = std::get_if<core::JointMotion>(&source.motion)) {
+    clip.skeleton = *joints->skeleton;
+  }
+  return clip;
+}
+
+}  // namespace
+
+absl::StatusOr<storage::ClipRecord> IngestClip(
+    storage::MotionStore& store, LiveDatabase& database, IngestFile file, int max_frames,
+    const core::Cancelled& cancelled,
+    const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
+  MOTIONDB_ASSIGN_OR_RETURN(const core::MotionFile source, Read(file));
+
+  // The first clip of a `source` database brings the markers; others wait until it is in.
+  std::unique_lock<std::mutex> first_clip;
+  MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
+  if (scheme == nullptr) {
+    first_clip = std::unique_lock(database.first_clip_mutex());
+    MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
+    if (scheme != nullptr) first_clip.unlock();
+  }
+  const bool brings_scheme = scheme == nullptr;
+  if (brings_scheme) {
+    MOTIONDB_ASSIGN_OR_RETURN(core::MarkerScheme own, core::SourceScheme(source.motion));
+    scheme = std::make_shared<const core::MarkerScheme>(std::move(own));
+  }
+
+  std::vector<std::string> notes;
+  const RepresentationLimits limits{database.settings().frame_rate_hz, max_frames};
+  auto states =
+      RepresentWithin(limits, *scheme, source.motion, core::Gaps::kFill, file.leg_length_m, &notes);
+  if (absl::IsInvalidArgument(states.status())) {
+    return core::InvalidArgument("{}: {}", file.file_name, std::string(states.status().message()));
+  }
+  if (!states.ok()) return states.status();
+  if (states->frame_count() < kFewestFrames) {
+    return core::InvalidArgument("{}: expected at least {} frames at {:g} Hz, got {}",
+                                 file.file_name, kFewestFrames, limits.frame_rate_hz,
+                                 states->frame_count());
+  }
+
+  storage::NewClip clip = MakeClip(database, std::move(file), source, *std::move(states), notes);
+  if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
+  if (cancelled && cancelled()) return absl::CancelledError("the client went away");
+
+  storage::ClipRecord record;
+  MOTIONDB_RETURN_IF_ERROR(database.WhileAlive([&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(record, store.AddClip(clip));
+    if (brings_scheme) database.set_scheme(scheme);
+    database.AddStored(1, record.frame_count);
+    return stored(record);
+  }));
+  return record;
+}
+
+}  // namespace motiondb::server

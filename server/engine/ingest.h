@@ -1,0 +1,39 @@
+// Takes a motion file into a database: reads it, brings it to the database's markers and stores it.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+#include "core/inference/cancellation.h"
+#include "server/engine/live_database.h"
+#include "storage/motion_store.h"
+
+namespace motiondb::server {
+
+struct IngestFile {
+  std::string file_name;           // without folders
+  std::string skeleton_file_name;  // empty where there is none
+  core::FileFormat format = core::FileFormat::kBvh;
+  std::string label;
+  std::string subject;
+  core::ReadOptions conventions;
+  std::optional<double> leg_length_m;
+  std::string clip_id;  // empty: from file_name
+  std::string file_bytes;
+  std::string skeleton_bytes;
+};
+
+// Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns
+// the clip when it is durable; on any error nothing has changed. Codes: INVALID_ARGUMENT (file,
+// line and what was expected), ALREADY_EXISTS, NOT_FOUND (the database was deleted), CANCELLED
+// (asked before anything is stored: the end of a stream whose sender died looks like the end of the
+// file), and those of the store. Thread-safe.
+absl::StatusOr<storage::ClipRecord> IngestClip(
+    storage::MotionStore& store, LiveDatabase& database, IngestFile file, int max_frames,
+    const core::Cancelled& cancelled,
+    const std::function<absl::Status(const storage::ClipRecord&)>& stored);
+
+}  // namespace motiondb::server

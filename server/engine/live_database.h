@@ -1,0 +1,75 @@
+// What the server keeps in memory of one database: its settings, its marker scheme and the model
+// that answers queries. Thread-safe. Shared: whoever works on a database holds a reference, which
+// stays valid, and says so, after the database was deleted.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/model/model.h"
+#include "core/motion/marker_set.h"
+#include "storage/records.h"
+
+namespace motiondb::server {
+
+// A model with its version and figures. Immutable; queries share it and hold on to it.
+struct Snapshot {
+  storage::ModelRecord record;
+  core::Model model;
+};
+
+// How much is stored, in the model or not.
+struct StoredAmount {
+  std::int32_t clip_count = 0;
+  std::int32_t frame_count = 0;
+};
+
+class LiveDatabase {
+ public:
+  LiveDatabase(std::string name, const core::BuildSettings& settings)
+      : name_(std::move(name)), settings_(settings) {}
+
+  const std::string& name() const { return name_; }
+  const core::BuildSettings& settings() const { return settings_; }
+
+  // The markers that motion is brought to; null in a `source` database without a clip. DATA_LOSS if
+  // the stored one could not be read.
+  absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme() const;
+  void set_scheme(absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme);
+
+  // The current model; null while there is none.
+  std::shared_ptr<const Snapshot> snapshot() const;
+  void set_snapshot(std::shared_ptr<const Snapshot> snapshot);
+
+  StoredAmount stored() const;
+  void AddStored(std::int32_t clips, std::int32_t frames);
+
+  // Runs a change of what is stored, several at a time, but none once the database is deleted:
+  // NOT_FOUND then.
+  absl::Status WhileAlive(const std::function<absl::Status()>& change);
+  // Runs the deletion itself, alone. If it succeeds, the database is deleted from then on.
+  absl::Status Retire(const std::function<absl::Status()>& deletion);
+
+  // Held while the first clip of a `source` database is on its way in, for it decides the markers.
+  std::mutex& first_clip_mutex() { return first_clip_mutex_; }
+
+ private:
+  const std::string name_;
+  const core::BuildSettings settings_;
+
+  mutable std::mutex mutex_;
+  absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme_ = nullptr;
+  std::shared_ptr<const Snapshot> snapshot_;
+  StoredAmount stored_;
+
+  std::shared_mutex life_mutex_;
+  bool deleted_ = false;
+  std::mutex first_clip_mutex_;
+};
+
+}  // namespace motiondb::server

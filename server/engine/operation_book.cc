@@ -1,0 +1,171 @@
+#include "server/engine/operation_book.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <random>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+
+namespace motiondb::server {
+namespace {
+
+using storage::OperationRecord;
+using storage::OperationState;
+
+// Ascends with time; the random part keeps two servers, or a clock set back, apart.
+std::string NewOperationId(std::int64_t now_us) {
+  thread_local std::mt19937 random{std::random_device{}()};
+  return fmt::format("{:014x}-{:08x}", now_us, random());
+}
+
+void MakePending(OperationRecord& record) {
+  record.state = OperationState::kPending;
+  record.progress = 0;
+  record.stage = "waiting";
+}
+
+}  // namespace
+
+absl::StatusOr<OperationRecord> OperationBook::Create(const std::string& database) {
+  OperationRecord record;
+  record.create_time_us = NowMicroseconds();
+  record.id = NewOperationId(record.create_time_us);
+  record.database = database;
+  return Adopt(std::move(record));
+}
+
+absl::StatusOr<OperationRecord> OperationBook::Adopt(OperationRecord record) {
+  MakePending(record);
+  record.update_time_us = NowMicroseconds();
+  MOTIONDB_RETURN_IF_ERROR(store_.PutOperation(record));
+  const std::lock_guard lock(mutex_);
+  live_[record.id].record = record;
+  return record;
+}
+
+absl::StatusOr<OperationRecord> OperationBook::Get(const std::string& id) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto live = live_.find(id); live != live_.end()) return live->second.record;
+  }
+  return store_.GetOperation(id);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> OperationBook::List(const std::string& database,
+                                                                 const std::string& before,
+                                                                 int limit) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto records, store_.ListOperations(database, before, limit));
+  const std::lock_guard lock(mutex_);
+  for (OperationRecord& record : records) {
+    if (const auto live = live_.find(record.id); live != live_.end()) record = live->second.record;
+  }
+  return records;
+}
+
+void OperationBook::Start(const std::string& id) {
+  Change(id, Durability::kStored, [](OperationRecord& record) {
+    record.state = OperationState::kRunning;
+    record.stage = "starting";
+  });
+}
+
+void OperationBook::Advance(const std::string& id, double progress, std::string_view stage) {
+  Change(id, Durability::kInMemory, [&](OperationRecord& record) {
+    record.progress = progress;
+    record.stage = stage;
+  });
+}
+
+void OperationBook::Postpone(const std::string& id) {
+  Change(id, Durability::kStored, MakePending);
+}
+
+void OperationBook::Succeed(const std::string& id, int model_version) {
+  Change(id, Durability::kStored, [&](OperationRecord& record) {
+    record.state = OperationState::kSucceeded;
+    record.progress = 1;
+    record.stage = "done";
+    record.model_version = model_version;
+  });
+}
+
+void OperationBook::Fail(const std::string& id, const absl::Status& error) {
+  Change(id, Durability::kStored, [&](OperationRecord& record) {
+    record.state = OperationState::kFailed;
+    record.error_code = static_cast<std::int32_t>(error.code());
+    record.error_message = std::string(error.message());
+  });
+}
+
+void OperationBook::Cancel(const std::string& id) {
+  Change(id, Durability::kStored,
+         [](OperationRecord& record) { record.state = OperationState::kCancelled; });
+}
+
+void OperationBook::Abandon(const std::string& id) {
+  Change(id, Durability::kInMemory,
+         [](OperationRecord& record) { record.state = OperationState::kCancelled; });
+}
+
+// Stored first, seen after: what a client was told survives the server. The changes of one
+// operation come one after another, so nothing is lost between the two.
+void OperationBook::Change(const std::string& id, Durability durability,
+                           const std::function<void(OperationRecord&)>& change) {
+  OperationRecord record;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto live = live_.find(id);
+    if (live == live_.end()) return;
+    record = live->second.record;
+  }
+  change(record);
+  record.update_time_us = NowMicroseconds();
+  absl::Status stored;
+  if (durability == Durability::kStored) stored = store_.PutOperation(record);
+  if (!stored.ok()) spdlog::error("operation {} could not be stored: {}", id, stored.ToString());
+  std::map<std::uint64_t, Watcher> watchers;
+  {
+    const std::lock_guard lock(mutex_);
+    const auto live = live_.find(id);
+    if (live == live_.end()) return;
+    live->second.record = record;
+    if (record.done()) {
+      watchers = std::exchange(live->second.watchers, {});
+      if (stored.ok()) live_.erase(live);  // else this is the only place that knows how it ended
+    }
+  }
+  for (const auto& [key, watcher] : watchers) watcher(record);
+}
+
+std::uint64_t OperationBook::Watch(const std::string& id, Watcher watcher) {
+  const std::lock_guard lock(mutex_);
+  const auto live = live_.find(id);
+  if (live == live_.end() || live->second.record.done() || released_) return 0;
+  live->second.watchers.emplace(next_key_, std::move(watcher));
+  return next_key_++;
+}
+
+void OperationBook::Unwatch(const std::string& id, std::uint64_t key) {
+  const std::lock_guard lock(mutex_);
+  if (const auto live = live_.find(id); live != live_.end()) live->second.watchers.erase(key);
+}
+
+void OperationBook::ReleaseWaiters() {
+  std::vector<std::pair<Watcher, OperationRecord>> released;
+  {
+    const std::lock_guard lock(mutex_);
+    released_ = true;
+    for (auto& [id, live] : live_) {
+      for (auto& [key, watcher] : live.watchers) {
+        released.emplace_back(std::move(watcher), live.record);
+      }
+      live.watchers.clear();
+    }
+  }
+  for (const auto& [watcher, record] : released) watcher(record);
+}
+
+}  // namespace motiondb::server

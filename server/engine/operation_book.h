@@ -1,0 +1,75 @@
+// The operations: each is a row in the store, and those not done are kept here too, with their fine
+// progress and those who wait for them. Thread-safe. Callbacks run on the thread that ends an
+// operation, without a lock held.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/motion_store.h"
+
+namespace motiondb::server {
+
+class OperationBook {
+ public:
+  using Watcher = std::function<void(const storage::OperationRecord&)>;
+
+  // The store must outlive the book.
+  explicit OperationBook(storage::MotionStore& store) : store_(store) {}
+
+  // A new PENDING operation, stored. Ids are unique over restarts and ascend with time.
+  absl::StatusOr<storage::OperationRecord> Create(const std::string& database);
+  // Takes up an operation that a former server left undone: it is PENDING again.
+  absl::StatusOr<storage::OperationRecord> Adopt(storage::OperationRecord record);
+
+  // NOT_FOUND if there is none of that id.
+  absl::StatusOr<storage::OperationRecord> Get(const std::string& id);
+  // As MotionStore::ListOperations, with the progress of those at work.
+  absl::StatusOr<std::vector<storage::OperationRecord>> List(const std::string& database,
+                                                             const std::string& before, int limit);
+
+  // PENDING -> RUNNING.
+  void Start(const std::string& id);
+  // Progress of a running one. Kept in memory only: it may be told a thousand times.
+  void Advance(const std::string& id, double progress, std::string_view stage);
+  // RUNNING -> PENDING: a later server takes it up.
+  void Postpone(const std::string& id);
+  // To a final state. `model_version` 0: no clip was left to build from.
+  void Succeed(const std::string& id, int model_version);
+  void Fail(const std::string& id, const absl::Status& error);
+  void Cancel(const std::string& id);
+  // CANCELLED, in memory only: its database is about to go, and its row with it.
+  void Abandon(const std::string& id);
+
+  // Calls `watcher` once, with the operation as it then stands, when it is done or waiting has no
+  // more sense (see ReleaseWaiters). Returns a key for Unwatch, or 0, without calling, if that is
+  // so already.
+  std::uint64_t Watch(const std::string& id, Watcher watcher);
+  void Unwatch(const std::string& id, std::uint64_t key);
+  // The server is about to stop: ends all waiting, now and from now on.
+  void ReleaseWaiters();
+
+ private:
+  struct Live {
+    storage::OperationRecord record;
+    std::map<std::uint64_t, Watcher> watchers;
+  };
+  enum class Durability { kStored, kInMemory };
+
+  void Change(const std::string& id, Durability durability,
+              const std::function<void(storage::OperationRecord&)>& change);
+
+  storage::MotionStore& store_;
+  std::mutex mutex_;
+  std::map<std::string, Live> live_;
+  std::uint64_t next_key_ = 1;
+  bool released_ = false;
+};
+
+}  // namespace motiondb::server

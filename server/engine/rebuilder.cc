@@ -1,0 +1,203 @@
+#include "server/engine/rebuilder.h"
+
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <exception>
+#include <new>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/rebuild.h"
+
+namespace motiondb::server {
+
+absl::StatusOr<storage::OperationRecord> Rebuilder::Request(
+    const std::shared_ptr<LiveDatabase>& database) {
+  const std::lock_guard lock(mutex_);
+  Queue& queue = QueueOf(database);
+  queue.last_asked = Clock::now();
+  if (!queue.waiting.empty()) {
+    Arm(queue);
+    return book_.Get(queue.waiting.back());
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(auto operation, book_.Create(database->name()));
+  queue.first_asked = queue.last_asked;
+  queue.waiting.push_back(operation.id);
+  Arm(queue);
+  return operation;
+}
+
+void Rebuilder::Resume(const std::shared_ptr<LiveDatabase>& database,
+                       const std::string& operation) {
+  const std::lock_guard lock(mutex_);
+  Queue& queue = QueueOf(database);
+  queue.waiting.push_back(operation);
+  queue.first_asked = queue.last_asked = Clock::now();
+  Arm(queue);
+}
+
+Rebuilder::Ingest::Ingest(Rebuilder& rebuilder, std::shared_ptr<LiveDatabase> database)
+    : rebuilder_(rebuilder), database_(std::move(database)) {
+  const std::lock_guard lock(rebuilder_.mutex_);
+  Queue& queue = rebuilder_.QueueOf(database_);
+  ++queue.ingests;
+  rebuilder_.Arm(queue);
+}
+
+Rebuilder::Ingest::~Ingest() {
+  const std::lock_guard lock(rebuilder_.mutex_);
+  Queue* const queue = rebuilder_.FindQueue(*database_);
+  if (queue == nullptr) return;
+  --queue->ingests;
+  queue->last_asked = Clock::now();
+  rebuilder_.Arm(*queue);
+}
+
+void Rebuilder::Cancel(const storage::OperationRecord& operation) {
+  const std::lock_guard lock(mutex_);
+  const auto found = queues_.find(operation.database);
+  if (found == queues_.end()) return;
+  Queue& queue = found->second;
+  if (const auto waiting = std::ranges::find(queue.waiting, operation.id);
+      waiting != queue.waiting.end()) {
+    queue.waiting.erase(waiting);
+    book_.Cancel(operation.id);
+    Arm(queue);
+  } else if (queue.running != nullptr && queue.running->operation == operation.id) {
+    StopReason none = StopReason::kNone;
+    queue.running->stop.compare_exchange_strong(none, StopReason::kCancelled);
+  }
+}
+
+void Rebuilder::Forget(const LiveDatabase& database) {
+  const std::lock_guard lock(mutex_);
+  Queue* const queue = FindQueue(database);
+  if (queue == nullptr) return;
+  for (const std::string& operation : queue->waiting) book_.Abandon(operation);
+  if (queue->running != nullptr) queue->running->stop = StopReason::kForgotten;
+  queues_.erase(database.name());
+}
+
+std::optional<std::string> Rebuilder::CurrentOperation(const LiveDatabase& database) {
+  const std::lock_guard lock(mutex_);
+  const Queue* const queue = FindQueue(database);
+  if (queue == nullptr) return std::nullopt;
+  if (queue->running != nullptr) return queue->running->operation;
+  if (!queue->waiting.empty()) return queue->waiting.front();
+  return std::nullopt;
+}
+
+void Rebuilder::Stop() {
+  std::unique_lock lock(mutex_);
+  stopped_ = true;
+  for (auto& [name, queue] : queues_) {
+    queue.timer.cancel();
+    if (queue.running == nullptr) continue;
+    StopReason none = StopReason::kNone;
+    queue.running->stop.compare_exchange_strong(none, StopReason::kShutdown);
+  }
+  none_runs_.wait(lock, [this] { return running_ == 0; });
+}
+
+Rebuilder::Queue& Rebuilder::QueueOf(const std::shared_ptr<LiveDatabase>& database) {
+  const auto [entry, added] =
+      queues_.try_emplace(database->name(), database, workers_.build_executor());
+  return entry->second;
+}
+
+Rebuilder::Queue* Rebuilder::FindQueue(const LiveDatabase& database) {
+  const auto found = queues_.find(database.name());
+  const bool same = found != queues_.end() && found->second.database.get() == &database;
+  return same ? &found->second : nullptr;
+}
+
+Rebuilder::Clock::time_point Rebuilder::DueTime(const Queue& queue) const {
+  const Clock::time_point latest = queue.first_asked + options_.rebuild_delay_limit;
+  if (queue.ingests > 0) return latest;
+  return std::min(latest, queue.last_asked + options_.rebuild_delay);
+}
+
+void Rebuilder::Arm(Queue& queue) {
+  if (stopped_ || queue.running != nullptr || queue.waiting.empty()) return;
+  queue.timer.expires_at(DueTime(queue));
+  queue.timer.async_wait(
+      [this, name = queue.database->name()](const boost::system::error_code& error) {
+        if (!error) OnTimer(name);
+      });
+}
+
+std::shared_ptr<Rebuilder::Build> Rebuilder::TakeDue(const std::string& database) {
+  const auto found = queues_.find(database);
+  if (stopped_ || found == queues_.end()) return nullptr;
+  Queue& queue = found->second;
+  if (queue.running != nullptr || queue.waiting.empty()) return nullptr;
+  if (Clock::now() < DueTime(queue)) return nullptr;  // the timer was set anew since
+  queue.running = std::make_shared<Build>();
+  queue.running->operation = std::move(queue.waiting.front());
+  queue.running->database = queue.database;
+  queue.waiting.pop_front();
+  return queue.running;
+}
+
+void Rebuilder::OnTimer(const std::string& database) {
+  std::shared_ptr<Build> build;
+  {
+    const std::lock_guard lock(mutex_);
+    build = TakeDue(database);
+    if (build == nullptr) return;
+    ++running_;
+    book_.Start(build->operation);
+  }
+  Run(*build);
+  Finish(build);
+}
+
+void Rebuilder::Run(Build& build) {
+  const auto progress = [&](double fraction, std::string_view stage) {
+    book_.Advance(build.operation, fraction, stage);
+    return build.stop == StopReason::kNone;
+  };
+  absl::StatusOr<int> version = 0;
+  try {
+    version = Rebuild(store_, *build.database, workers_.build_parallel(), progress);
+  } catch (const std::bad_alloc&) {
+    version = absl::ResourceExhaustedError("not enough memory to build the model");
+  } catch (const std::exception& error) {
+    version = absl::InternalError(error.what());
+  }
+  EndOperation(build, version);
+}
+
+void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<int>& version) {
+  const std::string& name = build.database->name();
+  if (version.ok()) {
+    book_.Succeed(build.operation, *version);
+    spdlog::info("database '{}': model {} is current", name, *version);
+    return;
+  }
+  switch (build.stop) {
+    case StopReason::kForgotten:
+      return book_.Abandon(build.operation);
+    case StopReason::kShutdown:
+      return book_.Postpone(build.operation);
+    case StopReason::kCancelled:
+      spdlog::info("database '{}': the rebuild was cancelled", name);
+      return book_.Cancel(build.operation);
+    case StopReason::kNone:
+      if (absl::IsNotFound(version.status())) return book_.Abandon(build.operation);
+      spdlog::error("database '{}': the rebuild failed: {}", name, version.status().ToString());
+      return book_.Fail(build.operation, version.status());
+  }
+}
+
+void Rebuilder::Finish(const std::shared_ptr<Build>& build) {
+  const std::lock_guard lock(mutex_);
+  if (Queue* const queue = FindQueue(*build->database)) {
+    queue->running = nullptr;
+    Arm(*queue);
+  }
+  if (--running_ == 0) none_runs_.notify_all();
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,113 @@
+// Decides when a database's model is rebuilt, and runs the builds. Thread-safe.
+//
+// A rebuild is an operation. It is asked for with each change of the clips and stays PENDING until
+// no ingest of its database is in flight and none has come for a while; whoever asks meanwhile is
+// given the same operation, so a burst of ingests costs one build. Whoever asks while a build runs
+// gets the operation that follows it. A database has one build at a time, the server as many as it
+// has build threads.
+#pragma once
+
+#include <atomic>
+#include <boost/asio/steady_timer.hpp>
+#include <chrono>
+#include <condition_variable>
+#include <deque>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "server/engine/live_database.h"
+#include "server/engine/operation_book.h"
+#include "server/engine/workers.h"
+
+namespace motiondb::server {
+
+class Rebuilder {
+ public:
+  // All must outlive the rebuilder.
+  Rebuilder(storage::MotionStore& store, OperationBook& book, Workers& workers,
+            const EngineOptions& options)
+      : store_(store), book_(book), workers_(workers), options_(options) {}
+  ~Rebuilder() { Stop(); }
+
+  // The operation that will rebuild the model from the clips there are by now, at least.
+  // REQUIRES here, and where an Ingest begins: within LiveDatabase::WhileAlive.
+  absl::StatusOr<storage::OperationRecord> Request(const std::shared_ptr<LiveDatabase>& database);
+  // Takes up an operation of a former server, which OperationBook::Adopt made PENDING.
+  void Resume(const std::shared_ptr<LiveDatabase>& database, const std::string& operation);
+
+  // Counts an ingest as in flight for as long as it lives.
+  class Ingest {
+   public:
+    Ingest(Rebuilder& rebuilder, std::shared_ptr<LiveDatabase> database);
+    ~Ingest();
+    Ingest(const Ingest&) = delete;
+    Ingest& operator=(const Ingest&) = delete;
+
+   private:
+    Rebuilder& rebuilder_;
+    const std::shared_ptr<LiveDatabase> database_;
+  };
+
+  // Asks an operation to stop: a waiting one is CANCELLED at once, one at work soon. The clips
+  // stay; the next change, or the next start of the server, rebuilds.
+  void Cancel(const storage::OperationRecord& operation);
+  // The database was deleted: its operations end, and its build stops without storing anything.
+  // REQUIRES: within LiveDatabase::Retire.
+  void Forget(const LiveDatabase& database);
+  // The operation that waits or works for a database, if there is one.
+  std::optional<std::string> CurrentOperation(const LiveDatabase& database);
+  // Starts nothing more and stops what runs, whose operations are PENDING again; returns when
+  // nothing runs.
+  void Stop();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  enum class StopReason { kNone, kCancelled, kForgotten, kShutdown };
+
+  struct Build {
+    std::string operation;
+    std::shared_ptr<LiveDatabase> database;
+    std::atomic<StopReason> stop{StopReason::kNone};
+  };
+
+  // What one database waits for.
+  struct Queue {
+    Queue(std::shared_ptr<LiveDatabase> for_database, const Workers::Executor& executor)
+        : database(std::move(for_database)), timer(executor) {}
+    std::shared_ptr<LiveDatabase> database;
+    std::deque<std::string> waiting;  // more than one only after a restart
+    Clock::time_point first_asked;
+    Clock::time_point last_asked;
+    int ingests = 0;
+    std::shared_ptr<Build> running;
+    boost::asio::steady_timer timer;
+  };
+
+  // All with mutex_ held.
+  Queue& QueueOf(const std::shared_ptr<LiveDatabase>& database);
+  Queue* FindQueue(const LiveDatabase& database);
+  Clock::time_point DueTime(const Queue& queue) const;
+  void Arm(Queue& queue);
+  std::shared_ptr<Build> TakeDue(const std::string& database);
+
+  void OnTimer(const std::string& database);
+  void Run(Build& build);
+  void Finish(const std::shared_ptr<Build>& build);
+  void EndOperation(const Build& build, const absl::StatusOr<int>& version);
+
+  storage::MotionStore& store_;
+  OperationBook& book_;
+  Workers& workers_;
+  const EngineOptions options_;
+
+  std::mutex mutex_;
+  std::condition_variable none_runs_;
+  std::map<std::string, Queue> queues_;
+  int running_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace motiondb::server

@@ -1,0 +1,62 @@
+#include "server/engine/shared_loop.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+
+namespace motiondb::server {
+namespace {
+
+// Outlives the call for helpers that come late; they find no index left and do not touch the body.
+class SharedLoop {
+ public:
+  SharedLoop(int count, const std::function<void(int)>& body) : count_(count), body_(body) {}
+
+  void Work() {
+    int done = 0;
+    for (int i = next_.fetch_add(1); i < count_; i = next_.fetch_add(1)) {
+      try {
+        body_(i);
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
+      }
+      ++done;
+    }
+    if (done == 0) return;
+    const std::lock_guard lock(mutex_);
+    done_ += done;
+    if (done_ == count_) all_done_.notify_all();
+  }
+
+  void Wait() {
+    std::unique_lock lock(mutex_);
+    all_done_.wait(lock, [this] { return done_ == count_; });
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  const int count_;
+  const std::function<void(int)>& body_;
+  std::atomic<int> next_{0};
+  std::mutex mutex_;
+  std::condition_variable all_done_;
+  int done_ = 0;
+  std::exception_ptr failure_;
+};
+
+}  // namespace
+
+void RunSharedLoop(int count, const std::function<void(int)>& body, int helpers,
+                   const std::function<void(std::function<void()>)>& post) {
+  if (count <= 0) return;
+  const auto loop = std::make_shared<SharedLoop>(count, body);
+  for (int i = 0; i < std::min(helpers, count - 1); ++i) post([loop] { loop->Work(); });
+  loop->Work();
+  loop->Wait();
+}
+
+}  // namespace motiondb::server

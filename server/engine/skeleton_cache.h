@@ -1,0 +1,34 @@
+// The skeletons that observations refer to, kept in memory once read. Thread-safe.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <utility>
+
+#include "absl/status/statusor.h"
+#include "core/motion/skeleton.h"
+#include "storage/motion_store.h"
+
+namespace motiondb::server {
+
+class SkeletonCache {
+ public:
+  // The store must outlive the cache.
+  explicit SkeletonCache(storage::MotionStore& store) : store_(store) {}
+
+  // NOT_FOUND.
+  absl::StatusOr<std::shared_ptr<const core::Skeleton>> Get(const std::string& database,
+                                                            const std::string& skeleton);
+  // Drops all: a clip or database was deleted, and skeletons may have gone with it.
+  void Clear();
+
+ private:
+  storage::MotionStore& store_;
+  std::mutex mutex_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const core::Skeleton>> skeletons_;
+  int clear_count_ = 0;
+};
+
+}  // namespace motiondb::server

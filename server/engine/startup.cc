@@ -1,0 +1,101 @@
+// What Engine::Open does: the stored models come back, and what was left undone goes on.
+#include <spdlog/spdlog.h>
+
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/clip_list.h"
+#include "server/engine/engine.h"
+
+namespace motiondb::server {
+namespace {
+
+// The current model with its record; null if there is none, or none that can be read.
+std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
+                                             const std::string& database) {
+  auto model = store.ReadModel(database);
+  if (absl::IsNotFound(model.status())) return nullptr;
+  auto newest = store.ListModels(database, 0, 1);
+  const absl::Status status = model.ok() ? newest.status() : model.status();
+  if (!status.ok() || newest->empty()) {
+    spdlog::error("database '{}': its model cannot be read and is built anew: {}", database,
+                  status.ToString());
+    return nullptr;
+  }
+  return std::make_shared<const Snapshot>(Snapshot{newest->front(), *std::move(model)});
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::MotionStore> store,
+                                                     const EngineOptions& options) {
+  std::unique_ptr<Engine> engine(new Engine(std::move(store), options));
+  MOTIONDB_RETURN_IF_ERROR(engine->LoadDatabases());
+  MOTIONDB_RETURN_IF_ERROR(engine->ResumeOperations());
+  MOTIONDB_RETURN_IF_ERROR(engine->RebuildWhereNeeded());
+  return engine;
+}
+
+absl::Status Engine::LoadDatabases() {
+  storage::Page page;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListDatabases(page));
+    for (const auto& record : records) MOTIONDB_RETURN_IF_ERROR(LoadDatabase(record));
+    if (static_cast<int>(records.size()) < page.limit) return absl::OkStatus();
+    page.after = records.back().name;
+  }
+}
+
+absl::Status Engine::LoadDatabase(const storage::DatabaseRecord& record) {
+  auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
+  auto scheme = StoredScheme(record);
+  if (!scheme.ok()) spdlog::error("{}", scheme.status().ToString());
+  live->set_scheme(std::move(scheme));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
+  for (const auto& clip : clips) live->AddStored(1, clip.frame_count);
+  live->set_snapshot(ReadSnapshot(*store_, record.name));
+  const auto snapshot = live->snapshot();
+  spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
+               snapshot == nullptr ? 0 : snapshot->record.version);
+  databases_[record.name] = std::move(live);
+  return absl::OkStatus();
+}
+
+absl::Status Engine::ResumeOperations() {
+  constexpr int kLimit = 1000;
+  std::vector<storage::OperationRecord> undone;  // newest first
+  std::string before;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListOperations("", before, kLimit));
+    for (const auto& record : records) {
+      if (!record.done()) undone.push_back(record);
+    }
+    if (static_cast<int>(records.size()) < kLimit) break;
+    before = records.back().id;
+  }
+  for (auto record = undone.rbegin(); record != undone.rend(); ++record) {
+    const auto live = FindDatabase(record->database);
+    if (!live.ok()) continue;
+    MOTIONDB_ASSIGN_OR_RETURN(const auto operation, operations_.Adopt(*record));
+    spdlog::info("database '{}': operation {} goes on", operation.database, operation.id);
+    rebuilder_.Resume(*live, operation.id);
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Engine::RebuildWhereNeeded() {
+  // A copy: an operation that was resumed may be at work on the databases already.
+  const auto databases = databases_;
+  for (const auto& [name, live] : databases) {
+    if (rebuilder_.CurrentOperation(*live)) continue;
+    MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, name));
+    const auto snapshot = live->snapshot();
+    const bool current = snapshot == nullptr ? clips.empty() : IsBuiltFrom(*snapshot, clips);
+    if (current) continue;
+    spdlog::info("database '{}': its model is not of its clips and is built anew", name);
+    MOTIONDB_RETURN_IF_ERROR(rebuilder_.Request(live).status());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,46 @@
+#include "server/engine/workers.h"
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <thread>
+#include <utility>
+
+#include "server/engine/shared_loop.h"
+
+namespace motiondb::server {
+namespace {
+
+int MachineThreads() { return std::max(1, static_cast<int>(std::thread::hardware_concurrency())); }
+
+int RequestThreads(const EngineOptions& options) {
+  return options.query_threads > 0 ? options.query_threads : MachineThreads();
+}
+
+int BuildThreads(const EngineOptions& options) {
+  return options.build_threads > 0 ? options.build_threads : std::max(1, MachineThreads() / 2);
+}
+
+}  // namespace
+
+Workers::Workers(const EngineOptions& options)
+    : build_threads_(BuildThreads(options)),
+      requests_(static_cast<std::size_t>(RequestThreads(options))),
+      builds_(static_cast<std::size_t>(build_threads_)) {}
+
+Workers::~Workers() { Join(); }
+
+void Workers::Post(std::function<void()> work) { boost::asio::post(requests_, std::move(work)); }
+
+core::ParallelFor Workers::build_parallel() {
+  return [this](int count, const std::function<void(int)>& body) {
+    RunSharedLoop(count, body, build_threads_ - 1,
+                  [this](std::function<void()> help) { boost::asio::post(builds_, help); });
+  };
+}
+
+void Workers::Join() {
+  requests_.join();
+  builds_.join();
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,39 @@
+// The threads that do the work: one pool for requests, one for building models, so that a build
+// never takes the last core from queries. Thread-safe.
+#pragma once
+
+#include <boost/asio/thread_pool.hpp>
+#include <functional>
+
+#include "core/tree/parallel.h"
+#include "server/engine/options.h"
+
+namespace motiondb::server {
+
+class Workers {
+ public:
+  using Executor = boost::asio::thread_pool::executor_type;
+
+  explicit Workers(const EngineOptions& options);
+  ~Workers();
+
+  // Runs a piece of work, which must not throw, on a request thread.
+  void Post(std::function<void()> work);
+
+  Executor request_executor() { return requests_.get_executor(); }
+  Executor build_executor() { return builds_.get_executor(); }
+
+  // Lends the build pool's threads. The calling thread works too, so a loop ends even where every
+  // other thread is taken, and loops may be nested.
+  core::ParallelFor build_parallel();
+
+  // Returns when all work is done. Nothing may be posted afterwards.
+  void Join();
+
+ private:
+  const int build_threads_;
+  boost::asio::thread_pool requests_;
+  boost::asio::thread_pool builds_;
+};
+
+}  // namespace motiondb::server

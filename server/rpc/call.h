@@ -1,0 +1,43 @@
+// How a unary call is answered: on a request thread, never on one of gRPC's.
+#pragma once
+
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/server_callback.h>
+
+#include <functional>
+
+#include "absl/status/status.h"
+#include "core/inference/cancellation.h"
+#include "server/engine/engine.h"
+
+namespace motiondb::server {
+
+// What a handler may use besides the request.
+struct Call {
+  Engine& engine;
+  core::Cancelled cancelled;  // the deadline passed or the client went away
+};
+
+core::Cancelled CancellationOf(grpc::CallbackServerContext& context);
+
+// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL. Logs
+// what is the server's own fault. CANCELLED, without running the handler, where nobody waits any
+// more.
+grpc::Status RunHandler(const core::Cancelled& cancelled,
+                        const std::function<absl::Status()>& handler);
+
+// Answers with kHandler(call, request, response), run on a request thread. gRPC keeps context,
+// request and response until the call is finished.
+template <auto kHandler, typename Request, typename Response>
+grpc::ServerUnaryReactor* Answer(Engine& engine, grpc::CallbackServerContext* context,
+                                 const Request* request, Response* response) {
+  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
+  engine.workers().Post([&engine, context, request, response, reactor] {
+    const Call call{engine, CancellationOf(*context)};
+    reactor->Finish(
+        RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); }));
+  });
+  return reactor;
+}
+
+}  // namespace motiondb::server

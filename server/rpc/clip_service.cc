@@ -1,0 +1,165 @@
+#include <algorithm>
+#include <memory>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "server/rpc/call.h"
+#include "server/rpc/ingest_reactor.h"
+#include "server/rpc/services.h"
+#include "server/rpc/stream_reactor.h"
+#include "server/translate/clip_message.h"
+#include "server/translate/operation_message.h"
+#include "server/translate/page.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+
+absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
+                     v1::GetClipResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetClip(id.database, id.id));
+  SetClip(record, *response.mutable_clip());
+  return absl::OkStatus();
+}
+
+absl::Status ListClips(const Call& call, const v1::ListClipsRequest& request,
+                       v1::ListClipsResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
+  const std::string scope = ClipName(id, "");
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
+  MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
+                            call.engine.store().ListClips(id, {after, size + 1}));
+  response.set_next_page_token(FillPageFrom(records, size, scope, *response.mutable_clips(),
+                                            SetClip, [](const auto& record) { return record.id; }));
+  return absl::OkStatus();
+}
+
+absl::Status DeleteClip(const Call& call, const v1::DeleteClipRequest& request,
+                        v1::DeleteClipResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto operation, call.engine.DeleteClip(id.database, id.id));
+  SetOperation(operation, *response.mutable_operation());
+  return absl::OkStatus();
+}
+
+absl::Status GetSkeleton(const Call& call, const v1::GetSkeletonRequest& request,
+                         v1::GetSkeletonResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseSkeletonName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(auto skeleton, call.engine.store().GetSkeleton(id.database, id.id));
+  SetSkeleton(id.database, {id.id, std::move(skeleton)}, *response.mutable_skeleton());
+  return absl::OkStatus();
+}
+
+absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& request,
+                           v1::ListSkeletonsResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
+  const std::string scope = SkeletonName(id, "");
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
+  MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
+                            call.engine.store().ListSkeletons(id, {after, size + 1}));
+  const auto make = [&](const storage::SkeletonRecord& record, v1::Skeleton& to) {
+    SetSkeleton(id, record, to);
+  };
+  response.set_next_page_token(FillPageFrom(records, size, scope, *response.mutable_skeletons(),
+                                            make, [](const auto& record) { return record.id; }));
+  return absl::OkStatus();
+}
+
+// Moves the next block of `bytes` from `begin` on into the message; false where none is left.
+bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block) {
+  if (begin == bytes.size()) return false;
+  block.assign(bytes, begin, kBlockBytes);
+  begin += block.size();
+  return true;
+}
+
+absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(const Call& call,
+                                                               const std::string& name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", name));
+  MOTIONDB_ASSIGN_OR_RETURN(auto record, call.engine.store().GetClip(id.database, id.id));
+  MOTIONDB_ASSIGN_OR_RETURN(auto source, call.engine.store().ReadClipSource(id.database, id.id));
+  struct State {
+    storage::ClipRecord record;
+    storage::ClipSource source;
+    bool began = false;
+    std::size_t file_begin = 0;
+    std::size_t skeleton_begin = 0;
+  };
+  auto state = std::make_shared<State>(State{std::move(record), std::move(source)});
+  return [state](v1::ExportClipResponse& message) -> absl::StatusOr<bool> {
+    if (!std::exchange(state->began, true)) {
+      SetClip(state->record, *message.mutable_header()->mutable_clip());
+      message.mutable_header()->set_skeleton_file_name(state->record.skeleton_file_name);
+      return true;
+    }
+    std::string block;
+    if (TakeBlock(state->source.file_bytes, state->file_begin, block)) {
+      message.set_file_block(std::move(block));
+      return true;
+    }
+    if (TakeBlock(state->source.skeleton_bytes, state->skeleton_begin, block)) {
+      message.set_skeleton_block(std::move(block));
+      return true;
+    }
+    return false;
+  };
+}
+
+class ClipServiceImpl final : public v1::ClipService::CallbackService {
+ public:
+  explicit ClipServiceImpl(Engine& engine) : engine_(engine) {}
+
+  grpc::ServerReadReactor<v1::IngestClipRequest>* IngestClip(
+      grpc::CallbackServerContext* context, v1::IngestClipResponse* response) override {
+    return NewIngestReactor(engine_, *context, *response);
+  }
+  grpc::ServerUnaryReactor* GetClip(grpc::CallbackServerContext* context,
+                                    const v1::GetClipRequest* request,
+                                    v1::GetClipResponse* response) override {
+    return Answer<server::GetClip>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListClips(grpc::CallbackServerContext* context,
+                                      const v1::ListClipsRequest* request,
+                                      v1::ListClipsResponse* response) override {
+    return Answer<server::ListClips>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* DeleteClip(grpc::CallbackServerContext* context,
+                                       const v1::DeleteClipRequest* request,
+                                       v1::DeleteClipResponse* response) override {
+    return Answer<server::DeleteClip>(engine_, context, request, response);
+  }
+  grpc::ServerWriteReactor<v1::ExportClipResponse>* ExportClip(
+      grpc::CallbackServerContext* context, const v1::ExportClipRequest* request) override {
+    return new StreamReactor<v1::ExportClipResponse>(engine_, context, [request](const Call& call) {
+      return OpenExport(call, request->name());
+    });
+  }
+  grpc::ServerUnaryReactor* GetSkeleton(grpc::CallbackServerContext* context,
+                                        const v1::GetSkeletonRequest* request,
+                                        v1::GetSkeletonResponse* response) override {
+    return Answer<server::GetSkeleton>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListSkeletons(grpc::CallbackServerContext* context,
+                                          const v1::ListSkeletonsRequest* request,
+                                          v1::ListSkeletonsResponse* response) override {
+    return Answer<server::ListSkeletons>(engine_, context, request, response);
+  }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> MakeClipService(Engine& engine) {
+  return std::make_unique<ClipServiceImpl>(engine);
+}
+
+}  // namespace motiondb::server

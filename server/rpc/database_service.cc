@@ -1,0 +1,107 @@
+#include "core/motion/error.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "server/rpc/call.h"
+#include "server/rpc/services.h"
+#include "server/translate/database_message.h"
+#include "server/translate/page.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr char kScope[] = "databases";
+
+absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& request,
+                            v1::CreateDatabaseResponse& response) {
+  MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", request.database_id()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto settings, SettingsFrom(request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto marker_set, MarkerSetFrom(request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto record, call.engine.CreateDatabase(request.database_id(), settings, marker_set));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(record.name));
+  SetDatabase(record, *live, *response.mutable_database());
+  return absl::OkStatus();
+}
+
+absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request,
+                         v1::GetDatabaseResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetDatabase(id));
+  SetDatabase(record, *live, *response.mutable_database());
+  return absl::OkStatus();
+}
+
+absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& request,
+                           v1::ListDatabasesResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(kScope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
+                            call.engine.store().ListDatabases({after, size + 1}));
+  const auto make = [&](const storage::DatabaseRecord& record, v1::Database& to) {
+    if (const auto live = call.engine.FindDatabase(record.name); live.ok()) {
+      SetDatabase(record, **live, to);
+    } else {  // deleted since it was listed: its settings alone
+      SetDatabase(record, LiveDatabase(record.name, record.settings), to);
+    }
+  };
+  response.set_next_page_token(FillPageFrom(records, size, kScope, *response.mutable_databases(),
+                                            make, [](const auto& record) { return record.name; }));
+  return absl::OkStatus();
+}
+
+absl::Status DeleteDatabase(const Call& call, const v1::DeleteDatabaseRequest& request,
+                            v1::DeleteDatabaseResponse&) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  return call.engine.DeleteDatabase(id);
+}
+
+absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseRequest& request,
+                              v1::DescribeDatabaseResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  SetDescription(*live, live->snapshot().get(), response);
+  return absl::OkStatus();
+}
+
+class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
+ public:
+  explicit DatabaseServiceImpl(Engine& engine) : engine_(engine) {}
+
+  grpc::ServerUnaryReactor* CreateDatabase(grpc::CallbackServerContext* context,
+                                           const v1::CreateDatabaseRequest* request,
+                                           v1::CreateDatabaseResponse* response) override {
+    return Answer<server::CreateDatabase>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* GetDatabase(grpc::CallbackServerContext* context,
+                                        const v1::GetDatabaseRequest* request,
+                                        v1::GetDatabaseResponse* response) override {
+    return Answer<server::GetDatabase>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListDatabases(grpc::CallbackServerContext* context,
+                                          const v1::ListDatabasesRequest* request,
+                                          v1::ListDatabasesResponse* response) override {
+    return Answer<server::ListDatabases>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* DeleteDatabase(grpc::CallbackServerContext* context,
+                                           const v1::DeleteDatabaseRequest* request,
+                                           v1::DeleteDatabaseResponse* response) override {
+    return Answer<server::DeleteDatabase>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* DescribeDatabase(grpc::CallbackServerContext* context,
+                                             const v1::DescribeDatabaseRequest* request,
+                                             v1::DescribeDatabaseResponse* response) override {
+    return Answer<server::DescribeDatabase>(engine_, context, request, response);
+  }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> MakeDatabaseService(Engine& engine) {
+  return std::make_unique<DatabaseServiceImpl>(engine);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,79 @@
+#include "server/rpc/ingest_reactor.h"
+
+#include <memory>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/clip.pb.h"
+#include "server/rpc/call.h"
+#include "server/translate/clip_message.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/ingest_stream.h"
+#include "server/translate/operation_message.h"
+
+namespace motiondb::server {
+namespace {
+
+class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest> {
+ public:
+  IngestReactor(Engine& engine, grpc::CallbackServerContext& context,
+                v1::IngestClipResponse& response)
+      : engine_(engine),
+        cancelled_(CancellationOf(context)),
+        response_(response),
+        stream_(engine.options().max_file_bytes) {
+    StartRead(&message_);
+  }
+
+  void OnReadDone(bool ok) override {
+    if (!ok) {
+      engine_.workers().Post(
+          [this] { Finish(RunHandler(cancelled_, [this] { return Store(); })); });
+    } else if (database_ == nullptr) {
+      engine_.workers().Post([this] { Take([this] { return Begin(); }); });
+    } else {
+      Take([this] { return stream_.Take(message_); });
+    }
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void Take(const std::function<absl::Status()>& take) {
+    grpc::Status status = RunHandler(cancelled_, take);
+    if (!status.ok()) return Finish(std::move(status));
+    StartRead(&message_);
+  }
+
+  absl::Status Begin() {
+    MOTIONDB_RETURN_IF_ERROR(stream_.Take(message_));
+    MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
+    MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
+    return absl::OkStatus();
+  }
+
+  absl::Status Store() {
+    MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
+    auto ingested = engine_.Ingest(database_, std::move(file), cancelled_);
+    if (!ingested.ok()) return AtField("file_block", ingested.status());
+    SetClip(ingested->clip, *response_.mutable_clip());
+    SetOperation(ingested->operation, *response_.mutable_operation());
+    in_flight_.reset();
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  const core::Cancelled cancelled_;
+  v1::IngestClipResponse& response_;
+  v1::IngestClipRequest message_;
+  IngestStream stream_;
+  std::shared_ptr<LiveDatabase> database_;
+  std::unique_ptr<Rebuilder::Ingest> in_flight_;
+};
+
+}  // namespace
+
+grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
+    Engine& engine, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
+  return new IngestReactor(engine, context, response);
+}
+
+}  // namespace motiondb::server

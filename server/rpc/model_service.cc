@@ -1,0 +1,194 @@
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/model.grpc.pb.h"
+#include "server/rpc/call.h"
+#include "server/rpc/services.h"
+#include "server/rpc/stream_reactor.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/model_message.h"
+#include "server/translate/model_page.h"
+#include "server/translate/page.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+using SnapshotPointer = std::shared_ptr<const Snapshot>;
+
+// The current model, by that name or its version: the only one that can be read.
+absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
+  MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot, call.engine.CurrentModel(*live));
+  const int current = snapshot->record.version;
+  if (id.version == 0 || id.version == current) return snapshot;
+  MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
+  return core::FailedPrecondition(
+      "of model {} of database '{}' only the figures are kept; model {} took its place: read {}",
+      id.version, id.database, current, ModelName(id.database, current));
+}
+
+absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,
+                      v1::GetModelResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(ModelId id, ParseModelName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
+  SnapshotPointer snapshot = live->snapshot();
+  if (id.version == 0) {
+    MOTIONDB_ASSIGN_OR_RETURN(snapshot, call.engine.CurrentModel(*live));
+    id.version = snapshot->record.version;
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
+                            call.engine.store().GetModel(id.database, id.version));
+  SetModel(record, live->settings(), snapshot.get(), *response.mutable_model());
+  return absl::OkStatus();
+}
+
+absl::Status ListModels(const Call& call, const v1::ListModelsRequest& request,
+                        v1::ListModelsResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
+  const std::string scope = fmt::format("{}/models", DatabaseName(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string token, DecodePageToken(scope, request.page_token()));
+  int before = 0;
+  std::from_chars(token.data(), token.data() + token.size(), before);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
+                            call.engine.store().ListModels(id, before, size + 1));
+  const SnapshotPointer snapshot = live->snapshot();
+  const auto make = [&](const storage::ModelRecord& record, v1::Model& to) {
+    SetModel(record, live->settings(), snapshot.get(), to);
+  };
+  response.set_next_page_token(
+      FillPageFrom(records, size, scope, *response.mutable_models(), make,
+                   [](const auto& record) { return std::to_string(record.version); }));
+  return absl::OkStatus();
+}
+
+absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
+                       v1::ListNodesResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 400));
+  const std::string scope =
+      fmt::format("{}/models/nodes of layer {}", DatabaseName(id.database), request.layer());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, PinnedTo(position, id)));
+  MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
+  const core::Model& model = snapshot->model;
+  const auto layer = model.ResolveLayer(request.layer());
+  if (!layer.ok()) return AtField("layer", layer.status());
+
+  const int count = model.tree().node_count(*layer) - position.index;
+  const int taken = FillPage(count, size, *response.mutable_nodes(), [&](int i, v1::Node& node) {
+    SetNode(model, *layer, position.index + i, node);
+  });
+  if (taken < count) {
+    response.set_next_page_token(
+        EncodeModelPosition(scope, {snapshot->record.version, position.index + taken}));
+  }
+  return absl::OkStatus();
+}
+
+// Index of the clip that a request for transitions names; -1 for the global graph.
+absl::StatusOr<int> ClipIndex(const std::string& name, const ModelId& id,
+                              const Snapshot& snapshot) {
+  if (name.empty()) return -1;
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId clip, ParseClipName("clip", name));
+  if (clip.database != id.database) {
+    return FieldViolation("clip", "expected a clip of databases/{}, got '{}'", id.database, name);
+  }
+  const auto& clips = snapshot.model.clips();
+  const auto found = std::ranges::find(clips, clip.id, &core::ModelClip::id);
+  if (found == clips.end()) {
+    return core::NotFound("clip '{}' is not in model {} of database '{}'", clip.id,
+                          snapshot.record.version, id.database);
+  }
+  return static_cast<int>(found - clips.begin());
+}
+
+absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest& request,
+                             v1::ListTransitionsResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("parent", request.parent()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 1000, 10'000));
+  const std::string scope = fmt::format("{}/models/transitions of layer {} of '{}'",
+                                        DatabaseName(id.database), request.layer(), request.clip());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, PinnedTo(position, id)));
+  MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
+  const core::Model& model = snapshot->model;
+  const auto layer = model.ResolveLayer(request.layer());
+  if (!layer.ok()) return AtField("layer", layer.status());
+  MOTIONDB_ASSIGN_OR_RETURN(const int clip, ClipIndex(request.clip(), id, *snapshot));
+
+  const TransitionList transitions(model, *layer, clip);
+  const int count = transitions.edge_count() - position.index;
+  const int taken = FillPage(
+      count, size, *response.mutable_transitions(),
+      [&](int i, v1::Transition& to) { transitions.SetTransition(position.index + i, to); });
+  if (taken < count) {
+    response.set_next_page_token(
+        EncodeModelPosition(scope, {snapshot->record.version, position.index + taken}));
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(const Call& call,
+                                                               const std::string& name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", name));
+  MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, FindReadable(call, id));
+  // A frame is its state and its node, which takes at most five bytes.
+  const int frame_bytes = 4 * static_cast<int>(snapshot->model.states().cols()) + 5;
+  const int block_frames = std::max(1, (1 << 20) / frame_bytes);
+  return [snapshot, block_frames,
+          next = 0](v1::ReadStatesResponse& message) mutable -> absl::StatusOr<bool> {
+    const int end = std::min(snapshot->model.frame_count(), next + block_frames);
+    if (next == end) return false;
+    SetStates(snapshot->model, next, end, message);
+    next = end;
+    return true;
+  };
+}
+
+class ModelServiceImpl final : public v1::ModelService::CallbackService {
+ public:
+  explicit ModelServiceImpl(Engine& engine) : engine_(engine) {}
+
+  grpc::ServerUnaryReactor* GetModel(grpc::CallbackServerContext* context,
+                                     const v1::GetModelRequest* request,
+                                     v1::GetModelResponse* response) override {
+    return Answer<server::GetModel>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListModels(grpc::CallbackServerContext* context,
+                                       const v1::ListModelsRequest* request,
+                                       v1::ListModelsResponse* response) override {
+    return Answer<server::ListModels>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListNodes(grpc::CallbackServerContext* context,
+                                      const v1::ListNodesRequest* request,
+                                      v1::ListNodesResponse* response) override {
+    return Answer<server::ListNodes>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ListTransitions(grpc::CallbackServerContext* context,
+                                            const v1::ListTransitionsRequest* request,
+                                            v1::ListTransitionsResponse* response) override {
+    return Answer<server::ListTransitions>(engine_, context, request, response);
+  }
+  grpc::ServerWriteReactor<v1::ReadStatesResponse>* ReadStates(
+      grpc::CallbackServerContext* context, const v1::ReadStatesRequest* request) override {
+    return new StreamReactor<v1::ReadStatesResponse>(engine_, context, [request](const Call& call) {
+      return OpenStates(call, request->name());
+    });
+  }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> MakeModelService(Engine& engine) {
+  return std::make_unique<ModelServiceImpl>(engine);
+}
+
+}  // namespace motiondb::server

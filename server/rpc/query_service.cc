@@ -1,0 +1,129 @@
+#include "core/motion/error.h"
+#include "motiondb/v1/query.grpc.pb.h"
+#include "server/engine/prediction_series.h"
+#include "server/rpc/call.h"
+#include "server/rpc/services.h"
+#include "server/rpc/stream_reactor.h"
+#include "server/translate/numbers.h"
+#include "server/translate/observation.h"
+#include "server/translate/query_message.h"
+#include "server/translate/query_options.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+// What a query is asked of: the model that is current when it begins, to its end.
+struct Subject {
+  std::shared_ptr<LiveDatabase> database;
+  std::shared_ptr<const Snapshot> snapshot;
+};
+
+absl::StatusOr<Subject> FindSubject(const Call& call, std::string_view field,
+                                    const std::string& name) {
+  Subject subject;
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName(field, name));
+  MOTIONDB_ASSIGN_OR_RETURN(subject.database, call.engine.FindDatabase(id));
+  MOTIONDB_ASSIGN_OR_RETURN(subject.snapshot, call.engine.CurrentModel(*subject.database));
+  return subject;
+}
+
+absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
+                       v1::RecognizeResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
+                            FindSubject(call, "database", request.database()));
+  const core::Model& model = subject.snapshot->model;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
+                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
+                            core::Recognize(model, states, options, call.cancelled));
+  SetRecognition(windows, subject.database->name(), model, request.top_count(), response);
+  return absl::OkStatus();
+}
+
+absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
+                      v1::EstimateResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
+                            FindSubject(call, "database", request.database()));
+  const core::Model& model = subject.snapshot->model;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
+                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto estimation,
+                            core::Estimate(model, states, options, call.cancelled));
+  SetEstimation(estimation, model, response);
+  return absl::OkStatus();
+}
+
+absl::Status Predict(const Call& call, const v1::PredictRequest& request,
+                     v1::PredictResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
+                            FindSubject(call, "database", request.database()));
+  const core::Model& model = subject.snapshot->model;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("", request, model));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
+                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto prediction,
+                            core::Predict(model, states, options, call.cancelled));
+  SetPrediction(prediction, subject.database->name(), model, response);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
+    const Call& call, const v1::PredictSeriesRequest& request) {
+  const v1::PredictRequest& first = request.prediction();
+  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
+                            FindSubject(call, "prediction.database", first.database()));
+  const core::Model& model = subject.snapshot->model;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("prediction.", first, model));
+  MOTIONDB_ASSIGN_OR_RETURN(const double every, Positive("every_seconds", request.every_seconds()));
+  MOTIONDB_ASSIGN_OR_RETURN(auto states, StatesFrom("prediction.observation", first.observation(),
+                                                    call.engine, *subject.database));
+  const auto series =
+      std::make_shared<PredictionSeries>(subject.snapshot, std::move(states), options, every);
+  return [series, name = subject.database->name(),
+          cancelled = call.cancelled](v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, series->Next(cancelled));
+    if (!prediction.has_value()) return false;
+    SetPrediction(*prediction, name, series->model(), *message.mutable_prediction());
+    return true;
+  };
+}
+
+class QueryServiceImpl final : public v1::QueryService::CallbackService {
+ public:
+  explicit QueryServiceImpl(Engine& engine) : engine_(engine) {}
+
+  grpc::ServerUnaryReactor* Recognize(grpc::CallbackServerContext* context,
+                                      const v1::RecognizeRequest* request,
+                                      v1::RecognizeResponse* response) override {
+    return Answer<server::Recognize>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* Estimate(grpc::CallbackServerContext* context,
+                                     const v1::EstimateRequest* request,
+                                     v1::EstimateResponse* response) override {
+    return Answer<server::Estimate>(engine_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* Predict(grpc::CallbackServerContext* context,
+                                    const v1::PredictRequest* request,
+                                    v1::PredictResponse* response) override {
+    return Answer<server::Predict>(engine_, context, request, response);
+  }
+  grpc::ServerWriteReactor<v1::PredictSeriesResponse>* PredictSeries(
+      grpc::CallbackServerContext* context, const v1::PredictSeriesRequest* request) override {
+    return new StreamReactor<v1::PredictSeriesResponse>(
+        engine_, context, [request](const Call& call) { return OpenSeries(call, *request); });
+  }
+
+ private:
+  Engine& engine_;
+};
+
+}  // namespace
+
+std::unique_ptr<grpc::Service> MakeQueryService(Engine& engine) {
+  return std::make_unique<QueryServiceImpl>(engine);
+}
+
+}  // namespace motiondb::server

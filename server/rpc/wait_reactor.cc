@@ -1,0 +1,96 @@
+#include "server/rpc/wait_reactor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <memory>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/operation.pb.h"
+#include "server/engine/operation_wait.h"
+#include "server/rpc/call.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/operation_message.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kDefaultTimeout{60'000};
+constexpr milliseconds kLongestTimeout{24 * 3600 * 1000};
+
+// The answer must be back before the deadline: a tenth of what is left, at most half a second, is
+// kept for the way.
+milliseconds UntilDeadline(std::chrono::system_clock::time_point deadline) {
+  if (deadline == std::chrono::system_clock::time_point::max()) return kDefaultTimeout;
+  const auto left =
+      std::chrono::duration_cast<milliseconds>(deadline - std::chrono::system_clock::now());
+  return std::clamp(left - std::min(left / 10, milliseconds(500)), milliseconds(0),
+                    kLongestTimeout);
+}
+
+absl::StatusOr<milliseconds> TimeoutFrom(const v1::WaitOperationRequest& request,
+                                         std::chrono::system_clock::time_point deadline) {
+  const milliseconds until_deadline = UntilDeadline(deadline);
+  if (!request.has_timeout()) return until_deadline;
+  const auto& timeout = request.timeout();
+  if (timeout.seconds() < 0 || timeout.nanos() < 0 || timeout.nanos() > 999'999'999) {
+    return FieldViolation("timeout", "expected a duration that is not negative, got {} s {} ns",
+                          timeout.seconds(), timeout.nanos());
+  }
+  const std::int64_t seconds = std::min<std::int64_t>(timeout.seconds(), 24 * 3600);
+  const milliseconds given(seconds * 1000 + timeout.nanos() / 1'000'000);
+  const bool has_deadline = deadline != std::chrono::system_clock::time_point::max();
+  return has_deadline ? std::min(given, until_deadline) : std::min(given, kLongestTimeout);
+}
+
+class WaitReactor final : public grpc::ServerUnaryReactor {
+ public:
+  WaitReactor(Engine& engine, grpc::CallbackServerContext& context,
+              const v1::WaitOperationRequest& request, v1::WaitOperationResponse& response)
+      : response_(response) {
+    const auto id = ParseOperationName("name", request.name());
+    const auto timeout = TimeoutFrom(request, context.deadline());
+    const absl::Status valid = id.ok() ? timeout.status() : id.status();
+    if (!valid.ok()) {
+      Answer([&] { return valid; });
+      return;
+    }
+    wait_ = OperationWait::Start(engine.workers().request_executor(), engine.operations(), *id,
+                                 *timeout,
+                                 [this](auto operation) { OnOperation(std::move(operation)); });
+  }
+
+  void OnCancel() override {
+    if (wait_ != nullptr) wait_->Stop();
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  void OnOperation(const absl::StatusOr<storage::OperationRecord>& operation) {
+    Answer([&]() -> absl::Status {
+      if (!operation.ok()) return operation.status();
+      SetOperation(*operation, *response_.mutable_operation());
+      return absl::OkStatus();
+    });
+  }
+
+  // The wait calls once, so the call is finished once.
+  void Answer(const std::function<absl::Status()>& handler) {
+    Finish(RunHandler([] { return false; }, handler));
+  }
+
+  v1::WaitOperationResponse& response_;
+  std::shared_ptr<OperationWait> wait_;
+};
+
+}  // namespace
+
+grpc::ServerUnaryReactor* NewWaitReactor(Engine& engine, grpc::CallbackServerContext& context,
+                                         const v1::WaitOperationRequest& request,
+                                         v1::WaitOperationResponse& response) {
+  return new WaitReactor(engine, context, request, response);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,53 @@
+// A running server: the engine behind gRPC, with health checks and reflection.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "server/engine/engine.h"
+
+namespace grpc {
+class Server;
+class Service;
+}  // namespace grpc
+
+namespace motiondb::server {
+
+struct ServerOptions {
+  std::string listen = "127.0.0.1:50051";  // port 0: a free one
+  int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
+  EngineOptions engine;
+};
+
+// Thread-safe. Owns the store, all threads and the socket.
+class Server {
+ public:
+  // Opens the engine and answers from then on. Codes: those of the store, and UNAVAILABLE where the
+  // address cannot be listened on.
+  static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
+                                                       const ServerOptions& options);
+  // Ends at once what still runs.
+  ~Server();
+
+  // HOST:PORT that clients reach it at.
+  const std::string& address() const { return address_; }
+  Engine& engine() { return *engine_; }
+
+  // Takes no new calls, says NOT_SERVING to health checks, leaves builds to the next server, and
+  // returns when all calls have ended or, at the latest, were cancelled after `grace`.
+  void Drain(std::chrono::milliseconds grace);
+
+ private:
+  explicit Server(std::unique_ptr<Engine> engine);
+  absl::Status Listen(const ServerOptions& options);
+
+  const std::unique_ptr<Engine> engine_;
+  std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<grpc::Server> grpc_;
+  std::string address_;
+};
+
+}  // namespace motiondb::server

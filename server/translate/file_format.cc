@@ -1,0 +1,90 @@
+#include "server/translate/file_format.h"
+
+#include "core/motion/error.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/numbers.h"
+
+namespace motiondb::server {
+
+v1::FileFormat ToProto(core::FileFormat format) {
+  switch (format) {
+    case core::FileFormat::kBvh:
+      return v1::FILE_FORMAT_BVH;
+    case core::FileFormat::kAmc:
+      return v1::FILE_FORMAT_AMC;
+    case core::FileFormat::kTrc:
+      return v1::FILE_FORMAT_TRC;
+    case core::FileFormat::kC3d:
+      return v1::FILE_FORMAT_C3D;
+  }
+  return v1::FILE_FORMAT_UNSPECIFIED;
+}
+
+absl::StatusOr<core::FileFormat> FileFormatFrom(std::string_view prefix, v1::FileFormat format,
+                                                const std::string& file_name) {
+  switch (format) {
+    case v1::FILE_FORMAT_BVH:
+      return core::FileFormat::kBvh;
+    case v1::FILE_FORMAT_AMC:
+      return core::FileFormat::kAmc;
+    case v1::FILE_FORMAT_TRC:
+      return core::FileFormat::kTrc;
+    case v1::FILE_FORMAT_C3D:
+      return core::FileFormat::kC3d;
+    case v1::FILE_FORMAT_UNSPECIFIED:
+      break;
+    default:
+      return FieldViolation(fmt::format("{}.format", prefix), "{} is no format",
+                            static_cast<int>(format));
+  }
+  auto told = core::FormatOfPath(file_name);
+  if (told.ok()) return told;
+  return AtField(fmt::format("{}.file_name", prefix), told.status());
+}
+
+absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
+                               const std::string& skeleton_file_name) {
+  const std::string field = fmt::format("{}.skeleton_file_name", prefix);
+  if (format == core::FileFormat::kAmc && skeleton_file_name.empty()) {
+    return FieldViolation(field, "an AMC file needs its ASF skeleton");
+  }
+  if (format != core::FileFormat::kAmc && !skeleton_file_name.empty()) {
+    return FieldViolation(field, "only an AMC file has a skeleton file, leave out '{}'",
+                          skeleton_file_name);
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
+                                            const v1::SourceConventions& conventions) {
+  const auto field = [&](std::string_view name) {
+    return fmt::format("{}.conventions.{}", prefix, name);
+  };
+  Conventions from;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      from.read.metres_per_unit,
+      OptionalPositive(field("metres_per_unit"), conventions.metres_per_unit()));
+  MOTIONDB_ASSIGN_OR_RETURN(from.read.frame_rate_hz,
+                            OptionalPositive(field("frame_rate_hz"), conventions.frame_rate_hz()));
+  MOTIONDB_ASSIGN_OR_RETURN(from.leg_length_m,
+                            OptionalPositive(field("leg_length_m"), conventions.leg_length_m()));
+  switch (conventions.up_axis()) {
+    case v1::UP_AXIS_UNSPECIFIED:
+      break;
+    case v1::UP_AXIS_X:
+      from.read.up_axis = core::UpAxis::kX;
+      break;
+    case v1::UP_AXIS_Y:
+      from.read.up_axis = core::UpAxis::kY;
+      break;
+    case v1::UP_AXIS_Z:
+      from.read.up_axis = core::UpAxis::kZ;
+      break;
+    default:
+      return FieldViolation(field("up_axis"), "{} is no axis",
+                            static_cast<int>(conventions.up_axis()));
+  }
+  return from;
+}
+
+}  // namespace motiondb::server

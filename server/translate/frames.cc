@@ -1,0 +1,59 @@
+#include "server/translate/frames.h"
+
+#include <cstdint>
+#include <set>
+
+#include "server/translate/field_violation.h"
+#include "server/translate/packed_floats.h"
+
+namespace motiondb::server {
+
+absl::StatusOr<core::FrameMatrix> FramesFrom(std::string_view field, std::string_view name,
+                                             const FrameShape& shape, const std::string& bytes) {
+  if (shape.frame_count < 1) {
+    return FieldViolation(fmt::format("{}.frame_count", field), "expected at least 1, got {}",
+                          shape.frame_count);
+  }
+  const std::int64_t expected = std::int64_t{4} * shape.frame_count * shape.column_count;
+  if (static_cast<std::int64_t>(bytes.size()) != expected) {
+    return FieldViolation(fmt::format("{}.{}", field, name),
+                          "expected {} bytes, {} frames of {} float32, got {}", expected,
+                          shape.frame_count, shape.column_count, bytes.size());
+  }
+  return Unpack(bytes, shape.frame_count, shape.column_count);
+}
+
+absl::Status CheckFinite(std::string_view field, const core::FrameMatrix& frames) {
+  for (Eigen::Index frame = 0; frame < frames.rows(); ++frame) {
+    if (!frames.row(frame).allFinite()) {
+      return FieldViolation(field, "frame {} has a number that is not finite", frame);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckMarkers(std::string_view field, const core::MarkerMotion& motion) {
+  const core::FrameMatrix& positions = motion.positions_m;
+  for (Eigen::Index frame = 0; frame < positions.rows(); ++frame) {
+    for (std::size_t marker = 0; marker < motion.names.size(); ++marker) {
+      const auto position = positions.row(frame).segment<3>(static_cast<Eigen::Index>(3 * marker));
+      if (position.allFinite() || position.array().isNaN().all()) continue;
+      return FieldViolation(field,
+                            "frame {}, marker '{}': expected three finite numbers, or three NaN "
+                            "where it is missing",
+                            frame, motion.names[marker]);
+    }
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckUnique(std::string_view field, const std::vector<std::string>& names) {
+  std::set<std::string_view> seen;
+  for (const std::string& name : names) {
+    if (name.empty()) return FieldViolation(field, "a name is empty");
+    if (!seen.insert(name).second) return FieldViolation(field, "'{}' is there twice", name);
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

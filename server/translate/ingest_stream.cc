@@ -1,0 +1,109 @@
+#include "server/translate/ingest_stream.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/clip.pb.h"
+#include "server/engine/file_names.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/file_format.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
+constexpr std::size_t kLongestText = 255;
+
+// Labels, subjects and file names end up in tables and on terminals.
+absl::Status CheckText(std::string_view field, const std::string& text) {
+  if (text.size() > kLongestText) {
+    return FieldViolation(field, "expected at most {} bytes, got {}", kLongestText, text.size());
+  }
+  const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
+  if (std::ranges::any_of(text, is_control)) {
+    return FieldViolation(field, "has a control character");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status IngestStream::Take(const v1::IngestClipRequest& message) {
+  const bool is_first = database_.empty();
+  if (is_first != message.has_header()) {
+    return FieldViolation("header", "expected in the first message of the stream, and only there");
+  }
+  switch (message.part_case()) {
+    case v1::IngestClipRequest::kHeader:
+      return TakeHeader(message.header());
+    case v1::IngestClipRequest::kFileBlock:
+      return TakeBlock("file_block", message.file_block(), file_.file_bytes);
+    case v1::IngestClipRequest::kSkeletonBlock:
+      if (file_.skeleton_file_name.empty()) {
+        return FieldViolation("skeleton_block", "the header names no skeleton file");
+      }
+      return TakeBlock("skeleton_block", message.skeleton_block(), file_.skeleton_bytes);
+    case v1::IngestClipRequest::PART_NOT_SET:
+      break;
+  }
+  return FieldViolation("part", "expected one of header, file_block, skeleton_block");
+}
+
+absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
+  MOTIONDB_ASSIGN_OR_RETURN(std::string database,
+                            ParseDatabaseName("header.parent", header.parent()));
+  file_.file_name = WithoutFolders(header.file_name());
+  file_.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
+  if (file_.file_name.empty()) return FieldViolation("header.file_name", "is missing");
+  MOTIONDB_RETURN_IF_ERROR(CheckText("header.file_name", file_.file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckText("header.skeleton_file_name", file_.skeleton_file_name));
+  MOTIONDB_ASSIGN_OR_RETURN(file_.format,
+                            FileFormatFrom("header", header.format(), file_.file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", file_.format, file_.skeleton_file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckText("header.label", header.label()));
+  MOTIONDB_RETURN_IF_ERROR(CheckText("header.subject", header.subject()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
+                            ConventionsFrom("header", header.conventions()));
+  if (!header.clip_id().empty()) {
+    MOTIONDB_RETURN_IF_ERROR(CheckClipId("header.clip_id", header.clip_id()));
+  }
+  file_.label = header.label();
+  file_.subject = header.subject();
+  file_.conventions = conventions.read;
+  file_.leg_length_m = conventions.leg_length_m;
+  file_.clip_id = header.clip_id();
+  database_ = std::move(database);
+  return absl::OkStatus();
+}
+
+absl::Status IngestStream::TakeBlock(std::string_view field, const std::string& block,
+                                     std::string& bytes) {
+  if (block.size() > kMostBlockBytes) {
+    return FieldViolation(field, "expected at most {} bytes, got {}", kMostBlockBytes,
+                          block.size());
+  }
+  const std::size_t taken = file_.file_bytes.size() + file_.skeleton_bytes.size();
+  if (block.size() > max_file_bytes_ - taken) {
+    return absl::ResourceExhaustedError(
+        fmt::format("{}: larger than the {} bytes that the server takes, skeleton included",
+                    file_.file_name, max_file_bytes_));
+  }
+  bytes += block;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<IngestFile> IngestStream::Finish() {
+  if (database_.empty()) return FieldViolation("header", "the stream ended before it came");
+  if (file_.file_bytes.empty()) {
+    return FieldViolation("file_block", "{}: the file is empty", file_.file_name);
+  }
+  if (!file_.skeleton_file_name.empty() && file_.skeleton_bytes.empty()) {
+    return FieldViolation("skeleton_block", "{}: the skeleton file is empty",
+                          file_.skeleton_file_name);
+  }
+  return std::move(file_);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,77 @@
+#include "server/translate/model_message.h"
+
+#include <algorithm>
+
+#include "motiondb/v1/model.pb.h"
+#include "server/translate/packed_floats.h"
+#include "server/translate/resource_name.h"
+#include "server/translate/scaling.h"
+#include "server/translate/timestamp.h"
+
+namespace motiondb::server {
+
+void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
+              const Snapshot* snapshot, v1::Model& message) {
+  const bool current = snapshot != nullptr && snapshot->record.version == record.version;
+  message.set_name(ModelName(record.database, record.version));
+  message.set_version(record.version);
+  message.set_state(current ? v1::MODEL_STATE_CURRENT : v1::MODEL_STATE_SUPERSEDED);
+  SetTimestamp(record.create_time_us, *message.mutable_create_time());
+  message.set_build_seconds(record.build_seconds);
+  message.set_frame_count(record.frame_count);
+  message.set_clip_count(record.clip_count);
+  message.mutable_nodes_per_layer()->Add(record.nodes_per_layer.begin(),
+                                         record.nodes_per_layer.end());
+  message.set_dimension_count(record.dimension_count);
+  message.set_scaling(ToProto(settings.scaling));
+  if (!current) return;
+  const auto& divisor = snapshot->model.scale().divisor;
+  message.mutable_scales()->Add(divisor.data(), divisor.data() + divisor.size());
+  for (const core::ModelClip& clip : snapshot->model.clips()) {
+    message.add_clips(ClipName(record.database, clip.id));
+    message.add_first_frames(clip.first_frame);
+  }
+}
+
+void SetNode(const core::Model& model, int layer, int node, v1::Node& message) {
+  const int index = model.tree().branch(layer, node);
+  const core::Branch& branch = model.tree().branches()[index];
+  const core::NodeGaussians& gaussians = model.gaussians();
+  message.set_node_id(node);
+  message.set_parent_id(model.tree().parent(layer, node));
+  message.set_frame_count(branch.end - branch.begin);
+  const auto dimensions = static_cast<std::size_t>(gaussians.dimension_count());
+  AppendPacked(gaussians.means().row(index).data(), dimensions, *message.mutable_mean());
+  AppendPacked(gaussians.variances().row(index).data(), dimensions, *message.mutable_variance());
+}
+
+void SetStates(const core::Model& model, int first_frame, int end_frame,
+               v1::ReadStatesResponse& message) {
+  message.set_first_frame(first_frame);
+  message.set_frame_count(end_frame - first_frame);
+  const core::FrameMatrix& states = model.states();
+  AppendPacked(states.row(first_frame).data(),
+               static_cast<std::size_t>((end_frame - first_frame) * states.cols()),
+               *message.mutable_states());
+  for (int frame = first_frame; frame < end_frame; ++frame) {
+    message.add_bottom_node_ids(model.tree().node_of_frame(model.layer_count(), frame));
+  }
+}
+
+TransitionList::TransitionList(const core::Model& model, int layer, int clip)
+    : graph_(clip < 0 ? model.global_graph(layer) : model.clip_graphs(layer)[clip].transitions),
+      nodes_(clip < 0 ? nullptr : &model.clip_graphs(layer)[clip].nodes) {}
+
+void TransitionList::SetTransition(int edge, v1::Transition& message) const {
+  const auto& row_begin = graph_.row_begin();
+  const int from =
+      static_cast<int>(std::ranges::upper_bound(row_begin, edge) - row_begin.begin()) - 1;
+  const core::Edge& seen = graph_.edges()[edge];
+  message.set_from_node_id(NodeOf(from));
+  message.set_to_node_id(NodeOf(seen.to));
+  message.set_count(seen.count);
+  message.set_probability(static_cast<double>(seen.count) /
+                          static_cast<double>(graph_.row_sum(from)));
+}
+
+}  // namespace motiondb::server

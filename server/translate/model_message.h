@@ -1,0 +1,43 @@
+// Models, their nodes and transitions as messages. Safe to call from any thread.
+#pragma once
+
+#include "core/graph/transition_graph.h"
+#include "server/engine/live_database.h"
+
+namespace motiondb::v1 {
+class Model;
+class Node;
+class Transition;
+class ReadStatesResponse;
+}  // namespace motiondb::v1
+
+namespace motiondb::server {
+
+// Figures of a model; `snapshot` is the database's current model, or null.
+void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
+              const Snapshot* snapshot, v1::Model& message);
+
+// REQUIRES: a layer and node of the model.
+void SetNode(const core::Model& model, int layer, int node, v1::Node& message);
+
+// Frames [first_frame, end_frame).
+void SetStates(const core::Model& model, int first_frame, int end_frame,
+               v1::ReadStatesResponse& message);
+
+// A layer's transitions, of all clips or of one, in order of (from, to): edge i of `edge_count()`.
+class TransitionList {
+ public:
+  // `clip`: index into Model::clips(), or -1 for the global graph. The model must outlive the list.
+  TransitionList(const core::Model& model, int layer, int clip);
+
+  int edge_count() const { return graph_.edge_count(); }
+  void SetTransition(int edge, v1::Transition& message) const;
+
+ private:
+  int NodeOf(int state) const { return nodes_ == nullptr ? state : (*nodes_)[state]; }
+
+  const core::TransitionGraph& graph_;
+  const std::vector<std::int32_t>* nodes_;  // null: states are nodes
+};
+
+}  // namespace motiondb::server

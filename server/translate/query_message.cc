@@ -1,0 +1,76 @@
+#include "server/translate/query_message.h"
+
+#include <algorithm>
+
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/resource_name.h"
+
+namespace motiondb::server {
+namespace {
+
+void SetState(const core::NodeState& state, v1::NodeState& message) {
+  message.set_node_id(state.node);
+  message.set_probability(state.probability);
+}
+
+}  // namespace
+
+void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
+                    const core::Model& model, int top_count, v1::RecognizeResponse& message) {
+  for (const core::RecognizedWindow& window : windows) {
+    v1::RecognitionWindow& to = *message.add_windows();
+    to.set_start_seconds(window.start_seconds);
+    to.set_end_seconds(window.end_seconds);
+    to.set_layer(window.layer);
+    to.set_familiarity(window.familiarity);
+    const std::size_t all = window.clips.size();
+    const std::size_t count =
+        top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
+    for (std::size_t i = 0; i < count; ++i) {
+      const core::ModelClip& clip = model.clips()[window.clips[i].clip];
+      v1::ClipProbability& ranked = *to.add_clips();
+      ranked.set_clip(ClipName(database, clip.id));
+      ranked.set_label(clip.label);
+      ranked.set_log_probability(window.clips[i].log_probability);
+    }
+    for (const core::LabelScore& label : window.labels) {
+      v1::LabelProbability& ranked = *to.add_labels();
+      ranked.set_label(label.label);
+      ranked.set_probability(label.probability);
+    }
+  }
+}
+
+void SetEstimation(const core::Estimation& estimation, const core::Model& model,
+                   v1::EstimateResponse& message) {
+  message.set_layer(estimation.layer);
+  for (const core::NodePath& path : estimation.paths) {
+    v1::NodePath& to = *message.add_paths();
+    to.mutable_node_ids()->Add(path.nodes.begin(), path.nodes.end());
+    to.set_log_probability(path.log_probability);
+  }
+  SetState(estimation.state, *message.mutable_state());
+  message.set_frame_rate_hz(model.settings().frame_rate_hz);
+}
+
+void SetPrediction(const core::Prediction& prediction, const std::string& database,
+                   const core::Model& model, v1::PredictResponse& message) {
+  message.set_at_seconds(prediction.at_seconds);
+  message.set_layer(prediction.layer);
+  SetState(prediction.state, *message.mutable_state());
+  for (const core::NextNode& next : prediction.next_nodes) {
+    v1::NextNode& to = *message.add_next_nodes();
+    to.set_node_id(next.node);
+    to.set_probability(next.probability);
+    for (const int clip : next.clips) to.add_clips(ClipName(database, model.clips()[clip].id));
+  }
+  for (const core::PredictedFrame& frame : prediction.horizons) {
+    v1::PredictedFrame& to = *message.add_horizons();
+    to.set_seconds(frame.seconds);
+    const auto& positions = frame.marker_positions_m;
+    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
+    to.set_confidence(frame.confidence);
+  }
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,111 @@
+#include "server/translate/query_options.h"
+
+#include <limits>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/numbers.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr int kMostPaths = 100;
+constexpr int kMostHorizons = 1000;
+constexpr int kMostOfAnything = std::numeric_limits<int>::max();
+
+absl::StatusOr<int> LayerFrom(const std::string& field, int layer, const core::Model& model) {
+  MOTIONDB_RETURN_IF_ERROR(IntegerBetween(field, layer, 0, kMostOfAnything).status());
+  auto resolved = model.ResolveLayer(layer);
+  if (!resolved.ok()) return AtField(field, resolved.status());
+  return resolved;
+}
+
+// `fallback` where the message leaves the floor out.
+template <typename Message>
+absl::StatusOr<double> FloorFrom(const std::string& field, const Message& message,
+                                 double fallback) {
+  if (!message.has_transition_floor()) return fallback;
+  return Probability(field, message.transition_floor());
+}
+
+absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
+  switch (generation) {
+    case v1::GENERATION_UNSPECIFIED:
+    case v1::GENERATION_EXACT:
+      return core::Generation::kExact;
+    case v1::GENERATION_TOP_PATHS:
+      return core::Generation::kTopPaths;
+    default:
+      return FieldViolation("generation", "{} is no way to sum", static_cast<int>(generation));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request,
+                                                   const core::Model& model) {
+  core::RecognizeOptions options;
+  options.whole = request.whole();
+  MOTIONDB_ASSIGN_OR_RETURN(
+      options.window_seconds,
+      PositiveOr("window_seconds", request.window_seconds(), options.window_seconds));
+  MOTIONDB_ASSIGN_OR_RETURN(options.hop_seconds,
+                            PositiveOr("hop_seconds", request.hop_seconds(), options.hop_seconds));
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom("layer", request.layer(), model));
+  MOTIONDB_RETURN_IF_ERROR(
+      IntegerBetween("top_count", request.top_count(), 0, kMostOfAnything).status());
+  MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor,
+                            FloorFrom("transition_floor", request, options.transition_floor));
+  MOTIONDB_ASSIGN_OR_RETURN(options.generation, GenerationFrom(request.generation()));
+  MOTIONDB_ASSIGN_OR_RETURN(const int paths,
+                            IntegerBetween("path_count", request.path_count(), 0, kMostPaths));
+  if (paths > 0) options.path_count = paths;
+  return options;
+}
+
+absl::StatusOr<core::NodePathOptions> OptionsFrom(const v1::EstimateRequest& request,
+                                                  const core::Model& model) {
+  core::NodePathOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom("layer", request.layer(), model));
+  MOTIONDB_ASSIGN_OR_RETURN(const int paths,
+                            IntegerBetween("path_count", request.path_count(), 0, kMostPaths));
+  if (paths > 0) options.path_count = paths;
+  MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor,
+                            FloorFrom("transition_floor", request, options.transition_floor));
+  if (request.has_max_candidates()) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        options.max_candidates,
+        IntegerBetween("max_candidates", request.max_candidates(), 0, kMostOfAnything));
+  }
+  return options;
+}
+
+absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
+                                                 const v1::PredictRequest& request,
+                                                 const core::Model& model) {
+  const auto field = [&](std::string_view name) { return fmt::format("{}{}", prefix, name); };
+  core::PredictOptions options;
+  if (request.has_at_seconds()) {
+    MOTIONDB_ASSIGN_OR_RETURN(options.at_seconds,
+                              NotNegative(field("at_seconds"), request.at_seconds()));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(
+      options.history_seconds,
+      PositiveOr(field("history_seconds"), request.history_seconds(), options.history_seconds));
+  if (request.horizon_seconds_size() > kMostHorizons) {
+    return FieldViolation(field("horizon_seconds"), "expected at most {}, got {}", kMostHorizons,
+                          request.horizon_seconds_size());
+  }
+  if (!request.horizon_seconds().empty()) options.horizon_seconds.clear();
+  for (const double horizon : request.horizon_seconds()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const double checked, NotNegative(field("horizon_seconds"), horizon));
+    options.horizon_seconds.push_back(checked);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(field("layer"), request.layer(), model));
+  MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor, FloorFrom(field("transition_floor"), request,
+                                                                options.transition_floor));
+  return options;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,29 @@
+// The settings of a query -> core's options, with defaults for those not given. INVALID_ARGUMENT
+// and OUT_OF_RANGE (a layer) name the field. Safe to call from any thread.
+#pragma once
+
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "core/inference/estimate.h"
+#include "core/inference/predict.h"
+#include "core/inference/recognize.h"
+
+namespace motiondb::v1 {
+class RecognizeRequest;
+class EstimateRequest;
+class PredictRequest;
+}  // namespace motiondb::v1
+
+namespace motiondb::server {
+
+absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request,
+                                                   const core::Model& model);
+absl::StatusOr<core::NodePathOptions> OptionsFrom(const v1::EstimateRequest& request,
+                                                  const core::Model& model);
+// `prefix` leads the names of fields: "" or "prediction.".
+absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
+                                                 const v1::PredictRequest& request,
+                                                 const core::Model& model);
+
+}  // namespace motiondb::server

@@ -1,0 +1,123 @@
+#include "server/translate/resource_name.h"
+
+#include <algorithm>
+#include <charconv>
+#include <vector>
+
+#include "core/motion/error.h"
+#include "server/translate/field_violation.h"
+
+namespace motiondb::server {
+namespace {
+
+// The ids in a name of the form `pattern`, in which each "{...}" stands for one; empty if the name
+// does not have that form.
+std::vector<std::string> MatchIds(std::string_view pattern, std::string_view name) {
+  std::vector<std::string> ids;
+  while (true) {
+    const std::string_view expected = pattern.substr(0, pattern.find('/'));
+    const std::string_view segment = name.substr(0, name.find('/'));
+    if (expected.front() == '{') {
+      if (segment.empty()) return {};
+      ids.emplace_back(segment);
+    } else if (segment != expected) {
+      return {};
+    }
+    const bool last = expected.size() == pattern.size();
+    if (last != (segment.size() == name.size())) return {};
+    if (last) return ids;
+    pattern.remove_prefix(expected.size() + 1);
+    name.remove_prefix(segment.size() + 1);
+  }
+}
+
+absl::StatusOr<std::vector<std::string>> ParseIds(std::string_view field, std::string_view pattern,
+                                                  std::string_view name) {
+  std::vector<std::string> ids = MatchIds(pattern, name);
+  if (ids.empty()) return FieldViolation(field, "expected {}, got '{}'", pattern, name);
+  return ids;
+}
+
+absl::StatusOr<MemberId> ParseMember(std::string_view field, std::string_view pattern,
+                                     std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> ids, ParseIds(field, pattern, name));
+  return MemberId{ids[0], ids[1]};
+}
+
+bool IsLowerOrDigit(char c) { return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9'); }
+
+bool IsClipIdCharacter(char c) {
+  return IsLowerOrDigit(c) || (c >= 'A' && c <= 'Z') || c == '-' || c == '_' || c == '.';
+}
+
+}  // namespace
+
+absl::StatusOr<std::string> ParseDatabaseName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ids, ParseIds(field, "databases/{database}", name));
+  return ids[0];
+}
+
+absl::StatusOr<MemberId> ParseClipName(std::string_view field, std::string_view name) {
+  return ParseMember(field, "databases/{database}/clips/{clip}", name);
+}
+
+absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_view name) {
+  return ParseMember(field, "databases/{database}/skeletons/{skeleton}", name);
+}
+
+absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ids,
+                            ParseIds(field, "databases/{database}/models/{version}", name));
+  if (ids[1] == "current") return ModelId{ids[0], 0};
+  const char* end = ids[1].data() + ids[1].size();
+  int version = 0;
+  const auto [parsed, error] = std::from_chars(ids[1].data(), end, version);
+  if (error != std::errc() || parsed != end || version < 1) {
+    return FieldViolation(field, "expected a version from 1, or 'current', got '{}'", ids[1]);
+  }
+  return ModelId{ids[0], version};
+}
+
+absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ids, ParseIds(field, "operations/{operation}", name));
+  return ids[0];
+}
+
+std::string DatabaseName(std::string_view database) {
+  return fmt::format("databases/{}", database);
+}
+
+std::string ClipName(std::string_view database, std::string_view clip) {
+  return fmt::format("databases/{}/clips/{}", database, clip);
+}
+
+std::string SkeletonName(std::string_view database, std::string_view skeleton) {
+  return fmt::format("databases/{}/skeletons/{}", database, skeleton);
+}
+
+std::string ModelName(std::string_view database, int version) {
+  return fmt::format("databases/{}/models/{}", database, version);
+}
+
+std::string OperationName(std::string_view operation) {
+  return fmt::format("operations/{}", operation);
+}
+
+absl::Status CheckDatabaseId(std::string_view field, std::string_view id) {
+  const bool valid =
+      !id.empty() && id.size() <= 63 && IsLowerOrDigit(id.front()) &&
+      std::ranges::all_of(id, [](char c) { return IsLowerOrDigit(c) || c == '-' || c == '_'; });
+  if (valid) return absl::OkStatus();
+  return FieldViolation(
+      field, "expected 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter or digit, got '{}'",
+      id);
+}
+
+absl::Status CheckClipId(std::string_view field, std::string_view id) {
+  if (!id.empty() && id.size() <= 127 && std::ranges::all_of(id, IsClipIdCharacter)) {
+    return absl::OkStatus();
+  }
+  return FieldViolation(field, "expected 1 to 127 of letters, digits, '-', '_', '.', got '{}'", id);
+}
+
+}  // namespace motiondb::server

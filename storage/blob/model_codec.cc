@@ -1,0 +1,251 @@
+#include "storage/blob/model_codec.h"
+
+#include <cmath>
+#include <utility>
+
+#include "storage/blob/fields.h"
+#include "storage/blob/graph_codec.h"
+
+namespace motiondb::storage {
+namespace {
+
+using core::Branch;
+
+constexpr std::uint32_t kVersion = 1;
+constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
+constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
+
+static_assert(sizeof(Branch) == 24, "branches are stored as they lie in memory");
+
+std::uint32_t ToStored(core::Scaling scaling) {
+  switch (scaling) {
+    case core::Scaling::kNone:
+      return 0;
+    case core::Scaling::kKind:
+      return 1;
+    case core::Scaling::kDimension:
+      return 2;
+  }
+  return 0;
+}
+
+void PutSettings(FieldWriter& writer, const core::BuildSettings& settings) {
+  writer.Put(settings.frame_rate_hz);
+  writer.Put(std::int32_t{settings.min_frames});
+  writer.Put(ToStored(settings.scaling));
+}
+
+core::BuildSettings GetSettings(FieldReader& reader) {
+  constexpr core::Scaling kScalings[] = {core::Scaling::kNone, core::Scaling::kKind,
+                                         core::Scaling::kDimension};
+  core::BuildSettings settings;
+  settings.frame_rate_hz = reader.Get<double>();
+  settings.min_frames = reader.Get<std::int32_t>();
+  const auto scaling = reader.Get<std::uint32_t>();
+  if (!(settings.frame_rate_hz > 0) || !std::isfinite(settings.frame_rate_hz) ||
+      settings.min_frames < 1 || scaling >= std::size(kScalings)) {
+    reader.Fail(core::DataLoss("settings: {} Hz, at least {} frames, scaling {}",
+                               settings.frame_rate_hz, settings.min_frames, scaling));
+    return {};
+  }
+  settings.scaling = kScalings[scaling];
+  return settings;
+}
+
+void PutMarkerSet(FieldWriter& writer, const core::MarkerSet& set) {
+  writer.PutText(set.name);
+  writer.PutCount(set.markers.size());
+  for (const std::string& marker : set.markers) writer.PutText(marker);
+  writer.Put(std::int32_t{set.landmarks.left_hip});
+  writer.Put(std::int32_t{set.landmarks.right_hip});
+  writer.PutCount(set.landmarks.legs.size());
+  for (const auto& leg : set.landmarks.legs) {
+    for (const std::int32_t marker : leg) writer.Put(marker);
+  }
+}
+
+core::MarkerSet GetMarkerSet(FieldReader& reader) {
+  core::MarkerSet set;
+  set.name = reader.GetText();
+  set.markers.resize(reader.GetCount(kTextBytes));
+  for (std::string& marker : set.markers) marker = reader.GetText();
+  const auto get_marker = [&](std::int32_t lowest) {
+    const auto marker = reader.Get<std::int32_t>();
+    if (marker < lowest || marker >= set.marker_count()) {
+      reader.Fail(core::DataLoss("marker set: marker {} of {}", marker, set.marker_count()));
+    }
+    return marker;
+  };
+  set.landmarks.left_hip = get_marker(-1);
+  set.landmarks.right_hip = get_marker(-1);
+  set.landmarks.legs.resize(reader.GetCount(3 * sizeof(std::int32_t)));
+  for (auto& leg : set.landmarks.legs) {
+    for (int& marker : leg) marker = get_marker(0);
+  }
+  return set;
+}
+
+void PutClips(FieldWriter& writer, const std::vector<core::ModelClip>& clips) {
+  writer.PutCount(clips.size());
+  for (const core::ModelClip& clip : clips) {
+    writer.PutText(clip.id);
+    writer.PutText(clip.label);
+    writer.Put(clip.first_frame);
+    writer.Put(clip.frame_count);
+    writer.Put(clip.leg_length_m);
+  }
+}
+
+std::vector<core::ModelClip> GetClips(FieldReader& reader) {
+  std::vector<core::ModelClip> clips(reader.GetCount(kClipBytes));
+  std::int64_t next = 0;
+  for (core::ModelClip& clip : clips) {
+    clip.id = reader.GetText();
+    clip.label = reader.GetText();
+    clip.first_frame = reader.Get<std::int32_t>();
+    clip.frame_count = reader.Get<std::int32_t>();
+    clip.leg_length_m = reader.Get<double>();
+    if (clip.first_frame != next || clip.frame_count < 1) {
+      reader.Fail(core::DataLoss("clip '{}' does not follow the one before it", clip.id));
+    }
+    next += clip.frame_count;
+  }
+  return clips;
+}
+
+void PutTree(FieldWriter& writer, const core::Tree& tree) {
+  writer.PutArray(tree.frame_order());
+  writer.PutArray(tree.branches());
+}
+
+core::Tree GetTree(FieldReader& reader) {
+  auto frame_order = reader.GetArray<std::int32_t>();
+  auto branches = reader.GetArray<Branch>();
+  const auto count = static_cast<std::int32_t>(branches.size());
+  for (const Branch& branch : branches) {
+    if (branch.parent < -1 || branch.parent >= count || branch.left >= count ||
+        branch.right >= count || branch.layer > count) {
+      reader.Fail(core::DataLoss("tree: a branch has relatives that there are not"));
+    }
+  }
+  if (!reader.ok()) return {};
+  auto tree = core::Tree::Create(std::move(frame_order), std::move(branches));
+  if (!tree.ok()) reader.Fail(tree.status());
+  return tree.ok() ? *std::move(tree) : core::Tree();
+}
+
+// A matrix without its size.
+template <typename Matrix>
+void PutMatrix(FieldWriter& writer, const Matrix& matrix) {
+  writer.PutElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
+}
+
+template <typename Matrix>
+void GetMatrix(FieldReader& reader, Eigen::Index rows, Eigen::Index columns, Matrix& matrix) {
+  if (!reader.ok()) return;
+  const auto bytes = sizeof(float) * static_cast<std::uint64_t>(rows) * columns;
+  if (bytes > reader.remaining()) {
+    return reader.Fail(core::DataLoss("expected {} bytes, got {}", bytes, reader.remaining()));
+  }
+  matrix.resize(rows, columns);
+  reader.GetElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
+}
+
+core::NodeGaussians GetGaussians(FieldReader& reader, Eigen::Index branches,
+                                 Eigen::Index dimensions) {
+  core::FrameMatrix means;
+  core::FrameMatrix variances;
+  GetMatrix(reader, branches, dimensions, means);
+  GetMatrix(reader, branches, dimensions, variances);
+  if (!reader.ok()) return {};
+  auto gaussians = core::NodeGaussians::Create(std::move(means), std::move(variances));
+  if (!gaussians.ok()) reader.Fail(gaussians.status());
+  return gaussians.ok() ? *std::move(gaussians) : core::NodeGaussians();
+}
+
+void PutGraphs(FieldWriter& writer, const core::ModelParts& parts) {
+  writer.PutCount(parts.global_graphs.size());
+  for (const core::TransitionGraph& graph : parts.global_graphs) PutGraph(writer, graph);
+  writer.PutCount(parts.clip_graphs.size());
+  for (const auto& layer : parts.clip_graphs) {
+    writer.PutCount(layer.size());
+    for (const core::ClipGraph& graph : layer) PutClipGraph(writer, graph);
+  }
+}
+
+void GetGraphs(FieldReader& reader, core::ModelParts& parts) {
+  parts.global_graphs.resize(reader.GetCount(kGraphBytes));
+  for (core::TransitionGraph& graph : parts.global_graphs) graph = GetGraph(reader);
+  parts.clip_graphs.resize(reader.GetCount(sizeof(std::uint32_t)));
+  for (auto& layer : parts.clip_graphs) {
+    layer.resize(reader.GetCount(kClipGraphBytes));
+    for (core::ClipGraph& graph : layer) graph = GetClipGraph(reader);
+  }
+}
+
+void PutFamiliarity(FieldWriter& writer, const core::FamiliarityReference& familiarity) {
+  writer.PutCount(familiarity.scores.size());
+  for (const std::vector<float>& scores : familiarity.scores) writer.PutArray(scores);
+}
+
+core::FamiliarityReference GetFamiliarity(FieldReader& reader) {
+  core::FamiliarityReference familiarity;
+  familiarity.scores.resize(reader.GetCount(sizeof(std::uint32_t)));
+  for (std::vector<float>& scores : familiarity.scores) {
+    scores = reader.GetArray<float>();
+    for (std::size_t i = 0; i < scores.size(); ++i) {
+      if (std::isnan(scores[i]) || (i > 0 && scores[i] < scores[i - 1])) {
+        reader.Fail(core::DataLoss("familiarity: its scores do not ascend"));
+        break;
+      }
+    }
+  }
+  return familiarity;
+}
+
+}  // namespace
+
+absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
+  FieldWriter writer(sink);
+  writer.Put(kVersion);
+  PutSettings(writer, parts.settings);
+  PutMarkerSet(writer, parts.marker_set);
+  PutClips(writer, parts.clips);
+  PutMatrix(writer, parts.scale.divisor);
+  PutTree(writer, parts.tree);
+  PutMatrix(writer, parts.gaussians.means());
+  PutMatrix(writer, parts.gaussians.variances());
+  PutGraphs(writer, parts);
+  PutFamiliarity(writer, parts.familiarity);
+  writer.Put(parts.build_seconds);
+  return writer.status();
+}
+
+absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
+  FieldReader reader(source);
+  if (const auto version = reader.Get<std::uint32_t>(); reader.ok() && version != kVersion) {
+    return core::DataLoss("parts: expected version {}, got {}", kVersion, version);
+  }
+  core::ModelParts parts;
+  parts.settings = GetSettings(reader);
+  parts.marker_set = GetMarkerSet(reader);
+  parts.clips = GetClips(reader);
+  const Eigen::Index dimensions = 6 * static_cast<Eigen::Index>(parts.marker_set.markers.size());
+  GetMatrix(reader, 1, dimensions, parts.scale.divisor);
+  parts.tree = GetTree(reader);
+  parts.gaussians =
+      GetGaussians(reader, static_cast<Eigen::Index>(parts.tree.branches().size()), dimensions);
+  GetGraphs(reader, parts);
+  parts.familiarity = GetFamiliarity(reader);
+  parts.build_seconds = reader.Get<double>();
+  MOTIONDB_RETURN_IF_ERROR(reader.Finish());
+  const std::int64_t frames = parts.clips.empty() ? 0
+                                                  : std::int64_t{parts.clips.back().first_frame} +
+                                                        parts.clips.back().frame_count;
+  if (frames != parts.tree.frame_count()) {
+    return core::DataLoss("clips of {} frames for a tree of {}", frames, parts.tree.frame_count());
+  }
+  return parts;
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,87 @@
+// Where databases, clips, models and operations are kept. The seam between the server and a disk:
+// one conformance suite (tests/storage) runs on every implementation.
+//
+// Implementations are safe to call from any thread. A call that changes something returns only when
+// the change is durable, and changes all or nothing. Names are checked by the caller; a store
+// accepts any non-empty string. Codes used by all: NOT_FOUND (what was named is not there),
+// ALREADY_EXISTS, DATA_LOSS (stored bytes are damaged: names which), UNAVAILABLE or
+// RESOURCE_EXHAUSTED (disk).
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/records.h"
+
+namespace motiondb::storage {
+
+// One page of a list, in ascending order of a key: those after `after` (empty: from the start), at
+// most `limit` (positive).
+struct Page {
+  std::string after;
+  int limit = 100;
+};
+
+class MotionStore {
+ public:
+  virtual ~MotionStore() = default;
+
+  // Databases, in order of name.
+  virtual absl::Status CreateDatabase(const DatabaseRecord& record) = 0;
+  virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
+  virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
+  // With all that it holds.
+  virtual absl::Status DeleteDatabase(const std::string& database) = 0;
+
+  // Clips, in order of id. AddClip returns the record as stored: where the wanted id is taken by
+  // another file, "-2", "-3", ... is added, unless id_is_fixed. ALREADY_EXISTS, naming the clip, if
+  // the same content is stored already or a fixed id is taken.
+  virtual absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) = 0;
+  virtual absl::StatusOr<ClipRecord> GetClip(const std::string& database,
+                                             const std::string& clip) = 0;
+  virtual absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
+                                                            const Page& page) = 0;
+  // The clip is gone for every other call at once. Its states stay on disk for the current model,
+  // which was built from them, until the next model is put or the model is dropped.
+  virtual absl::Status DeleteClip(const std::string& database, const std::string& clip) = 0;
+  // The bytes that were ingested.
+  virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
+                                                    const std::string& clip) = 0;
+  // Not scaled.
+  virtual absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
+                                                             const std::string& clip) = 0;
+
+  // Skeletons, in order of id; alike ones are stored once.
+  virtual absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
+                                                     const std::string& skeleton) = 0;
+  virtual absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
+                                                                    const Page& page) = 0;
+
+  // Models. PutModel stores a model as the current one, under the version after the last, removes
+  // what only its predecessor needed, and returns its record. The model's states are not written
+  // again: they are those of its clips.
+  virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
+                                               const core::Model& model) = 0;
+  // The current model, whole. NOT_FOUND if there is none.
+  virtual absl::StatusOr<core::Model> ReadModel(const std::string& database) = 0;
+  virtual absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) = 0;
+  // Newest first. `before` = 0 starts with the newest.
+  virtual absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database,
+                                                              int before, int limit) = 0;
+  // Leaves the database without a current model (its last clip was deleted).
+  virtual absl::Status DropModel(const std::string& database) = 0;
+
+  // Operations. PutOperation creates or replaces.
+  virtual absl::Status PutOperation(const OperationRecord& record) = 0;
+  virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
+  // Newest first; of one database, or of all where `database` is empty. `before` is the id of the
+  // last one of the page before, or empty.
+  virtual absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
+                                                                      const std::string& before,
+                                                                      int limit) = 0;
+};
+
+}  // namespace motiondb::storage

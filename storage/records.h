@@ -1,0 +1,100 @@
+// What a store keeps, as plain values. Times are microseconds since the Unix epoch.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/format/motion_file.h"
+#include "core/model/model.h"
+#include "core/motion/skeleton.h"
+#include "core/motion/states.h"
+
+namespace motiondb::storage {
+
+struct DatabaseRecord {
+  std::string name;  // the id alone, without "databases/"
+  core::BuildSettings settings;
+  std::string marker_set;       // name of the set; "source" until the first clip names it
+  std::string marker_set_text;  // a marker-set file; empty for `source` until the first clip
+  std::int64_t create_time_us = 0;
+};
+
+struct ClipRecord {
+  std::string database;
+  std::string id;
+  std::string label;
+  std::string subject;
+  std::string file_name;           // without folders
+  std::string skeleton_file_name;  // of the ASF that came with an AMC; empty otherwise
+  core::FileFormat format = core::FileFormat::kBvh;
+  std::int32_t frame_count = 0;  // at the database's frame rate
+  double duration_seconds = 0;
+  double source_frame_rate_hz = 0;
+  double leg_length_m = 0;
+  std::string skeleton_id;  // empty for bare markers
+  std::string source_report;
+  std::uint64_t content_hash =
+      0;  // of motion and skeleton bytes; tells the same file ingested twice
+  std::int64_t create_time_us = 0;
+};
+
+// A clip on its way in.
+struct NewClip {
+  ClipRecord record;  // id: the wanted one; see MotionStore::AddClip
+  bool id_is_fixed = false;
+  std::string file_bytes;
+  std::string skeleton_bytes;
+  core::StateSequence states;  // not scaled
+  std::optional<core::Skeleton> skeleton;
+  std::optional<std::string> marker_set_text;  // first clip of a `source` database: its scheme
+};
+
+struct ClipSource {
+  std::string file_bytes;
+  std::string skeleton_bytes;
+};
+
+struct SkeletonRecord {
+  std::string id;
+  core::Skeleton skeleton;
+};
+
+// The figures of a model; kept for superseded ones too.
+struct ModelRecord {
+  std::string database;
+  std::int32_t version = 0;
+  bool current = false;
+  std::int64_t create_time_us = 0;
+  double build_seconds = 0;
+  std::int32_t frame_count = 0;
+  std::int32_t clip_count = 0;
+  std::int32_t dimension_count = 0;
+  std::vector<std::int32_t> nodes_per_layer;  // layer 1 first
+};
+
+enum class OperationState {
+  kPending = 1,
+  kRunning = 2,
+  kSucceeded = 3,
+  kFailed = 4,
+  kCancelled = 5
+};
+
+struct OperationRecord {
+  std::string id;
+  std::string database;
+  OperationState state = OperationState::kPending;
+  double progress = 0;
+  std::string stage;
+  std::int32_t model_version = 0;  // 0: none
+  std::int32_t error_code = 0;     // canonical status code
+  std::string error_message;
+  std::int64_t create_time_us = 0;
+  std::int64_t update_time_us = 0;
+
+  bool done() const { return state >= OperationState::kSucceeded; }
+};
+
+}  // namespace motiondb::storage

@@ -1,0 +1,85 @@
+#include "storage/sqlite/chunk_table.h"
+
+#include "core/motion/error.h"
+#include "storage/blob/chunk_stream.h"
+
+namespace motiondb::storage {
+
+absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                       const std::function<absl::Status(ByteSink&)>& encode) {
+  Statement insert = connection.Query(fmt::format(
+      "INSERT INTO {0}_chunk ({0}_key, kind, position, chunk) VALUES (?, ?, ?, ?)", owner.table));
+  ChunkSink sink(kind, [&](std::uint32_t position, std::span<const std::byte> chunk) {
+    insert.Reset();
+    insert.Bind(owner.key);
+    insert.Bind(static_cast<int>(kind));
+    insert.Bind(position);
+    insert.Bind(chunk);
+    return insert.Run();
+  });
+  MOTIONDB_RETURN_IF_ERROR(encode(sink));
+  return sink.Finish();
+}
+
+absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                       std::string_view bytes) {
+  return WriteBlob(connection, owner, kind, [&](ByteSink& sink) {
+    return sink.Write(std::as_bytes(std::span(bytes.data(), bytes.size())));
+  });
+}
+
+absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                      const std::function<absl::Status(ByteSource&)>& decode) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, BlobBytes(connection, owner, kind));
+  Statement rows = connection.Query(
+      fmt::format("SELECT chunk FROM {0}_chunk WHERE {0}_key = ? AND kind = ? ORDER BY position",
+                  owner.table),
+      owner.key, static_cast<int>(kind));
+  ChunkSource source(kind, static_cast<std::uint64_t>(bytes),
+                     [&]() -> absl::StatusOr<std::span<const std::byte>> {
+                       MOTIONDB_ASSIGN_OR_RETURN(const bool row, rows.Step());
+                       if (!row) return std::span<const std::byte>();
+                       return rows.Blob(0);
+                     });
+  return decode(source);
+}
+
+absl::StatusOr<std::string> ReadBlob(Connection& connection, const BlobOwner& owner,
+                                     BlobKind kind) {
+  std::string bytes;
+  const auto decode = [&](ByteSource& source) -> absl::Status {
+    bytes.resize(source.remaining());
+    MOTIONDB_RETURN_IF_ERROR(source.Read(std::as_writable_bytes(std::span(bytes))));
+    return source.Finish();
+  };
+  MOTIONDB_RETURN_IF_ERROR(ReadBlob(connection, owner, kind, decode));
+  return bytes;
+}
+
+absl::StatusOr<std::int64_t> BlobBytes(Connection& connection, const BlobOwner& owner,
+                                       BlobKind kind) {
+  Statement total =
+      connection.Query(fmt::format("SELECT count(*), ifnull(sum(length(chunk)), 0) FROM {0}_chunk "
+                                   "WHERE {0}_key = ? AND kind = ?",
+                                   owner.table),
+                       owner.key, static_cast<int>(kind));
+  MOTIONDB_RETURN_IF_ERROR(total.Step().status());
+  const std::int64_t bytes =
+      total.Integer(1) - total.Integer(0) * static_cast<std::int64_t>(kChunkHeaderBytes);
+  if (bytes < 0) return core::DataLoss("{}: a chunk is damaged: cut short", Describe(kind));
+  return bytes;
+}
+
+absl::Status DeleteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind) {
+  return connection
+      .Query(fmt::format("DELETE FROM {0}_chunk WHERE {0}_key = ? AND kind = ?", owner.table),
+             owner.key, static_cast<int>(kind))
+      .Run();
+}
+
+absl::Status In(std::string_view place, const absl::Status& status) {
+  if (status.ok()) return status;
+  return absl::Status(status.code(), fmt::format("{}: {}", place, std::string(status.message())));
+}
+
+}  // namespace motiondb::storage

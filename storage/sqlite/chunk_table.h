@@ -1,0 +1,43 @@
+// Blobs in their tables: clip_chunk, skeleton_chunk and model_chunk. Functions keep no state; they
+// run in the transaction of their caller.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+#include "storage/blob/byte_stream.h"
+#include "storage/blob/chunk.h"
+#include "storage/sqlite/connection.h"
+
+namespace motiondb::storage {
+
+// What a blob belongs to, and is deleted with.
+struct BlobOwner {
+  std::string_view table;  // "clip", "skeleton", "model"
+  std::int64_t key = 0;
+};
+
+// Stores what `encode` writes.
+absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                       const std::function<absl::Status(ByteSink&)>& encode);
+absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                       std::string_view bytes);
+
+// Hands the blob to `decode`, which reads it to its end. DATA_LOSS names the kind and the chunk.
+absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                      const std::function<absl::Status(ByteSource&)>& decode);
+absl::StatusOr<std::string> ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind);
+
+// Bytes of a blob; 0 if it has no chunks. Reads none of them.
+absl::StatusOr<std::int64_t> BlobBytes(Connection& connection, const BlobOwner& owner,
+                                       BlobKind kind);
+
+absl::Status DeleteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind);
+
+// `status`, and where it is an error, where: "database 'd', clip 'c': ...".
+absl::Status In(std::string_view place, const absl::Status& status);
+
+}  // namespace motiondb::storage

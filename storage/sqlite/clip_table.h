@@ -1,0 +1,43 @@
+// Rows of the table `clip` and the blobs of clips. Functions keep no state; they run in the
+// transaction of their caller. Where a database or clip is named, NOT_FOUND says that it is not
+// there.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/motion_store.h"
+#include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/connection.h"
+
+namespace motiondb::storage {
+
+// As MotionStore::AddClip. INVALID_ARGUMENT if the record does not tell the frames of the states.
+absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip);
+absl::StatusOr<ClipRecord> SelectClip(Connection& connection, const std::string& database,
+                                      const std::string& clip);
+absl::StatusOr<std::vector<ClipRecord>> SelectClips(Connection& connection,
+                                                    const std::string& database, const Page& page);
+absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::string& database,
+                                            const std::string& clip);
+absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
+                                                     const std::string& database,
+                                                     const std::string& clip);
+
+// Deletes a clip. Its states stay where the current model needs them.
+absl::Status RemoveClip(Connection& connection, const std::string& database,
+                        const std::string& clip);
+// Deletes what is left of deleted clips. No model of the database may need them.
+absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
+
+// The clip that a model was built from. NOT_FOUND also if another is stored under its id by now.
+// `root_path` is the model's for the clip's frames: frames x 3, row-major.
+absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
+                                           const core::ModelClip& clip,
+                                           std::span<const double> root_path);
+
+inline BlobOwner ClipOwner(std::int64_t clip_key) { return {"clip", clip_key}; }
+
+}  // namespace motiondb::storage

@@ -1,0 +1,98 @@
+#include "storage/sqlite/database_table.h"
+
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/enum_text.h"
+
+namespace motiondb::storage {
+namespace {
+
+// A query for databases as ToRecord reads them.
+std::string SelectWhere(std::string_view condition) {
+  return fmt::format(
+      "SELECT name, frame_rate_hz, min_frames, scaling, marker_set, marker_set_text, "
+      "create_time_us FROM database WHERE {}",
+      condition);
+}
+
+absl::StatusOr<DatabaseRecord> ToRecord(const Statement& row) {
+  DatabaseRecord record;
+  record.name = row.Text(0);
+  record.settings.frame_rate_hz = row.Real(1);
+  record.settings.min_frames = row.Integer<int>(2);
+  MOTIONDB_ASSIGN_OR_RETURN(record.settings.scaling, FromText<core::Scaling>(row.Text(3)));
+  record.marker_set = row.Text(4);
+  record.marker_set_text = row.Text(5);
+  record.create_time_us = row.Integer(6);
+  return record;
+}
+
+absl::Status NoDatabase(const std::string& name) {
+  return core::NotFound("database '{}' does not exist", name);
+}
+
+}  // namespace
+
+absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record) {
+  const absl::Status inserted =
+      connection
+          .Query(
+              "INSERT INTO database (name, frame_rate_hz, min_frames, scaling, marker_set, "
+              "marker_set_text, create_time_us) VALUES (?, ?, ?, ?, ?, ?, ?)",
+              record.name, record.settings.frame_rate_hz, record.settings.min_frames,
+              ToText(record.settings.scaling), record.marker_set, record.marker_set_text,
+              record.create_time_us)
+          .Run();
+  if (absl::IsAlreadyExists(inserted)) {
+    return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
+  }
+  return inserted;
+}
+
+absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name) {
+  Statement row = connection.Query(SelectWhere("name = ?"), name);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoDatabase(name);
+  return ToRecord(row);
+}
+
+absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connection,
+                                                            const Page& page) {
+  Statement row =
+      connection.Query(SelectWhere("name > ? ORDER BY name LIMIT ?"), page.after, page.limit);
+  std::vector<DatabaseRecord> records;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return records;
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(row));
+  }
+}
+
+absl::Status DeleteDatabaseRow(Connection& connection, const std::string& name) {
+  MOTIONDB_RETURN_IF_ERROR(connection.Query("DELETE FROM database WHERE name = ?", name).Run());
+  return connection.changes() == 0 ? NoDatabase(name) : absl::OkStatus();
+}
+
+absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name) {
+  Statement row = connection.Query("SELECT database_key FROM database WHERE name = ?", name);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoDatabase(name);
+  return row.Integer(0);
+}
+
+absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
+                              const std::string& text) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE database SET marker_set_text = ?1 WHERE database_key = ?2 AND "
+                 "marker_set_text IN ('', ?1)",
+                 text, database_key)
+          .Run());
+  if (connection.changes() == 0) {
+    return core::FailedPrecondition("the database has another marker set already");
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::storage

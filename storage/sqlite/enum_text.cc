@@ -1,0 +1,64 @@
+#include "storage/sqlite/enum_text.h"
+
+#include <array>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::storage {
+namespace {
+
+template <typename Enum, std::size_t kSize>
+using Spellings = std::array<std::pair<Enum, const char*>, kSize>;
+
+constexpr Spellings<core::FileFormat, 4> kFormats{{{core::FileFormat::kBvh, "bvh"},
+                                                   {core::FileFormat::kAmc, "amc"},
+                                                   {core::FileFormat::kTrc, "trc"},
+                                                   {core::FileFormat::kC3d, "c3d"}}};
+
+constexpr Spellings<core::Scaling, 3> kScalings{{{core::Scaling::kNone, "none"},
+                                                 {core::Scaling::kKind, "kind"},
+                                                 {core::Scaling::kDimension, "dimension"}}};
+
+constexpr Spellings<OperationState, 5> kStates{{{OperationState::kPending, "pending"},
+                                                {OperationState::kRunning, "running"},
+                                                {OperationState::kSucceeded, "succeeded"},
+                                                {OperationState::kFailed, "failed"},
+                                                {OperationState::kCancelled, "cancelled"}}};
+
+template <typename Enum, std::size_t kSize>
+const char* Spell(const Spellings<Enum, kSize>& spellings, Enum value) {
+  for (const auto& [known, text] : spellings) {
+    if (known == value) return text;
+  }
+  return "";  // which the tables refuse
+}
+
+template <typename Enum, std::size_t kSize>
+absl::StatusOr<Enum> Read(const Spellings<Enum, kSize>& spellings, const std::string& text) {
+  for (const auto& [value, known] : spellings) {
+    if (text == known) return value;
+  }
+  return core::DataLoss("'{}' is stored where it means nothing", text);
+}
+
+}  // namespace
+
+const char* ToText(core::FileFormat format) { return Spell(kFormats, format); }
+const char* ToText(core::Scaling scaling) { return Spell(kScalings, scaling); }
+const char* ToText(OperationState state) { return Spell(kStates, state); }
+
+template <>
+absl::StatusOr<core::FileFormat> FromText(const std::string& text) {
+  return Read(kFormats, text);
+}
+template <>
+absl::StatusOr<core::Scaling> FromText(const std::string& text) {
+  return Read(kScalings, text);
+}
+template <>
+absl::StatusOr<OperationState> FromText(const std::string& text) {
+  return Read(kStates, text);
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,27 @@
+// Enumerations as the tables spell them. Stored: spellings do not change.
+#pragma once
+
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+#include "core/tree/feature_scale.h"
+#include "storage/records.h"
+
+namespace motiondb::storage {
+
+const char* ToText(core::FileFormat format);
+const char* ToText(core::Scaling scaling);
+const char* ToText(OperationState state);
+
+// DATA_LOSS for a text that is none.
+template <typename Enum>
+absl::StatusOr<Enum> FromText(const std::string& text);
+template <>
+absl::StatusOr<core::FileFormat> FromText(const std::string& text);
+template <>
+absl::StatusOr<core::Scaling> FromText(const std::string& text);
+template <>
+absl::StatusOr<OperationState> FromText(const std::string& text);
+
+}  // namespace motiondb::storage

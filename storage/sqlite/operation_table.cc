@@ -1,0 +1,99 @@
+#include "storage/sqlite/operation_table.h"
+
+#include <cstdint>
+#include <limits>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/enum_text.h"
+
+namespace motiondb::storage {
+namespace {
+
+// A query for operations as ToRecord reads them.
+std::string SelectWhere(std::string_view condition) {
+  return fmt::format(
+      "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
+      "operation.create_time_us, update_time_us FROM operation JOIN database "
+      "USING (database_key) WHERE {}",
+      condition);
+}
+
+absl::StatusOr<OperationRecord> ToRecord(const Statement& row) {
+  OperationRecord record;
+  record.id = row.Text(0);
+  record.database = row.Text(1);
+  MOTIONDB_ASSIGN_OR_RETURN(record.state, FromText<OperationState>(row.Text(2)));
+  record.progress = row.Real(3);
+  record.stage = row.Text(4);
+  record.model_version = row.Integer<std::int32_t>(5);
+  record.error_code = row.Integer<std::int32_t>(6);
+  record.error_message = row.Text(7);
+  record.create_time_us = row.Integer(8);
+  record.update_time_us = row.Integer(9);
+  return record;
+}
+
+absl::Status NoOperation(const std::string& id) {
+  return core::NotFound("operation '{}' does not exist", id);
+}
+
+// The sequence number below which a page begins.
+absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::string& before) {
+  if (before.empty()) return std::numeric_limits<std::int64_t>::max();
+  Statement row = connection.Query("SELECT sequence FROM operation WHERE id = ?", before);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoOperation(before);
+  return row.Integer(0);
+}
+
+}  // namespace
+
+absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
+                            FindDatabase(connection, record.database));
+  return connection
+      .Query(
+          "INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
+          "error_code, error_message, create_time_us, update_time_us) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
+          "(database_key, state, progress, stage, model_version, error_code, error_message, "
+          "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
+          "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
+          "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
+          record.id, database_key, ToText(record.state), record.progress, record.stage,
+          record.model_version, record.error_code, record.error_message, record.create_time_us,
+          record.update_time_us)
+      .Run();
+}
+
+absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const std::string& id) {
+  Statement row = connection.Query(SelectWhere("id = ?"), id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return NoOperation(id);
+  return ToRecord(row);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connection,
+                                                              const std::string& database,
+                                                              const std::string& before,
+                                                              int limit) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t below, SequenceOf(connection, before));
+  Statement row = connection.Query(
+      SelectWhere(database.empty()
+                      ? "sequence < ? ORDER BY sequence DESC LIMIT ?"
+                      : "sequence < ? AND database_key = ?3 ORDER BY sequence DESC LIMIT ?2"),
+      below, limit);
+  if (!database.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+    row.Bind(database_key);
+  }
+  std::vector<OperationRecord> records;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return records;
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(row));
+  }
+}
+
+}  // namespace motiondb::storage

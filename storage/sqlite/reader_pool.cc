@@ -1,0 +1,43 @@
+#include "storage/sqlite/reader_pool.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "storage/sqlite/store_file.h"
+
+namespace motiondb::storage {
+
+ReaderPool::ReaderPool(std::string path, std::string vfs, int limit)
+    : path_(std::move(path)), vfs_(std::move(vfs)), left_to_open_(std::max(limit, 1)) {}
+
+absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire() {
+  if (auto idle = TakeIdle()) return Lease(*this, std::move(idle));
+  auto opened = OpenReader(path_, vfs_);
+  if (!opened.ok()) {
+    const std::lock_guard lock(mutex_);
+    ++left_to_open_;
+    given_back_.notify_one();
+    return opened.status();
+  }
+  return Lease(*this, *std::move(opened));
+}
+
+std::unique_ptr<Connection> ReaderPool::TakeIdle() {
+  std::unique_lock lock(mutex_);
+  given_back_.wait(lock, [this] { return !idle_.empty() || left_to_open_ > 0; });
+  if (idle_.empty()) {
+    --left_to_open_;
+    return nullptr;
+  }
+  auto connection = std::move(idle_.back());
+  idle_.pop_back();
+  return connection;
+}
+
+void ReaderPool::GiveBack(std::unique_ptr<Connection> connection) {
+  const std::lock_guard lock(mutex_);
+  idle_.push_back(std::move(connection));
+  given_back_.notify_one();
+}
+
+}  // namespace motiondb::storage

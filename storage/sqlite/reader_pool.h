@@ -1,0 +1,53 @@
+// Connections that read, lent to one thread at a time. Thread-safe.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "storage/sqlite/connection.h"
+
+namespace motiondb::storage {
+
+class ReaderPool {
+ public:
+  // Opens connections when they are first needed, at most `limit`.
+  ReaderPool(std::string path, std::string vfs, int limit);
+
+  // A connection, given back when this is destroyed, which must be before the pool is.
+  class Lease {
+   public:
+    Lease(ReaderPool& pool, std::unique_ptr<Connection> connection)
+        : pool_(&pool), connection_(std::move(connection)) {}
+    Lease(Lease&&) = default;
+    Lease& operator=(Lease&&) = delete;
+    ~Lease() {
+      if (connection_ != nullptr) pool_->GiveBack(std::move(connection_));
+    }
+    Connection& connection() const { return *connection_; }
+
+   private:
+    ReaderPool* pool_;
+    std::unique_ptr<Connection> connection_;
+  };
+
+  // Waits for a connection if all are lent.
+  absl::StatusOr<Lease> Acquire();
+
+ private:
+  // Null if there is none idle and one may be opened.
+  std::unique_ptr<Connection> TakeIdle();
+  void GiveBack(std::unique_ptr<Connection> connection);
+
+  const std::string path_;
+  const std::string vfs_;
+  std::mutex mutex_;
+  std::condition_variable given_back_;
+  std::vector<std::unique_ptr<Connection>> idle_;
+  int left_to_open_;
+};
+
+}  // namespace motiondb::storage

@@ -1,0 +1,155 @@
+#include "storage/sqlite/schema.h"
+
+#include "core/motion/error.h"
+#include "storage/sqlite/transaction.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr char kFirst[] = R"sql(
+CREATE TABLE database (
+  database_key INTEGER PRIMARY KEY,
+  name TEXT NOT NULL UNIQUE CHECK (name <> ''),
+  frame_rate_hz REAL NOT NULL CHECK (frame_rate_hz > 0),
+  min_frames INTEGER NOT NULL CHECK (min_frames BETWEEN 1 AND 0x7fffffff),
+  scaling TEXT NOT NULL CHECK (scaling IN ('none', 'kind', 'dimension')),
+  marker_set TEXT NOT NULL,
+  marker_set_text TEXT NOT NULL,  -- a marker-set file; empty until a clip brings one
+  last_model_version INTEGER NOT NULL DEFAULT 0
+    CHECK (last_model_version BETWEEN 0 AND 0x7fffffff),
+  create_time_us INTEGER NOT NULL
+) STRICT;
+
+CREATE TABLE skeleton (
+  skeleton_key INTEGER PRIMARY KEY,
+  database_key INTEGER NOT NULL REFERENCES database ON DELETE CASCADE,
+  id TEXT NOT NULL CHECK (id <> ''),
+  encoded_crc INTEGER NOT NULL,  -- of the bytes in its chunks; finds one that is alike
+  UNIQUE (database_key, id)
+) STRICT;
+
+CREATE TABLE skeleton_chunk (
+  chunk_key INTEGER PRIMARY KEY,
+  skeleton_key INTEGER NOT NULL REFERENCES skeleton ON DELETE CASCADE,
+  kind INTEGER NOT NULL,
+  position INTEGER NOT NULL,
+  chunk BLOB NOT NULL,
+  UNIQUE (skeleton_key, kind, position)
+) STRICT;
+
+-- A deleted clip stays, with its states alone, while the current model needs it.
+CREATE TABLE clip (
+  clip_key INTEGER PRIMARY KEY,
+  database_key INTEGER NOT NULL REFERENCES database ON DELETE CASCADE,
+  id TEXT NOT NULL CHECK (id <> ''),
+  label TEXT NOT NULL,
+  subject TEXT NOT NULL,
+  file_name TEXT NOT NULL,
+  skeleton_file_name TEXT NOT NULL,
+  format TEXT NOT NULL CHECK (format IN ('bvh', 'amc', 'trc', 'c3d')),
+  frame_count INTEGER NOT NULL CHECK (frame_count BETWEEN 0 AND 0x7fffffff),
+  duration_seconds REAL NOT NULL,
+  source_frame_rate_hz REAL NOT NULL,
+  leg_length_m REAL NOT NULL,
+  skeleton_key INTEGER REFERENCES skeleton,
+  source_report TEXT NOT NULL,
+  content_hash INTEGER NOT NULL,    -- 64 bits, unsigned
+  root_path_crc INTEGER NOT NULL,   -- tells whether a model was built from this clip
+  create_time_us INTEGER NOT NULL,
+  deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1))
+) STRICT;
+CREATE UNIQUE INDEX clip_by_id ON clip (database_key, id) WHERE deleted = 0;
+CREATE UNIQUE INDEX clip_by_content ON clip (database_key, content_hash) WHERE deleted = 0;
+CREATE INDEX clip_by_skeleton ON clip (skeleton_key);
+
+CREATE TABLE clip_chunk (
+  chunk_key INTEGER PRIMARY KEY,
+  clip_key INTEGER NOT NULL REFERENCES clip ON DELETE CASCADE,
+  kind INTEGER NOT NULL,
+  position INTEGER NOT NULL,
+  chunk BLOB NOT NULL,
+  UNIQUE (clip_key, kind, position)
+) STRICT;
+
+CREATE TABLE model (
+  model_key INTEGER PRIMARY KEY,
+  database_key INTEGER NOT NULL REFERENCES database ON DELETE CASCADE,
+  version INTEGER NOT NULL CHECK (version BETWEEN 1 AND 0x7fffffff),
+  current INTEGER NOT NULL CHECK (current IN (0, 1)),
+  create_time_us INTEGER NOT NULL,
+  build_seconds REAL NOT NULL,
+  frame_count INTEGER NOT NULL,
+  clip_count INTEGER NOT NULL,
+  dimension_count INTEGER NOT NULL,
+  UNIQUE (database_key, version)
+) STRICT;
+CREATE UNIQUE INDEX current_model ON model (database_key) WHERE current = 1;
+
+CREATE TABLE model_layer (
+  model_key INTEGER NOT NULL REFERENCES model ON DELETE CASCADE,
+  layer INTEGER NOT NULL,
+  node_count INTEGER NOT NULL,
+  PRIMARY KEY (model_key, layer)
+) STRICT, WITHOUT ROWID;
+
+-- The clips of a current model, in the order of its frames.
+CREATE TABLE model_clip (
+  model_key INTEGER NOT NULL REFERENCES model ON DELETE CASCADE,
+  position INTEGER NOT NULL,
+  clip_key INTEGER NOT NULL REFERENCES clip,
+  PRIMARY KEY (model_key, position)
+) STRICT, WITHOUT ROWID;
+CREATE INDEX model_clip_by_clip ON model_clip (clip_key);
+
+CREATE TABLE model_chunk (
+  chunk_key INTEGER PRIMARY KEY,
+  model_key INTEGER NOT NULL REFERENCES model ON DELETE CASCADE,
+  kind INTEGER NOT NULL,
+  position INTEGER NOT NULL,
+  chunk BLOB NOT NULL,
+  UNIQUE (model_key, kind, position)
+) STRICT;
+
+CREATE TABLE operation (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,  -- rises with each operation created
+  id TEXT NOT NULL UNIQUE CHECK (id <> ''),
+  database_key INTEGER NOT NULL REFERENCES database ON DELETE CASCADE,
+  state TEXT NOT NULL
+    CHECK (state IN ('pending', 'running', 'succeeded', 'failed', 'cancelled')),
+  progress REAL NOT NULL,
+  stage TEXT NOT NULL,
+  model_version INTEGER NOT NULL,
+  error_code INTEGER NOT NULL,
+  error_message TEXT NOT NULL,
+  create_time_us INTEGER NOT NULL,
+  update_time_us INTEGER NOT NULL
+) STRICT;
+CREATE INDEX operation_by_database ON operation (database_key, sequence);
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst};
+
+}  // namespace
+
+std::span<const char* const> Migrations() { return kMigrations; }
+
+absl::Status Migrate(Connection& connection, std::span<const char* const> migrations) {
+  const auto latest = static_cast<std::int64_t>(migrations.size());
+  MOTIONDB_ASSIGN_OR_RETURN(std::int64_t version, connection.QueryInteger("PRAGMA user_version"));
+  if (version < 0 || version > latest) {
+    return core::FailedPrecondition(
+        "the store is of version {}, from a newer motiondb; this one knows versions up to {}",
+        version, latest);
+  }
+  for (; version < latest; ++version) {
+    MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
+                              Transaction::Begin(connection, Transaction::Kind::kWrite));
+    MOTIONDB_RETURN_IF_ERROR(connection.Execute(migrations[version]));
+    MOTIONDB_RETURN_IF_ERROR(
+        connection.Execute(fmt::format("PRAGMA user_version = {}", version + 1)));
+    MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,122 @@
+#include "storage/sqlite/skeleton_table.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/blob/crc32.h"
+#include "storage/blob/skeleton_codec.h"
+#include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/free_id.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr std::size_t kLongestId = 100;  // leaves room for "-2"
+
+BlobOwner Owner(std::int64_t key) { return {"skeleton", key}; }
+
+// Letters, digits, '-', '_' and '.' of a name, all else as '_': what resource names may hold.
+std::string IdFromName(std::string name) {
+  if (name.empty()) return "skeleton";
+  name.resize(std::min(name.size(), kLongestId));
+  for (char& c : name) {
+    const bool fit = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+                     c == '-' || c == '_' || c == '.';
+    if (!fit) c = '_';
+  }
+  return name;
+}
+
+absl::StatusOr<core::Skeleton> Decode(Connection& connection, std::int64_t key,
+                                      const std::string& database, const std::string& id) {
+  absl::StatusOr<core::Skeleton> skeleton = absl::UnknownError("not read");
+  const absl::Status read =
+      ReadBlob(connection, Owner(key), BlobKind::kSkeleton, [&](ByteSource& source) {
+        skeleton = DecodeSkeleton(source);
+        return skeleton.status();
+      });
+  if (!read.ok()) return In(fmt::format("database '{}', skeleton '{}'", database, id), read);
+  return skeleton;
+}
+
+// The key of the skeleton with these bytes; 0 if there is none.
+absl::StatusOr<std::int64_t> FindAlike(Connection& connection, std::int64_t database_key,
+                                       const std::string& encoded, std::uint32_t crc) {
+  Statement row = connection.Query(
+      "SELECT skeleton_key FROM skeleton WHERE database_key = ? AND encoded_crc = ?", database_key,
+      crc);
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return 0;
+    const auto stored = ReadBlob(connection, Owner(row.Integer(0)), BlobKind::kSkeleton);
+    // One that is damaged is like no other; it must not stand in the way of a new clip.
+    if (stored.ok() && *stored == encoded) return row.Integer(0);
+    if (!stored.ok() && !absl::IsDataLoss(stored.status())) return stored.status();
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::int64_t> FindOrInsertSkeleton(Connection& connection, std::int64_t database_key,
+                                                  const core::Skeleton& skeleton) {
+  StringSink encoded;
+  MOTIONDB_RETURN_IF_ERROR(EncodeSkeleton(skeleton, encoded));
+  const std::uint32_t crc = Crc32(std::as_bytes(std::span(encoded.bytes())));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t alike,
+                            FindAlike(connection, database_key, encoded.bytes(), crc));
+  if (alike != 0) return alike;
+
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::string id,
+      FreeId(connection, "SELECT 1 FROM skeleton WHERE database_key = ? AND id = ?", database_key,
+             IdFromName(skeleton.name())));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("INSERT INTO skeleton (database_key, id, encoded_crc) VALUES (?, ?, ?)",
+                 database_key, id, crc)
+          .Run());
+  const std::int64_t key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(WriteBlob(connection, Owner(key), BlobKind::kSkeleton, encoded.bytes()));
+  return key;
+}
+
+absl::StatusOr<core::Skeleton> SelectSkeleton(Connection& connection, const std::string& database,
+                                              const std::string& id) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  Statement row = connection.Query(
+      "SELECT skeleton_key FROM skeleton WHERE database_key = ? AND id = ?", database_key, id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return core::NotFound("database '{}' has no skeleton '{}'", database, id);
+  return Decode(connection, row.Integer(0), database, id);
+}
+
+absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connection,
+                                                            const std::string& database,
+                                                            const Page& page) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  Statement row = connection.Query(
+      "SELECT skeleton_key, id FROM skeleton WHERE database_key = ? AND id > ? ORDER BY id LIMIT ?",
+      database_key, page.after, page.limit);
+  std::vector<SkeletonRecord> records;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return records;
+    std::string id = row.Text(1);
+    MOTIONDB_ASSIGN_OR_RETURN(core::Skeleton skeleton,
+                              Decode(connection, row.Integer(0), database, id));
+    records.push_back({std::move(id), std::move(skeleton)});
+  }
+}
+
+absl::Status DeleteUnusedSkeletons(Connection& connection, std::int64_t database_key) {
+  return connection
+      .Query(
+          "DELETE FROM skeleton WHERE database_key = ? AND NOT EXISTS "
+          "(SELECT 1 FROM clip WHERE clip.skeleton_key = skeleton.skeleton_key)",
+          database_key)
+      .Run();
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,189 @@
+#include "storage/sqlite/sqlite_motion_store.h"
+
+#include <chrono>
+#include <filesystem>
+#include <type_traits>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/clip_table.h"
+#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/model_table.h"
+#include "storage/sqlite/operation_table.h"
+#include "storage/sqlite/skeleton_table.h"
+#include "storage/sqlite/store_file.h"
+#include "storage/sqlite/transaction.h"
+
+namespace motiondb::storage {
+namespace {
+
+std::int64_t SystemMicroseconds() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+const absl::Status& StatusOf(const absl::Status& status) { return status; }
+template <typename T>
+const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
+  return result.status();
+}
+
+template <typename Work>
+auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
+    -> std::invoke_result_t<Work, Connection&> {
+  MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection, kind));
+  auto result = work(connection);
+  if (!StatusOf(result).ok()) return result;
+  MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  return result;
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
+                                                                           SqliteOptions options) {
+  if (path.empty()) return core::InvalidArgument("the path of the store is empty");
+  if (!options.now_us) options.now_us = SystemMicroseconds;
+  std::optional<StoreLock> lock;
+  std::unique_ptr<ReaderPool> readers;
+  std::string file = path;
+  if (path != ":memory:") {
+    // One file, one lock, by whatever links it was reached.
+    std::error_code error;
+    file = std::filesystem::weakly_canonical(path, error).string();
+    if (error) return core::InvalidArgument("cannot open '{}': {}", path, error.message());
+    MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file, options.vfs));
+    MOTIONDB_ASSIGN_OR_RETURN(lock, StoreLock::Acquire(file));
+    readers = std::make_unique<ReaderPool>(file, options.vfs, options.reader_count);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
+  return std::unique_ptr<SqliteMotionStore>(new SqliteMotionStore(
+      std::move(lock), std::move(writer), std::move(readers), std::move(options.now_us)));
+}
+
+SqliteMotionStore::SqliteMotionStore(std::optional<StoreLock> lock,
+                                     std::unique_ptr<Connection> writer,
+                                     std::unique_ptr<ReaderPool> readers,
+                                     std::function<std::int64_t()> now_us)
+    : lock_(std::move(lock)),
+      writer_(std::move(writer)),
+      readers_(std::move(readers)),
+      now_us_(std::move(now_us)) {}
+
+template <typename Work>
+auto SqliteMotionStore::Write(const Work& work) {
+  const std::lock_guard lock(writer_mutex_);
+  return InTransaction(*writer_, Transaction::Kind::kWrite, work);
+}
+
+template <typename Work>
+auto SqliteMotionStore::Read(const Work& work) {
+  using Result = std::invoke_result_t<Work, Connection&>;
+  if (readers_ == nullptr) {
+    const std::lock_guard lock(writer_mutex_);
+    return InTransaction(*writer_, Transaction::Kind::kRead, work);
+  }
+  const auto reader = readers_->Acquire();
+  if (!reader.ok()) return Result(reader.status());
+  return InTransaction(reader->connection(), Transaction::Kind::kRead, work);
+}
+
+absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record) {
+  return Write([&](Connection& connection) { return InsertDatabase(connection, record); });
+}
+
+absl::StatusOr<DatabaseRecord> SqliteMotionStore::GetDatabase(const std::string& database) {
+  return Read([&](Connection& connection) { return SelectDatabase(connection, database); });
+}
+
+absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(const Page& page) {
+  return Read([&](Connection& connection) { return SelectDatabases(connection, page); });
+}
+
+absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database) {
+  return Write([&](Connection& connection) { return DeleteDatabaseRow(connection, database); });
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
+  return Write([&](Connection& connection) { return InsertClip(connection, clip); });
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::GetClip(const std::string& database,
+                                                      const std::string& clip) {
+  return Read([&](Connection& connection) { return SelectClip(connection, database, clip); });
+}
+
+absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::string& database,
+                                                                     const Page& page) {
+  return Read([&](Connection& connection) { return SelectClips(connection, database, page); });
+}
+
+absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip) {
+  return Write([&](Connection& connection) { return RemoveClip(connection, database, clip); });
+}
+
+absl::StatusOr<ClipSource> SqliteMotionStore::ReadClipSource(const std::string& database,
+                                                             const std::string& clip) {
+  return Read([&](Connection& connection) { return SelectClipSource(connection, database, clip); });
+}
+
+absl::StatusOr<core::StateSequence> SqliteMotionStore::ReadClipStates(const std::string& database,
+                                                                      const std::string& clip) {
+  return Read([&](Connection& connection) { return SelectClipStates(connection, database, clip); });
+}
+
+absl::StatusOr<core::Skeleton> SqliteMotionStore::GetSkeleton(const std::string& database,
+                                                              const std::string& skeleton) {
+  return Read(
+      [&](Connection& connection) { return SelectSkeleton(connection, database, skeleton); });
+}
+
+absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
+    const std::string& database, const Page& page) {
+  return Read([&](Connection& connection) { return SelectSkeletons(connection, database, page); });
+}
+
+absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
+                                                        const core::Model& model) {
+  return Write(
+      [&](Connection& connection) { return InsertModel(connection, database, model, now_us_()); });
+}
+
+absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database) {
+  return Read([&](Connection& connection) { return SelectCurrentModel(connection, database); });
+}
+
+absl::StatusOr<ModelRecord> SqliteMotionStore::GetModel(const std::string& database, int version) {
+  return Read([&](Connection& connection) { return SelectModel(connection, database, version); });
+}
+
+absl::StatusOr<std::vector<ModelRecord>> SqliteMotionStore::ListModels(const std::string& database,
+                                                                       int before, int limit) {
+  return Read(
+      [&](Connection& connection) { return SelectModels(connection, database, before, limit); });
+}
+
+absl::Status SqliteMotionStore::DropModel(const std::string& database) {
+  return Write([&](Connection& connection) -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    return RetireCurrentModel(connection, key);
+  });
+}
+
+absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record) {
+  return Write([&](Connection& connection) { return UpsertOperation(connection, record); });
+}
+
+absl::StatusOr<OperationRecord> SqliteMotionStore::GetOperation(const std::string& operation) {
+  return Read([&](Connection& connection) { return SelectOperation(connection, operation); });
+}
+
+absl::StatusOr<std::vector<OperationRecord>> SqliteMotionStore::ListOperations(
+    const std::string& database, const std::string& before, int limit) {
+  return Read([&](Connection& connection) {
+    return SelectOperations(connection, database, before, limit);
+  });
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,93 @@
+// A store in one SQLite file, for one server. storage/README.md describes the file.
+//
+// Thread-safe. Reads run beside each other and beside a write; each sees one moment. Writes run one
+// after another, on the one connection that writes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "storage/motion_store.h"
+#include "storage/sqlite/connection.h"
+#include "storage/sqlite/reader_pool.h"
+#include "storage/sqlite/store_lock.h"
+
+namespace motiondb::storage {
+
+struct SqliteOptions {
+  // Most reads at a time; more wait.
+  int reader_count = 4;
+  // When a model is put: microseconds since the Unix epoch. The system's clock where empty. All
+  // other times come with the records.
+  std::function<std::int64_t()> now_us;
+  // Name of a registered SQLite VFS; empty for the default one. Tests put faults there.
+  std::string vfs;
+};
+
+class SqliteMotionStore final : public MotionStore {
+ public:
+  // Opens the store at `path`, making it where there is none or an empty file, and upgrading one of
+  // an older version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION,
+  // changing nothing, if the file is not a store, is of a newer version, or is open elsewhere.
+  static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> Open(const std::string& path,
+                                                                 SqliteOptions options = {});
+
+  absl::Status CreateDatabase(const DatabaseRecord& record) override;
+  absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) override;
+  absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
+  absl::Status DeleteDatabase(const std::string& database) override;
+
+  absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
+  absl::StatusOr<ClipRecord> GetClip(const std::string& database, const std::string& clip) override;
+  absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
+                                                    const Page& page) override;
+  absl::Status DeleteClip(const std::string& database, const std::string& clip) override;
+  absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
+                                            const std::string& clip) override;
+  absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
+                                                     const std::string& clip) override;
+
+  absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
+                                             const std::string& skeleton) override;
+  absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
+                                                            const Page& page) override;
+
+  absl::StatusOr<ModelRecord> PutModel(const std::string& database,
+                                       const core::Model& model) override;
+  absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
+  absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) override;
+  absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
+                                                      int limit) override;
+  absl::Status DropModel(const std::string& database) override;
+
+  absl::Status PutOperation(const OperationRecord& record) override;
+  absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) override;
+  absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
+                                                              const std::string& before,
+                                                              int limit) override;
+
+ private:
+  SqliteMotionStore(std::optional<StoreLock> lock, std::unique_ptr<Connection> writer,
+                    std::unique_ptr<ReaderPool> readers, std::function<std::int64_t()> now_us);
+
+  // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
+  // happens, or after an error none.
+  template <typename Work>
+  auto Write(const Work& work);
+  template <typename Work>
+  auto Read(const Work& work);
+
+  // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
+  std::optional<StoreLock> lock_;  // none for a store in memory
+  std::mutex writer_mutex_;
+  std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_
+  std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
+  std::function<std::int64_t()> now_us_;
+};
+
+}  // namespace motiondb::storage

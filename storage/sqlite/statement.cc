@@ -1,0 +1,75 @@
+#include "storage/sqlite/statement.h"
+
+#include "storage/sqlite/connection.h"
+#include "storage/sqlite/sqlite_status.h"
+
+namespace motiondb::storage {
+
+Statement::~Statement() {
+  if (handle_ == nullptr) return;
+  Reset();
+  connection_->GiveBack(std::move(handle_));
+}
+
+void Statement::Bind(double value) {
+  Note(sqlite3_bind_double(handle_.get(), next_parameter_++, value));
+}
+
+void Statement::Bind(std::string_view text) {
+  // A null pointer would bind NULL.
+  Note(sqlite3_bind_text64(handle_.get(), next_parameter_++, text.empty() ? "" : text.data(),
+                           text.size(), SQLITE_TRANSIENT, SQLITE_UTF8));
+}
+
+void Statement::Bind(std::span<const std::byte> blob) {
+  Note(sqlite3_bind_blob64(handle_.get(), next_parameter_++,
+                           blob.empty() ? static_cast<const void*>("") : blob.data(), blob.size(),
+                           SQLITE_STATIC));
+}
+
+void Statement::Bind(std::nullptr_t) { Note(sqlite3_bind_null(handle_.get(), next_parameter_++)); }
+
+void Statement::BindInteger(std::int64_t value) {
+  Note(sqlite3_bind_int64(handle_.get(), next_parameter_++, value));
+}
+
+void Statement::Note(int code) {
+  if (code != SQLITE_OK && status_.ok()) status_ = SqliteError(connection_->handle(), code);
+}
+
+absl::StatusOr<bool> Statement::Step() {
+  if (!status_.ok()) return status_;
+  const int code = sqlite3_step(handle_.get());
+  if (code == SQLITE_ROW) return true;
+  if (code == SQLITE_DONE) return false;
+  status_ = SqliteError(connection_->handle(), code);
+  return status_;
+}
+
+absl::Status Statement::Run() {
+  while (true) {
+    const auto row = Step();
+    if (!row.ok()) return row.status();
+    if (!*row) return absl::OkStatus();
+  }
+}
+
+void Statement::Reset() {
+  sqlite3_reset(handle_.get());
+  sqlite3_clear_bindings(handle_.get());
+  next_parameter_ = 1;
+}
+
+std::string Statement::Text(int column) const {
+  const auto* text = reinterpret_cast<const char*>(sqlite3_column_text(handle_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column));
+  return text == nullptr ? std::string() : std::string(text, size);
+}
+
+std::span<const std::byte> Statement::Blob(int column) const {
+  const auto* bytes = static_cast<const std::byte*>(sqlite3_column_blob(handle_.get(), column));
+  const auto size = static_cast<std::size_t>(sqlite3_column_bytes(handle_.get(), column));
+  return {bytes, size};
+}
+
+}  // namespace motiondb::storage

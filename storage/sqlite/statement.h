@@ -1,0 +1,74 @@
+// A prepared SQL statement with its parameters bound, on loan from the connection that prepared it.
+//
+// Keeps the first error, so that it is asked for once, by Step or Run. Goes back to the connection
+// when destroyed, which must be before the connection is. Not thread-safe.
+#pragma once
+
+#include <sqlite3.h>
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "absl/status/statusor.h"
+
+namespace motiondb::storage {
+
+class Connection;
+
+struct FinalizeStatement {
+  void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+};
+using StatementHandle = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
+
+class Statement {
+ public:
+  // Made by Connection::Query. `handle` is null where `status` is an error.
+  Statement(Connection& connection, StatementHandle handle, absl::Status status)
+      : connection_(&connection), handle_(std::move(handle)), status_(std::move(status)) {}
+  Statement(Statement&&) = default;
+  Statement& operator=(Statement&&) = delete;
+  ~Statement();
+
+  // Binds the next parameter. Text is copied; a blob must outlive the statement or its next Reset.
+  void Bind(std::integral auto value) { BindInteger(static_cast<std::int64_t>(value)); }
+  void Bind(double value);
+  void Bind(std::string_view text);
+  void Bind(const std::string& text) { Bind(std::string_view(text)); }
+  void Bind(const char* text) { Bind(std::string_view(text)); }
+  void Bind(std::span<const std::byte> blob);
+  void Bind(std::nullptr_t);
+
+  // To the next row. False after the last one.
+  absl::StatusOr<bool> Step();
+  // To the end, passing over rows.
+  absl::Status Run();
+  // Back to before the first row, without parameters.
+  void Reset();
+
+  // Columns of the current row, numbered from 0. Tables are STRICT, so the types are as declared.
+  std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
+  template <std::integral T>
+  T Integer(int column) const {
+    return static_cast<T>(Integer(column));
+  }
+  double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
+  std::string Text(int column) const;
+  // Valid until the next Step, Reset or the end of the statement.
+  std::span<const std::byte> Blob(int column) const;
+
+ private:
+  void BindInteger(std::int64_t value);
+  void Note(int code);
+
+  Connection* connection_;
+  StatementHandle handle_;
+  absl::Status status_;
+  int next_parameter_ = 1;
+};
+
+}  // namespace motiondb::storage

@@ -1,0 +1,58 @@
+#include "storage/sqlite/store_lock.h"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::storage {
+namespace {
+
+// What the holder wrote: " (process 123)", or nothing.
+std::string HolderOf(int file) {
+  char text[32];
+  const ssize_t size = pread(file, text, sizeof(text), 0);
+  return size > 0 ? fmt::format(" (process {})", std::string(text, size)) : "";
+}
+
+}  // namespace
+
+absl::StatusOr<StoreLock> StoreLock::Acquire(const std::string& store_path) {
+  const std::string path = store_path + "-lock";
+  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0) {
+    return absl::UnavailableError(
+        fmt::format("cannot open the lock file '{}': {}", path, std::strerror(errno)));
+  }
+  StoreLock lock(file);
+  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+    if (errno == EWOULDBLOCK) {
+      return core::FailedPrecondition(
+          "'{}' is in use{}: only one process at a time may open a store", store_path,
+          HolderOf(file));
+    }
+    return absl::UnavailableError(fmt::format("cannot lock '{}': {}", path, std::strerror(errno)));
+  }
+  // For the message above alone, so that a failure does not matter.
+  const std::string holder = fmt::format("{}", getpid());
+  if (ftruncate(file, 0) == 0) static_cast<void>(!pwrite(file, holder.data(), holder.size(), 0));
+  return lock;
+}
+
+StoreLock::StoreLock(StoreLock&& other) noexcept : file_(std::exchange(other.file_, -1)) {}
+
+StoreLock& StoreLock::operator=(StoreLock&& other) noexcept {
+  std::swap(file_, other.file_);
+  return *this;
+}
+
+StoreLock::~StoreLock() {
+  if (file_ >= 0) close(file_);
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,49 @@
+#!/usr/bin/env bash
+# The house's one-way arrows: which folders each folder may include from. Prints every include that
+# goes another way and fails if there is one.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+declare -A may_include=(
+  [core/motion]="core/motion"
+  [core/format]="core/format core/motion"
+  [core/tree]="core/tree core/motion"
+  [core/graph]="core/graph core/tree core/motion"
+  [core/model]="core/model core/graph core/tree core/motion"
+  [core/inference]="core/inference core/model core/graph core/tree core/motion"
+  [storage]="storage core"
+  [server]="server storage core motiondb/v1"
+  [client]="client motiondb"
+)
+
+bad=0
+for folder in "${!may_include[@]}"; do
+  [ -d "$folder" ] || { echo "check_layers.sh names a folder that is gone: $folder"; bad=1; continue; }
+  while IFS=: read -r file line include; do
+    allowed=0
+    for prefix in ${may_include[$folder]}; do
+      case "$include" in "$prefix"/*) allowed=1 ;; esac
+    done
+    case "$include" in core/*|storage/*|server/*|client/*|tests/*|motiondb/*) ;; *) allowed=1 ;; esac
+    if [ "$allowed" = 0 ]; then
+      echo "$file:$line: $folder may not include $include"
+      bad=1
+    fi
+  done < <(grep -rnoE --include='*.h' --include='*.cc' '#include [<"][^">]+' "$folder" |
+           sed -E 's/#include [<"]//')
+done
+for folder in core/*/; do
+  folder=${folder%/}
+  if [ -z "${may_include[$folder]:-}" ]; then
+    echo "$folder has no place in check_layers.sh"
+    bad=1
+  fi
+done
+# The mathematics has no clock, no threads of its own, no files and no unseeded randomness.
+if grep -rnE --include='*.h' --include='*.cc' \
+    '#include <(thread|chrono|fstream|iostream|filesystem|mutex|random)>|std::(thread|async)\b|\brand\(' core; then
+  echo "core/ may not use threads, clocks, files or randomness"
+  bad=1
+fi
+[ "$bad" = 0 ] && echo "layers: every include goes the right way"
+exit "$bad"

@@ -1,0 +1,322 @@
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/model.pb.h>
+#include <motiondb/v1/operation.pb.h>
+#include <motiondb/v1/query.pb.h>
+
+#include <catch2/catch.hpp>
+
+#include "tests/client/fake_server.h"
+#include "tests/client/run_motiondb.h"
+#include "tests/client/temporary_folder.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+using Catch::StartsWith;
+
+TEST_CASE("motiondb: help and version succeed on standard output", "[client][cli]") {
+  const auto help = RunMotiondb("", {"--help"});
+  CHECK(help.exit_code == 0);
+  CHECK(help.err == "");
+  for (const char* command : {"create", "ingest", "list", "describe", "recognize", "estimate",
+                              "predict", "dump", "export", "delete", "operations"}) {
+    CHECK_THAT(help.out, Contains(command));
+    CHECK(RunMotiondb("", {command, "--help"}).exit_code == 0);
+  }
+  CHECK_THAT(RunMotiondb("", {"--version"}).out, StartsWith("motiondb "));
+}
+
+TEST_CASE("motiondb: wrong usage fails on standard error", "[client][cli]") {
+  const std::vector<std::vector<std::string>> wrong = {
+      {},
+      {"nonsense"},
+      {"describe"},
+      {"describe", "walks", "extra"},
+      {"recognize", "walks", "a.bvh", "--window", "wide"},
+      {"predict", "walks", "a.bvh", "--at", "1", "--every", "1"},
+      {"create", "walks", "--scaling", "much"},
+      {"create", "walks", "--frame-rate", "0"}};
+  for (const auto& arguments : wrong) {
+    const auto result = RunMotiondb("", arguments);
+    CAPTURE(result.err);
+    CHECK(result.exit_code == 2);
+    CHECK(result.out == "");
+    CHECK_THAT(result.err, StartsWith("motiondb: "));
+  }
+  CHECK_THAT(RunMotiondb("", {"nonsense"}).err, Contains("no such command: nonsense"));
+}
+
+TEST_CASE("motiondb: without a server it says where it looked and what to do", "[client][cli]") {
+  const auto result = RunMotiondb("127.0.0.1:1", {"list"});
+  CHECK(result.exit_code == 1);
+  CHECK(result.out == "");
+  CHECK_THAT(result.err, StartsWith("motiondb: ") && Contains("127.0.0.1:1") &&
+                             Contains("--server") && Contains("MOTIONDB_SERVER"));
+}
+
+TEST_CASE("motiondb: global options stand before or after the command", "[client][cli]") {
+  FakeServer server;
+  v1::ListDatabasesResponse databases;
+  databases.add_databases()->set_name("databases/a");
+  server.Answer("ListDatabases", databases);
+  const auto before = RunMotiondb("127.0.0.1:1", {"--json", "--server", server.address(), "list"});
+  const auto after = RunMotiondb("127.0.0.1:1", {"list", "--server=" + server.address(), "--json"});
+  CHECK(before.exit_code == 0);
+  CHECK_THAT(before.out, StartsWith("{\"name\":\"databases/a\""));
+  CHECK(after.exit_code == 0);
+  CHECK(after.out == before.out);
+}
+
+TEST_CASE("motiondb create: settings and the text of a marker-set file are sent", "[client][cli]") {
+  FakeServer server;
+  v1::CreateDatabaseResponse created;
+  created.mutable_database()->set_name("databases/walks");
+  server.Answer("CreateDatabase", created);
+  const TemporaryFolder folder;
+  const auto file = folder.Write("feet.markers", "two feet");
+  CHECK(RunMotiondb(server.address(), {"create", "walks"}).exit_code == 0);
+  CHECK(RunMotiondb(server.address(),
+                    {"create", "databases/walks", "--frame-rate", "120", "--min-frames", "8",
+                     "--scaling", "none", "--marker-set", file.string()})
+            .exit_code == 0);
+  const auto requests = server.Requests<v1::CreateDatabaseRequest>("CreateDatabase");
+  REQUIRE(requests.size() == 2);
+  CHECK(requests[0].database_id() == "walks");
+  CHECK(requests[0].database().frame_rate_hz() == 60);
+  CHECK(requests[0].database().min_frames() == 16);
+  CHECK(requests[0].database().scaling() == v1::SCALING_KIND);
+  CHECK(requests[0].database().marker_set() == "standard34");
+  CHECK(requests[1].database_id() == "walks");
+  CHECK(requests[1].database().frame_rate_hz() == 120);
+  CHECK(requests[1].database().min_frames() == 8);
+  CHECK(requests[1].database().scaling() == v1::SCALING_NONE);
+  CHECK(requests[1].database().marker_set() == "feet");
+  CHECK(requests[1].database().marker_set_file() == "two feet");
+  CHECK_THAT(RunMotiondb(server.address(), {"create", "w", "--marker-set", "none.txt"}).err,
+             StartsWith("motiondb: --marker-set: ") && Contains("none.txt"));
+}
+
+TEST_CASE("motiondb list: tables for a person, a message a line for a program", "[client][cli]") {
+  FakeServer server;
+  v1::ListClipsResponse first, second;
+  first.add_clips()->set_name("databases/walks/clips/a");
+  first.set_next_page_token("t");
+  second.add_clips()->set_name("databases/walks/clips/b");
+  server.Answer("ListClips", first);
+  server.Answer("ListClips", second);
+  const auto json = RunMotiondb(server.address(), {"list", "walks", "--json"});
+  CHECK(json.exit_code == 0);
+  CHECK(std::count(json.out.begin(), json.out.end(), '\n') == 2);
+  CHECK_THAT(json.out, Contains("\"frame_count\":0") && Contains("\"duration_seconds\":0"));
+  CHECK(server.Requests<v1::ListClipsRequest>("ListClips")[0].parent() == "databases/walks");
+  const auto text = RunMotiondb(server.address(), {"list", "walks"});
+  CHECK_THAT(text.out, StartsWith("CLIP"));
+}
+
+TEST_CASE("motiondb describe: the response as JSON keeps its field names", "[client][cli]") {
+  FakeServer server;
+  v1::DescribeDatabaseResponse description;
+  description.set_name("databases/walks");
+  description.set_frame_count(100);
+  description.add_nodes_per_layer(1);
+  server.Answer("DescribeDatabase", description);
+  const auto json = RunMotiondb(server.address(), {"describe", "walks", "--json"});
+  for (const char* field :
+       {"\"frame_count\":100", "\"clip_count\":0", "\"layer_count\":0", "\"node_count\":0",
+        "\"bottom_node_count\":0", "\"nodes_per_layer\":[1]", "\"model_version\":0",
+        "\"build_seconds\":0"}) {
+    CHECK_THAT(json.out, Contains(field));
+  }
+  CHECK_THAT(RunMotiondb(server.address(), {"describe", "walks"}).out, Contains("100"));
+}
+
+TEST_CASE("motiondb: the server's error is the program's", "[client][cli]") {
+  FakeServer server;
+  server.Fail("DescribeDatabase", 5, "there is no database \"walks\"");
+  const auto result = RunMotiondb(server.address(), {"describe", "walks", "--json"});
+  CHECK(result.exit_code == 1);
+  CHECK(result.out == "");
+  CHECK(result.err == "motiondb: there is no database \"walks\"\n");
+}
+
+TEST_CASE("motiondb: an answer that cannot be written is a failure", "[client][cli]") {
+  FakeServer server;
+  v1::DescribeDatabaseResponse description;
+  server.Answer("DescribeDatabase", description);
+  for (const char* json : {"", "--json"}) {
+    const auto result = RunProgram({"sh", "-c",
+                                    std::string(MOTIONDB_CLI " describe walks --server ") +
+                                        server.address() + " " + json + " > /dev/full"});
+    CHECK(result.exit_code == 1);
+    CHECK_THAT(result.err, StartsWith("motiondb: "));
+  }
+}
+
+TEST_CASE("motiondb recognize: options become the request", "[client][cli]") {
+  FakeServer server;
+  v1::RecognizeResponse answer;
+  auto* window = answer.add_windows();
+  window->set_end_seconds(0.4);
+  window->add_labels()->set_label("walk");
+  server.Answer("Recognize", answer);
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
+  const auto text = RunMotiondb(server.address(), {"recognize", "walks", file});
+  CHECK(text.exit_code == 0);
+  CHECK_THAT(text.out, StartsWith("0.00-0.40 s  walk"));
+  const auto json = RunMotiondb(
+      server.address(), {"recognize", "walks", file, "--window", "all", "--hop", "0.2", "--layer",
+                         "7", "--top", "3", "--floor", "0", "--paths", "5", "--json"});
+  CHECK_THAT(json.out, StartsWith("{\"windows\":[{\"start_seconds\":0,\"end_seconds\":0.4"));
+  const auto requests = server.Requests<v1::RecognizeRequest>("Recognize");
+  REQUIRE(requests.size() == 2);
+  CHECK(requests[0].database() == "databases/walks");
+  CHECK(requests[0].observation().file().data() == "HIERARCHY");
+  CHECK(requests[0].window_seconds() == 0.4);
+  CHECK(!requests[0].whole());
+  CHECK(!requests[0].has_transition_floor());
+  CHECK(requests[1].whole());
+  CHECK(requests[1].hop_seconds() == 0.2);
+  CHECK(requests[1].layer() == 7);
+  CHECK(requests[1].top_count() == 3);
+  CHECK(requests[1].has_transition_floor());
+  CHECK(requests[1].transition_floor() == 0);
+  CHECK(requests[1].generation() == v1::GENERATION_TOP_PATHS);
+  CHECK(requests[1].path_count() == 5);
+}
+
+TEST_CASE("motiondb estimate: options become the request", "[client][cli]") {
+  FakeServer server;
+  v1::EstimateResponse answer;
+  answer.add_paths()->add_node_ids(4);
+  server.Answer("Estimate", answer);
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
+  const auto result = RunMotiondb(server.address(), {"estimate", "walks", file, "--paths", "3",
+                                                     "--max-candidates", "0", "--json"});
+  CHECK_THAT(result.out, Contains("\"node_ids\":[4]"));
+  const auto requests = server.Requests<v1::EstimateRequest>("Estimate");
+  REQUIRE(requests.size() == 1);
+  CHECK(requests[0].path_count() == 3);
+  CHECK(requests[0].has_max_candidates());
+  CHECK(requests[0].max_candidates() == 0);
+}
+
+TEST_CASE("motiondb predict: one moment, or one line for each", "[client][cli]") {
+  FakeServer server;
+  v1::PredictResponse one;
+  one.set_at_seconds(1.5);
+  server.Answer("Predict", one);
+  v1::PredictSeriesResponse first, second;
+  first.mutable_prediction()->set_at_seconds(0.4);
+  second.mutable_prediction()->set_at_seconds(0.9);
+  server.Answer("PredictSeries", first, second);
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "HIERARCHY").string();
+  const auto at = RunMotiondb(server.address(), {"predict", "walks", "--at", "1.5", "--horizon",
+                                                 "0.1,0.25", file, "--json"});
+  CHECK_THAT(at.out, StartsWith("{\"at_seconds\":1.5,"));
+  const auto requests = server.Requests<v1::PredictRequest>("Predict");
+  REQUIRE(requests.size() == 1);
+  CHECK(requests[0].at_seconds() == 1.5);
+  CHECK(requests[0].history_seconds() == 0.4);
+  REQUIRE(requests[0].horizon_seconds_size() == 2);
+  CHECK(requests[0].horizon_seconds(1) == 0.25);
+
+  const auto every =
+      RunMotiondb(server.address(), {"predict", "walks", file, "--every", "0.5", "--json"});
+  CHECK(every.exit_code == 0);
+  CHECK(std::count(every.out.begin(), every.out.end(), '\n') == 2);
+  CHECK_THAT(every.out, StartsWith("{\"at_seconds\":0.4,") && Contains("\n{\"at_seconds\":0.9,"));
+  const auto series = server.Requests<v1::PredictSeriesRequest>("PredictSeries");
+  REQUIRE(series.size() == 1);
+  CHECK(series[0].every_seconds() == 0.5);
+  CHECK(!series[0].prediction().has_at_seconds());
+  CHECK(series[0].prediction().horizon_seconds_size() == 6);
+}
+
+TEST_CASE("motiondb export: writes the files and prints their paths", "[client][cli]") {
+  FakeServer server;
+  v1::ExportClipResponse header, block;
+  header.mutable_header()->mutable_clip()->set_file_name("a.bvh");
+  block.set_file_block(std::string("bytes\0\r\n", 8));
+  server.Answer("ExportClip", header, block);
+  const TemporaryFolder folder;
+  const auto result =
+      RunMotiondb(server.address(), {"export", "walks", "a", "--out", (folder / "out").string()});
+  CHECK(result.exit_code == 0);
+  CHECK(result.out == (folder / "out/a.bvh").string() + "\n");
+  CHECK(ReadFile(folder / "out/a.bvh") == std::string("bytes\0\r\n", 8));
+  CHECK(server.Requests<v1::ExportClipRequest>("ExportClip")[0].name() ==
+        "databases/walks/clips/a");
+}
+
+TEST_CASE("motiondb delete: asks before a whole database, on a terminal", "[client][cli]") {
+  FakeServer server;
+  server.Answer("DeleteDatabase", v1::DeleteDatabaseResponse());
+  const auto deleted = [&] {
+    return server.Requests<v1::DeleteDatabaseRequest>("DeleteDatabase").size();
+  };
+  const auto refused = RunMotiondb(server.address(), {"delete", "walks"}, {true, false, "yes\n"});
+  CHECK(refused.exit_code == 1);
+  CHECK_THAT(refused.err, Contains("Type walks") && Contains("was not deleted"));
+  CHECK(deleted() == 0);
+  CHECK(RunMotiondb(server.address(), {"delete", "walks"}, {true, false, "walks\n"}).exit_code ==
+        0);
+  CHECK(deleted() == 1);
+  CHECK(RunMotiondb(server.address(), {"delete", "walks", "--yes"}, {true, false, ""}).exit_code ==
+        0);
+  CHECK(deleted() == 2);
+  CHECK(RunMotiondb(server.address(), {"delete", "walks", "--json"}).out == "{}\n");
+  CHECK(deleted() == 3);
+}
+
+TEST_CASE("motiondb delete: of a clip waits for the model without it", "[client][cli]") {
+  FakeServer server;
+  v1::DeleteClipResponse started;
+  started.mutable_operation()->set_name("operations/9");
+  server.Answer("DeleteClip", started);
+  v1::WaitOperationResponse done;
+  done.mutable_operation()->set_name("operations/9");
+  done.mutable_operation()->set_done(true);
+  done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
+  server.Answer("WaitOperation", done);
+  const auto text = RunMotiondb(server.address(), {"delete", "walks", "a"});
+  CHECK(text.exit_code == 0);
+  CHECK(text.out == "deleted clip a; no clip is left, so there is no model now\n");
+  CHECK_THAT(RunMotiondb(server.address(), {"delete", "walks", "a", "--json"}).out,
+             Contains("OPERATION_STATE_SUCCEEDED"));
+}
+
+TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
+  FakeServer server;
+  v1::ListOperationsResponse list;
+  auto* failed = list.add_operations();
+  failed->set_name("operations/9");
+  failed->set_state(v1::OPERATION_STATE_FAILED);
+  failed->set_done(true);
+  failed->mutable_error()->set_code(13);
+  failed->mutable_error()->set_message("no memory");
+  failed->mutable_error()->add_details()->set_type_url("type.googleapis.com/google.rpc.BadRequest");
+  server.Answer("ListOperations", list);
+  v1::WaitOperationResponse wait;
+  *wait.mutable_operation() = *failed;
+  server.Answer("WaitOperation", wait);
+  v1::CancelOperationResponse cancel;
+  *cancel.mutable_operation() = *failed;
+  server.Answer("CancelOperation", cancel);
+  CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "walks"}).out,
+             Contains("failed") && Contains("no memory"));
+  CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "--json"}).out,
+             StartsWith("{\"name\":\"operations/9\""));
+  const auto waited = RunMotiondb(server.address(), {"operations", "wait", "9"});
+  CHECK(waited.exit_code == 1);
+  CHECK_THAT(waited.err, Contains("no memory"));
+  CHECK(RunMotiondb(server.address(), {"operations", "cancel", "9", "--json"}).exit_code == 0);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

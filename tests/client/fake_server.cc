@@ -1,0 +1,170 @@
+#include "tests/client/fake_server.h"
+
+#include <grpcpp/grpcpp.h>
+#include <motiondb/v1/clip.grpc.pb.h>
+#include <motiondb/v1/database.grpc.pb.h>
+#include <motiondb/v1/model.grpc.pb.h>
+#include <motiondb/v1/operation.grpc.pb.h>
+#include <motiondb/v1/query.grpc.pb.h>
+
+#include <chrono>
+#include <thread>
+#include <utility>
+
+namespace motiondb::tests {
+namespace {
+
+using grpc::ServerContext;
+using grpc::Status;
+using grpc::StatusCode;
+
+Status StatusOf(const FakeServer::Reply& reply) {
+  if (reply.delay_milliseconds > 0) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(reply.delay_milliseconds));
+  }
+  return reply.code == 0
+             ? Status::OK
+             : Status(static_cast<StatusCode>(reply.code), reply.message, reply.details);
+}
+
+template <typename Message>
+void Fill(const FakeServer::Reply& reply, Message* message) {
+  if (!reply.messages.empty()) message->ParseFromString(reply.messages.front());
+}
+
+template <typename Message>
+void Stream(const FakeServer::Reply& reply, grpc::ServerWriter<Message>* writer) {
+  for (const std::string& bytes : reply.messages) {
+    Message message;
+    message.ParseFromString(bytes);
+    if (!writer->Write(message)) return;
+  }
+}
+
+}  // namespace
+
+#define MOTIONDB_FAKE_UNARY(Method)                                 \
+  Status Method(ServerContext*, const v1::Method##Request* request, \
+                v1::Method##Response* response) override {          \
+    fake.Keep(#Method, request->SerializeAsString());               \
+    const auto reply = fake.Next(#Method);                          \
+    Fill(reply, response);                                          \
+    return StatusOf(reply);                                         \
+  }
+
+#define MOTIONDB_FAKE_STREAM(Method)                                         \
+  Status Method(ServerContext*, const v1::Method##Request* request,          \
+                grpc::ServerWriter<v1::Method##Response>* writer) override { \
+    fake.Keep(#Method, request->SerializeAsString());                        \
+    const auto reply = fake.Next(#Method);                                   \
+    Stream(reply, writer);                                                   \
+    return StatusOf(reply);                                                  \
+  }
+
+struct FakeServer::Services {
+  struct Databases : v1::DatabaseService::Service {
+    explicit Databases(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(CreateDatabase)
+    MOTIONDB_FAKE_UNARY(GetDatabase)
+    MOTIONDB_FAKE_UNARY(ListDatabases)
+    MOTIONDB_FAKE_UNARY(DeleteDatabase)
+    MOTIONDB_FAKE_UNARY(DescribeDatabase)
+    FakeServer& fake;
+  };
+
+  struct Clips : v1::ClipService::Service {
+    explicit Clips(FakeServer& server) : fake(server) {}
+    Status IngestClip(ServerContext*, grpc::ServerReader<v1::IngestClipRequest>* reader,
+                      v1::IngestClipResponse* response) override {
+      v1::IngestClipRequest message;
+      while (reader->Read(&message)) fake.Keep("IngestClip", message.SerializeAsString());
+      const auto reply = fake.Next("IngestClip");
+      Fill(reply, response);
+      return StatusOf(reply);
+    }
+    MOTIONDB_FAKE_UNARY(GetClip)
+    MOTIONDB_FAKE_UNARY(ListClips)
+    MOTIONDB_FAKE_UNARY(DeleteClip)
+    MOTIONDB_FAKE_STREAM(ExportClip)
+    MOTIONDB_FAKE_UNARY(GetSkeleton)
+    MOTIONDB_FAKE_UNARY(ListSkeletons)
+    FakeServer& fake;
+  };
+
+  struct Models : v1::ModelService::Service {
+    explicit Models(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(GetModel)
+    MOTIONDB_FAKE_UNARY(ListModels)
+    MOTIONDB_FAKE_UNARY(ListNodes)
+    MOTIONDB_FAKE_UNARY(ListTransitions)
+    MOTIONDB_FAKE_STREAM(ReadStates)
+    FakeServer& fake;
+  };
+
+  struct Queries : v1::QueryService::Service {
+    explicit Queries(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(Recognize)
+    MOTIONDB_FAKE_UNARY(Estimate)
+    MOTIONDB_FAKE_UNARY(Predict)
+    MOTIONDB_FAKE_STREAM(PredictSeries)
+    FakeServer& fake;
+  };
+
+  struct Operations : v1::OperationService::Service {
+    explicit Operations(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(GetOperation)
+    MOTIONDB_FAKE_UNARY(ListOperations)
+    MOTIONDB_FAKE_UNARY(WaitOperation)
+    MOTIONDB_FAKE_UNARY(CancelOperation)
+    FakeServer& fake;
+  };
+
+  explicit Services(FakeServer& fake)
+      : databases(fake), clips(fake), models(fake), queries(fake), operations(fake) {}
+
+  Databases databases;
+  Clips clips;
+  Models models;
+  Queries queries;
+  Operations operations;
+  std::unique_ptr<grpc::Server> server;
+};
+
+#undef MOTIONDB_FAKE_UNARY
+#undef MOTIONDB_FAKE_STREAM
+
+FakeServer::FakeServer() : services_(std::make_unique<Services>(*this)) {
+  grpc::ServerBuilder builder;
+  int port = 0;
+  builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);
+  builder.RegisterService(&services_->databases);
+  builder.RegisterService(&services_->clips);
+  builder.RegisterService(&services_->models);
+  builder.RegisterService(&services_->queries);
+  builder.RegisterService(&services_->operations);
+  services_->server = builder.BuildAndStart();
+  address_ = "127.0.0.1:" + std::to_string(port);
+}
+
+FakeServer::~FakeServer() { services_->server->Shutdown(std::chrono::system_clock::now()); }
+
+void FakeServer::Push(const std::string& rpc, Reply reply) {
+  const std::lock_guard lock(mutex_);
+  replies_[rpc].push_back(std::move(reply));
+}
+
+void FakeServer::Keep(const std::string& rpc, std::string request) {
+  const std::lock_guard lock(mutex_);
+  requests_[rpc].push_back(std::move(request));
+}
+
+FakeServer::Reply FakeServer::Next(const std::string& rpc) {
+  const std::lock_guard lock(mutex_);
+  std::vector<Reply>& replies = replies_[rpc];
+  if (replies.empty()) return {StatusCode::UNIMPLEMENTED, rpc + " has no canned answer", "", {}};
+  const Reply reply = replies.front();
+  if (replies.size() > 1) replies.erase(replies.begin());
+  return reply;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,69 @@
+// A gRPC server on a loopback socket that gives canned answers to every call of the wire contract
+// and keeps the requests. Calls come on gRPC's threads; all functions here may be used meanwhile.
+#pragma once
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+namespace motiondb::tests {
+
+class FakeServer {
+ public:
+  // How one call ends: with an error, or with these messages (one, unless it streams).
+  struct Reply {
+    int code = 0;
+    std::string message;
+    std::string details;  // bytes of grpc-status-details-bin
+    std::vector<std::string> messages;
+    int delay_milliseconds = 0;
+  };
+
+  FakeServer();
+  ~FakeServer();
+
+  // HOST:PORT.
+  const std::string& address() const { return address_; }
+
+  // What the next call of `rpc` gets. Replies are used in order; the last one again and again. A
+  // call without any reply is UNIMPLEMENTED.
+  void Push(const std::string& rpc, Reply reply);
+
+  template <typename... Messages>
+  void Answer(const std::string& rpc, const Messages&... messages) {
+    Push(rpc, {0, "", "", {messages.SerializeAsString()...}});
+  }
+
+  void Fail(const std::string& rpc, int code, const std::string& message,
+            const std::string& details = "") {
+    Push(rpc, {code, message, details, {}});
+  }
+
+  // The requests that came, in order; of an ingest, every message of the stream.
+  template <typename Request>
+  std::vector<Request> Requests(const std::string& rpc) const {
+    const std::lock_guard lock(mutex_);
+    std::vector<Request> requests;
+    if (const auto found = requests_.find(rpc); found != requests_.end()) {
+      for (const std::string& bytes : found->second) requests.emplace_back().ParseFromString(bytes);
+    }
+    return requests;
+  }
+
+  // Used by the services.
+  void Keep(const std::string& rpc, std::string request);
+  Reply Next(const std::string& rpc);
+
+ private:
+  struct Services;
+
+  mutable std::mutex mutex_;
+  std::map<std::string, std::vector<Reply>> replies_;
+  std::map<std::string, std::vector<std::string>> requests_;
+  std::string address_;
+  std::unique_ptr<Services> services_;
+};
+
+}  // namespace motiondb::tests

@@ -1,0 +1,186 @@
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/model.pb.h>
+#include <motiondb/v1/operation.pb.h>
+
+#include <catch2/catch.hpp>
+
+#include "tests/client/fake_server.h"
+#include "tests/client/run_motiondb.h"
+#include "tests/client/temporary_folder.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+using Catch::StartsWith;
+
+v1::IngestClipResponse Stored(const std::string& clip, const std::string& operation) {
+  v1::IngestClipResponse response;
+  response.mutable_clip()->set_name("databases/walks/clips/" + clip);
+  response.mutable_clip()->set_frame_count(100);
+  response.mutable_clip()->set_source_report("unit: metre, as given");
+  response.mutable_operation()->set_name(operation);
+  return response;
+}
+
+// A database that takes clips and builds model 3 of them.
+void ServeDatabase(FakeServer& server) {
+  server.Answer("GetDatabase", v1::GetDatabaseResponse());
+  v1::WaitOperationResponse running, done;
+  running.mutable_operation()->set_progress(0.4);
+  running.mutable_operation()->set_stage("tree, layer 7");
+  done.mutable_operation()->set_done(true);
+  done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
+  done.mutable_operation()->set_model("databases/walks/models/3");
+  server.Answer("WaitOperation", running);
+  server.Answer("WaitOperation", done);
+  v1::GetModelResponse model;
+  model.mutable_model()->set_version(3);
+  model.mutable_model()->set_clip_count(19);
+  model.mutable_model()->set_frame_count(6552);
+  model.mutable_model()->set_build_seconds(4.2);
+  server.Answer("GetModel", model);
+}
+
+std::vector<v1::IngestClipHeader> Headers(const FakeServer& server) {
+  std::vector<v1::IngestClipHeader> headers;
+  for (const auto& message : server.Requests<v1::IngestClipRequest>("IngestClip")) {
+    if (message.has_header()) headers.push_back(message.header());
+  }
+  return headers;
+}
+
+TEST_CASE("motiondb ingest: files and a list go in; the new model is awaited", "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Answer("IngestClip", Stored("a", "operations/1"));
+  server.Answer("IngestClip", Stored("b", "operations/2"));
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  folder.Write("cmu/07_01.amc", "amc");
+  folder.Write("cmu/07.asf", "asf");
+  const std::string list =
+      folder.Write("sets/list.tsv", "path\tlabel\r\n../cmu/07_01.amc\twalk\r\n").string();
+  const auto result =
+      RunMotiondb(server.address(), {"ingest", "walks", a, "--list", list, "--label", "jog",
+                                     "--subject", "bk", "--up-axis", "z"});
+  CHECK(result.err == "");
+  CHECK(result.exit_code == 0);
+  CHECK_THAT(result.out, StartsWith("a  ") && Contains("    unit: metre, as given\n") &&
+                             Contains("ingested 2 clips, 200 frames; model 3: 19 clips, 6552 frames"
+                                      ", 0 layers, built in 4.20 s\n"));
+  const auto headers = Headers(server);
+  REQUIRE(headers.size() == 2);
+  CHECK(headers[0].parent() == "databases/walks");
+  CHECK(headers[0].file_name() == "a.bvh");
+  CHECK(headers[0].label() == "jog");
+  CHECK(headers[0].subject() == "bk");
+  CHECK(headers[0].conventions().up_axis() == v1::UP_AXIS_Z);
+  CHECK(headers[1].file_name() == "07_01.amc");
+  CHECK(headers[1].skeleton_file_name() == "07.asf");
+  CHECK(headers[1].label() == "walk");
+  CHECK(headers[1].subject() == "bk");
+  // The last rebuild knows all clips.
+  for (const auto& wait : server.Requests<v1::WaitOperationRequest>("WaitOperation")) {
+    CHECK(wait.name() == "operations/2");
+  }
+}
+
+TEST_CASE("motiondb ingest: a bad file does not stop the others, and is reported",
+          "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Fail("IngestClip", 3, "bad.bvh:7: expected CHANNELS");
+  server.Answer("IngestClip", Stored("good", "operations/1"));
+  const TemporaryFolder folder;
+  const std::string bad = folder.Write("bad.bvh", "b").string();
+  const std::string good = folder.Write("good.bvh", "g").string();
+  const std::string missing = (folder / "missing.bvh").string();
+  const auto result =
+      RunMotiondb(server.address(), {"ingest", "walks", bad, missing, good, "--json"});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.out, StartsWith("{\"clip\":{\"name\":\"databases/walks/clips/good\""));
+  CHECK(std::count(result.out.begin(), result.out.end(), '\n') == 1);
+  CHECK(result.err == "motiondb: " + bad + ":7: expected CHANNELS\nmotiondb: " + missing +
+                          ": no such file\nmotiondb: 2 of 3 files were not ingested\n");
+  CHECK(server.Requests<v1::WaitOperationRequest>("WaitOperation").size() == 2);
+}
+
+TEST_CASE("motiondb ingest: a server that goes away ends it at once", "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Fail("IngestClip", 14, "shutting down");
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  const std::string b = folder.Write("b.bvh", "b").string();
+  const auto result = RunMotiondb(server.address(), {"ingest", "walks", a, b});
+  CHECK(result.exit_code == 1);
+  CHECK(Headers(server).size() == 1);
+  CHECK_THAT(result.err, Contains("shutting down") && Contains("stopped after 0 of 2 files"));
+}
+
+TEST_CASE("motiondb ingest: a database that is not there is one error", "[client][cli]") {
+  FakeServer server;
+  server.Fail("GetDatabase", 5, "there is no database \"walks\"");
+  const TemporaryFolder folder;
+  const std::string a = folder.Write("a.bvh", "a").string();
+  const auto result = RunMotiondb(server.address(), {"ingest", "walks", a, a, a});
+  CHECK(result.exit_code == 1);
+  CHECK(result.err == "motiondb: there is no database \"walks\"\n");
+}
+
+TEST_CASE("motiondb ingest: a rebuild that fails is an error", "[client][cli]") {
+  FakeServer server;
+  server.Answer("GetDatabase", v1::GetDatabaseResponse());
+  server.Answer("IngestClip", Stored("a", "operations/1"));
+  v1::WaitOperationResponse failed;
+  failed.mutable_operation()->set_done(true);
+  failed.mutable_operation()->set_state(v1::OPERATION_STATE_FAILED);
+  failed.mutable_operation()->mutable_error()->set_code(8);
+  failed.mutable_operation()->mutable_error()->set_message("out of disk");
+  server.Answer("WaitOperation", failed);
+  const TemporaryFolder folder;
+  const auto result =
+      RunMotiondb(server.address(), {"ingest", "walks", folder.Write("a.bvh", "a").string()});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.err,
+             StartsWith("motiondb: the new model was not built") && Contains("out of disk"));
+}
+
+TEST_CASE("motiondb ingest: nothing to ingest, or a broken list, asks no server", "[client][cli]") {
+  const TemporaryFolder folder;
+  const std::string list = folder.Write("list.tsv", "path\tlabel\nonly-a-path\n").string();
+  CHECK_THAT(RunMotiondb("127.0.0.1:1", {"ingest", "walks"}).err, Contains("nothing to ingest"));
+  const auto result = RunMotiondb("127.0.0.1:1", {"ingest", "walks", "--list", list});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.err, StartsWith("motiondb: " + list + ":2: expected 2 cells"));
+}
+
+TEST_CASE("motiondb ingest: a label that is not UTF-8 is that file's error", "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "a").string();
+  const auto result = RunMotiondb(server.address(), {"ingest", "walks", file, "--label", "Gr\xFC"});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.err, StartsWith("motiondb: " + file + ": its label is not UTF-8 text\n"));
+  CHECK(Headers(server).empty());
+}
+
+TEST_CASE("motiondb ingest: progress is drawn on a terminal only", "[client][cli]") {
+  FakeServer server;
+  ServeDatabase(server);
+  server.Answer("IngestClip", Stored("a", "operations/1"));
+  const TemporaryFolder folder;
+  const auto result =
+      RunMotiondb(server.address(), {"ingest", "walks", folder.Write("a.bvh", "a").string()},
+                  {false, true, ""});
+  CHECK(result.exit_code == 0);
+  CHECK_THAT(result.err,
+             Contains("1 of 1  a.bvh") && Contains("tree, layer 7") && Contains("40 %"));
+  CHECK(result.out.find('\r') == std::string::npos);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,173 @@
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/query.pb.h>
+
+#include <catch2/catch.hpp>
+
+#include "client/cli/database_text.h"
+#include "client/cli/estimation_text.h"
+#include "client/cli/json_output.h"
+#include "client/cli/prediction_text.h"
+#include "client/cli/progress_bar.h"
+#include "client/cli/recognition_text.h"
+#include "client/cli/resource_name.h"
+#include "client/cli/table.h"
+#include "client/cli/utf8.h"
+
+namespace motiondb::tests {
+namespace {
+
+using namespace client;  // NOLINT: the functions under test
+
+TEST_CASE("Table: columns are aligned, also around letters of two bytes", "[client][cli]") {
+  Table table({{"NAME"}, {"SIZE", Align::kRight}, {"NOTE"}});
+  table.AddRow({"Müller", "7", ""});
+  table.AddRow({"Li", "1234", "x"});
+  CHECK(table.ToString() ==
+        "NAME    SIZE  NOTE\n"
+        "Müller     7\n"
+        "Li      1234  x\n");
+}
+
+TEST_CASE("ResourceName: short and full names mean the same", "[client][cli]") {
+  CHECK(DatabaseName("walks") == "databases/walks");
+  CHECK(DatabaseName("databases/walks") == "databases/walks");
+  CHECK(ClipName("walks", "07_01") == "databases/walks/clips/07_01");
+  CHECK(ClipName("walks", "databases/walks/clips/07_01") == "databases/walks/clips/07_01");
+  CHECK(OperationName("17") == "operations/17");
+  CHECK(ShortName("databases/walks/clips/07_01") == "07_01");
+  CHECK(ShortName("07_01") == "07_01");
+}
+
+TEST_CASE("RecognitionText: a line for each window, then the share of each label",
+          "[client][cli]") {
+  v1::RecognizeResponse response;
+  for (int i = 0; i < 3; ++i) {
+    auto* window = response.add_windows();
+    window->set_start_seconds(0.1 * i);
+    window->set_end_seconds(0.1 * i + 0.4);
+    window->set_familiarity(0.71);
+    auto* first = window->add_labels();
+    first->set_label(i == 1 ? "jog" : "walk");
+    first->set_probability(0.98);
+    auto* second = window->add_labels();
+    second->set_label(i == 1 ? "walk" : "jog");
+    second->set_probability(i == 2 ? 1e-9 : 0.02);
+    window->add_clips()->set_clip("databases/walks/clips/07_01");
+  }
+  CHECK(RecognitionText(response) ==
+        "0.00-0.40 s  walk 0.98  jog 0.02     familiarity 0.71  best clip 07_01\n"
+        "0.10-0.50 s  jog 0.98   walk 0.02    familiarity 0.71  best clip 07_01\n"
+        "0.20-0.60 s  walk 0.98               familiarity 0.71  best clip 07_01\n"
+        "walk 67 % (2 of 3 windows), jog 33 % (1 of 3 windows)\n");
+}
+
+TEST_CASE("RecognitionText: nothing recognized is said so", "[client][cli]") {
+  v1::RecognizeResponse response;
+  CHECK(RecognitionText(response) == "nothing recognized\n");
+  response.add_windows();
+  CHECK_THAT(RecognitionText(response), Catch::Contains("no clip explains it"));
+}
+
+TEST_CASE("EstimationText: paths are runs of node x frames", "[client][cli]") {
+  v1::EstimateResponse response;
+  response.set_layer(12);
+  response.set_frame_rate_hz(60);
+  response.mutable_state()->set_node_id(13);
+  response.mutable_state()->set_probability(0.8312);
+  auto* path = response.add_paths();
+  path->set_log_probability(-123.456);
+  for (const int node : {12, 12, 12, 13, 12, 13, 13}) path->add_node_ids(node);
+  const std::string text = EstimationText(response);
+  CHECK_THAT(text, Catch::StartsWith("state: node 13 of layer 12, probability 0.831\n"));
+  CHECK_THAT(text, Catch::Contains("7 frames, 0.12 s at 60 Hz, log probability -123.46"));
+  CHECK_THAT(text, Catch::EndsWith("  12x3 13x1 12x1 13x2\n"));
+}
+
+TEST_CASE("EstimationText: a long path is broken into lines", "[client][cli]") {
+  v1::EstimateResponse response;
+  auto* path = response.add_paths();
+  for (int i = 0; i < 200; ++i) path->add_node_ids(i);
+  const std::string text = EstimationText(response);
+  size_t longest = 0;
+  for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
+    end = text.find('\n', begin);
+    longest = std::max(longest, end - begin);
+  }
+  CHECK(longest <= 100);
+  CHECK_THAT(text, Catch::Contains(" 199x1\n"));
+}
+
+TEST_CASE("PredictionText: where the body and the first marker go, not every number",
+          "[client][cli]") {
+  v1::PredictResponse response;
+  response.set_at_seconds(1.2);
+  auto* next = response.add_next_nodes();
+  next->set_node_id(58);
+  next->set_probability(0.61);
+  for (int i = 0; i < 6; ++i) next->add_clips("databases/walks/clips/c" + std::to_string(i));
+  auto* frame = response.add_horizons();
+  frame->set_seconds(0.08);
+  frame->set_confidence(0.9);
+  for (const float value : {1.0f, 2.0f, 3.0f, 3.0f, 4.0f, 5.0f}) frame->add_marker_positions(value);
+  const std::string text = PredictionText(response, {"root", "head"});
+  CHECK_THAT(text, Catch::StartsWith("from 1.20 s"));
+  CHECK_THAT(text, Catch::Contains("next node 58  0.61  as in c0 c1 c2 c3 and 2 more"));
+  CHECK_THAT(text, Catch::Contains("root x, y, z (m)"));
+  CHECK_THAT(text, Catch::Contains("0.08 s") && Catch::Contains("2.000   3.000   4.000") &&
+                       Catch::Contains("1.000   2.000   3.000"));
+}
+
+TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer", "[client][cli]") {
+  v1::DescribeDatabaseResponse description;
+  description.set_name("databases/walks");
+  description.set_frame_count(11969);
+  description.set_clip_count(6);
+  description.set_stored_clip_count(7);
+  description.set_layer_count(2);
+  description.add_nodes_per_layer(1);
+  description.add_nodes_per_layer(2);
+  const std::string text = DescriptionText(description);
+  CHECK_THAT(text, Catch::Contains("frames                11969\n"));
+  CHECK_THAT(text, Catch::Contains("model version          none\n"));
+  CHECK_THAT(text, Catch::Contains("7 clips are stored; the model knows 6 of them\n"));
+  CHECK_THAT(text, Catch::Contains("LAYER  NODES\n    1      1\n    2      2\n"));
+}
+
+TEST_CASE("IngestedClipText: the reader's report stands under its clip", "[client][cli]") {
+  v1::Clip clip;
+  clip.set_name("databases/walks/clips/07_01");
+  clip.set_source_report("unit: 1/0.45 inch\nup: y");
+  const std::string text = IngestedClipText(clip);
+  CHECK_THAT(text, Catch::StartsWith("07_01  (no label)  "));
+  CHECK_THAT(text, Catch::EndsWith("\n    unit: 1/0.45 inch\n    up: y\n"));
+}
+
+TEST_CASE("Json: the proto's field names, zeros included, on one line", "[client][cli]") {
+  v1::RecognitionWindow window;
+  window.add_clips()->set_log_probability(-std::numeric_limits<double>::infinity());
+  const std::string json = JsonLine(window);
+  CHECK_THAT(json, Catch::Contains("\"start_seconds\":0") && Catch::Contains("\"labels\":[]") &&
+                       Catch::Contains("\"log_probability\":\"-Infinity\""));
+  CHECK(json.find('\n') == std::string::npos);
+  CHECK(JsonString("a\"b\n") == R"("a\"b\n")");
+}
+
+TEST_CASE("Utf8: well-formed text and nothing else", "[client][cli]") {
+  for (const char* good : {"", "walk", "Müller", "\xE2\x82\xAC", "\xF0\x9F\x8F\x83"}) {
+    CHECK(IsUtf8(good));
+  }
+  for (const char* bad : {"M\xFCller", "\xC3", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80",
+                          "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xC3\xC3"}) {
+    CHECK(!IsUtf8(bad));
+  }
+}
+
+TEST_CASE("ProgressLine: fits its terminal and its range", "[client][cli]") {
+  CHECK(ProgressLine(0.5, "tree", 80) == "[############............]  50 %  tree");
+  CHECK(ProgressLine(7, "", 80) == "[########################] 100 %  ");
+  CHECK(ProgressLine(0.5, "a long name of a file", 40).size() == 39);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,69 @@
+#include "core/format/conventions.h"
+
+#include <array>
+#include <catch2/catch.hpp>
+
+#include "core/format/frame_rate.h"
+#include "core/format/head_and_feet.h"
+
+namespace motiondb::tests {
+
+using core::FileFormat;
+using core::UpAxis;
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+TEST_CASE("WorldFromFile: a proper rotation that takes up to z", "[core][format]") {
+  const std::array<std::pair<UpAxis, Vector3d>, 6> axes = {{{UpAxis::kX, Vector3d::UnitX()},
+                                                            {UpAxis::kY, Vector3d::UnitY()},
+                                                            {UpAxis::kZ, Vector3d::UnitZ()},
+                                                            {UpAxis::kMinusX, -Vector3d::UnitX()},
+                                                            {UpAxis::kMinusY, -Vector3d::UnitY()},
+                                                            {UpAxis::kMinusZ, -Vector3d::UnitZ()}}};
+  for (const auto& [up, axis] : axes) {
+    const Matrix3d rotation = core::WorldFromFile(up);
+    CHECK(rotation * axis == Vector3d::UnitZ());
+    CHECK(rotation.determinant() == 1);
+    CHECK(rotation * rotation.transpose() == Matrix3d::Identity());
+  }
+}
+
+TEST_CASE("DeduceUpAxis: heads above feet, in most frames", "[core][format]") {
+  const std::vector<std::string> names = {"Anna:LFHD", "pelvis", "RANK"};
+  core::FrameMatrix positions(5, 9);
+  for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 1, 17, 2, 0, 9, 0, 1, 1, 3;
+  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
+  positions.row(1) << 17, 1, 2, 9, 0, 0, 1, 1, 3;  // lies down for a while
+  positions.row(2) = positions.row(1);
+  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
+  CHECK(core::DeduceUpAxis(names, -positions) == UpAxis::kMinusY);
+  positions.row(0).setConstant(std::numeric_limits<float>::quiet_NaN());  // not seen at all
+  positions.row(1).setConstant(std::numeric_limits<float>::quiet_NaN());
+  CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
+  for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 9, 9, 2, 0, 9, 0, 1, 1, 3;
+  CHECK_FALSE(core::DeduceUpAxis(names, positions).has_value());  // no axis stands out
+  CHECK_FALSE(core::DeduceUpAxis(std::vector<std::string>{"a", "b", "c"}, positions).has_value());
+}
+
+TEST_CASE("SnapFrameRate: to the nearest customary rate, or not at all", "[core][format]") {
+  std::vector<std::string> notes;
+  CHECK(core::SnapFrameRate(120.0, notes) == 120);
+  CHECK(core::SnapFrameRate(0.3, notes) == 0.3);
+  CHECK(core::SnapFrameRate(24.5, notes) == 24.5);
+  CHECK(notes.empty());
+  CHECK(core::SnapFrameRate(119.98, notes) == 120);
+  CHECK(core::SnapFrameRate(119.89, notes) == Approx(120000.0 / 1001));
+  CHECK(notes.size() == 2);
+}
+
+TEST_CASE("FormatOfPath: by extension, in any case", "[core][format]") {
+  CHECK(*core::FormatOfPath("a/b.c/walk.bvh") == FileFormat::kBvh);
+  CHECK(*core::FormatOfPath("WALK.AMC") == FileFormat::kAmc);
+  CHECK(*core::FormatOfPath("walk.Trc") == FileFormat::kTrc);
+  CHECK(*core::FormatOfPath(".c3d") == FileFormat::kC3d);
+  for (const char* path : {"", "walk", "walk.fbx", "walk.bvh.gz", "bvh"}) {
+    CHECK(core::FormatOfPath(path).status().code() == absl::StatusCode::kInvalidArgument);
+  }
+}
+
+}  // namespace motiondb::tests

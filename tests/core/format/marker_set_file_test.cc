@@ -1,0 +1,141 @@
+#include "core/format/marker_set_file.h"
+
+#include <catch2/catch.hpp>
+
+namespace motiondb::tests {
+namespace {
+
+const std::string kGood =
+    "motiondb-marker-set 1\n"
+    "# two hips and a \"head\"\n"
+    "name mine\n"
+    "marker Left\r\n"
+    "marker Right\r"
+    "marker \"Top of head\"\n"
+    "hips Left Right\n"
+    "\"Top of head\" = 0.5 Left + 0.5 Right\n"
+    "mapping rig\n"
+    "Left = l.hip\n"
+    "Right = 2 r.hip + -1 r.out offset spine 0 0.1 -2.5e-1\n"
+    "\"Top of head\" = \"3\"\n";
+
+std::string ErrorOf(const std::string& text) {
+  const auto scheme = core::ReadMarkerSetFile({"my.markers", text});
+  REQUIRE_FALSE(scheme.ok());
+  CHECK(scheme.status().code() == absl::StatusCode::kInvalidArgument);
+  return std::string(scheme.status().message());
+}
+
+void CheckSame(const core::MarkerScheme& a, const core::MarkerScheme& b) {
+  CHECK(a.set.name == b.set.name);
+  CHECK(a.set.markers == b.set.markers);
+  CHECK(a.set.landmarks.left_hip == b.set.landmarks.left_hip);
+  CHECK(a.set.landmarks.right_hip == b.set.landmarks.right_hip);
+  CHECK(a.set.landmarks.legs == b.set.landmarks.legs);
+  REQUIRE(a.mappings.size() == b.mappings.size());
+  for (std::size_t i = 0; i < a.mappings.size(); ++i) {
+    CHECK(a.mappings[i].name == b.mappings[i].name);
+    CHECK(a.mappings[i].signature == b.mappings[i].signature);
+    REQUIRE(a.mappings[i].rules.size() == b.mappings[i].rules.size());
+    for (std::size_t m = 0; m < a.mappings[i].rules.size(); ++m) {
+      const core::MarkerRule& x = a.mappings[i].rules[m];
+      const core::MarkerRule& y = b.mappings[i].rules[m];
+      CHECK(x.offset_joint == y.offset_joint);
+      CHECK(x.offset == y.offset);
+      REQUIRE(x.points.size() == y.points.size());
+      for (std::size_t p = 0; p < x.points.size(); ++p) {
+        CHECK(x.points[p].name == y.points[p].name);
+        CHECK(x.points[p].weight == y.points[p].weight);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+TEST_CASE("MarkerSetFile: names, hips, rules, quotes, comments, any line end", "[core][format]") {
+  const auto scheme = core::ReadMarkerSetFile({"my.markers", kGood});
+  INFO(scheme.status());
+  REQUIRE(scheme.ok());
+  CHECK(scheme->set.name == "mine");
+  CHECK(scheme->set.markers == std::vector<std::string>{"Left", "Right", "Top of head"});
+  CHECK(scheme->set.landmarks.right_hip == 1);
+  REQUIRE(scheme->mappings.size() == 1);
+  const core::MarkerMapping& rig = scheme->mappings[0];
+  CHECK(rig.signature == std::vector<std::string>{"3", "l.hip", "r.hip", "r.out"});
+  CHECK(rig.rules[1].points[1].weight == -1);
+  CHECK(rig.rules[1].offset_joint == "spine");
+  CHECK(rig.rules[1].offset == Eigen::Vector3d(0, 0.1, -0.25));
+  CHECK(rig.rules[2].points[0].name == "3");
+}
+
+TEST_CASE("MarkerSetFile: a default rule is made of the mapping's own", "[core][format]") {
+  std::string text = kGood.substr(0, kGood.find("Right = 2"));
+  text += "Right = 3 r + -2 s\n";
+  const auto scheme = core::ReadMarkerSetFile({"my.markers", text});
+  INFO(scheme.status());
+  REQUIRE(scheme.ok());
+  const auto& points = scheme->mappings[0].rules[2].points;
+  REQUIRE(points.size() == 3);
+  CHECK(points[0].name == "l.hip");
+  CHECK(points[0].weight == 0.5);
+  CHECK(points[1].weight == 1.5);
+  CHECK(points[2].weight == -1);
+}
+
+TEST_CASE("MarkerSetFile: written and read back is the same", "[core][format]") {
+  for (const core::MarkerScheme& scheme :
+       {core::StandardScheme(), *core::ReadMarkerSetFile({"my.markers", kGood})}) {
+    const std::string text = core::WriteMarkerSetFile(scheme);
+    const auto back = core::ReadMarkerSetFile({"written", text});
+    INFO(back.status());
+    REQUIRE(back.ok());
+    CheckSame(scheme, *back);
+    CHECK(core::WriteMarkerSetFile(*back) == text);
+  }
+}
+
+TEST_CASE("MarkerSetFile: the standard set has 34 markers and whole legs", "[core][format]") {
+  const core::MarkerScheme& scheme = core::StandardScheme();
+  CHECK(scheme.set.marker_count() == 34);
+  CHECK(scheme.set.dimension_count() == 204);
+  CHECK(scheme.set.landmarks.legs.size() == 2);
+  CHECK(scheme.mappings.size() >= 6);
+}
+
+TEST_CASE("MarkerSetFile: errors name file, line and what was expected", "[core][format]") {
+  using Catch::Matchers::Contains;
+  const std::string head = "motiondb-marker-set 1\nname n\nmarker A\nmarker B\nhips A B\n";
+  CHECK_THAT(ErrorOf(""), Contains("my.markers") && Contains("motiondb-marker-set 1"));
+  CHECK_THAT(ErrorOf("BVH\n"), Contains("my.markers:1"));
+  CHECK_THAT(ErrorOf("motiondb-marker-set 2\n"), Contains("my.markers:1"));
+  CHECK_THAT(ErrorOf(head + "marker A\n"), Contains("my.markers:6") && Contains("twice"));
+  CHECK_THAT(ErrorOf(head + "hips A C\n"), Contains("my.markers:6") && Contains("'C'"));
+  CHECK_THAT(ErrorOf(head + "hips A A\n"), Contains("two markers"));
+  CHECK_THAT(ErrorOf(head + "leg A B\n"), Contains("leg HIP KNEE ANKLE"));
+  CHECK_THAT(ErrorOf(head + "fly\n"), Contains("'fly'"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x\n"), Contains("no rule for marker 'B'"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA =\n"), Contains("my.markers:7"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = 0.5 x\n"), Contains("sum to 1"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = 0.5\n"), Contains("after the weight"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x offset j 1 2\n"), Contains("offset JOINT X Y Z"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x offset j 1 2 z\n"), Contains("'z'"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x y\n"), Contains("'y'"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x\nA = y\n"), Contains("two rules"));
+  CHECK_THAT(ErrorOf(head + "marker \"C\n"), Contains("closing quote"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nmarker C\n"), Contains("before the first mapping"));
+  CHECK_THAT(ErrorOf("motiondb-marker-set 1\nname n\nmarker A\n"), Contains("hips LEFT RIGHT"));
+  CHECK_THAT(ErrorOf("motiondb-marker-set 1\nmarker LHip\nmarker RHip\n"), Contains("name NAME"));
+}
+
+TEST_CASE("MarkerSetFile: no truncation crashes", "[core][format]") {
+  const std::string text = core::WriteMarkerSetFile(core::StandardScheme());
+  for (std::size_t length = 0; length < kGood.size(); ++length) {
+    (void)core::ReadMarkerSetFile({"cut", std::string_view(kGood).substr(0, length)});
+  }
+  for (std::size_t length = 0; length < text.size(); length += 97) {
+    (void)core::ReadMarkerSetFile({"cut", std::string_view(text).substr(0, length)});
+  }
+}
+
+}  // namespace motiondb::tests

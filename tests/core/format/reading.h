@@ -1,0 +1,78 @@
+// What the tests of the readers share.
+#pragma once
+
+#include <catch2/catch.hpp>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "core/format/motion_file.h"
+
+namespace motiondb::tests {
+
+inline absl::StatusOr<core::MotionFile> ReadText(core::FileFormat format, std::string_view text,
+                                                 const core::ReadOptions& options = {}) {
+  return core::ReadMotionFile(format, {.name = "walk", .bytes = text}, std::nullopt, options);
+}
+
+inline std::string MessageOf(const absl::Status& status) {
+  return std::string(status.message().data(), status.message().size());
+}
+
+// The message of the error that reading must end in.
+inline std::string Refusal(const absl::StatusOr<core::MotionFile>& file) {
+  if (file.ok()) return "it was read";
+  CHECK(file.status().code() == absl::StatusCode::kInvalidArgument);
+  return MessageOf(file.status());
+}
+
+inline const core::JointMotion& Joints(const absl::StatusOr<core::MotionFile>& file) {
+  INFO(MessageOf(file.status()));
+  REQUIRE(file.ok());
+  REQUIRE(std::holds_alternative<core::JointMotion>(file->motion));
+  return std::get<core::JointMotion>(file->motion);
+}
+
+inline const core::MarkerMotion& Markers(const absl::StatusOr<core::MotionFile>& file) {
+  INFO(MessageOf(file.status()));
+  REQUIRE(file.ok());
+  REQUIRE(std::holds_alternative<core::MarkerMotion>(file->motion));
+  return std::get<core::MarkerMotion>(file->motion);
+}
+
+inline std::string Replaced(std::string text, std::string_view from, std::string_view to) {
+  const auto at = text.find(from);
+  REQUIRE(at != std::string::npos);
+  return text.replace(at, from.size(), to);
+}
+
+inline std::string WithLineEnds(std::string_view text, std::string_view line_end) {
+  std::string changed;
+  for (const char c : text) {
+    if (c == '\n') {
+      changed += line_end;
+    } else {
+      changed += c;
+    }
+  }
+  return changed;
+}
+
+// Reads every beginning of `bytes` by `read`. Those that `is_complete` must be read, all others
+// refused with words on what was expected.
+template <typename Read, typename IsComplete>
+void CheckEveryTruncation(std::string_view bytes, Read read, IsComplete is_complete) {
+  for (std::size_t length = 0; length <= bytes.size(); ++length) {
+    // A copy of its own, so that the sanitizer sees a step beyond its end.
+    const std::string cut(bytes.substr(0, length));
+    CAPTURE(length);
+    const absl::StatusOr<core::MotionFile> file = read(cut);
+    if (is_complete(length)) {
+      CHECK(file.ok());
+    } else {
+      CHECK_THAT(Refusal(file), Catch::Contains("expected"));
+    }
+  }
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,178 @@
+#include "core/inference/predict.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/inference/stored_futures.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+core::StateSequence Cut(const core::StateSequence& clip, int first, int count) {
+  core::StateSequence cut = clip;
+  cut.states = clip.states.middleRows(first, count).eval();
+  cut.root_path = clip.root_path.middleRows(first, count).eval();
+  return cut;
+}
+
+// One clip that repeats itself every second: 10 s of four markers on circles of their own.
+std::vector<core::BuildInput> PeriodicClip(const core::MarkerSet& set) {
+  auto inputs = WanderingClips(1, 600, set, 43);
+  core::StateSequence& clip = inputs[0].states;
+  for (Eigen::Index t = 0; t < 600; ++t) {
+    for (Eigen::Index d = 0; d < clip.states.cols(); ++d) {
+      const double phase = 2 * M_PI * (static_cast<double>(t) / 60 + 0.13 * static_cast<double>(d));
+      const bool velocity = d % 6 >= 3;
+      clip.states(t, d) =
+          static_cast<float>(velocity ? 2 * M_PI * std::cos(phase) : std::sin(phase));
+    }
+  }
+  return inputs;
+}
+
+}  // namespace
+
+TEST_CASE("Predict: nothing after the moment is used", "[core][inference]") {
+  const core::Model model = SmallModel(4, 200, 4, 8, 41);
+  core::StateSequence clip = WanderingClips(4, 200, model.marker_set(), 41)[1].states;
+  core::PredictOptions options;
+  options.at_seconds = 1.0;
+  const auto before = core::Predict(model, clip, options);
+  REQUIRE(before.ok());
+  clip.states.bottomRows(139).setConstant(7);
+  clip.root_path.bottomRows(139).setConstant(3);
+  const auto after = core::Predict(model, clip, options);
+  REQUIRE(after.ok());
+  CHECK(before->state.node == after->state.node);
+  for (std::size_t h = 0; h < before->horizons.size(); ++h) {
+    CHECK(before->horizons[h].marker_positions_m == after->horizons[h].marker_positions_m);
+  }
+}
+
+TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips that go there",
+          "[core][inference]") {
+  const core::Model model = SmallModel(4, 200, 4, 8, 41);
+  const auto clip = WanderingClips(4, 200, model.marker_set(), 41)[0].states;
+  for (const double at : {0.5, 1.0, 2.0, 3.0}) {
+    core::PredictOptions options;
+    options.at_seconds = at;
+    const auto prediction = core::Predict(model, clip, options);
+    REQUIRE(prediction.ok());
+    CHECK(prediction->at_seconds == Approx(at));
+    double sum = 0;
+    for (const core::NextNode& next : prediction->next_nodes) {
+      CHECK(next.node != prediction->state.node);
+      CHECK(next.probability > 0);
+      CHECK_FALSE(next.clips.empty());
+      sum += next.probability;
+    }
+    CHECK(sum <= 1 + 1e-9);
+    CHECK(sum > 0.9);
+    if (prediction->state.probability < 0.999) continue;
+    // One node for certain: eq. 6 without the transition to itself.
+    const auto& graph = model.global_graph(prediction->layer);
+    const int from = prediction->state.node;
+    for (const core::NextNode& next : prediction->next_nodes) {
+      const double expected = graph.count(from, next.node) /
+                              (static_cast<double>(graph.row_sum(from)) - graph.count(from, from));
+      CHECK(next.probability == Approx(expected).margin(0.01));
+    }
+  }
+}
+
+TEST_CASE("Predict: a stored clip's future is found, in the observation's world and size",
+          "[core][inference]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::Model& model = *built;
+  const core::StateSequence clip = PeriodicClip(set)[0].states;
+  const core::FrameMatrix world = core::WorldPositions(clip);
+  core::PredictOptions options;
+  options.horizon_seconds = {0, 0.1, 0.2};
+  const auto prediction = core::Predict(model, Cut(clip, 0, 151), options);
+  REQUIRE(prediction.ok());
+  CHECK(prediction->at_seconds == Approx(2.5));
+  CHECK((prediction->horizons[0].marker_positions_m.transpose() - world.row(150)).norm() < 1e-4);
+  for (const int h : {1, 2}) {
+    const auto& predicted = prediction->horizons[h].marker_positions_m;
+    const double error = (predicted.transpose() - world.row(150 + 6 * h)).norm();
+    const double still = (world.row(150) - world.row(150 + 6 * h)).norm();
+    CHECK(error < 0.1 * still);
+    CHECK(prediction->horizons[h].confidence >= 0);
+    CHECK(prediction->horizons[h].confidence <= 1);
+  }
+
+  // The same observation elsewhere in the world, turned and larger: so is the prediction.
+  core::StateSequence moved = Cut(clip, 0, 151);
+  const double turn = 1.2;
+  const double c = std::cos(turn);
+  const double s = std::sin(turn);
+  moved.leg_length_m *= 1.5;
+  for (Eigen::Index t = 0; t < moved.root_path.rows(); ++t) {
+    const double x = 1.5 * moved.root_path(t, 0);
+    const double y = 1.5 * moved.root_path(t, 1);
+    moved.root_path.row(t) << 4 + c * x - s * y, -2 + s * x + c * y, moved.root_path(t, 2) + turn;
+  }
+  const auto elsewhere = core::Predict(model, moved, options);
+  REQUIRE(elsewhere.ok());
+  for (std::size_t h = 0; h < 3; ++h) {
+    const auto& from = prediction->horizons[h].marker_positions_m;
+    const auto& to = elsewhere->horizons[h].marker_positions_m;
+    for (Eigen::Index m = 0; m < from.size() / 3; ++m) {
+      const double x = 1.5 * from[3 * m];
+      const double y = 1.5 * from[3 * m + 1];
+      CHECK(to[3 * m] == Approx(4 + c * x - s * y).margin(1e-3));
+      CHECK(to[3 * m + 1] == Approx(-2 + s * x + c * y).margin(1e-3));
+      CHECK(to[3 * m + 2] == Approx(1.5 * from[3 * m + 2]).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("Predict: missing markers are filled in the prediction", "[core][inference]") {
+  const core::Model model = SmallModel(2, 200, 4, 8, 41);
+  core::StateSequence clip = WanderingClips(2, 200, model.marker_set(), 41)[0].states;
+  clip.states.middleCols<6>(12).setConstant(std::nanf(""));
+  const auto prediction = core::Predict(model, clip, {});
+  REQUIRE(prediction.ok());
+  for (const auto& horizon : prediction->horizons) {
+    CHECK(horizon.marker_positions_m.allFinite());
+  }
+}
+
+TEST_CASE("FutureDisplacement: ends with the clip, and interpolates between frames",
+          "[core][inference]") {
+  const core::Model model = SmallModel(2, 100, 4, 8, 41);
+  CHECK(core::FutureDisplacement(model, 10, 0).norm() == Approx(0).margin(1e-9));
+  CHECK(core::FutureDisplacement(model, 99, 1).size() == 0);
+  CHECK(core::FutureDisplacement(model, 98, 1).size() == 12);
+  CHECK(core::FutureDisplacement(model, 98, 1.5).size() == 0);
+  const Eigen::VectorXd halfway =
+      0.5 * (core::FutureDisplacement(model, 10, 3) + core::FutureDisplacement(model, 10, 4));
+  CHECK((core::FutureDisplacement(model, 10, 3.5) - halfway).norm() < 1e-9);
+}
+
+TEST_CASE("Predict: bad settings are refused by name", "[core][inference]") {
+  const core::Model model = SmallModel(2, 100, 2, 8, 41);
+  const auto clip = WanderingClips(1, 60, model.marker_set(), 41)[0].states;
+  const auto message = [&](const std::function<void(core::PredictOptions&)>& change) {
+    core::PredictOptions options;
+    change(options);
+    const auto result = core::Predict(model, clip, options);
+    CHECK_FALSE(result.ok());
+    return std::string(result.status().message());
+  };
+  using Catch::Matchers::Contains;
+  CHECK_THAT(message([](auto& o) { o.at_seconds = -0.1; }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.at_seconds = 9; }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.at_seconds = std::nan(""); }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.history_seconds = 0; }), Contains("history_seconds"));
+  CHECK_THAT(message([](auto& o) {
+               o.horizon_seconds = {0.1, -1};
+             }),
+             Contains("horizon_seconds[1]"));
+  CHECK_THAT(message([](auto& o) { o.transition_floor = -1; }), Contains("transition_floor"));
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,124 @@
+#include "core/motion/forward_kinematics.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+namespace motiondb::tests {
+namespace {
+
+using core::Dof;
+using core::Joint;
+using core::Skeleton;
+using Eigen::AngleAxisd;
+using Eigen::Matrix3d;
+using Eigen::RowVectorXd;
+using Eigen::Vector3d;
+
+constexpr double kRightAngle = std::numbers::pi / 2;
+
+Dof Rotation(const Vector3d& axis) { return {.kind = Dof::Kind::kRotation, .axis = axis}; }
+Dof Translation(const Vector3d& axis) { return {.kind = Dof::Kind::kTranslation, .axis = axis}; }
+
+Skeleton Make(std::vector<Joint> joints) {
+  auto skeleton = Skeleton::Create("test", std::move(joints));
+  REQUIRE(skeleton.ok());
+  return *std::move(skeleton);
+}
+
+RowVectorXd Row(std::initializer_list<double> values) {
+  RowVectorXd row(values.size());
+  std::copy(values.begin(), values.end(), row.data());
+  return row;
+}
+
+bool Near(const Vector3d& a, const Vector3d& b) { return (a - b).norm() < 1e-12; }
+
+// Shoulder at the origin, elbow 1 m and hand 1.5 m along x, both turning about z.
+Skeleton TwoLinkArm() {
+  return Make({{.name = "shoulder", .dofs = {Rotation(Vector3d::UnitZ())}},
+               {.name = "elbow",
+                .parent = 0,
+                .offset_m = Vector3d(1, 0, 0),
+                .dofs = {Rotation(Vector3d::UnitZ())}},
+               {.name = "hand", .parent = 1, .offset_m = Vector3d(0.5, 0, 0), .dofs = {}}});
+}
+
+}  // namespace
+
+TEST_CASE("ForwardKinematics: a two-link arm", "[core][motion]") {
+  const Skeleton arm = TwoLinkArm();
+  SECTION("straight") {
+    const auto pose = core::ForwardKinematics(arm, Row({0, 0}));
+    CHECK(Near(pose[1].translation(), {1, 0, 0}));
+    CHECK(Near(pose[2].translation(), {1.5, 0, 0}));
+  }
+  SECTION("shoulder and elbow at right angles") {
+    const auto pose = core::ForwardKinematics(arm, Row({kRightAngle, kRightAngle}));
+    CHECK(Near(pose[1].translation(), {0, 1, 0}));
+    CHECK(Near(pose[2].translation(), {-0.5, 1, 0}));
+    CHECK(Near(pose[2].linear() * Vector3d::UnitX(), {-1, 0, 0}));
+  }
+}
+
+TEST_CASE("ForwardKinematics: rotations apply leftmost first", "[core][motion]") {
+  // R = Rz Rx: y goes to z by Rx, and z stays by Rz.
+  const Skeleton zx =
+      Make({{.name = "a", .dofs = {Rotation(Vector3d::UnitZ()), Rotation(Vector3d::UnitX())}}});
+  const auto pose = core::ForwardKinematics(zx, Row({kRightAngle, kRightAngle}));
+  CHECK(Near(pose[0].linear() * Vector3d::UnitY(), Vector3d::UnitZ()));
+  // R = Rx Rz: y goes to -x by Rz, and stays by Rx.
+  const Skeleton xz =
+      Make({{.name = "a", .dofs = {Rotation(Vector3d::UnitX()), Rotation(Vector3d::UnitZ())}}});
+  const auto other = core::ForwardKinematics(xz, Row({kRightAngle, kRightAngle}));
+  CHECK(Near(other[0].linear() * Vector3d::UnitY(), -Vector3d::UnitX()));
+}
+
+TEST_CASE("ForwardKinematics: translations add to the offset in the parent's frame",
+          "[core][motion]") {
+  const Skeleton slider =
+      Make({{.name = "root",
+             .offset_m = Vector3d(0, 0, 1),
+             .dofs = {Translation(Vector3d::UnitX()), Translation(Vector3d::UnitZ()),
+                      Rotation(Vector3d::UnitZ())}},
+            {.name = "slide",
+             .parent = 0,
+             .offset_m = Vector3d(2, 0, 0),
+             .dofs = {Translation(Vector3d::UnitY())}}});
+  const auto pose = core::ForwardKinematics(slider, Row({3, -1, kRightAngle, 0.5}));
+  CHECK(Near(pose[0].translation(), {3, 0, 0}));
+  CHECK(Near(pose[1].translation(), {2.5, 2, 0}));
+}
+
+TEST_CASE("ForwardKinematics: a bone with its own axes, as ASF has them", "[core][motion]") {
+  // The bone's axes are the parent's turned by 90 degrees about z: its x is the parent's y.
+  const Matrix3d c = AngleAxisd(kRightAngle, Vector3d::UnitZ()).toRotationMatrix();
+  const Skeleton bone =
+      Make({{.name = "bone",
+             .pre_rotation = c,
+             .post_rotation = c.transpose(),
+             .dofs = {Rotation(Vector3d::UnitX())}},
+            {.name = "tip", .parent = 0, .offset_m = Vector3d(1, 0, 0), .dofs = {}}});
+  CHECK(Near(core::ForwardKinematics(bone, Row({0}))[1].translation(), {1, 0, 0}));
+  // A turn by 90 degrees about the parent's y takes x to -z.
+  CHECK(Near(core::ForwardKinematics(bone, Row({kRightAngle}))[1].translation(), {0, 0, -1}));
+}
+
+TEST_CASE("JointPositions: every frame equals its own forward kinematics", "[core][motion]") {
+  core::JointMotion motion{.skeleton = std::make_shared<Skeleton>(TwoLinkArm()),
+                           .frame_rate_hz = 10,
+                           .angles = core::JointMatrix(5, 2)};
+  for (int f = 0; f < 5; ++f) motion.angles.row(f) << 0.3 * f, 1.0 - 0.7 * f;
+  const core::FrameMatrix positions = core::JointPositions(motion);
+  REQUIRE(positions.rows() == 5);
+  REQUIRE(positions.cols() == 9);
+  for (int f = 0; f < 5; ++f) {
+    const double a = 0.3 * f;
+    const double b = a + 1.0 - 0.7 * f;
+    CHECK(positions(f, 6) == Approx(std::cos(a) + 0.5 * std::cos(b)).margin(1e-6));
+    CHECK(positions(f, 7) == Approx(std::sin(a) + 0.5 * std::sin(b)).margin(1e-6));
+    CHECK(positions(f, 8) == Approx(0).margin(1e-6));
+  }
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,140 @@
+#include "core/tree/tree_builder.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <set>
+#include <thread>
+
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+// Runs the body's indices on four threads in an order of their own.
+void OnFourThreads(int count, const std::function<void(int)>& body) {
+  std::atomic<int> next = count;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&] {
+      for (int at = --next; at >= 0; at = --next) body(at);
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+}
+
+core::Tree Build(const core::FrameMatrix& states, int min_frames,
+                 const core::ParallelFor& parallel = core::Serially) {
+  auto tree = core::BuildTree(states, min_frames, parallel);
+  REQUIRE(tree.ok());
+  return *std::move(tree);
+}
+
+}  // namespace
+
+TEST_CASE("BuildTree: every frame is in exactly one node of each layer", "[core][tree]") {
+  const core::Tree tree = Build(WanderingStates(900, 12, 3), 4);
+  REQUIRE(tree.layer_count() > 3);
+  for (int layer = 1; layer <= tree.layer_count(); ++layer) {
+    std::vector<int> owner(tree.frame_count(), -1);
+    int frames = 0;
+    for (int node = 0; node < tree.node_count(layer); ++node) {
+      const core::Branch& branch = tree.branches()[tree.branch(layer, node)];
+      for (int i = branch.begin; i < branch.end; ++i, ++frames) {
+        CHECK(owner[tree.frame_order()[i]] == -1);
+        owner[tree.frame_order()[i]] = node;
+      }
+    }
+    CHECK(frames == tree.frame_count());
+    for (int f = 0; f < tree.frame_count(); ++f) CHECK(tree.node_of_frame(layer, f) == owner[f]);
+  }
+}
+
+TEST_CASE("BuildTree: layers hang together", "[core][tree]") {
+  const core::Tree tree = Build(WanderingStates(700, 12, 5), 4);
+  CHECK(tree.node_count(1) == 1);
+  CHECK(tree.parent(1, 0) == -1);
+  int total = 0;
+  for (int layer = 1; layer <= tree.layer_count(); ++layer) total += tree.node_count(layer);
+  CHECK(tree.total_node_count() == total);
+  for (int layer = 1; layer < tree.layer_count(); ++layer) {
+    bool split = false;
+    int next = 0;
+    for (int node = 0; node < tree.node_count(layer); ++node) {
+      const int children = tree.child_count(layer, node);
+      CHECK(tree.first_child(layer, node) == next);
+      REQUIRE((children == 1 || children == 2));
+      split |= children == 2;
+      for (int c = next; c < next + children; ++c) CHECK(tree.parent(layer + 1, c) == node);
+      if (children == 1) CHECK(tree.branch(layer + 1, next) == tree.branch(layer, node));
+      next += children;
+    }
+    CHECK(next == tree.node_count(layer + 1));
+    CHECK(split);  // a layer that splits nothing is the last
+  }
+}
+
+TEST_CASE("BuildTree: no node has fewer frames than the minimum", "[core][tree]") {
+  for (const int min_frames : {2, 5, 16, 100}) {
+    const core::Tree tree = Build(WanderingStates(600, 6, 11), min_frames);
+    for (const core::Branch& branch : tree.branches())
+      CHECK(branch.end - branch.begin >= min_frames);
+  }
+}
+
+TEST_CASE("BuildTree: the tree does not depend on threads, and comes out the same again",
+          "[core][tree]") {
+  const core::FrameMatrix states = WanderingStates(9000, 12, 17);  // the root is summed in runs
+  const core::Tree once = Build(states, 8);
+  for (const core::Tree& other : {Build(states, 8), Build(states, 8, OnFourThreads)}) {
+    CHECK(other.frame_order() == once.frame_order());
+    REQUIRE(other.branches().size() == once.branches().size());
+    for (std::size_t b = 0; b < once.branches().size(); ++b) {
+      CHECK(other.branches()[b].begin == once.branches()[b].begin);
+      CHECK(other.branches()[b].left == once.branches()[b].left);
+    }
+  }
+}
+
+TEST_CASE("BuildTree: frames that are all alike make one node", "[core][tree]") {
+  const core::Tree tree = Build(core::FrameMatrix::Constant(50, 6, 1.5f), 2);
+  CHECK(tree.layer_count() == 1);
+  CHECK(tree.total_node_count() == 1);
+  CHECK(Build(core::FrameMatrix::Zero(1, 6), 16).layer_count() == 1);
+}
+
+TEST_CASE("BuildTree: refuses what it cannot build and stops when told", "[core][tree]") {
+  const auto code = [](const auto& result) { return result.status().code(); };
+  CHECK(code(core::BuildTree(core::FrameMatrix(0, 6), 16, core::Serially)) ==
+        absl::StatusCode::kInvalidArgument);
+  CHECK(code(core::BuildTree(core::FrameMatrix::Zero(9, 6), 1, core::Serially)) ==
+        absl::StatusCode::kInvalidArgument);
+  CHECK(code(core::BuildTree(WanderingStates(600, 6, 1), 4, core::Serially,
+                             [](int) { return false; })) == absl::StatusCode::kCancelled);
+}
+
+TEST_CASE("Tree: refuses parts that are not a tree", "[core][tree]") {
+  const core::Tree tree = Build(WanderingStates(300, 6, 1), 4);
+  REQUIRE(tree.branches().size() > 3);
+  const auto refused = [](std::vector<std::int32_t> order, std::vector<core::Branch> branches) {
+    return core::Tree::Create(std::move(order), std::move(branches)).status().code() ==
+           absl::StatusCode::kDataLoss;
+  };
+  CHECK(refused({}, tree.branches()));
+  CHECK(refused(tree.frame_order(), {}));
+  auto order = tree.frame_order();
+  order[0] = order[1];
+  CHECK(refused(order, tree.branches()));
+  order[0] = -1;
+  CHECK(refused(order, tree.branches()));
+  for (std::size_t b = 0; b < tree.branches().size(); ++b) {
+    for (auto field : {&core::Branch::begin, &core::Branch::end, &core::Branch::left,
+                       &core::Branch::right, &core::Branch::layer}) {
+      auto branches = tree.branches();
+      branches[b].*field += 1;
+      CAPTURE(b);
+      CHECK(refused(tree.frame_order(), branches));
+    }
+  }
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,35 @@
+#include "server/engine/file_names.h"
+
+#include <catch2/catch.hpp>
+
+#include "server/engine/content_hash.h"
+
+namespace motiondb::server {
+namespace {
+
+TEST_CASE("FileNames: folders of either kind of slash are left out", "[server]") {
+  CHECK(WithoutFolders("walk.bvh") == "walk.bvh");
+  CHECK(WithoutFolders("/a/b/walk.bvh") == "walk.bvh");
+  CHECK(WithoutFolders("C:\\motion\\walk.bvh") == "walk.bvh");
+  CHECK(WithoutFolders("folder/") == "");
+}
+
+TEST_CASE("FileNames: a clip id is the stem with what ids cannot have replaced", "[server]") {
+  CHECK(ClipIdFromFileName("02_01.amc") == "02_01");
+  CHECK(ClipIdFromFileName("my walk (3).bvh") == "my_walk__3_");
+  CHECK(ClipIdFromFileName("a.b.bvh") == "a.b");
+  CHECK(ClipIdFromFileName("gehen-schr\xc3\xa4g.bvh") == "gehen-schr_g");
+  CHECK(ClipIdFromFileName("walk") == "walk");
+  CHECK(ClipIdFromFileName(".bvh") == "clip");
+  CHECK(ClipIdFromFileName(std::string(300, 'x') + ".bvh") == std::string(120, 'x'));
+}
+
+TEST_CASE("ContentHash: tells files and where one ends and the other begins apart", "[server]") {
+  CHECK(ContentHash("ab", "c") == ContentHash("ab", "c"));
+  CHECK(ContentHash("ab", "c") != ContentHash("a", "bc"));
+  CHECK(ContentHash("ab", "c") != ContentHash("abc", ""));
+  CHECK(ContentHash("", "") != ContentHash(std::string(1, '\0'), ""));
+}
+
+}  // namespace
+}  // namespace motiondb::server

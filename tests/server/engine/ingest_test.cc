@@ -1,0 +1,120 @@
+// What an ingest stores, and that a bad one stores nothing.
+#include "server/engine/ingest.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+server::IngestFile File(const std::string& name, std::string bytes) {
+  server::IngestFile file;
+  file.file_name = name;
+  file.file_bytes = std::move(bytes);
+  return file;
+}
+
+std::string Walk(double phase = 0) {
+  return WriteBvh({.act = Act::kWalk, .frame_count = 61, .frame_rate_hz = 30, .phase = phase});
+}
+
+TEST_CASE("Ingest: the record says what the file held", "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  server::IngestFile file = File("My walk.bvh", Walk());
+  file.subject = "me";
+  const auto ingested = engine->Ingest(live, file, {});
+  INFO(ingested.status().ToString());
+  REQUIRE(ingested.ok());
+  const storage::ClipRecord& clip = ingested->clip;
+  CHECK(clip.id == "My_walk");
+  CHECK(clip.label == "unlabelled");
+  CHECK(clip.subject == "me");
+  CHECK(clip.frame_count == 121);  // two seconds at 60 Hz
+  CHECK(clip.duration_seconds == Approx(121 / 60.0));
+  CHECK(clip.source_frame_rate_hz == Approx(30));
+  CHECK(clip.leg_length_m == Approx(0.82).margin(0.05));
+  CHECK(!clip.skeleton_id.empty());
+  CHECK(!clip.source_report.empty());
+  CHECK(engine->store().ReadClipSource("db", clip.id)->file_bytes == file.file_bytes);
+  CHECK((*live->scheme())->set.marker_count() == 10);
+  CHECK(live->stored().frame_count == 121);
+}
+
+TEST_CASE("Ingest: ids from names are numbered, fixed ones are kept or refused",
+          "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  CHECK(engine->Ingest(live, File("walk.bvh", Walk(0)), {})->clip.id == "walk");
+  CHECK(engine->Ingest(live, File("walk.bvh", Walk(1)), {})->clip.id == "walk-2");
+  const auto same = engine->Ingest(live, File("other.bvh", Walk(1)), {});
+  CHECK(absl::IsAlreadyExists(same.status()));
+  server::IngestFile fixed = File("walk.bvh", Walk(2));
+  fixed.clip_id = "walk";
+  CHECK(absl::IsAlreadyExists(engine->Ingest(live, fixed, {}).status()));
+  fixed.clip_id = "mine";
+  CHECK(engine->Ingest(live, fixed, {})->clip.id == "mine");
+}
+
+TEST_CASE("Ingest: a bad file changes nothing", "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  const std::string good = Walk();
+  std::string stopped_time = good;
+  stopped_time.replace(stopped_time.find("Frame Time: ") + 12, 11, "0.000000000");
+  const std::string one_frame = WriteBvh({.frame_count = 1});
+  // 61 frames in a century.
+  std::string slow = good;
+  slow.replace(slow.find("Frame Time: ") + 12, 11, "50000000.00");
+  for (const std::string& bytes : {std::string("not motion"), good.substr(0, good.size() / 2),
+                                   stopped_time, one_frame, slow}) {
+    const auto ingested = engine->Ingest(live, File("bad.bvh", bytes), {});
+    INFO(ingested.status().ToString());
+    CHECK(absl::IsInvalidArgument(ingested.status()));
+    CHECK(std::string(ingested.status().message()).find("bad.bvh") != std::string::npos);
+  }
+  CHECK(engine->store().ListClips("db", {})->empty());
+  CHECK(engine->operations().List("db", "", 10)->empty());
+  CHECK(*live->scheme() == nullptr);
+  CHECK(live->stored().clip_count == 0);
+}
+
+TEST_CASE("Ingest: nothing is stored for a client that went away", "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  const auto ingested = engine->Ingest(live, File("walk.bvh", Walk()), [] { return true; });
+  CHECK(absl::IsCancelled(ingested.status()));
+  CHECK(engine->store().ListClips("db", {})->empty());
+}
+
+TEST_CASE("Ingest: the first clip of a `source` database decides the markers, also in a race",
+          "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  std::vector<std::thread> threads;
+  std::atomic<int> stored{0};
+  for (int i = 0; i < 6; ++i) {
+    threads.emplace_back(
+        [&, i] { stored += engine->Ingest(live, File("walk.bvh", Walk(i)), {}).ok() ? 1 : 0; });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK(stored == 6);
+  engine.Stop();
+  engine.Start();
+  CHECK((*(*engine->FindDatabase("db"))->scheme())->set.marker_count() == 10);
+}
+
+TEST_CASE("Ingest: a deleted database takes nothing more", "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  REQUIRE(engine->DeleteDatabase("db").ok());
+  CHECK(absl::IsNotFound(engine->Ingest(live, File("walk.bvh", Walk()), {}).status()));
+  CHECK(absl::IsNotFound(engine->BeginIngest(live).status()));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

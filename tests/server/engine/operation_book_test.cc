@@ -1,0 +1,106 @@
+#include "server/engine/operation_book.h"
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "storage/sqlite/sqlite_motion_store.h"
+
+namespace motiondb::server {
+namespace {
+
+using storage::OperationState;
+
+class Book {
+ public:
+  Book() : store_(*storage::SqliteMotionStore::Open(":memory:")), book_(*store_) {
+    REQUIRE(store_->CreateDatabase({.name = "db", .marker_set = "source"}).ok());
+  }
+  OperationBook* operator->() { return &book_; }
+  storage::MotionStore& store() { return *store_; }
+
+ private:
+  std::unique_ptr<storage::MotionStore> store_;
+  OperationBook book_;
+};
+
+TEST_CASE("OperationBook: states are stored, progress is not", "[server]") {
+  Book book;
+  const std::string id = book->Create("db")->id;
+  CHECK(book.store().GetOperation(id)->state == OperationState::kPending);
+  book->Start(id);
+  book->Advance(id, 0.5, "tree, layer 7");
+  CHECK(book->Get(id)->progress == 0.5);
+  CHECK(book->Get(id)->stage == "tree, layer 7");
+  CHECK(book.store().GetOperation(id)->state == OperationState::kRunning);
+  CHECK(book.store().GetOperation(id)->progress == 0);
+  CHECK(book->List("db", "", 10)->front().progress == 0.5);
+  book->Succeed(id, 3);
+  CHECK(book.store().GetOperation(id)->state == OperationState::kSucceeded);
+  CHECK(book->Get(id)->model_version == 3);
+  CHECK(book->Get(id)->progress == 1);
+}
+
+TEST_CASE("OperationBook: a failure keeps its code and message", "[server]") {
+  Book book;
+  const std::string id = book->Create("db")->id;
+  book->Fail(id, absl::DataLossError("clip 'a' is damaged"));
+  const auto record = *book->Get(id);
+  CHECK(record.state == OperationState::kFailed);
+  CHECK(record.error_code == static_cast<int>(absl::StatusCode::kDataLoss));
+  CHECK(record.error_message == "clip 'a' is damaged");
+}
+
+TEST_CASE("OperationBook: what is done stays as it is", "[server]") {
+  Book book;
+  const std::string id = book->Create("db")->id;
+  book->Cancel(id);
+  book->Succeed(id, 1);
+  CHECK(book->Get(id)->state == OperationState::kCancelled);
+}
+
+TEST_CASE("OperationBook: a watcher is called once, with the end", "[server]") {
+  Book book;
+  const std::string id = book->Create("db")->id;
+  int calls = 0;
+  OperationState seen = OperationState::kPending;
+  const auto watcher = [&](const storage::OperationRecord& record) {
+    ++calls;
+    seen = record.state;
+  };
+  CHECK(book->Watch(id, watcher) != 0);
+  const auto unwatched = book->Watch(id, [](const auto&) { FAIL("was unwatched"); });
+  book->Unwatch(id, unwatched);
+  book->Start(id);
+  book->Advance(id, 0.1, "reading");
+  CHECK(calls == 0);
+  book->Succeed(id, 1);
+  CHECK(calls == 1);
+  CHECK(seen == OperationState::kSucceeded);
+  CHECK(book->Watch(id, watcher) == 0);
+  CHECK(book->Watch("no-such-operation", watcher) == 0);
+}
+
+TEST_CASE("OperationBook: a stopping server lets nobody wait", "[server]") {
+  Book book;
+  const std::string id = book->Create("db")->id;
+  int calls = 0;
+  book->Watch(id, [&](const auto&) { ++calls; });
+  book->ReleaseWaiters();
+  CHECK(calls == 1);
+  CHECK(book->Watch(id, [&](const auto&) { ++calls; }) == 0);
+}
+
+TEST_CASE("OperationBook: ids differ and the newest comes first", "[server]") {
+  Book book;
+  std::set<std::string> ids;
+  std::string last;
+  for (int i = 0; i < 50; ++i) ids.insert(last = book->Create("db")->id);
+  CHECK(ids.size() == 50);
+  CHECK(book->List("db", "", 1)->front().id == last);
+  CHECK(book->List("", "", 100)->size() == 50);
+  CHECK(absl::IsNotFound(book->Get("x").status()));
+  CHECK(absl::IsNotFound(book->Create("no-such-database").status()));
+}
+
+}  // namespace
+}  // namespace motiondb::server

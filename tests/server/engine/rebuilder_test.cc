@@ -1,0 +1,165 @@
+// When models are rebuilt: bursts, changes during a build, cancelling, deleting.
+#include <catch2/catch.hpp>
+#include <thread>
+#include <vector>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using storage::OperationState;
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+TEST_CASE("Rebuilder: a burst of ingests costs one rebuild", "[server][rebuild]") {
+  TestEngine engine;
+  engine.Create("db");
+  std::vector<std::thread> threads;
+  std::vector<absl::StatusOr<server::Ingested>> ingested(8);
+  for (std::size_t i = 0; i < ingested.size(); ++i) {
+    threads.emplace_back(
+        [&, i] { ingested[i] = engine.Ingest("db", "walk", Walk(0.3 * static_cast<double>(i))); });
+  }
+  for (std::thread& thread : threads) thread.join();
+  for (const auto& one : ingested) {
+    REQUIRE(one.ok());
+    CHECK(one->operation.id == ingested[0]->operation.id);
+  }
+  const auto operation = engine.Wait(ingested[0]->operation.id);
+  CHECK(operation.state == OperationState::kSucceeded);
+  CHECK(operation.model_version == 1);
+  CHECK(engine.ModelVersion("db") == 1);
+  CHECK(engine->operations().List("db", "", 10)->size() == 1);
+  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 8);
+}
+
+TEST_CASE("Rebuilder: waits for an ingest in flight, but not for ever", "[server][rebuild]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_delay_limit = std::chrono::milliseconds(400);
+  TestEngine engine(options);
+  const auto live = engine.Create("db");
+  const auto slow = *engine->BeginIngest(live);
+  const auto asked = std::chrono::steady_clock::now();
+  const auto ingested = engine.Ingest("db", "walk", Walk(0));
+  REQUIRE(ingested.ok());
+  CHECK(engine.Wait(ingested->operation.id).state == OperationState::kSucceeded);
+  CHECK(std::chrono::steady_clock::now() - asked >= std::chrono::milliseconds(400));
+}
+
+TEST_CASE("Rebuilder: what comes during a build gets the next", "[server][rebuild]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.gate().Close();
+  const auto first = engine.Ingest("db", "a", Walk(0));
+  engine.gate().AwaitArrival();
+  CHECK(engine->operations().Get(first->operation.id)->state == OperationState::kRunning);
+  const auto second = engine.Ingest("db", "b", Walk(1));
+  const auto third = engine.Ingest("db", "c", Walk(2));
+  CHECK(second->operation.id != first->operation.id);
+  CHECK(third->operation.id == second->operation.id);
+  CHECK(second->operation.state == OperationState::kPending);
+  engine.gate().Open();
+  CHECK(engine.Wait(first->operation.id).model_version == 1);
+  CHECK(engine.Wait(third->operation.id).model_version == 2);
+  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+}
+
+TEST_CASE("Rebuilder: the previous model answers until the new one is whole", "[server][rebuild]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  const auto before = live->snapshot();
+  REQUIRE(before != nullptr);
+  engine.gate().Close();
+  const auto second = engine.Ingest("db", "b", Walk(1));
+  engine.gate().AwaitArrival();
+  CHECK(live->snapshot() == before);
+  CHECK((*engine->CurrentModel(*live))->record.version == 1);
+  engine.gate().Open();
+  engine.Wait(second->operation.id);
+  CHECK(live->snapshot()->record.version == 2);
+  CHECK(before->model.clips().size() == 1);  // those who hold the old one keep it
+}
+
+TEST_CASE("Rebuilder: a waiting operation is cancelled at once, a running one soon",
+          "[server][rebuild]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.gate().Close();
+  const auto running = engine.Ingest("db", "a", Walk(0))->operation.id;
+  engine.gate().AwaitArrival();
+  const auto waiting = engine.Ingest("db", "b", Walk(1))->operation.id;
+  CHECK(engine->CancelOperation(waiting)->state == OperationState::kCancelled);
+  CHECK(engine->CancelOperation(running)->state == OperationState::kRunning);
+  engine.gate().Open();
+  CHECK(engine.Wait(running).state == OperationState::kCancelled);
+  CHECK(engine.ModelVersion("db") == 0);
+  CHECK(engine->CancelOperation(running)->state == OperationState::kCancelled);
+  CHECK(absl::IsNotFound(engine->CancelOperation("x").status()));
+
+  // The clips stay: the next change builds a model of them all.
+  const auto next = engine.Ingest("db", "c", Walk(2));
+  CHECK(engine.Wait(next->operation.id).state == OperationState::kSucceeded);
+  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+}
+
+TEST_CASE("Rebuilder: deleting clips rebuilds, deleting the last drops the model",
+          "[server][rebuild]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  engine.Ingest("db", "a", Walk(0));
+  engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
+  REQUIRE(live->snapshot()->model.clips().size() == 2);
+  engine.Wait(engine->DeleteClip("db", "a")->id);
+  REQUIRE(live->snapshot()->model.clips().size() == 1);
+  CHECK(live->snapshot()->model.clips()[0].id == "b");
+  const auto last = engine.Wait(engine->DeleteClip("db", "b")->id);
+  CHECK(last.state == OperationState::kSucceeded);
+  CHECK(last.model_version == 0);
+  CHECK(live->snapshot() == nullptr);
+  CHECK(live->stored().clip_count == 0);
+  CHECK(absl::IsFailedPrecondition(engine->CurrentModel(*live).status()));
+  CHECK(absl::IsNotFound(engine->DeleteClip("db", "b").status()));
+}
+
+TEST_CASE("Rebuilder: a clip deleted during the build is not in the model", "[server][rebuild]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  engine.gate().Close();
+  engine.Ingest("db", "a", Walk(0));
+  const auto build = engine.Ingest("db", "b", Walk(1))->operation.id;
+  engine.gate().AwaitArrival();
+  const auto deletion = engine->DeleteClip("db", "b");
+  REQUIRE(deletion.ok());
+  engine.gate().Open();
+  CHECK(engine.Wait(build).state == OperationState::kSucceeded);
+  CHECK(engine.Wait(deletion->id).state == OperationState::kSucceeded);
+  REQUIRE(live->snapshot()->model.clips().size() == 1);
+  CHECK(live->snapshot()->model.clips()[0].id == "a");
+}
+
+TEST_CASE("Rebuilder: deleting a database ends its work", "[server][rebuild]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  engine.gate().Close();
+  const auto running = engine.Ingest("db", "a", Walk(0))->operation.id;
+  engine.gate().AwaitArrival();
+  engine.Ingest("db", "b", Walk(1));
+  REQUIRE(engine->DeleteDatabase("db").ok());
+  CHECK(absl::IsNotFound(engine->FindDatabase("db").status()));
+  CHECK(absl::IsNotFound(engine->DeleteDatabase("db").status()));
+
+  // One of the same name begins empty, whatever the old build does.
+  engine.Create("db");
+  engine.gate().Open();
+  const auto fresh = engine.Ingest("db", "c", Walk(2));
+  REQUIRE(fresh.ok());
+  CHECK(engine.Wait(fresh->operation.id).model_version == 1);
+  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 1);
+  CHECK(live->snapshot() == nullptr);
+  CHECK(absl::IsNotFound(engine->operations().Get(running).status()));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,70 @@
+#include "server/engine/shared_loop.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "server/engine/workers.h"
+
+namespace motiondb::server {
+namespace {
+
+EngineOptions Threads(int builds) {
+  EngineOptions options;
+  options.query_threads = 1;
+  options.build_threads = builds;
+  return options;
+}
+
+TEST_CASE("SharedLoop: every index runs once, on any number of threads", "[server]") {
+  for (const int threads : {1, 2, 4}) {
+    Workers workers(Threads(threads));
+    for (const int count : {0, 1, 3, 1000}) {
+      std::vector<std::atomic<int>> runs(static_cast<std::size_t>(count));
+      workers.build_parallel()(count, [&](int i) { ++runs[static_cast<std::size_t>(i)]; });
+      for (const auto& run : runs) REQUIRE(run == 1);
+    }
+  }
+}
+
+TEST_CASE("SharedLoop: nested loops on a full pool end", "[server]") {
+  Workers workers(Threads(2));
+  const auto parallel = workers.build_parallel();
+  std::atomic<int> total{0};
+  parallel(8, [&](int) { parallel(8, [&](int) { parallel(8, [&](int) { ++total; }); }); });
+  REQUIRE(total == 512);
+}
+
+TEST_CASE("SharedLoop: ends although no helper ever comes", "[server]") {
+  int ran = 0;
+  RunSharedLoop(
+      5, [&](int) { ++ran; }, 3, [](const std::function<void()>&) {});
+  REQUIRE(ran == 5);
+}
+
+TEST_CASE("SharedLoop: a helper that comes late leaves the body alone", "[server]") {
+  std::vector<std::function<void()>> late;
+  int ran = 0;
+  {
+    const std::function<void(int)> body = [&](int) { ++ran; };
+    RunSharedLoop(4, body, 2, [&](std::function<void()> help) { late.push_back(std::move(help)); });
+  }
+  REQUIRE(late.size() == 2);
+  for (const auto& help : late) help();
+  REQUIRE(ran == 4);
+}
+
+TEST_CASE("SharedLoop: an exception comes out after the rest have ended", "[server]") {
+  Workers workers(Threads(2));
+  std::atomic<int> ran{0};
+  const auto body = [&](int i) {
+    ++ran;
+    if (i == 3) throw std::runtime_error("three");
+  };
+  REQUIRE_THROWS_WITH(workers.build_parallel()(20, body), "three");
+  REQUIRE(ran == 20);
+}
+
+}  // namespace
+}  // namespace motiondb::server

@@ -1,0 +1,118 @@
+// What a server finds when it starts: models, and work left undone.
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using storage::OperationState;
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+// Waits until the newest operation of a database is done.
+storage::OperationRecord WaitForNewest(TestEngine& engine, const std::string& database) {
+  const auto newest = engine->operations().List(database, "", 1);
+  REQUIRE(newest.ok());
+  REQUIRE(newest->size() == 1);
+  return engine.Wait(newest->front().id);
+}
+
+TEST_CASE("Startup: reads the stored model and builds nothing", "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  const auto before = (*engine->FindDatabase("db"))->snapshot();
+  engine.Stop();
+  engine.gate().Close();  // a build would stop here
+  engine.Start();
+  const auto live = *engine->FindDatabase("db");
+  const auto after = live->snapshot();
+  REQUIRE(after != nullptr);
+  CHECK(after->record.version == 1);
+  CHECK(after->record.create_time_us == before->record.create_time_us);
+  CHECK(after->model.build_seconds() == before->model.build_seconds());
+  CHECK(after->model.states() == before->model.states());
+  CHECK(after->model.tree().frame_order() == before->model.tree().frame_order());
+  CHECK(live->stored().clip_count == 1);
+  CHECK((*live->scheme())->set.markers == before->model.marker_set().markers);
+  CHECK(engine->operations().List("db", "", 10)->size() == 1);
+}
+
+TEST_CASE("Startup: an operation that was waiting goes on", "[server][startup]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_delay = std::chrono::milliseconds(500);
+  TestEngine engine(options);
+  engine.Create("db");
+  const auto waiting = engine.Ingest("db", "a", Walk(0))->operation.id;
+  engine.Stop();
+  engine.Start();
+  CHECK(engine->operations().Get(waiting)->state == OperationState::kPending);
+  const auto operation = engine.Wait(waiting);
+  CHECK(operation.state == OperationState::kSucceeded);
+  CHECK(operation.model_version == 1);
+}
+
+TEST_CASE("Startup: a build stopped by the drain is PENDING and goes on", "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.gate().Close();
+  const auto running = engine.Ingest("db", "a", Walk(0))->operation.id;
+  engine.gate().AwaitArrival();
+  std::thread stopping([&] { engine->Drain(); });
+  engine.gate().Open();
+  stopping.join();
+  const auto state = engine->operations().Get(running)->state;
+  // The build may have been past its last look at the stop flag.
+  CHECK((state == OperationState::kPending || state == OperationState::kSucceeded));
+  engine.Stop();
+  engine.Start();
+  CHECK(engine.Wait(running).state == OperationState::kSucceeded);
+  CHECK(engine.ModelVersion("db") == 1);
+}
+
+TEST_CASE("Startup: a cancelled operation is not resumed, but its clips are built",
+          "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  const auto cancelled = engine.Ingest("db", "a", Walk(0))->operation.id;
+  REQUIRE(engine->CancelOperation(cancelled)->state == OperationState::kCancelled);
+  engine.Stop();
+  engine.Start();
+  CHECK(WaitForNewest(engine, "db").state == OperationState::kSucceeded);
+  CHECK(engine->operations().Get(cancelled)->state == OperationState::kCancelled);
+  CHECK(engine.ModelVersion("db") == 1);
+}
+
+TEST_CASE("Startup: a model that cannot be read is built anew", "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  engine.Stop();
+  engine.Start(absl::DataLossError("chunk 3 is damaged"));
+  CHECK(WaitForNewest(engine, "db").model_version == 2);
+  CHECK(engine.ModelVersion("db") == 2);
+}
+
+TEST_CASE("Startup: two operations left undone both end, with one model", "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.gate().Close();
+  const auto first = engine.Ingest("db", "a", Walk(0))->operation.id;
+  engine.gate().AwaitArrival();
+  const auto second = engine.Ingest("db", "b", Walk(1))->operation.id;
+  // Stopped before the build gets on: the drain is on its way when the gate opens.
+  std::thread stopping([&] { engine->Drain(); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  engine.gate().Open();
+  stopping.join();
+  REQUIRE(engine->operations().Get(first)->state == OperationState::kPending);
+  engine.Stop();
+  engine.Start();
+  CHECK(engine.Wait(first).model_version == 1);
+  CHECK(engine.Wait(second).model_version == 1);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,194 @@
+#include <catch2/catch.hpp>
+#include <map>
+
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/database.pb.h"
+#include "motiondb/v1/model.grpc.pb.h"
+#include "motiondb/v1/operation.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Stub = v1::ModelService::Stub;
+
+constexpr char kCurrent[] = "databases/db/models/current";
+
+// Builds a second model of the trained database.
+void Retrain(TestServer& server) {
+  const auto ingested = server.IngestFigure("db", "more", "walk", {.phase = 2});
+  REQUIRE(server.Wait(ingested.operation().name()).state() == v1::OPERATION_STATE_SUCCEEDED);
+}
+
+TEST_CASE("ModelService: figures of the current and of earlier models", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ModelService>();
+  v1::GetModelRequest get;
+  get.set_name(kCurrent);
+  const v1::Model model = Ask(*stub, &Stub::GetModel, get).response.model();
+  CHECK(model.name() == "databases/db/models/1");
+  CHECK(model.state() == v1::MODEL_STATE_CURRENT);
+  CHECK(model.dimension_count() == 60);
+  CHECK(model.scaling() == v1::SCALING_KIND);
+  CHECK(model.scales_size() == 60);
+  REQUIRE(model.clips_size() == 3);
+  CHECK(model.clips(1) == "databases/db/clips/walk");
+  CHECK(model.first_frames(1) == 120);
+  CHECK(model.build_seconds() > 0);
+
+  Retrain(server);
+  get.set_name("databases/db/models/1");
+  const v1::Model former = Ask(*stub, &Stub::GetModel, get).response.model();
+  CHECK(former.state() == v1::MODEL_STATE_SUPERSEDED);
+  CHECK(former.frame_count() == 360);
+  CHECK(former.clips().empty());
+
+  v1::ListModelsRequest list;
+  list.set_parent("databases/db");
+  list.set_page_size(1);
+  const auto newest = Ask(*stub, &Stub::ListModels, list);
+  REQUIRE(newest.status.ok());
+  CHECK(newest.response.models(0).version() == 2);
+  list.set_page_token(newest.response.next_page_token());
+  const auto oldest = Ask(*stub, &Stub::ListModels, list);
+  CHECK(oldest.response.models(0).version() == 1);
+  CHECK(oldest.response.next_page_token().empty());
+}
+
+TEST_CASE("ModelService: what is not there", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("empty");
+  const auto stub = server.NewStub<v1::ModelService>();
+  const auto code = [&](const std::string& name) {
+    v1::GetModelRequest get;
+    get.set_name(name);
+    return Ask(*stub, &Stub::GetModel, get).status.error_code();
+  };
+  CHECK(code("databases/empty/models/current") == grpc::StatusCode::FAILED_PRECONDITION);
+  CHECK(code("databases/empty/models/1") == grpc::StatusCode::NOT_FOUND);
+  CHECK(code("databases/none/models/1") == grpc::StatusCode::NOT_FOUND);
+  CHECK(code("databases/empty/models/x") == grpc::StatusCode::INVALID_ARGUMENT);
+}
+
+TEST_CASE("ModelService: nodes of every layer hold every frame once", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ModelService>();
+  const auto described = server.Describe("db");
+  for (int layer = 1; layer <= described.layer_count(); ++layer) {
+    v1::ListNodesRequest request;
+    request.set_parent(kCurrent);
+    request.set_layer(layer);
+    request.set_page_size(7);
+    int frames = 0;
+    int next = 0;
+    do {
+      const auto page = Ask(*stub, &Stub::ListNodes, request);
+      INFO(page.status.error_message());
+      REQUIRE(page.status.ok());
+      for (const v1::Node& node : page.response.nodes()) {
+        CHECK(node.node_id() == next++);
+        CHECK((node.parent_id() == -1) == (layer == 1));
+        CHECK(node.mean().size() == 60 * 4);
+        CHECK(node.variance().size() == 60 * 4);
+        frames += node.frame_count();
+      }
+      request.set_page_token(page.response.next_page_token());
+    } while (!request.page_token().empty());
+    CHECK(next == described.nodes_per_layer(layer - 1));
+    CHECK(frames == described.frame_count());
+  }
+  v1::ListNodesRequest request;
+  request.set_parent(kCurrent);
+  request.set_layer(99);
+  const auto beyond = Ask(*stub, &Stub::ListNodes, request);
+  CHECK(beyond.status.error_code() == grpc::StatusCode::OUT_OF_RANGE);
+  CHECK(ViolatedFields(beyond.status) == "layer");
+}
+
+TEST_CASE("ModelService: transitions of a row sum to one, also across pages", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ModelService>();
+  for (const char* clip : {"", "databases/db/clips/walk"}) {
+    v1::ListTransitionsRequest request;
+    request.set_parent(kCurrent);
+    request.set_clip(clip);
+    request.set_page_size(5);
+    std::map<int, double> sums;
+    int count = 0;
+    std::pair<int, int> last(-1, -1);
+    do {
+      const auto page = Ask(*stub, &Stub::ListTransitions, request);
+      INFO(page.status.error_message());
+      REQUIRE(page.status.ok());
+      for (const v1::Transition& transition : page.response.transitions()) {
+        const std::pair edge(transition.from_node_id(), transition.to_node_id());
+        CHECK(last < edge);
+        last = edge;
+        sums[edge.first] += transition.probability();
+        count += transition.count();
+      }
+      request.set_page_token(page.response.next_page_token());
+    } while (!request.page_token().empty());
+    CHECK(count == (*clip == 0 ? 3 * 119 : 119));
+    for (const auto& [from, sum] : sums) CHECK(sum == Approx(1));
+  }
+  v1::ListTransitionsRequest request;
+  request.set_parent(kCurrent);
+  request.set_clip("databases/db/clips/none");
+  CHECK(Ask(*stub, &Stub::ListTransitions, request).status.error_code() ==
+        grpc::StatusCode::NOT_FOUND);
+  request.set_clip("databases/other/clips/walk");
+  CHECK(ViolatedFields(Ask(*stub, &Stub::ListTransitions, request).status) == "clip");
+}
+
+TEST_CASE("ModelService: a list of a model that was replaced is ABORTED", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ModelService>();
+  v1::ListNodesRequest request;
+  request.set_parent("databases/db/models/1");
+  request.set_page_size(1);
+  request.set_page_token(Ask(*stub, &Stub::ListNodes, request).response.next_page_token());
+  REQUIRE(!request.page_token().empty());
+  Retrain(server);
+  const auto stale = Ask(*stub, &Stub::ListNodes, request);
+  CHECK(stale.status.error_code() == grpc::StatusCode::ABORTED);
+  CHECK(stale.status.error_message().find("first page") != std::string::npos);
+  request.clear_page_token();
+  CHECK(Ask(*stub, &Stub::ListNodes, request).status.error_code() ==
+        grpc::StatusCode::FAILED_PRECONDITION);
+  request.set_parent("databases/db/models/7");
+  CHECK(Ask(*stub, &Stub::ListNodes, request).status.error_code() == grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_CASE("ModelService: states come in blocks of at most 1 MiB", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  const auto ingested = server.IngestFigure("db", "long", "walk", {.frame_count = 6000});
+  REQUIRE(server.Wait(ingested.operation().name()).state() == v1::OPERATION_STATE_SUCCEEDED);
+  const auto stub = server.NewStub<v1::ModelService>();
+  v1::ReadStatesRequest request;
+  request.set_name(kCurrent);
+  grpc::ClientContext context;
+  const auto reader = stub->ReadStates(&context, request);
+  v1::ReadStatesResponse block;
+  int frames = 0;
+  int blocks = 0;
+  while (reader->Read(&block)) {
+    CHECK(block.ByteSizeLong() <= 1 << 20);
+    CHECK(block.first_frame() == frames);
+    CHECK(block.states().size() == static_cast<std::size_t>(block.frame_count()) * 60 * 4);
+    CHECK(block.bottom_node_ids_size() == block.frame_count());
+    frames += block.frame_count();
+    ++blocks;
+  }
+  CHECK(reader->Finish().ok());
+  CHECK(frames == 6000);
+  CHECK(blocks == 2);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,318 @@
+#include <catch2/catch.hpp>
+#include <limits>
+#include <thread>
+
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/query.grpc.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Stub = v1::QueryService::Stub;
+
+const double kNan = std::numeric_limits<double>::quiet_NaN();
+
+template <typename Request>
+Request About(const std::string& database) {
+  Request request;
+  request.set_database("databases/" + database);
+  *request.mutable_observation() = ObservedWalk();
+  return request;
+}
+
+std::string Pack(const std::vector<float>& values) {
+  return {reinterpret_cast<const char*>(values.data()), 4 * values.size()};
+}
+
+// A trained database that all tests here only ask.
+TestServer& Trained() {
+  static TestServer server;
+  static const bool kTrained = [] {
+    server.CreateTrained("db");
+    server.CreateDatabase("empty");
+    return true;
+  }();
+  (void)kTrained;
+  return server;
+}
+
+TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  auto request = About<v1::RecognizeRequest>("db");
+  const auto answer = Ask(*stub, &Stub::Recognize, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  REQUIRE(answer.response.windows_size() > 2);
+  for (const v1::RecognitionWindow& window : answer.response.windows()) {
+    CHECK(window.end_seconds() - window.start_seconds() == Approx(0.4).margin(0.02));
+    REQUIRE(window.labels_size() == 3);
+    CHECK(window.labels(0).label() == "walk");
+    double sum = 0;
+    for (const auto& label : window.labels()) sum += label.probability();
+    CHECK(sum == Approx(1));
+    REQUIRE(window.clips_size() == 3);
+    CHECK(window.clips(0).clip() == "databases/db/clips/walk");
+    CHECK(window.clips(0).log_probability() >= window.clips(1).log_probability());
+  }
+  request.set_whole(true);
+  request.set_top_count(1);
+  const auto whole = Ask(*stub, &Stub::Recognize, request);
+  REQUIRE(whole.response.windows_size() == 1);
+  CHECK(whole.response.windows(0).clips_size() == 1);
+}
+
+TEST_CASE("QueryService: estimates node paths", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  auto request = About<v1::EstimateRequest>("db");
+  request.set_path_count(3);
+  const auto answer = Ask(*stub, &Stub::Estimate, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  REQUIRE(answer.response.paths_size() >= 1);
+  CHECK(answer.response.paths(0).node_ids_size() == 48);
+  CHECK(answer.response.frame_rate_hz() == 60);
+  CHECK(answer.response.state().node_id() == answer.response.paths(0).node_ids(47));
+  for (int i = 1; i < answer.response.paths_size(); ++i) {
+    CHECK(answer.response.paths(i - 1).log_probability() >=
+          answer.response.paths(i).log_probability());
+  }
+}
+
+TEST_CASE("QueryService: predicts, and a series is as many predictions", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  auto request = About<v1::PredictRequest>("db");
+  const auto at_end = Ask(*stub, &Stub::Predict, request);
+  INFO(at_end.status.error_message());
+  REQUIRE(at_end.status.ok());
+  CHECK(at_end.response.at_seconds() == Approx(47 / 60.0));
+  REQUIRE(at_end.response.horizons_size() == 6);
+  CHECK(at_end.response.horizons(0).seconds() == Approx(0.08));
+  CHECK(at_end.response.horizons(0).marker_positions_size() == 30);
+
+  v1::PredictSeriesRequest series;
+  *series.mutable_prediction() = request;
+  series.set_every_seconds(0.1);
+  grpc::ClientContext context;
+  const auto reader = stub->PredictSeries(&context, series);
+  v1::PredictSeriesResponse moment;
+  std::vector<v1::PredictResponse> moments;
+  while (reader->Read(&moment)) moments.push_back(moment.prediction());
+  REQUIRE(reader->Finish().ok());
+  REQUIRE(moments.size() == 4);  // 0.4, 0.5, 0.6, 0.7 of 0.783 s
+  for (std::size_t i = 0; i < moments.size(); ++i) {
+    request.set_at_seconds(0.4 + 0.1 * static_cast<double>(i));
+    const auto single = Ask(*stub, &Stub::Predict, request);
+    CHECK(single.response.SerializeAsString() == moments[i].SerializeAsString());
+  }
+}
+
+TEST_CASE("QueryService: a series that nobody reads ends with its client", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  v1::PredictSeriesRequest series;
+  *series.mutable_prediction() = About<v1::PredictRequest>("db");
+  series.set_every_seconds(1e-6);
+  grpc::ClientContext context;
+  const auto reader = stub->PredictSeries(&context, series);
+  v1::PredictSeriesResponse moment;
+  REQUIRE(reader->Read(&moment));
+  context.TryCancel();
+  while (reader->Read(&moment)) {
+  }
+  CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
+}
+
+TEST_CASE("QueryService: markers and joints observe as well as files", "[server][rpc]") {
+  TestServer& server = Trained();
+  const auto stub = server.NewStub<v1::QueryService>();
+  // The prediction of "now" hands out marker positions: use them as an observation.
+  auto request = About<v1::PredictRequest>("db");
+  request.clear_horizon_seconds();
+  v1::MarkerObservation markers;
+  markers.set_frame_rate_hz(60);
+  for (int frame = 0; frame < 40; ++frame) {
+    request.set_at_seconds(frame / 60.0);
+    request.clear_horizon_seconds();
+    request.add_horizon_seconds(0.08);
+    const auto answer = Ask(*stub, &Stub::Predict, request);
+    INFO(answer.status.error_message());
+    REQUIRE(answer.status.ok());
+    const auto& positions = answer.response.horizons(0).marker_positions();
+    markers.mutable_positions()->append(Pack({positions.begin(), positions.end()}));
+  }
+  markers.set_frame_count(40);
+  v1::RecognizeRequest recognize;
+  recognize.set_database("databases/db");
+  *recognize.mutable_observation()->mutable_markers() = markers;
+  const auto by_markers = Ask(*stub, &Stub::Recognize, recognize);
+  INFO(by_markers.status.error_message());
+  REQUIRE(by_markers.status.ok());
+  CHECK(by_markers.response.windows(0).labels(0).label() == "walk");
+
+  const auto clips = server.NewStub<v1::ClipService>();
+  v1::ListSkeletonsRequest list;
+  list.set_parent("databases/db");
+  const auto skeleton =
+      Ask(*clips, &v1::ClipService::Stub::ListSkeletons, list).response.skeletons(0);
+  v1::JointObservation joints;
+  joints.set_skeleton(skeleton.name());
+  joints.set_frame_rate_hz(60);
+  joints.set_frame_count(30);
+  joints.set_angles(Pack(std::vector<float>(30 * skeleton.dof_count(), 0.0F)));
+  *recognize.mutable_observation()->mutable_joints() = joints;
+  const auto by_joints = Ask(*stub, &Stub::Recognize, recognize);
+  INFO(by_joints.status.error_message());
+  CHECK(by_joints.status.ok());
+}
+
+TEST_CASE("QueryService: a database without a model says what to do", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  const auto answer = Ask(*stub, &Stub::Recognize, About<v1::RecognizeRequest>("empty"));
+  CHECK(answer.status.error_code() == grpc::StatusCode::FAILED_PRECONDITION);
+  CHECK(answer.status.error_message() ==
+        "database 'empty' has no model yet: ingest clips first (motiondb ingest empty FILE...)");
+  CHECK(Ask(*stub, &Stub::Estimate, About<v1::EstimateRequest>("none")).status.error_code() ==
+        grpc::StatusCode::NOT_FOUND);
+
+  TestServer building;
+  building.CreateDatabase("db");
+  building.gate().Close();
+  building.IngestFigure("db", "walk", "walk", {});
+  const auto other = building.NewStub<v1::QueryService>();
+  const auto early = Ask(*other, &Stub::Predict, About<v1::PredictRequest>("db"));
+  CHECK(early.status.error_code() == grpc::StatusCode::FAILED_PRECONDITION);
+  CHECK(early.status.error_message().find("wait for operations/") != std::string::npos);
+}
+
+TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  const auto recognize = [&](const std::string& field, const auto& change) {
+    auto request = About<v1::RecognizeRequest>("db");
+    change(request);
+    const auto answer = Ask(*stub, &Stub::Recognize, request);
+    INFO(field << ": " << answer.status.error_message());
+    CHECK(ViolatedFields(answer.status) == field);
+  };
+  recognize("database", [](auto& r) { r.set_database("db"); });
+  recognize("window_seconds", [](auto& r) { r.set_window_seconds(kNan); });
+  recognize("window_seconds", [](auto& r) { r.set_window_seconds(-1); });
+  recognize("hop_seconds", [](auto& r) { r.set_hop_seconds(-0.1); });
+  recognize("layer", [](auto& r) { r.set_layer(-1); });
+  recognize("layer", [](auto& r) { r.set_layer(1000); });
+  recognize("top_count", [](auto& r) { r.set_top_count(-1); });
+  recognize("transition_floor", [](auto& r) { r.set_transition_floor(2); });
+  recognize("transition_floor", [](auto& r) { r.set_transition_floor(kNan); });
+  recognize("generation", [](auto& r) { r.set_generation(static_cast<v1::Generation>(7)); });
+  recognize("path_count", [](auto& r) { r.set_path_count(-1); });
+  recognize("observation", [](auto& r) { r.clear_observation(); });
+
+  const auto estimate = [&](const std::string& field, const auto& change) {
+    auto request = About<v1::EstimateRequest>("db");
+    change(request);
+    CHECK(ViolatedFields(Ask(*stub, &Stub::Estimate, request).status) == field);
+  };
+  estimate("path_count", [](auto& r) { r.set_path_count(101); });
+  estimate("max_candidates", [](auto& r) { r.set_max_candidates(-1); });
+
+  const auto predict = [&](const std::string& field, const auto& change) {
+    auto request = About<v1::PredictRequest>("db");
+    change(request);
+    CHECK(ViolatedFields(Ask(*stub, &Stub::Predict, request).status) == field);
+  };
+  predict("at_seconds", [](auto& r) { r.set_at_seconds(-1); });
+  predict("history_seconds", [](auto& r) { r.set_history_seconds(kNan); });
+  predict("horizon_seconds", [](auto& r) { r.add_horizon_seconds(-0.1); });
+
+  v1::PredictSeriesRequest series;
+  *series.mutable_prediction() = About<v1::PredictRequest>("db");
+  const auto series_fields = [&] {
+    grpc::ClientContext context;
+    const auto reader = stub->PredictSeries(&context, series);
+    v1::PredictSeriesResponse moment;
+    while (reader->Read(&moment)) {
+    }
+    return ViolatedFields(reader->Finish());
+  };
+  CHECK(series_fields() == "every_seconds");
+  series.set_every_seconds(kNan);
+  CHECK(series_fields() == "every_seconds");
+  series.set_every_seconds(0.1);
+  series.mutable_prediction()->set_layer(-3);
+  CHECK(series_fields() == "prediction.layer");
+  series.mutable_prediction()->clear_layer();
+  series.mutable_prediction()->clear_observation();
+  CHECK(series_fields() == "prediction.observation");
+}
+
+TEST_CASE("QueryService: every wrong observation is named", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  const auto expect = [&](const std::string& field, const v1::Observation& observation) {
+    v1::EstimateRequest request;
+    request.set_database("databases/db");
+    *request.mutable_observation() = observation;
+    const auto answer = Ask(*stub, &Stub::Estimate, request);
+    INFO(field << ": " << answer.status.error_message());
+    CHECK(answer.status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+    CHECK(ViolatedFields(answer.status) == field);
+  };
+  const auto file = [&](const std::string& field, const auto& change) {
+    v1::Observation observation = ObservedWalk();
+    change(*observation.mutable_file());
+    expect("observation.file." + field, observation);
+  };
+  file("file_name", [](auto& f) { f.clear_file_name(); });
+  file("file_name", [](auto& f) { f.set_file_name("a.xyz"); });
+  file("data", [](auto& f) { f.set_data("nonsense"); });
+  file("skeleton_file_name", [](auto& f) { f.set_format(v1::FILE_FORMAT_AMC); });
+  file("conventions.leg_length_m",
+       [](auto& f) { f.mutable_conventions()->set_leg_length_m(kNan); });
+
+  const auto markers = [&](const std::string& field, const auto& change) {
+    v1::Observation observation;
+    v1::MarkerObservation& m = *observation.mutable_markers();
+    m.set_frame_rate_hz(60);
+    m.set_frame_count(10);
+    m.set_positions(Pack(std::vector<float>(10 * 30, 1.0F)));
+    change(m);
+    expect("observation.markers" + field, observation);
+  };
+  markers(".frame_rate_hz", [](auto& m) { m.set_frame_rate_hz(0); });
+  markers(".frame_rate_hz", [](auto& m) { m.set_frame_rate_hz(kNan); });
+  markers(".frame_count", [](auto& m) { m.set_frame_count(0); });
+  markers(".positions", [](auto& m) { m.mutable_positions()->pop_back(); });
+  markers(".positions", [](auto& m) { m.set_frame_count(1'000'000); });
+  markers(".positions", [](auto& m) {
+    m.set_positions(Pack(std::vector<float>(300, std::numeric_limits<float>::infinity())));
+  });
+  markers(".marker_names", [](auto& m) {
+    m.add_marker_names("A");
+    m.add_marker_names("A");
+  });
+  markers(".leg_length_m", [](auto& m) { m.set_leg_length_m(-1); });
+  markers("", [](auto& m) {  // no markers that the database can use
+    for (int i = 0; i < 10; ++i) m.add_marker_names(std::string(1, static_cast<char>('a' + i)));
+  });
+  markers("", [](auto& m) { m.set_frame_rate_hz(1e-9); });  // ten frames in three centuries
+
+  v1::Observation joints;
+  joints.mutable_joints()->set_skeleton("databases/other/skeletons/Hips");
+  expect("observation.joints.skeleton", joints);
+  joints.mutable_joints()->set_skeleton("Hips");
+  expect("observation.joints.skeleton", joints);
+}
+
+TEST_CASE("QueryService: a deadline stops the work", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  auto request = About<v1::EstimateRequest>("db");
+  request.mutable_observation()->mutable_file()->set_data(WriteBvh({.frame_count = 20'000}));
+  request.set_max_candidates(0);
+  request.set_path_count(100);
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + std::chrono::milliseconds(200));
+  v1::EstimateResponse response;
+  CHECK(stub->Estimate(&context, request, &response).error_code() ==
+        grpc::StatusCode::DEADLINE_EXCEEDED);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,120 @@
+// A client that knows only the server's reflection: it learns of the services, builds a request
+// from what it learned, asks and reads the answer. It includes nothing generated from our protocol.
+#include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
+#include <google/protobuf/descriptor_database.h>
+#include <google/protobuf/dynamic_message.h>
+#include <google/protobuf/unknown_field_set.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tests/support/raw_call.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr char kReflection[] = "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
+
+// Field numbers of grpc.reflection.v1alpha.
+constexpr int kFileContainingSymbol = 4;  // of ServerReflectionRequest
+constexpr int kListServices = 7;
+constexpr int kFileDescriptorResponse = 4;  // of ServerReflectionResponse
+constexpr int kListServicesResponse = 6;
+
+std::string WithString(int field, const std::string& value) {
+  google::protobuf::UnknownFieldSet message;
+  message.AddLengthDelimited(field, value);
+  std::string bytes;
+  message.SerializeToString(&bytes);
+  return bytes;
+}
+
+// The values of a length-delimited field of a message.
+std::vector<std::string> Values(const std::string& message, int number) {
+  google::protobuf::UnknownFieldSet fields;
+  REQUIRE(fields.ParseFromString(message));
+  std::vector<std::string> values;
+  for (int i = 0; i < fields.field_count(); ++i) {
+    const auto& field = fields.field(i);
+    if (field.number() == number) values.push_back(field.length_delimited());
+  }
+  return values;
+}
+
+std::vector<std::string> ListServices(TestServer& server) {
+  const RawAnswer answer = RawCall(server.channel(), kReflection, WithString(kListServices, "*"));
+  REQUIRE(answer.status.ok());
+  const auto responses = Values(answer.bytes, kListServicesResponse);
+  REQUIRE(responses.size() == 1);
+  std::vector<std::string> names;
+  for (const std::string& service : Values(responses[0], 1)) {
+    names.push_back(Values(service, 1).at(0));
+  }
+  return names;
+}
+
+// The files that define a symbol, with those that they import.
+std::unique_ptr<google::protobuf::SimpleDescriptorDatabase> Learn(TestServer& server,
+                                                                  const std::string& symbol) {
+  const RawAnswer answer =
+      RawCall(server.channel(), kReflection, WithString(kFileContainingSymbol, symbol));
+  REQUIRE(answer.status.ok());
+  const auto responses = Values(answer.bytes, kFileDescriptorResponse);
+  REQUIRE(responses.size() == 1);
+  auto files = std::make_unique<google::protobuf::SimpleDescriptorDatabase>();
+  for (const std::string& bytes : Values(responses[0], 1)) {
+    google::protobuf::FileDescriptorProto file;
+    REQUIRE(file.ParseFromString(bytes));
+    REQUIRE(files->Add(file));
+  }
+  return files;
+}
+
+TEST_CASE("Reflection: lists the services", "[server][rpc]") {
+  TestServer server;
+  const auto names = ListServices(server);
+  for (const char* service :
+       {"motiondb.v1.DatabaseService", "motiondb.v1.ClipService", "motiondb.v1.ModelService",
+        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "grpc.health.v1.Health"}) {
+    INFO(service);
+    CHECK(std::ranges::count(names, service) == 1);
+  }
+}
+
+TEST_CASE("Reflection: is enough to ask", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto files = Learn(server, "motiondb.v1.DatabaseService");
+  const google::protobuf::DescriptorPool pool(files.get());
+  const auto* service = pool.FindServiceByName("motiondb.v1.DatabaseService");
+  REQUIRE(service != nullptr);
+  const auto* method = service->FindMethodByName("DescribeDatabase");
+  REQUIRE(method != nullptr);
+
+  google::protobuf::DynamicMessageFactory factory;
+  const std::unique_ptr<google::protobuf::Message> request(
+      factory.GetPrototype(method->input_type())->New());
+  REQUIRE(google::protobuf::util::JsonStringToMessage(R"({"name": "databases/db"})", request.get())
+              .ok());
+  const RawAnswer answer =
+      RawCall(server.channel(), "/" + service->full_name() + "/" + method->name(),
+              request->SerializeAsString());
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+
+  const std::unique_ptr<google::protobuf::Message> response(
+      factory.GetPrototype(method->output_type())->New());
+  REQUIRE(response->ParseFromString(answer.bytes));
+  const auto* frame_count = method->output_type()->FindFieldByName("frame_count");
+  REQUIRE(frame_count != nullptr);
+  CHECK(response->GetReflection()->GetInt32(*response, frame_count) == 360);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

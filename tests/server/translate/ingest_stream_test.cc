@@ -1,0 +1,114 @@
+#include "server/translate/ingest_stream.h"
+
+#include <catch2/catch.hpp>
+#include <limits>
+
+#include "motiondb/v1/clip.pb.h"
+
+namespace motiondb::server {
+namespace {
+
+v1::IngestClipRequest Header(const std::string& file_name) {
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name(file_name);
+  return message;
+}
+
+v1::IngestClipRequest Block(const std::string& bytes) {
+  v1::IngestClipRequest message;
+  message.set_file_block(bytes);
+  return message;
+}
+
+std::string Error(const absl::Status& status) { return std::string(status.message()); }
+
+TEST_CASE("IngestStream: blocks join to the file", "[server][translate]") {
+  IngestStream stream(100);
+  REQUIRE(stream.Take(Header("folder/walk.BVH")).ok());
+  CHECK(stream.database() == "db");
+  REQUIRE(stream.Take(Block("abc")).ok());
+  REQUIRE(stream.Take(Block("def")).ok());
+  const auto file = stream.Finish();
+  REQUIRE(file.ok());
+  CHECK(file->file_name == "walk.BVH");
+  CHECK(file->format == core::FileFormat::kBvh);
+  CHECK(file->file_bytes == "abcdef");
+}
+
+TEST_CASE("IngestStream: the header comes first and once", "[server][translate]") {
+  IngestStream stream(100);
+  CHECK(Error(stream.Take(Block("abc"))).starts_with("header: "));
+  REQUIRE(stream.Take(Header("walk.bvh")).ok());
+  CHECK(Error(stream.Take(Header("walk.bvh"))).starts_with("header: "));
+  CHECK(!stream.Take(v1::IngestClipRequest()).ok());
+  CHECK(!IngestStream(100).Finish().ok());
+  CHECK(Error(stream.Finish().status()).find("empty") != std::string::npos);
+}
+
+TEST_CASE("IngestStream: sizes are limited", "[server][translate]") {
+  IngestStream stream((2 << 20) + 5);
+  REQUIRE(stream.Take(Header("walk.bvh")).ok());
+  const std::string block(1 << 20, 'x');
+  CHECK(absl::IsInvalidArgument(stream.Take(Block(block + "x"))));
+  CHECK(stream.Take(Block(block)).ok());
+  CHECK(stream.Take(Block(block)).ok());
+  CHECK(stream.Take(Block("12345")).ok());
+  CHECK(absl::IsResourceExhausted(stream.Take(Block("6"))));
+}
+
+TEST_CASE("IngestStream: every wrong field of the header is named", "[server][translate]") {
+  const auto expect = [](const std::string& field, const auto& change) {
+    v1::IngestClipRequest message = Header("walk.bvh");
+    change(*message.mutable_header());
+    IngestStream stream(100);
+    const absl::Status status = stream.Take(message);
+    INFO(field << ": " << Error(status));
+    CHECK(absl::IsInvalidArgument(status));
+    const auto payload = status.GetPayload("type.googleapis.com/google.rpc.BadRequest");
+    REQUIRE(payload.has_value());
+    CHECK(std::string(*payload).find("header." + field) != std::string::npos);
+  };
+  expect("parent", [](auto& header) { header.set_parent("db"); });
+  expect("file_name", [](auto& header) { header.set_file_name(""); });
+  expect("file_name", [](auto& header) { header.set_file_name("folder/"); });
+  expect("file_name", [](auto& header) { header.set_file_name("walk.fbx"); });
+  expect("file_name", [](auto& header) { header.set_file_name("a\nb.bvh"); });
+  expect("format", [](auto& header) { header.set_format(static_cast<v1::FileFormat>(9)); });
+  expect("skeleton_file_name", [](auto& header) { header.set_skeleton_file_name("a.asf"); });
+  expect("skeleton_file_name", [](auto& header) { header.set_file_name("walk.amc"); });
+  expect("label", [](auto& header) { header.set_label(std::string(300, 'x')); });
+  expect("subject", [](auto& header) { header.set_subject("a\tb"); });
+  expect("clip_id", [](auto& header) { header.set_clip_id("a/b"); });
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  expect("conventions.metres_per_unit",
+         [&](auto& header) { header.mutable_conventions()->set_metres_per_unit(nan); });
+  expect("conventions.frame_rate_hz",
+         [&](auto& header) { header.mutable_conventions()->set_frame_rate_hz(-1); });
+  expect("conventions.leg_length_m",
+         [&](auto& header) { header.mutable_conventions()->set_leg_length_m(1 / 0.0); });
+  expect("conventions.up_axis", [&](auto& header) {
+    header.mutable_conventions()->set_up_axis(static_cast<v1::UpAxis>(9));
+  });
+}
+
+TEST_CASE("IngestStream: an AMC brings its skeleton", "[server][translate]") {
+  v1::IngestClipRequest header = Header("02_01.amc");
+  header.mutable_header()->set_skeleton_file_name("02.asf");
+  IngestStream stream(100);
+  REQUIRE(stream.Take(header).ok());
+  REQUIRE(stream.Take(Block("amc")).ok());
+  v1::IngestClipRequest skeleton;
+  skeleton.set_skeleton_block("asf");
+  IngestStream without = stream;
+  CHECK(!without.Finish().ok());
+  REQUIRE(stream.Take(skeleton).ok());
+  CHECK(stream.Finish()->skeleton_bytes == "asf");
+
+  IngestStream bvh(100);
+  REQUIRE(bvh.Take(Header("walk.bvh")).ok());
+  CHECK(!bvh.Take(skeleton).ok());
+}
+
+}  // namespace
+}  // namespace motiondb::server

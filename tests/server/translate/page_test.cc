@@ -1,0 +1,56 @@
+#include "server/translate/page.h"
+
+#include <catch2/catch.hpp>
+
+#include "server/translate/model_page.h"
+
+namespace motiondb::server {
+namespace {
+
+TEST_CASE("Page: sizes have a default and a cap", "[server][translate]") {
+  CHECK(*PageSize(0, 100, 1000) == 100);
+  CHECK(*PageSize(7, 100, 1000) == 7);
+  CHECK(*PageSize(5000, 100, 1000) == 1000);
+  CHECK(absl::IsInvalidArgument(PageSize(-1, 100, 1000).status()));
+}
+
+TEST_CASE("Page: a token serves the list that it was made for", "[server][translate]") {
+  const std::string token = EncodePageToken("databases/a/clips", "walk");
+  CHECK(*DecodePageToken("databases/a/clips", token) == "walk");
+  CHECK(*DecodePageToken("databases/a/clips", "") == "");
+  CHECK(absl::IsInvalidArgument(DecodePageToken("databases/b/clips", token).status()));
+  CHECK(!DecodePageToken("databases/a/clips", "!!").ok());
+  CHECK(!DecodePageToken("databases/a/clips", token.substr(0, 8)).ok());
+  CHECK(!DecodePageToken("databases/a/clips", EncodePageToken("databases/a/clips", "")).ok());
+}
+
+TEST_CASE("Page: ends after so many items or bytes, but holds one at least",
+          "[server][translate]") {
+  PageBudget few(2);
+  CHECK(few.Take(1));
+  CHECK(few.Take(1));
+  CHECK(!few.Take(1));
+  PageBudget large(100);
+  CHECK(large.Take(10 << 20));
+  CHECK(!large.Take(1));
+}
+
+TEST_CASE("Page: a position in a model is bound to its version", "[server][translate]") {
+  const std::string token = EncodeModelPosition("nodes", {3, 40});
+  const auto position = DecodeModelPosition("nodes", token);
+  REQUIRE(position.ok());
+  CHECK(position->version == 3);
+  CHECK(position->index == 40);
+  CHECK(DecodeModelPosition("nodes", "")->version == 0);
+  CHECK(CheckStillCurrent(*position, {.version = 3}).ok());
+  CHECK(absl::IsAborted(CheckStillCurrent(*position, {.version = 4})));
+  CHECK(CheckStillCurrent({}, {.version = 4}).ok());
+  CHECK(PinnedTo(*position, {"db", 3}).version == 0);
+  CHECK(PinnedTo({}, {"db", 3}).version == 3);
+  for (const char* forged : {"x", "3", "3:", "3:-1", "3:4:5", ":4"}) {
+    CHECK(!DecodeModelPosition("nodes", EncodePageToken("nodes", forged)).ok());
+  }
+}
+
+}  // namespace
+}  // namespace motiondb::server

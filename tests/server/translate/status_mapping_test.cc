@@ -1,0 +1,52 @@
+#include "server/translate/status_mapping.h"
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/error.pb.h"
+#include "server/translate/field_violation.h"
+
+namespace motiondb::server {
+namespace {
+
+TEST_CASE("StatusMapping: every canonical code keeps its number", "[server][translate]") {
+  for (int code = 0; code <= 16; ++code) {
+    const absl::Status status(static_cast<absl::StatusCode>(code), "why");
+    const grpc::Status mapped = ToGrpcStatus(status);
+    CHECK(static_cast<int>(mapped.error_code()) == code);
+    CHECK(mapped.error_message() == (code == 0 ? "" : "why"));
+    CHECK(mapped.error_details().empty());
+  }
+  CHECK(ToGrpcStatus(absl::Status(static_cast<absl::StatusCode>(99), "odd")).error_code() ==
+        grpc::StatusCode::UNKNOWN);
+}
+
+TEST_CASE("StatusMapping: a field violation travels as google.rpc.BadRequest",
+          "[server][translate]") {
+  const grpc::Status mapped =
+      ToGrpcStatus(FieldViolation("observation.markers.frame_rate_hz", "must be {}", "positive"));
+  CHECK(mapped.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+  CHECK(mapped.error_message() == "observation.markers.frame_rate_hz: must be positive");
+  v1::Status details;
+  REQUIRE(details.ParseFromString(mapped.error_details()));
+  CHECK(details.code() == 3);
+  CHECK(details.message() == mapped.error_message());
+  REQUIRE(details.details_size() == 1);
+  CHECK(details.details(0).type_url() == "type.googleapis.com/google.rpc.BadRequest");
+  v1::BadRequest bad_request;
+  REQUIRE(bad_request.ParseFromString(details.details(0).value()));
+  REQUIRE(bad_request.field_violations_size() == 1);
+  CHECK(bad_request.field_violations(0).field() == "observation.markers.frame_rate_hz");
+  CHECK(bad_request.field_violations(0).description() == "must be positive");
+}
+
+TEST_CASE("StatusMapping: messages fit gRPC's trailers and are UTF-8", "[server][translate]") {
+  const grpc::Status mapped = ToGrpcStatus(FieldViolation("field", std::string(100'000, '\xff')));
+  CHECK(mapped.error_message().size() <= 1024);
+  // The trailers hold 8 KiB: the message percent-encoded, the details in base64.
+  CHECK(3 * mapped.error_message().size() + mapped.error_details().size() * 4 / 3 < 8000);
+  v1::Status details;
+  CHECK(details.ParseFromString(mapped.error_details()));
+}
+
+}  // namespace
+}  // namespace motiondb::server

@@ -1,0 +1,58 @@
+// A store's file in a folder of its own, deleted with the test, and raw SQL on it behind its back.
+#pragma once
+
+#include <sqlite3.h>
+#include <stdlib.h>
+
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/storage/require_ok.h"
+
+namespace motiondb::tests {
+
+class StoreFile {
+ public:
+  StoreFile() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "motiondb-XXXXXX").string();
+    REQUIRE(mkdtemp(pattern.data()) != nullptr);
+    folder_ = pattern;
+  }
+  StoreFile(const StoreFile&) = delete;
+  StoreFile& operator=(const StoreFile&) = delete;
+  ~StoreFile() { std::filesystem::remove_all(folder_); }
+
+  std::string path() const { return (folder_ / "store.db").string(); }
+  const std::filesystem::path& folder() const { return folder_; }
+
+  absl::StatusOr<std::unique_ptr<storage::SqliteMotionStore>> TryOpen(
+      storage::SqliteOptions options = {}) const {
+    return storage::SqliteMotionStore::Open(path(), std::move(options));
+  }
+  std::unique_ptr<storage::SqliteMotionStore> Open(storage::SqliteOptions options = {}) const {
+    return Require(TryOpen(std::move(options)));
+  }
+
+  // Runs a script on the file; the store must be closed. The first column of the last row, as text.
+  std::string Sql(const std::string& script) const {
+    sqlite3* database = nullptr;
+    REQUIRE(sqlite3_open(path().c_str(), &database) == SQLITE_OK);
+    std::string value;
+    const auto keep = [](void* out, int, char** columns, char**) {
+      *static_cast<std::string*>(out) = columns[0] == nullptr ? "" : columns[0];
+      return 0;
+    };
+    const int code = sqlite3_exec(database, script.c_str(), keep, &value, nullptr);
+    INFO(script << ": " << sqlite3_errmsg(database));
+    sqlite3_close(database);
+    REQUIRE(code == SQLITE_OK);
+    return value;
+  }
+
+ private:
+  std::filesystem::path folder_;
+};
+
+}  // namespace motiondb::tests

@@ -1,0 +1,31 @@
+// A program that a test starts, talks to by signals and waits for.
+#pragma once
+
+#include <sys/types.h>
+
+#include <string>
+#include <vector>
+
+namespace motiondb::tests {
+
+// Killed, if it still runs, when this is destroyed. Not thread-safe.
+class ChildProcess {
+ public:
+  // arguments[0] is the program's path. Throws std::runtime_error if it cannot be started.
+  explicit ChildProcess(const std::vector<std::string>& arguments);
+  ~ChildProcess();
+  ChildProcess(const ChildProcess&) = delete;
+  ChildProcess& operator=(const ChildProcess&) = delete;
+
+  // The next line of its standard output, without its end; empty at the end of the output.
+  std::string ReadLine();
+  void Signal(int signal);
+  // Waits for the end: the exit code, or 128 and the signal that ended it.
+  int Wait();
+
+ private:
+  pid_t pid_ = -1;
+  int output_ = -1;
+};
+
+}  // namespace motiondb::tests

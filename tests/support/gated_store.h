@@ -1,0 +1,147 @@
+// A store that passes every call on to another, and with which a test can hold a build, or let
+// reading the model fail, at a moment of its choice.
+#pragma once
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "storage/motion_store.h"
+
+namespace motiondb::tests {
+
+// Outlives the store that it steers. Thread-safe.
+class Gate {
+ public:
+  // Builds stop where they read the states of clips, until Open.
+  void Close();
+  void Open();
+  // Waits until a build has come to the closed gate.
+  void AwaitArrival();
+
+  // On the store's side.
+  void Pass();
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  bool closed_ = false;
+  int waiting_ = 0;
+};
+
+class GatedStore : public storage::MotionStore {
+ public:
+  GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate)
+      : store_(std::move(store)), gate_(std::move(gate)) {}
+
+  // What ReadModel returns from now on, if not OK.
+  void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
+
+  absl::Status CreateDatabase(const storage::DatabaseRecord& record) override {
+    return store_->CreateDatabase(record);
+  }
+  absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override {
+    return store_->GetDatabase(database);
+  }
+  absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
+      const storage::Page& page) override {
+    return store_->ListDatabases(page);
+  }
+  absl::Status DeleteDatabase(const std::string& database) override {
+    return store_->DeleteDatabase(database);
+  }
+  absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
+    return store_->AddClip(clip);
+  }
+  absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,
+                                              const std::string& clip) override {
+    return store_->GetClip(database, clip);
+  }
+  absl::StatusOr<std::vector<storage::ClipRecord>> ListClips(const std::string& database,
+                                                             const storage::Page& page) override {
+    return store_->ListClips(database, page);
+  }
+  absl::Status DeleteClip(const std::string& database, const std::string& clip) override {
+    return store_->DeleteClip(database, clip);
+  }
+  absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
+                                                     const std::string& clip) override {
+    return store_->ReadClipSource(database, clip);
+  }
+  absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
+                                                     const std::string& clip) override {
+    gate_->Pass();
+    return store_->ReadClipStates(database, clip);
+  }
+  absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
+                                             const std::string& skeleton) override {
+    return store_->GetSkeleton(database, skeleton);
+  }
+  absl::StatusOr<std::vector<storage::SkeletonRecord>> ListSkeletons(
+      const std::string& database, const storage::Page& page) override {
+    return store_->ListSkeletons(database, page);
+  }
+  absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
+                                                const core::Model& model) override {
+    return store_->PutModel(database, model);
+  }
+  absl::StatusOr<core::Model> ReadModel(const std::string& database) override {
+    if (!model_fault_.ok()) return model_fault_;
+    return store_->ReadModel(database);
+  }
+  absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override {
+    return store_->GetModel(database, version);
+  }
+  absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
+                                                               int before, int limit) override {
+    return store_->ListModels(database, before, limit);
+  }
+  absl::Status DropModel(const std::string& database) override {
+    return store_->DropModel(database);
+  }
+  absl::Status PutOperation(const storage::OperationRecord& record) override {
+    return store_->PutOperation(record);
+  }
+  absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override {
+    return store_->GetOperation(operation);
+  }
+  absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
+                                                                       const std::string& before,
+                                                                       int limit) override {
+    return store_->ListOperations(database, before, limit);
+  }
+
+ private:
+  const std::unique_ptr<storage::MotionStore> store_;
+  const std::shared_ptr<Gate> gate_;
+  absl::Status model_fault_;
+};
+
+inline void Gate::Close() {
+  const std::lock_guard lock(mutex_);
+  closed_ = true;
+}
+
+inline void Gate::Open() {
+  const std::lock_guard lock(mutex_);
+  closed_ = false;
+  changed_.notify_all();
+}
+
+inline void Gate::AwaitArrival() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return waiting_ > 0; });
+}
+
+inline void Gate::Pass() {
+  std::unique_lock lock(mutex_);
+  if (!closed_) return;
+  ++waiting_;
+  changed_.notify_all();
+  changed_.wait(lock, [this] { return !closed_; });
+  --waiting_;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,21 @@
+// A call by a client that knows nothing of the service but its wire: method name and bytes.
+#pragma once
+
+#include <grpcpp/channel.h>
+#include <grpcpp/support/status.h>
+
+#include <memory>
+#include <string>
+
+namespace motiondb::tests {
+
+struct RawAnswer {
+  grpc::Status status;
+  std::string bytes;  // of the first response message
+};
+
+// Sends one request message and reads one response message: a unary call, or one turn of a stream.
+RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
+                  const std::string& request);
+
+}  // namespace motiondb::tests

@@ -1,0 +1,48 @@
+// An engine over a real store in a temporary file, without a transport.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "server/engine/engine.h"
+#include "tests/support/gated_store.h"
+#include "tests/support/stick_figure.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+
+class TestEngine {
+ public:
+  explicit TestEngine(const server::EngineOptions& options = QuickOptions());
+  ~TestEngine();
+
+  // A rebuild 50 ms after the last ingest.
+  static server::EngineOptions QuickOptions();
+
+  // As when a server is stopped, and when one starts on the same file. `model_fault` is what
+  // reading models then gives.
+  void Stop();
+  void Start(const absl::Status& model_fault = absl::OkStatus());
+
+  server::Engine* operator->() { return engine_.get(); }
+  server::Engine& operator*() { return *engine_; }
+  Gate& gate() { return *gate_; }
+
+  // A `source` database with small nodes.
+  std::shared_ptr<server::LiveDatabase> Create(const std::string& id);
+  // Ingests a figure as NAME.bvh, labelled NAME.
+  absl::StatusOr<server::Ingested> Ingest(const std::string& database, const std::string& name,
+                                          const StickFigure& figure);
+  // Waits, a minute at most, until the operation is done or the engine drains.
+  storage::OperationRecord Wait(const std::string& operation);
+  // Version of the current model; 0 while there is none.
+  int ModelVersion(const std::string& database);
+
+ private:
+  const server::EngineOptions options_;
+  TemporaryDirectory directory_;
+  const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
+  std::unique_ptr<server::Engine> engine_;
+};
+
+}  // namespace motiondb::tests

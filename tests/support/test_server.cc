@@ -1,0 +1,162 @@
+#include "tests/support/test_server.h"
+
+#include <grpcpp/create_channel.h>
+#include <spdlog/spdlog.h>
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/error.pb.h"
+#include "motiondb/v1/operation.grpc.pb.h"
+#include "motiondb/v1/query.pb.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+
+namespace motiondb::tests {
+namespace {
+
+server::ServerOptions QuickOptions() {
+  server::ServerOptions options;
+  options.engine.rebuild_delay = std::chrono::milliseconds(50);
+  options.engine.query_threads = 4;
+  return options;
+}
+
+}  // namespace
+
+TestServer::TestServer() : TestServer(QuickOptions()) {}
+
+TestServer::TestServer(const server::ServerOptions& options) : options_(options) {
+  options_.listen = "127.0.0.1:0";
+  spdlog::set_level(spdlog::level::off);
+  Start();
+}
+
+TestServer::~TestServer() {
+  if (server_ != nullptr) Stop();
+}
+
+void TestServer::Restart() {
+  Stop();
+  Start();
+}
+
+void TestServer::Stop() {
+  gate_->Open();
+  server_.reset();
+}
+
+void TestServer::Start() {
+  auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
+  INFO(store.status().ToString());
+  REQUIRE(store.ok());
+  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_);
+  auto server = server::Server::Start(std::move(gated), options_);
+  INFO(server.status().ToString());
+  REQUIRE(server.ok());
+  server_ = *std::move(server);
+  // Not gRPC's shared channel, which would remember a server that has gone.
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  channel_ =
+      grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments);
+}
+
+void TestServer::CreateDatabase(const std::string& id) {
+  v1::CreateDatabaseRequest request;
+  request.set_database_id(id);
+  request.mutable_database()->set_marker_set("source");
+  request.mutable_database()->set_min_frames(4);
+  const auto stub = NewStub<v1::DatabaseService>();
+  const auto answer = Ask(*stub, &v1::DatabaseService::Stub::CreateDatabase, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+}
+
+grpc::Status TestServer::Ingest(const v1::IngestClipHeader& header, const std::string& bytes,
+                                v1::IngestClipResponse* response) {
+  constexpr std::size_t kBlock = 4096;
+  v1::IngestClipResponse unused;
+  grpc::ClientContext context;
+  const auto stub = NewStub<v1::ClipService>();
+  const auto writer = stub->IngestClip(&context, response == nullptr ? &unused : response);
+  v1::IngestClipRequest message;
+  *message.mutable_header() = header;
+  bool going = writer->Write(message);
+  for (std::size_t begin = 0; going && begin < bytes.size(); begin += kBlock) {
+    message.set_file_block(bytes.substr(begin, kBlock));
+    going = writer->Write(message);
+  }
+  writer->WritesDone();
+  return writer->Finish();
+}
+
+v1::IngestClipResponse TestServer::IngestFigure(const std::string& database,
+                                                const std::string& name, const std::string& label,
+                                                const StickFigure& figure) {
+  v1::IngestClipHeader header;
+  header.set_parent("databases/" + database);
+  header.set_file_name(name + ".bvh");
+  header.set_label(label);
+  v1::IngestClipResponse response;
+  const grpc::Status status = Ingest(header, WriteBvh(figure), &response);
+  INFO(status.error_message());
+  REQUIRE(status.ok());
+  return response;
+}
+
+v1::Operation TestServer::Wait(const std::string& operation) {
+  v1::WaitOperationRequest request;
+  request.set_name(operation);
+  request.mutable_timeout()->set_seconds(60);
+  const auto stub = NewStub<v1::OperationService>();
+  const auto answer = Ask(*stub, &v1::OperationService::Stub::WaitOperation, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  return answer.response.operation();
+}
+
+void TestServer::CreateTrained(const std::string& id) {
+  CreateDatabase(id);
+  IngestFigure(id, "walk", "walk", {.act = Act::kWalk, .frame_count = 120});
+  IngestFigure(id, "squat", "squat", {.act = Act::kSquat, .frame_count = 120});
+  const auto last = IngestFigure(id, "wave", "wave", {.act = Act::kWave, .frame_count = 120});
+  const v1::Operation operation = Wait(last.operation().name());
+  INFO(operation.ShortDebugString());
+  REQUIRE(operation.state() == v1::OPERATION_STATE_SUCCEEDED);
+}
+
+v1::DescribeDatabaseResponse TestServer::Describe(const std::string& id) {
+  v1::DescribeDatabaseRequest request;
+  request.set_name("databases/" + id);
+  const auto stub = NewStub<v1::DatabaseService>();
+  const auto answer = Ask(*stub, &v1::DatabaseService::Stub::DescribeDatabase, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  return answer.response;
+}
+
+v1::Observation ObservedWalk() {
+  v1::Observation observation;
+  observation.mutable_file()->set_file_name("seen.bvh");
+  observation.mutable_file()->set_data(
+      WriteBvh({.act = Act::kWalk, .frame_count = 48, .phase = 0.3}));
+  return observation;
+}
+
+std::string ViolatedFields(const grpc::Status& status) {
+  v1::Status details;
+  if (!details.ParseFromString(status.error_details())) return "(details do not parse)";
+  std::string fields;
+  for (const auto& detail : details.details()) {
+    v1::BadRequest bad_request;
+    if (!bad_request.ParseFromString(detail.value())) return "(detail does not parse)";
+    for (const auto& violation : bad_request.field_violations()) {
+      if (!fields.empty()) fields += ",";
+      fields += violation.field();
+    }
+  }
+  return fields;
+}
+
+}  // namespace motiondb::tests

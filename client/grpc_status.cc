@@ -24,9 +24,7 @@ bool IsBadRequest(const std::string& type_url) {
 void AppendViolations(const v1::BadRequest& bad_request, std::string& message) {
   const std::string said = message;
   for (const auto& violation : bad_request.field_violations()) {
-    const bool known = said.find(violation.field()) != std::string::npos &&
-                       said.find(violation.description()) != std::string::npos;
-    if (known) continue;
+    if (said.find(violation.description()) != std::string::npos) continue;
     fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ",
                    violation.field(), violation.description());
   }

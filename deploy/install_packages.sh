@@ -5,7 +5,7 @@ set -euo pipefail
 build=(
   g++ cmake ninja-build ccache pkg-config
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
-  libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
+  libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
 )
 test=(
   catch2 clang-format

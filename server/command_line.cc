@@ -1,5 +1,7 @@
 #include "server/command_line.h"
 
+#include <fmt/format.h>
+
 #include <CLI/CLI.hpp>
 #include <cmath>
 
@@ -63,8 +65,12 @@ bool ParseCommandLine(int argc, const char* const* argv, CommandLine& line, int&
       ->capture_default_str();
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // help or version
+    exit_code = app.exit(asked);
+    return false;
   } catch (const CLI::ParseError& error) {
-    exit_code = app.exit(error);
+    fmt::print(stderr, "motiondbd: {}\nTry `motiondbd --help`.\n", error.what());
+    exit_code = 2;
     return false;
   }
   line.grace = FromSeconds(grace_seconds);

@@ -4,6 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
+#include <thread>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -69,8 +70,11 @@ absl::Status Server::Listen(const ServerOptions& options) {
 void Server::Drain(std::chrono::milliseconds grace) {
   if (grpc_ == nullptr) return;
   grpc_->GetHealthCheckService()->Shutdown();
-  engine_->Drain();
+  // Beside each other: calls that wait for an operation end with the engine's drain, and a build
+  // that takes a while to stop must not keep the door open.
+  std::thread draining([this] { engine_->Drain(); });
   grpc_->Shutdown(std::chrono::system_clock::now() + grace);
+  draining.join();
 }
 
 }  // namespace motiondb::server

@@ -38,7 +38,9 @@ class MotionStore {
 
   // Clips, in order of id. AddClip returns the record as stored: where the wanted id is taken by
   // another file, "-2", "-3", ... is added, unless id_is_fixed. ALREADY_EXISTS, naming the clip, if
-  // the same content is stored already or a fixed id is taken.
+  // the same content is stored already or a fixed id is taken. INVALID_ARGUMENT if the record does
+  // not tell the frames of the states. FAILED_PRECONDITION if the clip brings a marker set and the
+  // database has another.
   virtual absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) = 0;
   virtual absl::StatusOr<ClipRecord> GetClip(const std::string& database,
                                              const std::string& clip) = 0;
@@ -62,7 +64,8 @@ class MotionStore {
 
   // Models. PutModel stores a model as the current one, under the version after the last, removes
   // what only its predecessor needed, and returns its record. The model's states are not written
-  // again: they are those of its clips.
+  // again: they are those of its clips. NOT_FOUND also if one of its clips was deleted, or replaced
+  // by another of the same id, since it was built.
   virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
                                                const core::Model& model) = 0;
   // The current model, whole. NOT_FOUND if there is none.
@@ -71,14 +74,15 @@ class MotionStore {
   // Newest first. `before` = 0 starts with the newest.
   virtual absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database,
                                                               int before, int limit) = 0;
-  // Leaves the database without a current model (its last clip was deleted).
+  // Leaves the database without a current model (its last clip was deleted). OK if there is none.
   virtual absl::Status DropModel(const std::string& database) = 0;
 
-  // Operations. PutOperation creates or replaces.
+  // Operations. PutOperation creates or replaces one of a database that there is. Operations are
+  // deleted with their database.
   virtual absl::Status PutOperation(const OperationRecord& record) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
-  // Newest first; of one database, or of all where `database` is empty. `before` is the id of the
-  // last one of the page before, or empty.
+  // Newest first, by when they were created; of one database, or of all where `database` is empty.
+  // `before` is the id of the last one of the page before, or empty.
   virtual absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                                       const std::string& before,
                                                                       int limit) = 0;

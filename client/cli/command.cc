@@ -6,6 +6,27 @@
 #include <cmath>
 
 namespace motiondb::client {
+namespace {
+
+CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
+  return CLI::Validator(
+      [expected, fits](const std::string& text) {
+        double number = 0;
+        const bool ok = CLI::detail::lexical_cast(text, number) && std::isfinite(number);
+        return ok && fits(number) ? "" : fmt::format("expected {}, got {}", expected, text);
+      },
+      "");
+}
+
+}  // namespace
+
+CLI::Validator PositiveNumber() {
+  return NumberThat("a number above 0", [](double number) { return number > 0; });
+}
+
+CLI::Validator NonNegativeNumber() {
+  return NumberThat("0 or a number above it", [](double number) { return number >= 0; });
+}
 
 absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   ClientOptions options;

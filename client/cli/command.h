@@ -43,6 +43,10 @@ void AddCommand(CommandLine line, const std::string& name, const std::string& de
 // Connects to the server that the command line names.
 absl::StatusOr<Client> Connect(const GlobalOptions& global);
 
+// Checks of an option's number, which say what was expected.
+CLI::Validator PositiveNumber();
+CLI::Validator NonNegativeNumber();
+
 void AddCreateCommand(CommandLine line);
 void AddDeleteCommand(CommandLine line);
 void AddDescribeCommand(CommandLine line);

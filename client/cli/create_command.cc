@@ -25,11 +25,11 @@ void Declare(CLI::App& command, CreateOptions& options) {
   command.add_option("DB", options.database, "Name of the new database")->required();
   command.add_option("--frame-rate", options.frame_rate_hz, "Frame rate of all stored states")
       ->type_name("HZ")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   command.add_option("--min-frames", options.min_frames, "The fewest frames that a node may have")
       ->type_name("N")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   command
       .add_option("--scaling", options.scaling,

@@ -29,7 +29,7 @@ void Declare(CLI::App& command, EstimateOptions& options) {
   AddSourceOptions(command, options.source);
   command.add_option("--layer", options.layer, "Layer to stop at, from 1; else the bottom layer")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command.add_option("--paths", options.paths, "How many node paths, best first")
       ->type_name("K")
       ->check(CLI::Range(1, 100))
@@ -44,7 +44,7 @@ void Declare(CLI::App& command, EstimateOptions& options) {
       .add_option("--max-candidates", options.max_candidates,
                   "Candidates kept for each frame and layer; else 16; 0 keeps all (exact)")
       ->type_name("N")
-      ->check(CLI::NonNegativeNumber);
+      ->check(NonNegativeNumber());
 }
 
 absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {

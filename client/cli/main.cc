@@ -37,7 +37,7 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
                "Print the server's answer as JSON with the proto's field names; one object a line");
   app.add_option("--timeout", global.timeout_seconds, "How long one call may take")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
 }

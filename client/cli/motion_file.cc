@@ -8,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "client/cli/command.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -38,7 +40,7 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
       .add_option("--metres-per-unit", options.metres_per_unit,
                   "Metres in one unit of length of the file; else as stated or deduced")
       ->type_name("M")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command
       .add_option("--up-axis", options.up_axis, "Axis that points up; else as stated or deduced")
       ->type_name("x|y|z")
@@ -47,12 +49,12 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
       .add_option("--frame-rate", options.frame_rate_hz,
                   "Frame rate of files that state none (AMC: 120)")
       ->type_name("HZ")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command
       .add_option("--leg-length", options.leg_length_m,
                   "The subject's leg length; else measured or estimated")
       ->type_name("M")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
 }
 
 v1::SourceConventions Conventions(const SourceOptions& options) {

@@ -32,27 +32,27 @@ void Declare(CLI::App& command, PredictOptions& options) {
   AddSourceOptions(command, options.source);
   CLI::Option* at = command.add_option("--at", options.at_seconds,
                                        "The moment to predict from; else the end of the motion");
-  at->type_name("SECONDS")->check(CLI::NonNegativeNumber);
+  at->type_name("SECONDS")->check(NonNegativeNumber());
   command
       .add_option("--every", options.every_seconds,
                   "Predict again and again, so far apart, from the first moment with a history")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->excludes(at);
   command.add_option("--history", options.history_seconds, "How much before the moment is used")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   command
       .add_option("--horizon", options.horizon_seconds, "How far ahead to give marker positions")
       ->type_name("SECONDS,...")
       ->delimiter(',')
       ->allow_extra_args(false)
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command
       .add_option(
           "--floor", options.floor,

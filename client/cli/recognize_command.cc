@@ -42,14 +42,14 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       ->capture_default_str();
   command.add_option("--hop", options.hop_seconds, "How far the window moves each time")
       ->type_name("SECONDS")
-      ->check(CLI::PositiveNumber)
+      ->check(PositiveNumber())
       ->capture_default_str();
   command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
       ->type_name("N")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command.add_option("--top", options.top, "At most this many clips a window; else all")
       ->type_name("K")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
   command
       .add_option(
           "--floor", options.floor,
@@ -60,7 +60,7 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       .add_option("--paths", options.paths,
                   "Sum the K best paths, as in the paper; else all paths, exactly")
       ->type_name("K")
-      ->check(CLI::PositiveNumber);
+      ->check(PositiveNumber());
 }
 
 v1::RecognizeRequest Request(const RecognizeOptions& options, v1::Observation observation) {

@@ -6,21 +6,12 @@
 #include <limits>
 #include <vector>
 
+#include "core/motion/marker_set.h"
+
 namespace motiondb::core {
 namespace {
 
 constexpr int kSampledFrames = 31;
-
-// Lower-case letters and digits of a name, without a "subject:" in front.
-std::string Plain(std::string_view name) {
-  if (const auto colon = name.rfind(':'); colon != name.npos) name.remove_prefix(colon + 1);
-  std::string plain;
-  for (const char c : name) {
-    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
-    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
-  }
-  return plain;
-}
 
 bool ContainsAny(std::string_view name, std::span<const std::string_view> parts) {
   return std::any_of(parts.begin(), parts.end(),
@@ -29,14 +20,14 @@ bool ContainsAny(std::string_view name, std::span<const std::string_view> parts)
 
 bool IsHead(std::string_view name) {
   constexpr std::array<std::string_view, 3> kParts = {"head", "fhd", "bhd"};
-  return ContainsAny(Plain(name), kParts);
+  return ContainsAny(PlainName(name), kParts);
 }
 
 bool IsFoot(std::string_view name) {
   constexpr std::array<std::string_view, 4> kParts = {"foot", "toe", "ankle", "heel"};
   constexpr std::array<std::string_view, 6> kMarkers = {"lank", "rank", "lhee",
                                                         "rhee", "lmt5", "rmt5"};
-  const std::string plain = Plain(name);
+  const std::string plain = PlainName(name);
   return ContainsAny(plain, kParts) ||
          std::find(kMarkers.begin(), kMarkers.end(), plain) != kMarkers.end();
 }

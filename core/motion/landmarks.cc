@@ -1,7 +1,6 @@
 // Which names mean hip, knee and ankle: the customs of ASF, BVH exporters, game rigs and optical
 // marker sets.
 #include <algorithm>
-#include <cctype>
 #include <string_view>
 
 #include "core/motion/marker_set.h"
@@ -19,20 +18,6 @@ constexpr std::string_view kKnee[] = {"Sleg",  "Slowerleg", "Slowleg",     "stib
                                       "skjc",  "calfs",     "ccbasescalf", "skne"};
 constexpr std::string_view kAnkle[] = {"Sfoot", "sfoot", "Sankle", "sankle",
                                        "sajc",  "foots", "sank",   "ccbasesfoot"};
-
-// Lower case, letters and digits only, and what precedes the last ':' dropped (a subject's name).
-std::string Normalize(std::string_view name) {
-  if (const auto colon = name.rfind(':'); colon != std::string_view::npos) {
-    name.remove_prefix(colon + 1);
-  }
-  std::string normal;
-  for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c))) {
-      normal += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
-  }
-  return normal;
-}
 
 // A custom for one side. The side's short letter stands at the start, at the end, or after a
 // prefix, where the custom has "s" in a place that cannot be part of a word.
@@ -52,27 +37,37 @@ std::string ForSide(std::string_view custom, bool left) {
 }
 
 template <std::size_t kCount>
-int Find(const std::vector<std::string>& normal, const std::string_view (&customs)[kCount],
+int Find(const std::vector<std::string>& plain, const std::string_view (&customs)[kCount],
          bool left) {
   for (std::string_view custom : customs) {
-    const auto at = std::find(normal.begin(), normal.end(), ForSide(custom, left));
-    if (at != normal.end()) return static_cast<int>(at - normal.begin());
+    const auto at = std::find(plain.begin(), plain.end(), ForSide(custom, left));
+    if (at != plain.end()) return static_cast<int>(at - plain.begin());
   }
   return -1;
 }
 
 }  // namespace
 
+std::string PlainName(std::string_view name) {
+  if (const auto colon = name.rfind(':'); colon != name.npos) name.remove_prefix(colon + 1);
+  std::string plain;
+  for (const char c : name) {
+    if (c >= 'A' && c <= 'Z') plain += static_cast<char>(c - 'A' + 'a');
+    if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9')) plain += c;
+  }
+  return plain;
+}
+
 Landmarks RecognizeLandmarks(const std::vector<std::string>& names) {
-  std::vector<std::string> normal;
-  for (const std::string& name : names) normal.push_back(Normalize(name));
+  std::vector<std::string> plain;
+  for (const std::string& name : names) plain.push_back(PlainName(name));
   Landmarks landmarks;
-  landmarks.left_hip = Find(normal, kHip, true);
-  landmarks.right_hip = Find(normal, kHip, false);
+  landmarks.left_hip = Find(plain, kHip, true);
+  landmarks.right_hip = Find(plain, kHip, false);
   for (const bool left : {true, false}) {
     const int hip = left ? landmarks.left_hip : landmarks.right_hip;
-    const int knee = Find(normal, kKnee, left);
-    const int ankle = Find(normal, kAnkle, left);
+    const int knee = Find(plain, kKnee, left);
+    const int ankle = Find(plain, kAnkle, left);
     if (hip >= 0 && knee >= 0 && ankle >= 0) landmarks.legs.push_back({hip, knee, ankle});
   }
   return landmarks;

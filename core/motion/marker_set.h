@@ -6,6 +6,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -62,6 +63,10 @@ struct MarkerScheme {
 // The scheme whose markers are the motion's own joints (end sites left out) or markers, for the
 // setting `source`. INVALID_ARGUMENT if left and right hip are not among the names it recognises.
 absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion);
+
+// A joint's or marker's name as customs compare it: lower-case letters and digits, without a
+// "subject:" in front.
+std::string PlainName(std::string_view name);
 
 // Landmarks that marker or joint names themselves tell ("LeftUpLeg", "lfemur", "LASI", ...).
 Landmarks RecognizeLandmarks(const std::vector<std::string>& names);

@@ -38,7 +38,7 @@ struct Joint {
   Eigen::Vector3d offset_m = Eigen::Vector3d::Zero();
   Eigen::Matrix3d pre_rotation = Eigen::Matrix3d::Identity();
   Eigen::Matrix3d post_rotation = Eigen::Matrix3d::Identity();
-  std::vector<Dof> dofs;  // translations before rotations
+  std::vector<Dof> dofs = {};  // translations before rotations
 };
 
 class Skeleton {

@@ -1,5 +1,5 @@
-// Builds the binary tree from scaled states (section III-B). Safe to call from any thread; uses only
-// the threads lent to it.
+// Builds the binary tree from scaled states (section III-B). Safe to call from any thread; uses
+// only the threads lent to it.
 #pragma once
 
 #include <functional>
@@ -14,10 +14,10 @@ namespace motiondb::core {
 // Called after each layer with its number. Returns false to stop the build.
 using LayerDone = std::function<bool(int layer)>;
 
-// Splits every node along its principal axis at the minimum-error threshold until no node of a layer
-// splits. A node is a leaf if the unconstrained threshold leaves either side with fewer than
-// `min_frames`. `states` is frames x dimensions, finite. The same states give the same tree, bit for
-// bit, on any number of threads. INVALID_ARGUMENT for no frames or min_frames < 2; CANCELLED.
+// Splits every node along its principal axis at the minimum-error threshold until no node of a
+// layer splits. A node is a leaf if the unconstrained threshold leaves either side with fewer than
+// `min_frames`. `states` is frames x dimensions, finite. The same states give the same tree, bit
+// for bit, on any number of threads. INVALID_ARGUMENT for no frames or min_frames < 2; CANCELLED.
 // O(frames * dimensions^2) a layer.
 absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done = {});

@@ -16,6 +16,7 @@ namespace {
 
 // Beyond these a setting is a mistake: motion capture ends at about 1 kHz.
 constexpr double kHighestFrameRateHz = 10'000;
+constexpr int kLowestMinFrames = 2;  // one frame has no variance
 constexpr int kHighestMinFrames = 1'000'000;
 
 absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
@@ -41,12 +42,13 @@ absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
     return FieldViolation("database.frame_rate_hz", "expected more than 0 and at most {}, got {}",
                           kHighestFrameRateHz, rate);
   }
-  if (database.min_frames() < 0 || database.min_frames() > kHighestMinFrames) {
-    return FieldViolation("database.min_frames", "expected 1 to {}, got {}", kHighestMinFrames,
-                          database.min_frames());
+  const int min_frames = database.min_frames();
+  if (min_frames != 0 && (min_frames < kLowestMinFrames || min_frames > kHighestMinFrames)) {
+    return FieldViolation("database.min_frames", "expected {} to {}, got {}", kLowestMinFrames,
+                          kHighestMinFrames, min_frames);
   }
   if (rate > 0) settings.frame_rate_hz = rate;
-  if (database.min_frames() > 0) settings.min_frames = database.min_frames();
+  if (min_frames != 0) settings.min_frames = min_frames;
   MOTIONDB_ASSIGN_OR_RETURN(settings.scaling, ScalingFrom(database.scaling()));
   return settings;
 }

@@ -82,7 +82,10 @@ absl::Status CheckIsStore(const std::string& path, const std::string& vfs) {
   std::error_code error;
   const fs::file_status file = fs::status(path, error);
   if (file.type() == fs::file_type::not_found) return absl::OkStatus();
-  if (file.type() != fs::file_type::regular) return NotAStore(path, "not a file either");
+  if (error) {
+    return absl::UnavailableError(fmt::format("cannot open '{}': {}", path, error.message()));
+  }
+  if (file.type() != fs::file_type::regular) return NotAStore(path, "something other than a file");
   if (fs::file_size(path, error) == 0) return absl::OkStatus();
 
   // `immutable`: SQLite reads the header and touches nothing, not even a log that lies beside it.
@@ -90,7 +93,10 @@ absl::Status CheckIsStore(const std::string& path, const std::string& vfs) {
       Connection::Open(UriOf(path, "immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, vfs);
   if (!peek.ok()) return peek.status();
   const auto id = (*peek)->QueryInteger("PRAGMA application_id");
-  if (absl::IsDataLoss(id.status())) return NotAStore(path, "a file of another kind");
+  const auto pages = (*peek)->QueryInteger("PRAGMA page_count");
+  // SQLite takes a file of a few bytes for one without pages, which it would write over.
+  if (absl::IsDataLoss(id.status()) || (pages.ok() && *pages == 0))
+    return NotAStore(path, "a file of another kind");
   if (!id.ok()) return id.status();
   if (*id != kApplicationId) return NotAStore(path, "another SQLite file");
   return absl::OkStatus();

@@ -7,19 +7,24 @@
 namespace motiondb::storage {
 
 absl::StatusOr<Transaction> Transaction::Begin(Connection& connection, Kind kind) {
+  // From here on whatever was begun is undone, even where the statement fails after it began.
+  Transaction transaction(connection);
+  transaction.RollBack();
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query(kind == Kind::kWrite ? "BEGIN IMMEDIATE" : "BEGIN").Run());
-  return Transaction(connection);
+  return transaction;
 }
 
 Transaction::Transaction(Transaction&& other) noexcept
     : connection_(std::exchange(other.connection_, nullptr)) {}
 
 Transaction::~Transaction() {
-  // SQLite has undone it already after some errors. Where this fails, the next Begin does too.
-  if (connection_ != nullptr && connection_->in_transaction()) {
-    connection_->Query("ROLLBACK").Run().IgnoreError();
-  }
+  if (connection_ != nullptr) RollBack();
+}
+
+void Transaction::RollBack() {
+  // SQLite has undone it already after some errors. Where this fails, the next Begin tries again.
+  if (connection_->in_transaction()) connection_->Query("ROLLBACK").Run().IgnoreError();
 }
 
 absl::Status Transaction::Commit() { return connection_->Query("COMMIT").Run(); }

@@ -24,6 +24,7 @@ class Transaction {
 
  private:
   explicit Transaction(Connection& connection) : connection_(&connection) {}
+  void RollBack();
 
   Connection* connection_;  // null once moved from
 };

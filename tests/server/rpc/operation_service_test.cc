@@ -1,8 +1,11 @@
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
+#include <vector>
 
 #include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/database.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"
 

@@ -1,0 +1,37 @@
+// A marker mapping bound to one skeleton or marker list: its names as indices.
+// Plain values; the functions keep no state and are safe to call from any thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/motion/marker_set.h"
+#include "core/motion/skeleton.h"
+
+namespace motiondb::core {
+
+// A MarkerRule with indices for names.
+struct BoundRule {
+  std::vector<std::pair<int, double>> points;  // joint or source marker, and its weight
+  int offset_joint = -1;                       // -1 where there is no offset
+  Eigen::Vector3d offset;                      // in that joint's frame, in leg lengths
+};
+
+struct BoundMapping {
+  std::string name;
+  std::vector<BoundRule> rules;  // one for each marker of the set
+  bool has_offsets = false;
+};
+
+// The scheme's mapping with the most signature names of those that fit `names`, bound to them.
+// INVALID_ARGUMENT if none fits, naming what the closest one lacks, or if a rule needs another
+// name.
+absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
+                                         const std::vector<std::string>& names);
+
+std::vector<std::string> JointNames(const Skeleton& skeleton);
+
+}  // namespace motiondb::core

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""The real programs on real motion: server process, socket, SQLite file, command line, NumPy.
+
+    real_motion_test.py MOTIONDBD MOTIONDB DATA_FOLDER
+
+Without the data folder only the motion of Debian's assimp-testmodels is used.
+"""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+
+import numpy
+
+MOTIONDBD, MOTIONDB, DATA = sys.argv[1:4]
+MODELS = "/usr/share/assimp/models/BVH"
+
+
+class Server:
+    """motiondbd on a store file of its own."""
+
+    def __init__(self, store):
+        self.process = subprocess.Popen(
+            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error"],
+            stdout=subprocess.PIPE, text=True)
+        self.address = self.process.stdout.readline().strip().rsplit(" ", 1)[-1]
+
+    def stop(self, with_signal=signal.SIGTERM):
+        self.process.send_signal(with_signal)
+        code = self.process.wait(timeout=60)
+        self.process.stdout.close()
+        return code
+
+    def run(self, *arguments):
+        return subprocess.run([MOTIONDB, "--server", self.address, *arguments],
+                              capture_output=True, text=True)
+
+    def ask(self, *arguments):
+        """The command's JSON objects, one a line."""
+        result = self.run("--json", *arguments)
+        assert result.returncode == 0, f"motiondb {' '.join(arguments)}: {result.stderr}"
+        return [json.loads(line) for line in result.stdout.splitlines() if line.strip()]
+
+    def ask_one(self, *arguments):
+        answers = self.ask(*arguments)
+        assert len(answers) == 1, answers
+        return answers[0]
+
+
+class WithServer(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.store = os.path.join(self.folder.name, "motion.db")
+        self.server = Server(self.store)
+
+    def tearDown(self):
+        if self.server.process.poll() is None:
+            self.server.stop()
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+
+class AnyMachine(WithServer):
+    """With motion that every machine can install."""
+
+    def setUp(self):
+        super().setUp()
+        if not os.path.isdir(MODELS):
+            self.skipTest(f"assimp-testmodels is not installed: {MODELS} is missing")
+        self.server.ask_one("create", "demo")
+
+    def ingest(self, *names):
+        return self.server.ask("ingest", "demo", *[f"{MODELS}/{name}.bvh" for name in names])
+
+    def test_the_whole_path(self):
+        self.ingest("01_01", "01_03", "Boxing_Toes")
+        figures = self.server.ask_one("describe", "demo")
+        self.assertEqual(figures["clip_count"], 3)
+        self.assertEqual(figures["nodes_per_layer"][0], 1)
+        self.assertEqual(sum(figures["nodes_per_layer"]), figures["node_count"])
+        self.assertEqual(figures["nodes_per_layer"][-1], figures["bottom_node_count"])
+        self.assertEqual(len(figures["nodes_per_layer"]), figures["layer_count"])
+        self.assertEqual(figures["model_version"], 1, "a burst of ingests costs one rebuild")
+        self.assertGreater(figures["build_seconds"], 0)
+
+        windows = self.server.ask_one("recognize", "demo", f"{MODELS}/01_01.bvh")["windows"]
+        self.assertGreater(len(windows), 100)
+        own = sum(w["clips"][0]["clip"].endswith("/01_01") for w in windows)
+        self.assertGreater(own, 0.9 * len(windows))
+        for window in windows:
+            self.assertAlmostEqual(window["end_seconds"] - window["start_seconds"], 0.4, places=6)
+            self.assertAlmostEqual(sum(l["probability"] for l in window["labels"]), 1, places=6)
+
+        estimate = self.server.ask_one("estimate", "demo", f"{MODELS}/01_01.bvh", "--paths", "3")
+        logs = [path["log_probability"] for path in estimate["paths"]]
+        self.assertEqual(len(logs), 3)
+        self.assertEqual(logs, sorted(logs, reverse=True))
+        self.assertEqual(estimate["paths"][0]["node_ids"][-1], estimate["state"]["node_id"])
+
+        prediction = self.server.ask_one("predict", "demo", f"{MODELS}/01_01.bvh", "--at", "2",
+                                         "--horizon", "0.1,0.5")
+        self.assertEqual([h["seconds"] for h in prediction["horizons"]], [0.1, 0.5])
+        self.assertEqual(len(prediction["horizons"][0]["marker_positions"]), 3 * 34)
+        self.assertNotIn(prediction["state"]["node_id"],
+                         [n["node_id"] for n in prediction["next_nodes"]])
+        series = self.server.ask("predict", "demo", f"{MODELS}/01_01.bvh", "--every", "1")
+        self.assertGreater(len(series), 15)
+        times = [p["at_seconds"] for p in series]
+        self.assertEqual(times, sorted(times))
+
+    def test_a_restart_reads_the_stored_model(self):
+        self.ingest("01_01", "Boxing_Toes")
+        before = self.server.ask_one("recognize", "demo", f"{MODELS}/01_03.bvh")
+        self.assertEqual(self.server.stop(), 0, "SIGTERM drains and exits with 0")
+        self.server = Server(self.store)
+        self.assertEqual(self.server.ask_one("describe", "demo")["model_version"], 1)
+        self.assertEqual(self.server.ask_one("recognize", "demo", f"{MODELS}/01_03.bvh"), before)
+
+    def test_acknowledged_survives_sigkill(self):
+        self.ingest("01_01")
+        self.server.stop(signal.SIGKILL)
+        self.server = Server(self.store)
+        clips = self.server.ask("list", "demo")
+        self.assertEqual([clip["name"] for clip in clips], ["databases/demo/clips/01_01"])
+
+    def test_export_gives_the_file_back(self):
+        self.ingest("01_01")
+        self.server.ask("export", "demo", "01_01", "--out", self.folder.name)
+        with open(f"{MODELS}/01_01.bvh", "rb") as original, open(self.path("01_01.bvh"), "rb") as back:
+            self.assertEqual(original.read(), back.read())
+
+    def test_a_bad_file_is_named_and_the_others_go_in(self):
+        with open(f"{MODELS}/01_03.bvh", "rb") as file:
+            whole = file.read()
+        with open(self.path("cut.bvh"), "wb") as file:
+            file.write(whole[:len(whole) // 2])
+        result = self.server.run("ingest", "demo", self.path("cut.bvh"), f"{MODELS}/01_01.bvh")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("cut.bvh", result.stderr)
+        self.assertEqual(len(self.server.ask("list", "demo")), 1)
+
+    def test_deleting_rebuilds(self):
+        self.ingest("01_01", "Boxing_Toes")
+        self.server.ask("delete", "demo", "01_01")
+        figures = self.server.ask_one("describe", "demo")
+        self.assertEqual((figures["clip_count"], figures["model_version"]), (1, 2))
+        self.server.ask("delete", "demo", "Boxing_Toes")
+        result = self.server.run("estimate", "demo", f"{MODELS}/01_01.bvh")
+        self.assertNotEqual(result.returncode, 0)
+        self.assertIn("ingest", result.stderr)
+
+    def test_source_markers(self):
+        self.server.ask_one("create", "own", "--marker-set", "source")
+        self.server.ask("ingest", "own", f"{MODELS}/01_01.bvh")
+        figures = self.server.ask_one("describe", "own")
+        self.assertEqual(figures["dimension_count"], 6 * 31)
+        result = self.server.run("ingest", "own", f"{MODELS}/Boxing_Toes.bvh")
+        self.assertNotEqual(result.returncode, 0, "another skeleton lacks the first one's joints")
+
+    def test_dump_opens_in_numpy(self):
+        self.ingest("01_01", "Boxing_Toes")
+        self.server.ask("dump", "demo", self.path("dump"))
+        load = lambda name: numpy.load(self.path("dump/" + name))
+        figures = self.server.ask_one("describe", "demo")
+        states = load("states.npy")
+        self.assertEqual(states.dtype, numpy.float32)
+        self.assertEqual(states.shape, (figures["frame_count"], 204))
+        clip_of_frame = load("clip_of_frame.npy")
+        above = numpy.zeros(len(states), int)
+        for layer in range(1, figures["layer_count"] + 1):
+            folder = f"layers/{layer:02d}/"
+            node_of_frame = load(folder + "node_of_frame.npy")
+            mean = load(folder + "mean.npy")
+            count = figures["nodes_per_layer"][layer - 1]
+            self.assertEqual(mean.shape, (count, 204))
+            self.assertEqual(load(folder + "variance.npy").shape, (count, 204))
+            self.assertEqual(sorted(set(node_of_frame)), list(range(count)))
+            if layer > 1:
+                numpy.testing.assert_array_equal(load(folder + "parent.npy")[node_of_frame], above)
+            above = node_of_frame
+            for node in range(count):
+                numpy.testing.assert_allclose(states[node_of_frame == node].mean(axis=0), mean[node],
+                                              atol=1e-3)
+            same_clip = clip_of_frame[1:] == clip_of_frame[:-1]
+            expected = {}
+            for pair in zip(node_of_frame[:-1][same_clip], node_of_frame[1:][same_clip]):
+                expected[pair] = expected.get(pair, 0) + 1
+            dumped = {(f, t): c for f, t, c in load(folder + "transitions.npy").tolist()}
+            self.assertEqual(dumped, {(int(f), int(t)): c for (f, t), c in expected.items()})
+        with open(self.path("dump/model.json"), encoding="utf-8") as file:
+            json.load(file)
+
+
+class PaperDatabases(WithServer):
+    """On the recorded motion beside the project."""
+
+    def setUp(self):
+        super().setUp()
+        if not os.path.exists(os.path.join(DATA, "index.tsv")):
+            self.skipTest(f"real motion is not at {DATA}")
+
+    def test_database_1_windows(self):
+        self.server.ask_one("create", "one")
+        self.server.ask("ingest", "one", "--list", f"{DATA}/sets/database1.train.tsv")
+        with open(f"{DATA}/sets/database1.test.tsv", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file, delimiter="\t"))
+        right = total = 0
+        for row in rows:
+            path = os.path.join(DATA, "sets", row["path"])
+            for window in self.server.ask_one("recognize", "one", path, "--top", "1")["windows"]:
+                right += window["labels"][0]["label"] == row["label"]
+                total += 1
+        print(f"database 1: {right} of {total} windows named right ({100 * right / total:.1f} %)")
+        self.assertGreaterEqual(right, 0.93 * total)
+
+    def test_database_2_table_1(self):
+        self.server.ask_one("create", "two", "--frame-rate", "120")
+        self.server.ask("ingest", "two", "--list", f"{DATA}/sets/database2.tsv")
+        figures = self.server.ask_one("describe", "two")
+        print("Table I, database 2       ours   paper")
+        for name, paper in (("frame_count", 11456), ("layer_count", 16), ("node_count", 1527),
+                            ("bottom_node_count", 205)):
+            print(f"  {name:20} {figures[name]:7} {paper:7}")
+        self.assertEqual(figures["frame_count"], 11969)
+        self.assertEqual(figures["clip_count"], 27)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,158 @@
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <random>
+#include <string>
+
+#include "storage/blob/fields.h"
+#include "storage/blob/model_codec.h"
+#include "storage/blob/skeleton_codec.h"
+#include "storage/blob/states_codec.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+
+namespace motiondb::tests {
+namespace {
+
+storage::SpanSource SourceOf(const std::string& bytes) {
+  return storage::SpanSource(std::as_bytes(std::span(bytes)));
+}
+
+// Each codec as bytes -> bytes: what is decoded, encoded again.
+absl::StatusOr<std::string> RecodeStates(const std::string& bytes) {
+  auto source = SourceOf(bytes);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states, storage::DecodeStates(source));
+  return Encoded(states);
+}
+absl::StatusOr<std::string> RecodeSkeleton(const std::string& bytes) {
+  auto source = SourceOf(bytes);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto skeleton, storage::DecodeSkeleton(source));
+  return Encoded(skeleton);
+}
+absl::StatusOr<std::string> RecodeModel(const std::string& bytes) {
+  auto source = SourceOf(bytes);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto parts, storage::DecodeModel(source));
+  return Encoded(parts);
+}
+
+using Recode = absl::StatusOr<std::string> (*)(const std::string&);
+
+void RequireDamageIsFound(Recode recode, const std::string& bytes, int flips) {
+  REQUIRE(Require(recode(bytes)) == bytes);
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    const auto cut = recode(bytes.substr(0, size));
+    if (cut.status().code() != absl::StatusCode::kDataLoss) FAIL("cut to " << size << " bytes");
+  }
+  REQUIRE(recode(bytes + '\0').status().code() == absl::StatusCode::kDataLoss);
+
+  // A changed byte makes an error, or an object that is itself encoded as these bytes.
+  std::mt19937 random(20);
+  int refused = 0;
+  for (int i = 0; i < flips; ++i) {
+    std::string changed = bytes;
+    const std::size_t place = random() % changed.size();
+    changed[place] = static_cast<char>(changed[place] ^ (1 + random() % 255));
+    const auto back = recode(changed);
+    if (back.ok() ? *back != changed : back.status().code() != absl::StatusCode::kDataLoss) {
+      FAIL("byte " << place << ": " << back.status());
+    }
+    refused += back.ok() ? 0 : 1;
+  }
+  REQUIRE(refused > 0);
+}
+
+// Overwrites four bytes with a huge count: refused before memory is taken.
+void RequireCountsAreBounded(Recode recode, const std::string& bytes) {
+  const std::uint32_t huge = 0x7fff'ffff;
+  for (std::size_t place = 0; place + sizeof(huge) <= std::min<std::size_t>(bytes.size(), 4000);
+       ++place) {
+    std::string changed = bytes;
+    std::memcpy(changed.data() + place, &huge, sizeof(huge));
+    const auto back = recode(changed);
+    if (!back.ok() && back.status().code() != absl::StatusCode::kDataLoss) FAIL(back.status());
+  }
+}
+
+}  // namespace
+
+TEST_CASE("StatesCodec: states come back bit for bit", "[storage][codec]") {
+  auto states = SampleStates(7, 1);
+  states.states(0, 0) = std::nanf("5");
+  states.states(1, 1) = -0.0f;
+  states.states(2, 2) = std::numeric_limits<float>::infinity();
+  const std::string bytes = Encoded(states);
+  REQUIRE(bytes.size() == 28 + 7 * (18 * 4 + 3 * 8));
+  auto source = SourceOf(bytes);
+  REQUIRE(Same(Require(storage::DecodeStates(source)), states));
+
+  core::StateSequence none;
+  none.states.resize(0, 18);
+  none.root_path.resize(0, 3);
+  REQUIRE(Require(RecodeStates(Encoded(none))) == Encoded(none));
+}
+
+TEST_CASE("StatesCodec: damage is found", "[storage][codec]") {
+  const std::string bytes = Encoded(SampleStates(3, 1));
+  RequireDamageIsFound(RecodeStates, bytes, 500);
+  RequireCountsAreBounded(RecodeStates, bytes);
+}
+
+TEST_CASE("SkeletonCodec: a skeleton comes back bit for bit", "[storage][codec]") {
+  const core::Skeleton skeleton = SampleSkeleton("human");
+  const std::string bytes = Encoded(skeleton);
+  auto source = SourceOf(bytes);
+  const core::Skeleton back = Require(storage::DecodeSkeleton(source));
+  REQUIRE(Encoded(back) == bytes);
+  REQUIRE(back.name() == "human");
+  REQUIRE(back.dof_count() == 3);
+  REQUIRE(back.joints()[0].dofs[0].kind == core::Dof::Kind::kTranslation);
+  REQUIRE(back.joints()[0].dofs[1].upper == 2);
+  REQUIRE(back.joints()[1].parent == 0);
+  REQUIRE(back.joints()[1].offset_m.z() == -0.4);
+  REQUIRE(std::isinf(back.joints()[1].dofs[0].lower));
+}
+
+TEST_CASE("SkeletonCodec: damage is found", "[storage][codec]") {
+  RequireDamageIsFound(RecodeSkeleton, Encoded(SampleSkeleton("human")), 3000);
+  RequireCountsAreBounded(RecodeSkeleton, Encoded(SampleSkeleton("human")));
+}
+
+TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][codec]") {
+  const core::Model model = SampleModel({SampleClip("d", "walk", 1), SampleClip("d", "run", 2)});
+  const std::string bytes = Encoded(model.parts());
+  auto source = SourceOf(bytes);
+  core::ModelParts parts = Require(storage::DecodeModel(source));
+  REQUIRE(parts.states.size() == 0);
+  REQUIRE(parts.clips[1].id == "run");
+  REQUIRE(parts.clips[1].first_frame == 60);
+  REQUIRE(parts.marker_set.landmarks.legs.size() == 1);
+  REQUIRE(parts.build_seconds == 0.25);
+  parts.states = model.states();
+  parts.root_path = model.root_path();
+  const core::Model back = Require(core::Model::Create(std::move(parts)));
+  REQUIRE(Same(back, model));
+  REQUIRE(back.global_graph(2).edges() == model.global_graph(2).edges());
+  REQUIRE(back.familiarity().scores == model.familiarity().scores);
+}
+
+TEST_CASE("ModelCodec: damage is found", "[storage][codec]") {
+  const std::string bytes = Encoded(SampleModel({SampleClip("d", "walk", 1)}).parts());
+  RequireDamageIsFound(RecodeModel, bytes, 3000);
+  RequireCountsAreBounded(RecodeModel, bytes);
+}
+
+TEST_CASE("FieldReader: keeps its first error", "[storage][codec]") {
+  const std::string bytes(6, '\x01');
+  auto source = SourceOf(bytes);
+  storage::FieldReader reader(source);
+  REQUIRE(reader.Get<std::uint16_t>() == 0x0101);
+  REQUIRE(reader.GetText().empty());  // of 16843009 bytes
+  const absl::Status first = reader.status();
+  REQUIRE_ERROR(first, absl::StatusCode::kDataLoss, "16843009");
+  REQUIRE(reader.Get<std::uint8_t>() == 0);
+  REQUIRE(reader.GetArray<double>().empty());
+  REQUIRE(reader.Finish() == first);
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,290 @@
+#include "tests/storage/in_memory_motion_store.h"
+
+#include <algorithm>
+
+#include "core/motion/error.h"
+#include "tests/storage/samples.h"
+
+namespace motiondb::tests {
+namespace {
+
+using storage::ClipRecord;
+using storage::DatabaseRecord;
+using storage::ModelRecord;
+using storage::NewClip;
+using storage::OperationRecord;
+using storage::Page;
+using storage::SkeletonRecord;
+
+// The page of a map, each entry made a record.
+template <typename Record, typename Map, typename Make>
+std::vector<Record> PageOf(const Map& map, const Page& page, const Make& make) {
+  std::vector<Record> records;
+  for (auto it = map.upper_bound(page.after);
+       it != map.end() && static_cast<int>(records.size()) < page.limit; ++it) {
+    records.push_back(make(*it));
+  }
+  return records;
+}
+
+template <typename Map>
+std::string FreeId(const Map& map, const std::string& wanted) {
+  std::string id = wanted;
+  for (int number = 2; map.contains(id); ++number) id = fmt::format("{}-{}", wanted, number);
+  return id;
+}
+
+}  // namespace
+
+absl::StatusOr<InMemoryMotionStore::Database*> InMemoryMotionStore::Find(
+    const std::string& database) {
+  const auto found = databases_.find(database);
+  if (found == databases_.end()) return core::NotFound("database '{}' does not exist", database);
+  return &found->second;
+}
+
+absl::StatusOr<NewClip*> InMemoryMotionStore::FindClip(const std::string& database,
+                                                       const std::string& clip) {
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  const auto found = in->clips.find(clip);
+  if (found == in->clips.end()) {
+    return core::NotFound("database '{}' has no clip '{}'", database, clip);
+  }
+  return &found->second;
+}
+
+absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record) {
+  const std::lock_guard lock(mutex_);
+  if (databases_.contains(record.name)) {
+    return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
+  }
+  databases_[record.name].record = record;
+  return absl::OkStatus();
+}
+
+absl::StatusOr<DatabaseRecord> InMemoryMotionStore::GetDatabase(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const found, Find(database));
+  return found->record;
+}
+
+absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(const Page& page) {
+  const std::lock_guard lock(mutex_);
+  return PageOf<DatabaseRecord>(databases_, page,
+                                [](const auto& entry) { return entry.second.record; });
+}
+
+absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_RETURN_IF_ERROR(Find(database).status());
+  databases_.erase(database);
+  std::erase_if(operations_, [&](const auto& record) { return record.database == database; });
+  return absl::OkStatus();
+}
+
+absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(clip.record.database));
+  if (clip.record.frame_count != clip.states.frame_count()) {
+    return core::InvalidArgument("clip '{}': wrong frame_count", clip.record.id);
+  }
+  if (clip.states.root_path.rows() != clip.states.states.rows()) {
+    return core::InvalidArgument("expected a root pose for each frame");
+  }
+  for (const auto& [id, stored] : in->clips) {
+    if (stored.record.content_hash == clip.record.content_hash) {
+      return absl::AlreadyExistsError(fmt::format("the same motion is clip '{}'", id));
+    }
+  }
+  const std::string id = FreeId(in->clips, clip.record.id);
+  if (clip.id_is_fixed && id != clip.record.id) {
+    return absl::AlreadyExistsError(fmt::format("there is another clip '{}'", clip.record.id));
+  }
+  if (clip.marker_set_text) {
+    std::string& text = in->record.marker_set_text;
+    if (!text.empty() && text != *clip.marker_set_text) {
+      return core::FailedPrecondition("the database has another marker set already");
+    }
+    text = *clip.marker_set_text;
+  }
+  NewClip stored = clip;
+  stored.record.id = id;
+  stored.record.skeleton_id.clear();
+  if (clip.skeleton) {
+    const auto alike = std::ranges::find_if(
+        in->skeletons, [&](const auto& entry) { return Same(entry.second, *clip.skeleton); });
+    stored.record.skeleton_id =
+        alike == in->skeletons.end() ? FreeId(in->skeletons, "skeleton") : alike->first;
+    in->skeletons.emplace(stored.record.skeleton_id, *clip.skeleton);
+  }
+  return in->clips.emplace(id, std::move(stored)).first->second.record;
+}
+
+absl::StatusOr<ClipRecord> InMemoryMotionStore::GetClip(const std::string& database,
+                                                        const std::string& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
+  return found->record;
+}
+
+absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::ListClips(const std::string& database,
+                                                                       const Page& page) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  return PageOf<ClipRecord>(in->clips, page, [](const auto& entry) { return entry.second.record; });
+}
+
+absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const std::string& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
+  const std::string skeleton = found->record.skeleton_id;
+  Database* const in = *Find(database);
+  in->clips.erase(clip);
+  const bool used = std::ranges::any_of(
+      in->clips, [&](const auto& entry) { return entry.second.record.skeleton_id == skeleton; });
+  if (!used) in->skeletons.erase(skeleton);
+  return absl::OkStatus();
+}
+
+absl::StatusOr<storage::ClipSource> InMemoryMotionStore::ReadClipSource(const std::string& database,
+                                                                        const std::string& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
+  return storage::ClipSource{found->file_bytes, found->skeleton_bytes};
+}
+
+absl::StatusOr<core::StateSequence> InMemoryMotionStore::ReadClipStates(const std::string& database,
+                                                                        const std::string& clip) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
+  return found->states;
+}
+
+absl::StatusOr<core::Skeleton> InMemoryMotionStore::GetSkeleton(const std::string& database,
+                                                                const std::string& skeleton) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  const auto found = in->skeletons.find(skeleton);
+  if (found == in->skeletons.end()) {
+    return core::NotFound("database '{}' has no skeleton '{}'", database, skeleton);
+  }
+  return found->second;
+}
+
+absl::StatusOr<std::vector<SkeletonRecord>> InMemoryMotionStore::ListSkeletons(
+    const std::string& database, const Page& page) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  return PageOf<SkeletonRecord>(in->skeletons, page, [](const auto& entry) {
+    return SkeletonRecord{entry.first, entry.second};
+  });
+}
+
+absl::StatusOr<ModelRecord> InMemoryMotionStore::PutModel(const std::string& database,
+                                                          const core::Model& model) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  for (const core::ModelClip& clip : model.clips()) {
+    const auto stored = in->clips.find(clip.id);
+    if (stored == in->clips.end() || stored->second.record.frame_count != clip.frame_count ||
+        stored->second.states.root_path !=
+            model.root_path().middleRows(clip.first_frame, clip.frame_count)) {
+      return core::NotFound("the model's clip '{}' is not stored any more", clip.id);
+    }
+  }
+  if (!in->models.empty()) in->models.back().current = false;
+  ModelRecord record;
+  record.database = database;
+  record.version = static_cast<std::int32_t>(in->models.size()) + 1;
+  record.current = true;
+  record.create_time_us = put_time_us_;
+  record.build_seconds = model.build_seconds();
+  record.frame_count = model.frame_count();
+  record.clip_count = static_cast<std::int32_t>(model.clips().size());
+  record.dimension_count = static_cast<std::int32_t>(model.states().cols());
+  for (int layer = 1; layer <= model.layer_count(); ++layer) {
+    record.nodes_per_layer.push_back(model.tree().node_count(layer));
+  }
+  in->model = model;
+  return in->models.emplace_back(std::move(record));
+}
+
+absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  if (!in->model) return core::NotFound("database '{}' has no model", database);
+  return *in->model;
+}
+
+absl::StatusOr<ModelRecord> InMemoryMotionStore::GetModel(const std::string& database,
+                                                          int version) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  if (version < 1 || version > static_cast<int>(in->models.size())) {
+    return core::NotFound("database '{}' has no model {}", database, version);
+  }
+  return in->models[static_cast<std::size_t>(version) - 1];
+}
+
+absl::StatusOr<std::vector<ModelRecord>> InMemoryMotionStore::ListModels(
+    const std::string& database, int before, int limit) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  std::vector<ModelRecord> records;
+  for (auto it = in->models.rbegin(); it != in->models.rend(); ++it) {
+    if (static_cast<int>(records.size()) == limit) break;
+    if (before == 0 || it->version < before) records.push_back(*it);
+  }
+  return records;
+}
+
+absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  if (in->model) in->models.back().current = false;
+  in->model.reset();
+  return absl::OkStatus();
+}
+
+absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_RETURN_IF_ERROR(Find(record.database).status());
+  const auto stored = std::ranges::find(operations_, record.id, &OperationRecord::id);
+  if (stored == operations_.end()) {
+    operations_.push_back(record);
+  } else {
+    *stored = record;
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<OperationRecord> InMemoryMotionStore::GetOperation(const std::string& operation) {
+  const std::lock_guard lock(mutex_);
+  const auto stored = std::ranges::find(operations_, operation, &OperationRecord::id);
+  if (stored == operations_.end()) {
+    return core::NotFound("operation '{}' does not exist", operation);
+  }
+  return *stored;
+}
+
+absl::StatusOr<std::vector<OperationRecord>> InMemoryMotionStore::ListOperations(
+    const std::string& database, const std::string& before, int limit) {
+  const std::lock_guard lock(mutex_);
+  if (!database.empty()) MOTIONDB_RETURN_IF_ERROR(Find(database).status());
+  auto end = operations_.rbegin();
+  if (!before.empty()) {
+    end = std::find_if(end, operations_.rend(), [&](const auto& r) { return r.id == before; });
+    if (end == operations_.rend()) {
+      return core::NotFound("operation '{}' does not exist", before);
+    }
+    ++end;
+  }
+  std::vector<OperationRecord> records;
+  for (auto it = end; it != operations_.rend(); ++it) {
+    if (static_cast<int>(records.size()) == limit) break;
+    if (database.empty() || it->database == database) records.push_back(*it);
+  }
+  return records;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,75 @@
+// A store in plain containers: shows that the conformance suite tests the interface and not SQLite,
+// and serves tests that need a store but no file. Thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "storage/motion_store.h"
+
+namespace motiondb::tests {
+
+class InMemoryMotionStore final : public storage::MotionStore {
+ public:
+  explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
+
+  absl::Status CreateDatabase(const storage::DatabaseRecord& record) override;
+  absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override;
+  absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
+      const storage::Page& page) override;
+  absl::Status DeleteDatabase(const std::string& database) override;
+
+  absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
+  absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,
+                                              const std::string& clip) override;
+  absl::StatusOr<std::vector<storage::ClipRecord>> ListClips(const std::string& database,
+                                                             const storage::Page& page) override;
+  absl::Status DeleteClip(const std::string& database, const std::string& clip) override;
+  absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
+                                                     const std::string& clip) override;
+  absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
+                                                     const std::string& clip) override;
+
+  absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
+                                             const std::string& skeleton) override;
+  absl::StatusOr<std::vector<storage::SkeletonRecord>> ListSkeletons(
+      const std::string& database, const storage::Page& page) override;
+
+  absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
+                                                const core::Model& model) override;
+  absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
+  absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
+  absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
+                                                               int before, int limit) override;
+  absl::Status DropModel(const std::string& database) override;
+
+  absl::Status PutOperation(const storage::OperationRecord& record) override;
+  absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override;
+  absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
+                                                                       const std::string& before,
+                                                                       int limit) override;
+
+ private:
+  struct Database {
+    storage::DatabaseRecord record;
+    std::map<std::string, storage::NewClip> clips;
+    std::map<std::string, core::Skeleton> skeletons;
+    std::vector<storage::ModelRecord> models;  // version 1 first
+    std::optional<core::Model> model;
+  };
+
+  absl::StatusOr<Database*> Find(const std::string& database);
+  absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
+
+  const std::int64_t put_time_us_;
+  std::mutex mutex_;
+  std::map<std::string, Database> databases_;
+  std::vector<storage::OperationRecord> operations_;  // oldest first
+};
+
+}  // namespace motiondb::tests

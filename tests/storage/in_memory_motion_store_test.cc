@@ -1,0 +1,24 @@
+#include "tests/storage/in_memory_motion_store.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/storage/motion_store_conformance.h"
+
+namespace motiondb::tests {
+namespace {
+
+class InContainers final : public StoreUnderTest {
+ public:
+  storage::MotionStore& Get() override { return store_; }
+
+ private:
+  InMemoryMotionStore store_{kPutTime};
+};
+
+}  // namespace
+
+TEST_CASE("InMemoryMotionStore: keeps the contract", "[storage][conformance]") {
+  TestMotionStore([] { return std::make_unique<InContainers>(); });
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,97 @@
+// Readers beside a writer. Catch's assertions belong to one thread, so others count what went
+// wrong.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests {
+
+TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open({.reader_count = 3, .now_us = {}, .vfs = {}});
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  const auto first = SampleClip("d", "first", 1);
+  REQUIRE_OK(store->AddClip(first));
+  const core::Model model = SampleModel({first});
+  REQUIRE_OK(store->PutModel("d", model));
+
+  std::atomic<bool> stop = false;
+  std::atomic<int> errors = 0;
+  std::atomic<int> reads = 0;
+  std::vector<std::thread> readers;
+  for (int i = 0; i < 6; ++i) {
+    readers.emplace_back([&, i] {
+      std::size_t clips_before = 0;
+      while (!stop) {
+        const auto clips = store->ListClips("d", {.after = "", .limit = 1000});
+        // An acknowledged clip stays, and its states came with it.
+        if (!clips.ok() || clips->size() < clips_before) ++errors;
+        if (clips.ok() && !clips->empty()) {
+          clips_before = clips->size();
+          const auto states = store->ReadClipStates("d", (*clips)[i % clips->size()].id);
+          if (!states.ok() || states->frame_count() != 60) ++errors;
+        }
+        const auto read = store->ReadModel("d");
+        if (!read.ok() || read->frame_count() != 60) ++errors;
+        ++reads;
+      }
+    });
+  }
+  for (unsigned i = 2; i < 40; ++i) {
+    REQUIRE_OK(store->AddClip(SampleClip("d", "clip", i)));
+    REQUIRE_OK(store->PutModel("d", model));
+    REQUIRE_OK(store->PutOperation(SampleOperation("d", "op")));
+  }
+  while (reads < 30) std::this_thread::yield();
+  stop = true;
+  for (std::thread& reader : readers) reader.join();
+  REQUIRE(errors == 0);
+  REQUIRE(Require(store->ListClips("d", {})).size() == 39);
+  REQUIRE(Require(store->ListModels("d", 0, 1)).at(0).version == 39);
+}
+
+TEST_CASE("SqliteMotionStore: writers take turns", "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  std::atomic<int> errors = 0;
+  std::vector<std::thread> writers;
+  for (unsigned w = 0; w < 4; ++w) {
+    std::vector<storage::NewClip> clips;
+    for (unsigned i = 0; i < 10; ++i) clips.push_back(SampleClip("d", "clip", 100 * w + i));
+    writers.emplace_back([&, clips = std::move(clips)] {
+      for (const auto& clip : clips) {
+        if (!store->AddClip(clip).ok()) ++errors;
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  REQUIRE(errors == 0);
+  const auto clips = Require(store->ListClips("d", {.after = "", .limit = 100}));
+  REQUIRE(clips.size() == 40);
+  REQUIRE(Require(store->GetClip("d", "clip-40")).id == "clip-40");
+}
+
+TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log to the writer",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    REQUIRE_OK(store->GetDatabase("d"));
+    REQUIRE(std::filesystem::file_size(file.path() + "-wal") > 0);
+  }
+  // The writer closed last: nothing is left beside the store but the lock file.
+  REQUIRE_FALSE(std::filesystem::exists(file.path() + "-wal"));
+  REQUIRE_FALSE(std::filesystem::exists(file.path() + "-shm"));
+}
+
+}  // namespace motiondb::tests

@@ -1,5 +1,6 @@
 // motiondbd: opens the store, serves until SIGTERM or SIGINT, and drains.
 #include <fmt/format.h>
+#include <grpc/support/log.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -23,6 +24,8 @@ void StartLog(const std::string& level) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("motiondbd"));
   spdlog::set_level(spdlog::level::from_str(level));
   spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
+  // What gRPC cannot do comes back as a status and is told once, in our words.
+  gpr_set_log_function([](gpr_log_func_args* line) { spdlog::debug("grpc: {}", line->message); });
 }
 
 void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& signals) {

@@ -4,7 +4,7 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
-#include <thread>
+#include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -23,6 +23,9 @@ void EnablePlugins() {
   (void)kEnabled;
 }
 
+// How long clients have to close their connections before they are cut.
+constexpr std::chrono::milliseconds kFarewell{100};
+
 constexpr const char* kServiceNames[] = {"motiondb.v1.DatabaseService", "motiondb.v1.ClipService",
                                          "motiondb.v1.ModelService", "motiondb.v1.OperationService",
                                          "motiondb.v1.QueryService"};
@@ -37,12 +40,13 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   return server;
 }
 
-Server::Server(std::unique_ptr<Engine> engine) : engine_(std::move(engine)) {
-  services_.push_back(MakeDatabaseService(*engine_));
-  services_.push_back(MakeClipService(*engine_));
-  services_.push_back(MakeModelService(*engine_));
-  services_.push_back(MakeOperationService(*engine_));
-  services_.push_back(MakeQueryService(*engine_));
+Server::Server(std::unique_ptr<Engine> engine)
+    : engine_(std::move(engine)), host_(new CallHost{*engine_, {}}) {
+  services_.push_back(MakeDatabaseService(*host_));
+  services_.push_back(MakeClipService(*host_));
+  services_.push_back(MakeModelService(*host_));
+  services_.push_back(MakeOperationService(*host_));
+  services_.push_back(MakeQueryService(*host_));
 }
 
 Server::~Server() { Drain(std::chrono::milliseconds(0)); }
@@ -69,12 +73,14 @@ absl::Status Server::Listen(const ServerOptions& options) {
 
 void Server::Drain(std::chrono::milliseconds grace) {
   if (grpc_ == nullptr) return;
+  const auto latest = std::chrono::steady_clock::now() + grace;
   grpc_->GetHealthCheckService()->Shutdown();
-  // Beside each other: calls that wait for an operation end with the engine's drain, and a build
-  // that takes a while to stop must not keep the door open.
-  std::thread draining([this] { engine_->Drain(); });
-  grpc_->Shutdown(std::chrono::system_clock::now() + grace);
-  draining.join();
+  host_->gate.Close();
+  // Calls that wait for an operation end with this, and builds stop.
+  engine_->Drain();
+  host_->gate.AwaitEmpty(latest);
+  // No call is left, or none that may stay; the moment is for clients to take notice.
+  grpc_->Shutdown(std::chrono::system_clock::now() + std::min(grace, kFarewell));
 }
 
 }  // namespace motiondb::server

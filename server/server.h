@@ -16,6 +16,8 @@ class Service;
 
 namespace motiondb::server {
 
+struct CallHost;
+
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
   int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
@@ -36,8 +38,9 @@ class Server {
   const std::string& address() const { return address_; }
   Engine& engine() { return *engine_; }
 
-  // Takes no new calls, says NOT_SERVING to health checks, leaves builds to the next server, and
-  // returns when all calls have ended or, at the latest, were cancelled after `grace`.
+  // Says NOT_SERVING to health checks, answers new calls with UNAVAILABLE, leaves builds to the
+  // next server, and returns when all calls have ended; those that have not after `grace` are
+  // cancelled.
   void Drain(std::chrono::milliseconds grace);
 
  private:
@@ -45,6 +48,7 @@ class Server {
   absl::Status Listen(const ServerOptions& options);
 
   const std::unique_ptr<Engine> engine_;
+  const std::unique_ptr<CallHost> host_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> grpc_;
   std::string address_;

@@ -62,7 +62,9 @@ void WorldDofAxes(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVec
       }
       axes[column] = rotation * dof.axis;
       const bool last = &dof == &joint.dofs.back();
-      if (turned && !last) rotation *= Eigen::AngleAxisd(angles[column], dof.axis);
+      if (turned && !last) {
+        rotation *= Eigen::AngleAxisd(angles[column], dof.axis).toRotationMatrix();
+      }
       ++column;
     }
   }

@@ -42,4 +42,6 @@ grpc::Status RunHandler(const core::Cancelled& cancelled,
   return ToGrpcStatus(status);
 }
 
+grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
+
 }  // namespace motiondb::server

@@ -9,8 +9,15 @@
 #include "absl/status/status.h"
 #include "core/inference/cancellation.h"
 #include "server/engine/engine.h"
+#include "server/rpc/call_gate.h"
 
 namespace motiondb::server {
+
+// What every service works with.
+struct CallHost {
+  Engine& engine;
+  CallGate gate;
+};
 
 // What a handler may use besides the request.
 struct Call {
@@ -26,13 +33,31 @@ core::Cancelled CancellationOf(grpc::CallbackServerContext& context);
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler);
 
+// The answer to a call that comes while the server stops: UNAVAILABLE.
+grpc::Status Stopping();
+
+// Owned by gRPC: deletes itself when the call is over.
+class UnaryReactor final : public grpc::ServerUnaryReactor {
+ public:
+  explicit UnaryReactor(CallGate& gate) : ticket_(gate) {}
+  bool admitted() const { return ticket_.admitted(); }
+  void OnDone() override { delete this; }
+
+ private:
+  const CallGate::Ticket ticket_;
+};
+
 // Answers with kHandler(call, request, response), run on a request thread. gRPC keeps context,
 // request and response until the call is finished.
 template <auto kHandler, typename Request, typename Response>
-grpc::ServerUnaryReactor* Answer(Engine& engine, grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* context,
                                  const Request* request, Response* response) {
-  grpc::ServerUnaryReactor* const reactor = context->DefaultReactor();
-  engine.workers().Post([&engine, context, request, response, reactor] {
+  auto* const reactor = new UnaryReactor(host.gate);
+  if (!reactor->admitted()) {
+    reactor->Finish(Stopping());
+    return reactor;
+  }
+  host.engine.workers().Post([&engine = host.engine, context, request, response, reactor] {
     const Call call{engine, CancellationOf(*context)};
     reactor->Finish(
         RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); }));

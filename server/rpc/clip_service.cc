@@ -114,52 +114,51 @@ absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(const Call& call,
 
 class ClipServiceImpl final : public v1::ClipService::CallbackService {
  public:
-  explicit ClipServiceImpl(Engine& engine) : engine_(engine) {}
+  explicit ClipServiceImpl(CallHost& host) : host_(host) {}
 
   grpc::ServerReadReactor<v1::IngestClipRequest>* IngestClip(
       grpc::CallbackServerContext* context, v1::IngestClipResponse* response) override {
-    return NewIngestReactor(engine_, *context, *response);
+    return NewIngestReactor(host_, *context, *response);
   }
   grpc::ServerUnaryReactor* GetClip(grpc::CallbackServerContext* context,
                                     const v1::GetClipRequest* request,
                                     v1::GetClipResponse* response) override {
-    return Answer<server::GetClip>(engine_, context, request, response);
+    return Answer<server::GetClip>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListClips(grpc::CallbackServerContext* context,
                                       const v1::ListClipsRequest* request,
                                       v1::ListClipsResponse* response) override {
-    return Answer<server::ListClips>(engine_, context, request, response);
+    return Answer<server::ListClips>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* DeleteClip(grpc::CallbackServerContext* context,
                                        const v1::DeleteClipRequest* request,
                                        v1::DeleteClipResponse* response) override {
-    return Answer<server::DeleteClip>(engine_, context, request, response);
+    return Answer<server::DeleteClip>(host_, context, request, response);
   }
   grpc::ServerWriteReactor<v1::ExportClipResponse>* ExportClip(
       grpc::CallbackServerContext* context, const v1::ExportClipRequest* request) override {
-    return new StreamReactor<v1::ExportClipResponse>(engine_, context, [request](const Call& call) {
-      return OpenExport(call, request->name());
-    });
+    return new StreamReactor<v1::ExportClipResponse>(
+        host_, context, [request](const Call& call) { return OpenExport(call, request->name()); });
   }
   grpc::ServerUnaryReactor* GetSkeleton(grpc::CallbackServerContext* context,
                                         const v1::GetSkeletonRequest* request,
                                         v1::GetSkeletonResponse* response) override {
-    return Answer<server::GetSkeleton>(engine_, context, request, response);
+    return Answer<server::GetSkeleton>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListSkeletons(grpc::CallbackServerContext* context,
                                           const v1::ListSkeletonsRequest* request,
                                           v1::ListSkeletonsResponse* response) override {
-    return Answer<server::ListSkeletons>(engine_, context, request, response);
+    return Answer<server::ListSkeletons>(host_, context, request, response);
   }
 
  private:
-  Engine& engine_;
+  CallHost& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeClipService(Engine& engine) {
-  return std::make_unique<ClipServiceImpl>(engine);
+std::unique_ptr<grpc::Service> MakeClipService(CallHost& host) {
+  return std::make_unique<ClipServiceImpl>(host);
 }
 
 }  // namespace motiondb::server

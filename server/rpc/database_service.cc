@@ -66,42 +66,42 @@ absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseReques
 
 class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
  public:
-  explicit DatabaseServiceImpl(Engine& engine) : engine_(engine) {}
+  explicit DatabaseServiceImpl(CallHost& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* CreateDatabase(grpc::CallbackServerContext* context,
                                            const v1::CreateDatabaseRequest* request,
                                            v1::CreateDatabaseResponse* response) override {
-    return Answer<server::CreateDatabase>(engine_, context, request, response);
+    return Answer<server::CreateDatabase>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* GetDatabase(grpc::CallbackServerContext* context,
                                         const v1::GetDatabaseRequest* request,
                                         v1::GetDatabaseResponse* response) override {
-    return Answer<server::GetDatabase>(engine_, context, request, response);
+    return Answer<server::GetDatabase>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListDatabases(grpc::CallbackServerContext* context,
                                           const v1::ListDatabasesRequest* request,
                                           v1::ListDatabasesResponse* response) override {
-    return Answer<server::ListDatabases>(engine_, context, request, response);
+    return Answer<server::ListDatabases>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* DeleteDatabase(grpc::CallbackServerContext* context,
                                            const v1::DeleteDatabaseRequest* request,
                                            v1::DeleteDatabaseResponse* response) override {
-    return Answer<server::DeleteDatabase>(engine_, context, request, response);
+    return Answer<server::DeleteDatabase>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* DescribeDatabase(grpc::CallbackServerContext* context,
                                              const v1::DescribeDatabaseRequest* request,
                                              v1::DescribeDatabaseResponse* response) override {
-    return Answer<server::DescribeDatabase>(engine_, context, request, response);
+    return Answer<server::DescribeDatabase>(host_, context, request, response);
   }
 
  private:
-  Engine& engine_;
+  CallHost& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeDatabaseService(Engine& engine) {
-  return std::make_unique<DatabaseServiceImpl>(engine);
+std::unique_ptr<grpc::Service> MakeDatabaseService(CallHost& host) {
+  return std::make_unique<DatabaseServiceImpl>(host);
 }
 
 }  // namespace motiondb::server

@@ -15,12 +15,17 @@ namespace {
 
 class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest> {
  public:
-  IngestReactor(Engine& engine, grpc::CallbackServerContext& context,
+  IngestReactor(CallHost& host, grpc::CallbackServerContext& context,
                 v1::IngestClipResponse& response)
-      : engine_(engine),
+      : ticket_(host.gate),
+        engine_(host.engine),
         cancelled_(CancellationOf(context)),
         response_(response),
-        stream_(engine.options().max_file_bytes) {
+        stream_(engine_.options().max_file_bytes) {
+    if (!ticket_.admitted()) {
+      Finish(Stopping());
+      return;
+    }
     StartRead(&message_);
   }
 
@@ -60,6 +65,7 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
     return absl::OkStatus();
   }
 
+  const CallGate::Ticket ticket_;
   Engine& engine_;
   const core::Cancelled cancelled_;
   v1::IngestClipResponse& response_;
@@ -72,8 +78,8 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 }  // namespace
 
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
-    Engine& engine, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
-  return new IngestReactor(engine, context, response);
+    CallHost& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
+  return new IngestReactor(host, context, response);
 }
 
 }  // namespace motiondb::server

@@ -4,7 +4,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include "server/engine/engine.h"
+#include "server/rpc/call.h"
 
 namespace motiondb::v1 {
 class IngestClipRequest;
@@ -15,6 +15,6 @@ namespace motiondb::server {
 
 // Owned by gRPC: deletes itself when the call is over.
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
-    Engine& engine, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
+    CallHost& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
 
 }  // namespace motiondb::server

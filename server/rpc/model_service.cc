@@ -152,43 +152,42 @@ absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(const Call& call,
 
 class ModelServiceImpl final : public v1::ModelService::CallbackService {
  public:
-  explicit ModelServiceImpl(Engine& engine) : engine_(engine) {}
+  explicit ModelServiceImpl(CallHost& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* GetModel(grpc::CallbackServerContext* context,
                                      const v1::GetModelRequest* request,
                                      v1::GetModelResponse* response) override {
-    return Answer<server::GetModel>(engine_, context, request, response);
+    return Answer<server::GetModel>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListModels(grpc::CallbackServerContext* context,
                                        const v1::ListModelsRequest* request,
                                        v1::ListModelsResponse* response) override {
-    return Answer<server::ListModels>(engine_, context, request, response);
+    return Answer<server::ListModels>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListNodes(grpc::CallbackServerContext* context,
                                       const v1::ListNodesRequest* request,
                                       v1::ListNodesResponse* response) override {
-    return Answer<server::ListNodes>(engine_, context, request, response);
+    return Answer<server::ListNodes>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListTransitions(grpc::CallbackServerContext* context,
                                             const v1::ListTransitionsRequest* request,
                                             v1::ListTransitionsResponse* response) override {
-    return Answer<server::ListTransitions>(engine_, context, request, response);
+    return Answer<server::ListTransitions>(host_, context, request, response);
   }
   grpc::ServerWriteReactor<v1::ReadStatesResponse>* ReadStates(
       grpc::CallbackServerContext* context, const v1::ReadStatesRequest* request) override {
-    return new StreamReactor<v1::ReadStatesResponse>(engine_, context, [request](const Call& call) {
-      return OpenStates(call, request->name());
-    });
+    return new StreamReactor<v1::ReadStatesResponse>(
+        host_, context, [request](const Call& call) { return OpenStates(call, request->name()); });
   }
 
  private:
-  Engine& engine_;
+  CallHost& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeModelService(Engine& engine) {
-  return std::make_unique<ModelServiceImpl>(engine);
+std::unique_ptr<grpc::Service> MakeModelService(CallHost& host) {
+  return std::make_unique<ModelServiceImpl>(host);
 }
 
 }  // namespace motiondb::server

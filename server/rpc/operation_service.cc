@@ -46,37 +46,37 @@ absl::Status CancelOperation(const Call& call, const v1::CancelOperationRequest&
 
 class OperationServiceImpl final : public v1::OperationService::CallbackService {
  public:
-  explicit OperationServiceImpl(Engine& engine) : engine_(engine) {}
+  explicit OperationServiceImpl(CallHost& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* GetOperation(grpc::CallbackServerContext* context,
                                          const v1::GetOperationRequest* request,
                                          v1::GetOperationResponse* response) override {
-    return Answer<server::GetOperation>(engine_, context, request, response);
+    return Answer<server::GetOperation>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ListOperations(grpc::CallbackServerContext* context,
                                            const v1::ListOperationsRequest* request,
                                            v1::ListOperationsResponse* response) override {
-    return Answer<server::ListOperations>(engine_, context, request, response);
+    return Answer<server::ListOperations>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* WaitOperation(grpc::CallbackServerContext* context,
                                           const v1::WaitOperationRequest* request,
                                           v1::WaitOperationResponse* response) override {
-    return NewWaitReactor(engine_, *context, *request, *response);
+    return NewWaitReactor(host_, *context, *request, *response);
   }
   grpc::ServerUnaryReactor* CancelOperation(grpc::CallbackServerContext* context,
                                             const v1::CancelOperationRequest* request,
                                             v1::CancelOperationResponse* response) override {
-    return Answer<server::CancelOperation>(engine_, context, request, response);
+    return Answer<server::CancelOperation>(host_, context, request, response);
   }
 
  private:
-  Engine& engine_;
+  CallHost& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeOperationService(Engine& engine) {
-  return std::make_unique<OperationServiceImpl>(engine);
+std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host) {
+  return std::make_unique<OperationServiceImpl>(host);
 }
 
 }  // namespace motiondb::server

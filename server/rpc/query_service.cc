@@ -93,37 +93,37 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
 
 class QueryServiceImpl final : public v1::QueryService::CallbackService {
  public:
-  explicit QueryServiceImpl(Engine& engine) : engine_(engine) {}
+  explicit QueryServiceImpl(CallHost& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* Recognize(grpc::CallbackServerContext* context,
                                       const v1::RecognizeRequest* request,
                                       v1::RecognizeResponse* response) override {
-    return Answer<server::Recognize>(engine_, context, request, response);
+    return Answer<server::Recognize>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* Estimate(grpc::CallbackServerContext* context,
                                      const v1::EstimateRequest* request,
                                      v1::EstimateResponse* response) override {
-    return Answer<server::Estimate>(engine_, context, request, response);
+    return Answer<server::Estimate>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* Predict(grpc::CallbackServerContext* context,
                                     const v1::PredictRequest* request,
                                     v1::PredictResponse* response) override {
-    return Answer<server::Predict>(engine_, context, request, response);
+    return Answer<server::Predict>(host_, context, request, response);
   }
   grpc::ServerWriteReactor<v1::PredictSeriesResponse>* PredictSeries(
       grpc::CallbackServerContext* context, const v1::PredictSeriesRequest* request) override {
     return new StreamReactor<v1::PredictSeriesResponse>(
-        engine_, context, [request](const Call& call) { return OpenSeries(call, *request); });
+        host_, context, [request](const Call& call) { return OpenSeries(call, *request); });
   }
 
  private:
-  Engine& engine_;
+  CallHost& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeQueryService(Engine& engine) {
-  return std::make_unique<QueryServiceImpl>(engine);
+std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host) {
+  return std::make_unique<QueryServiceImpl>(host);
 }
 
 }  // namespace motiondb::server

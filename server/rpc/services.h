@@ -7,14 +7,14 @@
 
 #include <memory>
 
-#include "server/engine/engine.h"
+#include "server/rpc/call.h"
 
 namespace motiondb::server {
 
-std::unique_ptr<grpc::Service> MakeDatabaseService(Engine& engine);
-std::unique_ptr<grpc::Service> MakeClipService(Engine& engine);
-std::unique_ptr<grpc::Service> MakeModelService(Engine& engine);
-std::unique_ptr<grpc::Service> MakeOperationService(Engine& engine);
-std::unique_ptr<grpc::Service> MakeQueryService(Engine& engine);
+std::unique_ptr<grpc::Service> MakeDatabaseService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeClipService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeModelService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
 
 }  // namespace motiondb::server

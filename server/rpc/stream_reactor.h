@@ -24,8 +24,12 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   // `open` checks the request and returns what makes the messages.
   using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&)>;
 
-  StreamReactor(Engine& engine, grpc::CallbackServerContext* context, Open open)
-      : call_{engine, CancellationOf(*context)} {
+  StreamReactor(CallHost& host, grpc::CallbackServerContext* context, Open open)
+      : ticket_(host.gate), call_{host.engine, CancellationOf(*context)} {
+    if (!ticket_.admitted()) {
+      this->Finish(Stopping());
+      return;
+    }
     call_.engine.workers().Post([this, open = std::move(open)] {
       Step([&]() -> absl::Status {
         auto opened = open(call_);
@@ -57,6 +61,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     this->StartWrite(&message_);
   }
 
+  const CallGate::Ticket ticket_;
   const Call call_;
   NextMessage<Response> next_;
   Response message_;

@@ -47,9 +47,14 @@ absl::StatusOr<milliseconds> TimeoutFrom(const v1::WaitOperationRequest& request
 
 class WaitReactor final : public grpc::ServerUnaryReactor {
  public:
-  WaitReactor(Engine& engine, grpc::CallbackServerContext& context,
+  WaitReactor(CallHost& host, grpc::CallbackServerContext& context,
               const v1::WaitOperationRequest& request, v1::WaitOperationResponse& response)
-      : response_(response) {
+      : ticket_(host.gate), response_(response) {
+    if (!ticket_.admitted()) {
+      Finish(Stopping());
+      return;
+    }
+    Engine& engine = host.engine;
     const auto id = ParseOperationName("name", request.name());
     const auto timeout = TimeoutFrom(request, context.deadline());
     const absl::Status valid = id.ok() ? timeout.status() : id.status();
@@ -81,16 +86,17 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
     Finish(RunHandler([] { return false; }, handler));
   }
 
+  const CallGate::Ticket ticket_;
   v1::WaitOperationResponse& response_;
   std::shared_ptr<OperationWait> wait_;
 };
 
 }  // namespace
 
-grpc::ServerUnaryReactor* NewWaitReactor(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* NewWaitReactor(CallHost& host, grpc::CallbackServerContext& context,
                                          const v1::WaitOperationRequest& request,
                                          v1::WaitOperationResponse& response) {
-  return new WaitReactor(engine, context, request, response);
+  return new WaitReactor(host, context, request, response);
 }
 
 }  // namespace motiondb::server

@@ -3,7 +3,7 @@
 
 #include <grpcpp/support/server_callback.h>
 
-#include "server/engine/engine.h"
+#include "server/rpc/call.h"
 
 namespace motiondb::v1 {
 class WaitOperationRequest;
@@ -13,7 +13,7 @@ class WaitOperationResponse;
 namespace motiondb::server {
 
 // Owned by gRPC: deletes itself when the call is over.
-grpc::ServerUnaryReactor* NewWaitReactor(Engine& engine, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* NewWaitReactor(CallHost& host, grpc::CallbackServerContext& context,
                                          const v1::WaitOperationRequest& request,
                                          v1::WaitOperationResponse& response);
 

@@ -2,7 +2,6 @@
 // begin with MOTIONDB_REQUIRE_DATA, which says so in one line and passes where it is absent.
 #pragma once
 
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -10,10 +9,7 @@
 
 namespace motiondb::tests {
 
-inline std::filesystem::path DataDir() {
-  if (const char* given = std::getenv("MOTIONDB_DATA")) return given;
-  return std::filesystem::path(MOTIONDB_SOURCE_DIR).parent_path() / "shared" / "data";
-}
+std::filesystem::path DataDir();
 
 inline std::string ReadFile(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);

@@ -78,6 +78,7 @@ TEST_CASE("DatabaseService: every wrong setting is named", "[server][rpc]") {
   expect("database.frame_rate_hz", [&](auto& d) { d.set_frame_rate_hz(-60); });
   expect("database.frame_rate_hz", [&](auto& d) { d.set_frame_rate_hz(1e9); });
   expect("database.min_frames", [&](auto& d) { d.set_min_frames(-1); });
+  expect("database.min_frames", [&](auto& d) { d.set_min_frames(1); });
   expect("database.scaling", [&](auto& d) { d.set_scaling(static_cast<v1::Scaling>(9)); });
   expect("database.marker_set", [&](auto& d) { d.set_marker_set("mine"); });
   expect("database.marker_set_file", [&](auto& d) { d.set_marker_set_file("not a marker set"); });

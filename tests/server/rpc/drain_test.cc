@@ -1,8 +1,9 @@
 // Health, and what a server does when it is told to stop.
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <thread>
 
-#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/raw_call.h"
@@ -64,6 +65,55 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for 
   const v1::Operation done = server.Wait(operation);
   CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
   CHECK(done.model() == "databases/db/models/1");
+}
+
+TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  const auto clips = server.NewStub<v1::ClipService>();
+  grpc::ClientContext context;
+  v1::IngestClipResponse response;
+  const auto writer = clips->IngestClip(&context, &response);
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name("walk.bvh");
+  REQUIRE(writer->Write(message));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(30)); });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  v1::GetClipRequest request;
+  request.set_name("databases/db/clips/walk");
+  const auto refused = Ask(*clips, &v1::ClipService::Stub::GetClip, request);
+  CHECK(refused.status.error_code() == grpc::StatusCode::UNAVAILABLE);
+
+  message.set_file_block(WriteBvh({}));
+  REQUIRE(writer->Write(message));
+  writer->WritesDone();
+  const grpc::Status ended = writer->Finish();
+  INFO(ended.error_message());
+  CHECK(ended.ok());
+  draining.join();
+  server.Restart();
+  CHECK(server.Wait(response.operation().name()).state() == v1::OPERATION_STATE_SUCCEEDED);
+}
+
+TEST_CASE("Drain: a call that does not end is cancelled after the grace period", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  const auto clips = server.NewStub<v1::ClipService>();
+  grpc::ClientContext context;
+  v1::IngestClipResponse response;
+  const auto writer = clips->IngestClip(&context, &response);
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name("walk.bvh");
+  REQUIRE(writer->Write(message));
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  const auto began = std::chrono::steady_clock::now();
+  server.server().Drain(std::chrono::milliseconds(300));
+  CHECK(std::chrono::steady_clock::now() - began < std::chrono::seconds(5));
+  CHECK(!writer->Finish().ok());
 }
 
 TEST_CASE("Server: an address that is taken is refused", "[server][rpc]") {

@@ -84,7 +84,8 @@ absl::Status IngestBatch::AwaitModel() {
   if (json_) return absl::OkStatus();
   const auto summary = ModelSummary(client_, *done);
   if (!summary.ok()) return summary.status();
-  fmt::print("ingested {} clips, {} frames; {}\n", stored_clips_, stored_frames_, *summary);
+  fmt::print("ingested {} {}, {} frames; {}\n", stored_clips_,
+             stored_clips_ == 1 ? "clip" : "clips", stored_frames_, *summary);
   return absl::OkStatus();
 }
 

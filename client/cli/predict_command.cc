@@ -7,29 +7,23 @@
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
-#include "client/cli/motion_file.h"
 #include "client/cli/prediction_text.h"
+#include "client/cli/query_options.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
 namespace {
 
 struct PredictOptions {
-  std::string database;
-  std::string file;
-  SourceOptions source;
+  QueryOptions query;
   std::optional<double> at_seconds;
   std::optional<double> every_seconds;
   double history_seconds = 0.4;
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
-  int layer = 0;
-  std::optional<double> floor;
 };
 
 void Declare(CLI::App& command, PredictOptions& options) {
-  command.add_option("DB", options.database, "Database")->required();
-  command.add_option("FILE", options.file, "Motion file")->required();
-  AddSourceOptions(command, options.source);
+  AddQueryOptions(command, options.query);
   CLI::Option* at = command.add_option("--at", options.at_seconds,
                                        "The moment to predict from; else the end of the motion");
   at->type_name("SECONDS")->check(NonNegativeNumber());
@@ -50,26 +44,13 @@ void Declare(CLI::App& command, PredictOptions& options) {
       ->allow_extra_args(false)
       ->check(PositiveNumber())
       ->capture_default_str();
-  command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
-      ->type_name("N")
-      ->check(PositiveNumber());
-  command
-      .add_option(
-          "--floor", options.floor,
-          "Probability of a transition that was never seen; else 1e-6; 0 is the strict rule")
-      ->type_name("P")
-      ->check(CLI::Range(0.0, 1.0));
 }
 
-v1::PredictRequest Request(const PredictOptions& options, v1::Observation observation) {
+v1::PredictRequest Request(const PredictOptions& options) {
   v1::PredictRequest request;
-  request.set_database(DatabaseName(options.database));
-  *request.mutable_observation() = std::move(observation);
   if (options.at_seconds) request.set_at_seconds(*options.at_seconds);
   request.set_history_seconds(options.history_seconds);
   for (const double horizon : options.horizon_seconds) request.add_horizon_seconds(horizon);
-  request.set_layer(options.layer);
-  if (options.floor) request.set_transition_floor(*options.floor);
   return request;
 }
 
@@ -105,21 +86,20 @@ absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
 }
 
 absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
-  auto observation = ObservationFromFile(options.file, options.source);
-  if (!observation.ok()) return observation.status();
+  v1::PredictRequest request = Request(options);
+  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   std::vector<std::string> marker_names;
   if (!global.json) {
-    auto names = MarkerNames(*client, options.database);
+    auto names = MarkerNames(*client, options.query.database);
     if (!names.ok()) return names.status();
     marker_names = *std::move(names);
   }
   Printer printer(global.json, std::move(marker_names));
-  const v1::PredictRequest request = Request(options, *std::move(observation));
   if (options.every_seconds) {
     v1::PredictSeriesRequest series;
-    *series.mutable_prediction() = request;
+    *series.mutable_prediction() = std::move(request);
     series.set_every_seconds(*options.every_seconds);
     return client->PredictSeries(series, [&](const v1::PredictSeriesResponse& response) {
       printer.Print(response.prediction());

@@ -28,9 +28,9 @@ absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operati
   const auto response = client.GetModel(request);
   if (!response.ok()) return response.status();
   const v1::Model& model = response->model();
-  return fmt::format("model {}: {} clips, {} frames, {} layers, built in {:.2f} s", model.version(),
-                     model.clip_count(), model.frame_count(), model.nodes_per_layer_size(),
-                     model.build_seconds());
+  return fmt::format("model {}: {} {}, {} frames, {} layers, built in {:.2f} s", model.version(),
+                     model.clip_count(), model.clip_count() == 1 ? "clip" : "clips",
+                     model.frame_count(), model.nodes_per_layer_size(), model.build_seconds());
 }
 
 }  // namespace motiondb::client

@@ -2,26 +2,20 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
-#include <optional>
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
-#include "client/cli/motion_file.h"
+#include "client/cli/query_options.h"
 #include "client/cli/recognition_text.h"
-#include "client/cli/resource_name.h"
 
 namespace motiondb::client {
 namespace {
 
 struct RecognizeOptions {
-  std::string database;
-  std::string file;
-  SourceOptions source;
+  QueryOptions query;
   std::string window = "0.4";
   double hop_seconds = 0.1;
-  int layer = 0;
   int top = 0;
-  std::optional<double> floor;
   int paths = 0;
 };
 
@@ -32,9 +26,7 @@ std::string CheckWindow(const std::string& text) {
 }
 
 void Declare(CLI::App& command, RecognizeOptions& options) {
-  command.add_option("DB", options.database, "Database")->required();
-  command.add_option("FILE", options.file, "Motion file")->required();
-  AddSourceOptions(command, options.source);
+  AddQueryOptions(command, options.query);
   command
       .add_option("--window", options.window, "Width of the sliding window, or all of the motion")
       ->type_name("SECONDS|all")
@@ -44,18 +36,9 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
-  command.add_option("--layer", options.layer, "Layer of the tree, from 1; else the bottom layer")
-      ->type_name("N")
-      ->check(PositiveNumber());
   command.add_option("--top", options.top, "At most this many clips a window; else all")
       ->type_name("K")
       ->check(PositiveNumber());
-  command
-      .add_option(
-          "--floor", options.floor,
-          "Probability of a transition that was never seen; else 1e-6; 0 is the strict rule")
-      ->type_name("P")
-      ->check(CLI::Range(0.0, 1.0));
   command
       .add_option("--paths", options.paths,
                   "Sum the K best paths, as in the paper; else all paths, exactly")
@@ -63,19 +46,15 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       ->check(PositiveNumber());
 }
 
-v1::RecognizeRequest Request(const RecognizeOptions& options, v1::Observation observation) {
+v1::RecognizeRequest Request(const RecognizeOptions& options) {
   v1::RecognizeRequest request;
-  request.set_database(DatabaseName(options.database));
-  *request.mutable_observation() = std::move(observation);
   if (options.window == "all") {
     request.set_whole(true);
   } else {
     request.set_window_seconds(std::stod(options.window));
   }
   request.set_hop_seconds(options.hop_seconds);
-  request.set_layer(options.layer);
   request.set_top_count(options.top);
-  if (options.floor) request.set_transition_floor(*options.floor);
   if (options.paths > 0) {
     request.set_generation(v1::GENERATION_TOP_PATHS);
     request.set_path_count(options.paths);
@@ -84,11 +63,11 @@ v1::RecognizeRequest Request(const RecognizeOptions& options, v1::Observation ob
 }
 
 absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
-  auto observation = ObservationFromFile(options.file, options.source);
-  if (!observation.ok()) return observation.status();
+  v1::RecognizeRequest request = Request(options);
+  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
-  const auto response = client->Recognize(Request(options, *std::move(observation)));
+  const auto response = client->Recognize(request);
   if (!response.ok()) return response.status();
   if (global.json) {
     PrintJson(*response);

@@ -164,6 +164,31 @@ class AnyMachine(WithServer):
         result = self.server.run("ingest", "own", f"{MODELS}/Boxing_Toes.bvh")
         self.assertNotEqual(result.returncode, 0, "another skeleton lacks the first one's joints")
 
+    def test_a_marker_set_of_ones_own(self):
+        with open(self.path("legs.markers"), "w", encoding="utf-8") as file:
+            file.write("""motiondb-marker-set 1
+name legs
+marker LHip
+marker RHip
+marker LKnee
+marker RKnee
+marker LFoot
+marker RFoot
+mapping cmu
+LHip = LeftUpLeg
+RHip = RightUpLeg
+LKnee = LeftLeg
+RKnee = RightLeg
+LFoot = 0.5 LeftFoot + 0.5 LeftToeBase
+RFoot = RightFoot offset RightFoot 0 0 0.1
+""")
+        created = self.server.ask_one("create", "legs", "--marker-set", self.path("legs.markers"))
+        self.assertEqual(created["database"]["marker_names"][-1], "RFoot")
+        self.server.ask("ingest", "legs", f"{MODELS}/01_01.bvh")
+        self.assertEqual(self.server.ask_one("describe", "legs")["dimension_count"], 36)
+        result = self.server.run("ingest", "legs", f"{MODELS}/Boxing_Toes.bvh")
+        self.assertIn("LeftUpLeg", result.stderr)
+
     def test_dump_opens_in_numpy(self):
         self.ingest("01_01", "Boxing_Toes")
         self.server.ask("dump", "demo", self.path("dump"))

@@ -1,0 +1,39 @@
+// What the queries have in common on the command line: a database, a motion file, a layer and the
+// floor of transitions.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "absl/status/status.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/resource_name.h"
+
+namespace motiondb::client {
+
+struct QueryOptions {
+  std::string database;
+  std::string file;
+  SourceOptions source;
+  int layer = 0;
+  std::optional<double> floor;
+};
+
+// Binds them to a command.
+void AddQueryOptions(CLI::App& command, QueryOptions& options);
+
+// Puts them into a query's request, whose type must be complete, and the file's bytes with them.
+template <typename Request>
+absl::Status SetQuery(const QueryOptions& options, Request& request) {
+  auto observation = ObservationFromFile(options.file, options.source);
+  if (!observation.ok()) return observation.status();
+  request.set_database(DatabaseName(options.database));
+  *request.mutable_observation() = *std::move(observation);
+  request.set_layer(options.layer);
+  if (options.floor) request.set_transition_floor(*options.floor);
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::client

@@ -55,12 +55,16 @@ done
 MOTIONDB_SERVER=$(sed -n 's/.*listening on //p' "$work/address")
 export MOTIONDB_SERVER
 
-say() { printf '\n\033[1m$ %s\033[0m\n' "$*"; }
-ask() { say "motiondb $*"; (cd "$work" && motiondb "$@"); }
+ask() {
+  printf '\n$ motiondb %s\n' "$*" >&2  # apart from the answer, which may be cut
+  (cd "$work" && motiondb "$@")
+}
 
-ask create demo
+ask create demo >/dev/null
 ask ingest demo --list seen/clips.tsv
-ask recognize demo held_back/Boxing_Toes.bvh --hop 1.5 --top 1
+ask recognize demo held_back/01_01.bvh --window 1 --hop 1 --top 1
+ask recognize demo held_back/01_03.bvh --window 1 | tail -n 1
+ask recognize demo held_back/Boxing_Toes.bvh --window 1 | tail -n 1
 ask estimate demo held_back/01_01.bvh --layer 5 | cut -c1-120 | head -n 8
 ask predict demo held_back/01_01.bvh --at 2 --horizon 0.08,0.4,1
 printf '\nThe first 70 %% of each clip was stored, the rest asked about. README.md goes on from here.\n'

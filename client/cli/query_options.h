@@ -2,6 +2,8 @@
 // floor of transitions.
 #pragma once
 
+#include <motiondb/v1/query.pb.h>
+
 #include <CLI/CLI.hpp>
 #include <optional>
 #include <string>

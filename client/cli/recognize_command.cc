@@ -2,7 +2,6 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
-
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
 #include "client/cli/query_options.h"

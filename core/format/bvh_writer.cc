@@ -48,6 +48,9 @@ bool Slides(const Joint& joint) {
                      [](const Dof& dof) { return dof.kind == Dof::Kind::kTranslation; });
 }
 
+// What would be written as "-0.00000000" is 0.
+double Plain(double value) { return std::abs(value) < 5e-9 ? 0 : value; }
+
 std::string SafeName(std::string_view name) {
   std::string safe;
   for (const char c : name) {
@@ -171,7 +174,7 @@ class BvhWriter {
   }
 
   void WriteOffset(int depth, const Eigen::Vector3d& cm) {
-    Line(depth, "OFFSET {:.8f} {:.8f} {:.8f}", cm.x(), cm.y(), cm.z());
+    Line(depth, "OFFSET {:.8f} {:.8f} {:.8f}", Plain(cm.x()), Plain(cm.y()), Plain(cm.z()));
   }
 
   // All of a node but its children and closing brace.
@@ -203,8 +206,8 @@ class BvhWriter {
   void WriteFrame(Eigen::Index frame, std::vector<Eigen::Vector3d>& previous) {
     const char* separator = "";
     const auto write = [&](const Eigen::Vector3d& values) {
-      fmt::format_to(std::back_inserter(text_), "{}{:.8f} {:.8f} {:.8f}", separator, values[0],
-                     values[1], values[2]);
+      fmt::format_to(std::back_inserter(text_), "{}{:.8f} {:.8f} {:.8f}", separator,
+                     Plain(values[0]), Plain(values[1]), Plain(values[2]));
       separator = " ";
     };
     for (std::size_t i = 0; i < nodes_.size(); ++i) {

@@ -187,7 +187,7 @@ RFoot = RightFoot offset RightFoot 0 0 0.1
         self.server.ask("ingest", "legs", f"{MODELS}/01_01.bvh")
         self.assertEqual(self.server.ask_one("describe", "legs")["dimension_count"], 36)
         result = self.server.run("ingest", "legs", f"{MODELS}/Boxing_Toes.bvh")
-        self.assertIn("LeftUpLeg", result.stderr)
+        self.assertIn("LeftFoot", result.stderr)
 
     def test_dump_opens_in_numpy(self):
         self.ingest("01_01", "Boxing_Toes")

@@ -1,18 +1,58 @@
 #include "core/graph/generation.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace motiondb::core {
+namespace {
+
+constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+// log(e^a + e^b).
+double LogAdd(double a, double b) {
+  const double high = std::max(a, b);
+  return high == kNever ? kNever : high + std::log1p(std::exp(std::min(a, b) - high));
+}
+
+// The strict rule (floor 0) with every number a logarithm: slower, but no path is lost however
+// small its share at some frame. Turns `forward` into the logarithms at the last frame.
+double LogGenerationOfSeen(const TransitionGraph& graph,
+                           const Eigen::Ref<const EmissionMatrix>& emission,
+                           Eigen::VectorXd& forward) {
+  forward = emission.row(0).transpose();
+  for (Eigen::Index t = 1; t < emission.rows(); ++t) {
+    Eigen::VectorXd arriving = Eigen::VectorXd::Constant(emission.cols(), kNever);
+    for (int from = 0; from < static_cast<int>(emission.cols()); ++from) {
+      const double log_leaving = std::log(static_cast<double>(graph.row_sum(from)));
+      for (const Edge& edge : graph.row(from)) {
+        arriving[edge.to] =
+            LogAdd(arriving[edge.to], forward[from] + std::log(edge.count) - log_leaving);
+      }
+    }
+    forward = arriving + emission.row(t).transpose();
+  }
+  double sum = kNever;
+  for (double log : forward) sum = LogAdd(sum, log);
+  return sum;
+}
+
+}  // namespace
 
 double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
                      double transition_floor, Eigen::VectorXd* last) {
-  constexpr double kNever = -std::numeric_limits<double>::infinity();
   const Eigen::Index nodes = emission.cols();
   Eigen::VectorXd forward = Eigen::VectorXd::Ones(nodes);  // scaled to sum to 1 after each frame
   Eigen::VectorXd arriving(nodes);
   double log_probability = 0;
   if (last != nullptr) *last = Eigen::VectorXd::Zero(nodes);
+  if (transition_floor == 0 && emission.rows() > 0) {
+    log_probability = LogGenerationOfSeen(graph, emission, forward);
+    if (last != nullptr && log_probability > kNever) {
+      *last = (forward.array() - log_probability).exp();
+    }
+    return log_probability;
+  }
 
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
     if (t > 0) {

@@ -26,6 +26,11 @@ void LogTransitions(const TransitionGraph& graph, std::int32_t from,
   }
 }
 
+double LogSumExp(const Eigen::RowVectorXd& logs) {
+  const double peak = logs.maxCoeff();
+  return peak == kNever ? kNever : peak + std::log((logs.array() - peak).exp().sum());
+}
+
 // One step of a path that ends at a candidate.
 struct Step {
   double score = kNever;
@@ -142,27 +147,26 @@ std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const Transiti
 
 Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGraph& graph,
                                      double transition_floor) {
+  // In logarithms throughout: under the strict rule a path may have no share that a double can hold
+  // at one frame, and be the only one left at the next.
   const double log_floor = std::log(transition_floor);
   Eigen::VectorXd forward;
   Eigen::VectorXd log_transition;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
-    const LatticeFrame& frame = lattice[t];
-    Eigen::VectorXd arriving = Eigen::VectorXd::Ones(frame.log_emission.size());
+    Eigen::VectorXd arriving = Eigen::VectorXd::Zero(lattice[t].log_emission.size());
     if (t > 0) {
-      arriving.setZero();
+      Eigen::MatrixXd through(arriving.size(), forward.size());
       for (Eigen::Index i = 0; i < forward.size(); ++i) {
-        if (forward[i] == 0) continue;
-        LogTransitions(graph, lattice[t - 1].nodes[i], frame.nodes, log_floor, log_transition);
-        arriving += (forward[i] * log_transition.array().exp()).matrix();
+        LogTransitions(graph, lattice[t - 1].nodes[i], lattice[t].nodes, log_floor, log_transition);
+        through.col(i) = log_transition.array() + forward[i];
       }
+      for (Eigen::Index j = 0; j < arriving.size(); ++j) arriving[j] = LogSumExp(through.row(j));
     }
-    forward = arriving.array() * (frame.log_emission.array() - frame.log_emission.maxCoeff()).exp();
-    const double sum = forward.sum();
-    if (!(sum > 0))
-      return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(lattice.back().nodes.size()));
-    forward /= sum;
+    forward = arriving + lattice[t].log_emission;
   }
-  return forward;
+  const double sum = LogSumExp(forward.transpose());
+  if (sum == kNever) return Eigen::VectorXd::Zero(forward.size());
+  return (forward.array() - sum).exp();
 }
 
 void NormalizeEmission(Eigen::VectorXd& log_emission) {

@@ -65,6 +65,25 @@ TEST_CASE("ClipGraph: the clip's own nodes, with frames and transitions", "[core
   CHECK(graph.transitions.edge_count() == 5);
 }
 
+TEST_CASE("LogGeneration: the strict rule's path counts, however far another node lies above it",
+          "[core][graph]") {
+  const std::vector<std::vector<std::int32_t>> sequences{{0, 0, 0}, {1, 1, 1}};
+  const auto graph = core::CountTransitions(sequences, 2);
+  core::EmissionMatrix emission(3, 2);
+  emission << 0, -5000, -5000, 0, 0, -5000;  // each frame is nearest to the node not allowed
+  Eigen::VectorXd last;
+  CHECK(core::LogGeneration(graph, emission, 0, &last) == Approx(-5000));
+  CHECK(last[0] == Approx(1));
+
+  // The first frame is best in a node that leads nowhere.
+  const auto dead_end =
+      core::CountTransitions(std::vector<std::vector<std::int32_t>>{{0}, {1, 1}}, 2);
+  emission.col(0).setZero();
+  emission.col(1).setConstant(-2000);
+  CHECK(core::LogGeneration(dead_end, emission, 0, &last) == Approx(-6000));
+  CHECK(last[1] == Approx(1));
+}
+
 TEST_CASE("LogGeneration: equals the sum over all paths", "[core][graph]") {
   std::mt19937 random(3);
   for (int trial = 0; trial < 60; ++trial) {

@@ -90,6 +90,23 @@ TEST_CASE("MaxMarginals: the best path through each candidate", "[core][inferenc
   }
 }
 
+TEST_CASE("LastNodeDistribution: the strict rule's node counts, however far another lies above it",
+          "[core][inference]") {
+  const std::vector<std::vector<std::int32_t>> sequences{{0, 0, 0}, {1, 1, 1}};
+  const auto graph = core::CountTransitions(sequences, 2);
+  core::Lattice lattice(3, {{0, 1}, Eigen::Vector2d(0, -5000)});
+  lattice[1].log_emission = Eigen::Vector2d(-5000, 0);
+  const auto last = core::LastNodeDistribution(lattice, graph, 0);
+  CHECK(last[0] == Approx(1));
+  CHECK(last[1] == Approx(0).margin(1e-12));
+
+  // The first frame is best in a node that leads nowhere.
+  const auto dead_end =
+      core::CountTransitions(std::vector<std::vector<std::int32_t>>{{0}, {1, 1}}, 2);
+  CHECK(core::LastNodeDistribution(core::Lattice(3, {{0, 1}, Eigen::Vector2d(0, -2000)}), dead_end,
+                                   0)[1] == Approx(1));
+}
+
 TEST_CASE("LastNodeDistribution: equals the sum over all paths", "[core][inference]") {
   for (unsigned seed = 0; seed < 150; ++seed) {
     const Case c = RandomCase(seed);

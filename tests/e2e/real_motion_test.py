@@ -71,9 +71,9 @@ class AnyMachine(WithServer):
     """With motion that every machine can install."""
 
     def setUp(self):
-        super().setUp()
         if not os.path.isdir(MODELS):
             self.skipTest(f"assimp-testmodels is not installed: {MODELS} is missing")
+        super().setUp()  # last: a skipped test is not torn down
         self.server.ask_one("create", "demo")
 
     def ingest(self, *names):
@@ -227,9 +227,9 @@ class PaperDatabases(WithServer):
     """On the recorded motion beside the project."""
 
     def setUp(self):
-        super().setUp()
         if not os.path.exists(os.path.join(DATA, "index.tsv")):
             self.skipTest(f"real motion is not at {DATA}")
+        super().setUp()  # last: a skipped test is not torn down
 
     def test_database_1_windows(self):
         self.server.ask_one("create", "one")

@@ -6,11 +6,14 @@ build=(
   g++ cmake ninja-build ccache pkg-config
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
+  libtinyxml2-dev  # URDF files are XML
 )
 test=(
   catch2 clang-format
   assimp-testmodels  # real motion that any machine can install
   dart-doc           # two C3D captures
+  libassimp-dev      # an importer that the BVH we write must please
+  libbenchmark-dev   # Google Benchmark: what tests/bench measures speed with
   python3-numpy      # opens what `motiondb dump` writes
 )
 demo=(assimp-testmodels)

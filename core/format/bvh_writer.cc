@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/format/conventions.h"
-#include "core/format/frame_rate.h"
 #include "core/format/unique_names.h"
+#include "core/format/writable_motion.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/rotation_angles.h"
@@ -88,25 +88,6 @@ std::vector<BvhNode> DepthFirst(const Skeleton& skeleton) {
     for (const int child : children[j]) open.emplace_back(child, depth + 1);
   }
   return nodes;
-}
-
-absl::Status CheckMotion(const JointMotion& motion) {
-  if (motion.skeleton == nullptr) return InvalidArgument("BVH: the motion has no skeleton");
-  if (motion.angles.rows() == 0) return InvalidArgument("BVH: the motion has no frame");
-  if (!IsFrameRate(motion.frame_rate_hz)) {
-    return InvalidArgument("BVH: expected a frame rate from 0.001 to 100000 Hz, found {}",
-                           motion.frame_rate_hz);
-  }
-  if (motion.angles.cols() != motion.skeleton->dof_count()) {
-    return InvalidArgument("BVH: expected {} columns, one a degree of freedom, found {}",
-                           motion.skeleton->dof_count(), motion.angles.cols());
-  }
-  for (Eigen::Index frame = 0; frame < motion.angles.rows(); ++frame) {
-    if (!motion.angles.row(frame).allFinite()) {
-      return InvalidArgument("BVH: frame {} has a joint angle that is not finite", frame);
-    }
-  }
-  return absl::OkStatus();
 }
 
 // Joints as the file has them: y up for the roots, all others in their parents' frames.
@@ -233,7 +214,7 @@ class BvhWriter {
 }  // namespace
 
 absl::StatusOr<std::string> WriteBvh(const JointMotion& motion) {
-  MOTIONDB_RETURN_IF_ERROR(CheckMotion(motion));
+  MOTIONDB_RETURN_IF_ERROR(CheckWritable("BVH", motion));
   return BvhWriter(motion).Write();
 }
 

@@ -2,7 +2,10 @@
 // point between joints or one just past them, so that skeletons, joint positions and optical
 // markers all have it. Weights below were set so that one motion told by different sources gives
 // the same markers.
+#include <fmt/format.h>
+
 #include "core/format/marker_set_file.h"
+#include "core/format/standard34_robots.h"
 
 namespace motiondb::core {
 namespace {
@@ -280,7 +283,8 @@ RHand = 1.25 RightHand + -0.25 RightForeArm
 }  // namespace
 
 const MarkerScheme& StandardScheme() {
-  static const MarkerScheme scheme = *ReadMarkerSetFile({"standard34", kText});
+  static const MarkerScheme scheme =
+      *ReadMarkerSetFile({"standard34", fmt::format("{}{}", kText, Standard34RobotMappings())});
   return scheme;
 }
 

@@ -20,7 +20,8 @@ inline std::string MessageOf(const absl::Status& status) {
 }
 
 // The message of the error that reading must end in.
-inline std::string Refusal(const absl::StatusOr<core::MotionFile>& file) {
+template <typename File>
+std::string Refusal(const absl::StatusOr<File>& file) {
   if (file.ok()) return "it was read";
   CHECK(file.status().code() == absl::StatusCode::kInvalidArgument);
   return MessageOf(file.status());
@@ -66,7 +67,7 @@ void CheckEveryTruncation(std::string_view bytes, Read read, IsComplete is_compl
     // A copy of its own, so that the sanitizer sees a step beyond its end.
     const std::string cut(bytes.substr(0, length));
     CAPTURE(length);
-    const absl::StatusOr<core::MotionFile> file = read(cut);
+    const auto file = read(cut);
     if (is_complete(length)) {
       CHECK(file.ok());
     } else {

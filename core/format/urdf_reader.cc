@@ -1,0 +1,303 @@
+#include "core/format/urdf_reader.h"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+#include <utility>
+
+#include "core/format/text_scanner.h"
+#include "core/format/unique_names.h"
+#include "core/format/urdf_file.h"
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+using Type = UrdfJoint::Type;
+
+Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
+  return (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+          Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+          Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+      .toRotationMatrix();
+}
+
+bool HasOneDof(Type type) {
+  return type == Type::kRevolute || type == Type::kContinuous || type == Type::kPrismatic;
+}
+
+// Degrees of freedom in the joint's own frame, whose axes `pre` takes to the parent's: the skeleton
+// has translations in the parent's.
+std::vector<Dof> Dofs(const UrdfJoint& joint, const Eigen::Matrix3d& pre) {
+  const auto slide = [&](const Eigen::Vector3d& axis) {
+    return Dof{.kind = Dof::Kind::kTranslation, .axis = (pre * axis).normalized()};
+  };
+  const auto turn = [](const Eigen::Vector3d& axis) {
+    return Dof{.kind = Dof::Kind::kRotation, .axis = axis};
+  };
+  const auto limited = [&](Dof dof) {
+    dof.lower = joint.lower;
+    dof.upper = joint.upper;
+    return dof;
+  };
+  using Eigen::Vector3d;
+  switch (joint.type) {
+    case Type::kRevolute:
+      return {limited(turn(joint.axis))};
+    case Type::kContinuous:
+      return {turn(joint.axis)};
+    case Type::kPrismatic:
+      return {limited(slide(joint.axis))};
+    case Type::kFixed:
+      return {};
+    case Type::kFloating:
+      return {slide(Vector3d::UnitX()), slide(Vector3d::UnitY()), slide(Vector3d::UnitZ()),
+              turn(Vector3d::UnitZ()),  turn(Vector3d::UnitY()),  turn(Vector3d::UnitX())};
+    case Type::kPlanar: {
+      const auto plane = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), joint.axis);
+      return {slide(plane * Vector3d::UnitX()), slide(plane * Vector3d::UnitY()), turn(joint.axis)};
+    }
+  }
+  return {};
+}
+
+// A URDF joint as the skeleton has it.
+Joint ToJoint(const UrdfJoint& urdf, int parent) {
+  Joint joint{.name = urdf.name, .parent = parent, .offset_m = urdf.xyz_m, .dofs = {}};
+  joint.pre_rotation = FromRollPitchYaw(urdf.rpy_rad);
+  joint.dofs = Dofs(urdf, joint.pre_rotation);
+  return joint;
+}
+
+// Takes the joint's one degree of freedom and leaves it at `value`.
+void Hold(Joint& joint, double value) {
+  const Dof dof = joint.dofs[0];
+  joint.dofs.clear();
+  if (dof.kind == Dof::Kind::kTranslation) {
+    joint.offset_m += value * dof.axis;
+  } else {
+    joint.pre_rotation *= Eigen::AngleAxisd(value, dof.axis).toRotationMatrix();
+  }
+}
+
+class RobotBuilder {
+ public:
+  RobotBuilder(SourceFile file, UrdfFile urdf) : file_(file), urdf_(std::move(urdf)) {}
+
+  absl::StatusOr<UrdfRobot> Build() {
+    MOTIONDB_RETURN_IF_ERROR(IndexNames());
+    MOTIONDB_RETURN_IF_ERROR(ConnectLinks());
+    MOTIONDB_RETURN_IF_ERROR(FindRoot());
+    MOTIONDB_RETURN_IF_ERROR(ResolveMimics());
+    MakeJoints();
+    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) {
+      if (placed_[j]) continue;
+      return Error(urdf_.joints[j].line, "expected a tree of links, found joint '{}' in a circle",
+                   Shown(urdf_.joints[j].name));
+    }
+    NoteMimics();
+    auto skeleton = Skeleton::Create(urdf_.name.empty() ? "robot" : urdf_.name, std::move(joints_));
+    if (!skeleton.ok()) {
+      return InvalidArgument("{}: expected a skeleton: {}", file_.name,
+                             std::string(skeleton.status().message()));
+    }
+    report_.unit_provenance = Provenance::kStated;
+    report_.up_axis = UpAxis::kZ;
+    report_.up_provenance = Provenance::kStated;
+    return UrdfRobot{*std::move(skeleton), std::move(mimics_), std::move(report_)};
+  }
+
+ private:
+  using Index = std::unordered_map<std::string, int>;
+
+  template <typename... Args>
+  absl::Status Error(int line, fmt::format_string<Args...> format, Args&&... args) const {
+    return InvalidArgument("{}:{}: {}", file_.name, line,
+                           fmt::format(format, std::forward<Args>(args)...));
+  }
+
+  template <typename Part>
+  absl::Status IndexPart(std::string_view kind, const std::vector<Part>& parts,
+                         Index& index) const {
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      if (index.emplace(parts[i].name, static_cast<int>(i)).second) continue;
+      return Error(parts[i].line, "expected {}s of different names, found '{}' twice", kind,
+                   Shown(parts[i].name));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status IndexNames() {
+    if (urdf_.links.empty()) {
+      return InvalidArgument("{}: expected at least one <link>, found none", file_.name);
+    }
+    MOTIONDB_RETURN_IF_ERROR(IndexPart("link", urdf_.links, links_));
+    return IndexPart("joint", urdf_.joints, joint_index_);
+  }
+
+  absl::StatusOr<int> Link(const UrdfJoint& joint, const std::string& name) const {
+    if (const auto at = links_.find(name); at != links_.end()) return at->second;
+    return Error(joint.line, "joint '{}': expected the name of a link, found '{}'",
+                 Shown(joint.name), Shown(name));
+  }
+
+  // Which joint carries each link, and which joints each link carries.
+  absl::Status ConnectLinks() {
+    carrier_.assign(urdf_.links.size(), -1);
+    carried_.resize(urdf_.links.size());
+    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) {
+      const UrdfJoint& joint = urdf_.joints[j];
+      MOTIONDB_ASSIGN_OR_RETURN(const int parent, Link(joint, joint.parent));
+      MOTIONDB_ASSIGN_OR_RETURN(const int child, Link(joint, joint.child));
+      if (carrier_[child] >= 0) {
+        return Error(
+            joint.line, "expected link '{}' to be the child of one joint, found '{}' and '{}'",
+            Shown(joint.child), Shown(urdf_.joints[carrier_[child]].name), Shown(joint.name));
+      }
+      carrier_[child] = static_cast<int>(j);
+      child_link_.push_back(child);
+      carried_[parent].push_back(static_cast<int>(j));
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status FindRoot() {
+    for (std::size_t link = 0; link < urdf_.links.size(); ++link) {
+      if (carrier_[link] >= 0) continue;
+      if (root_ >= 0) {
+        return Error(urdf_.links[link].line,
+                     "expected one link without a joint above it, found '{}' and '{}'",
+                     Shown(urdf_.links[root_].name), Shown(urdf_.links[link].name));
+      }
+      root_ = static_cast<int>(link);
+    }
+    if (root_ >= 0) return absl::OkStatus();
+    return Error(urdf_.links[0].line, "expected a root link, found that links form a circle");
+  }
+
+  // Rewrites each mimic joint's master as the one at the end of the chain. O(joints).
+  absl::Status ResolveMimics() {
+    std::vector<bool> resolved(urdf_.joints.size(), false);
+    std::vector<bool> on_chain(urdf_.joints.size(), false);
+    std::vector<int> chain;
+    for (std::size_t j = 0; j < urdf_.joints.size(); ++j) {
+      int at = static_cast<int>(j);
+      while (urdf_.joints[at].mimic && !resolved[at]) {
+        const UrdfJoint& joint = urdf_.joints[at];
+        if (on_chain[at]) {
+          return Error(joint.line, "expected no circle of mimic joints, found one at '{}'",
+                       Shown(joint.name));
+        }
+        on_chain[at] = true;
+        chain.push_back(at);
+        const auto master = joint_index_.find(joint.mimic->master);
+        if (master == joint_index_.end() || !HasOneDof(urdf_.joints[master->second].type) ||
+            !HasOneDof(joint.type)) {
+          return Error(joint.line,
+                       "joint '{}': expected it and the joint that it mimics to be revolute, "
+                       "continuous or prismatic, found '{}'",
+                       Shown(joint.name), Shown(joint.mimic->master));
+        }
+        at = master->second;
+      }
+      for (; !chain.empty(); chain.pop_back()) {
+        UrdfMimic& mimic = *urdf_.joints[chain.back()].mimic;
+        if (const auto& above = urdf_.joints[joint_index_.at(mimic.master)].mimic) {
+          mimic.master = above->master;
+          mimic.offset += mimic.multiplier * above->offset;
+          mimic.multiplier *= above->multiplier;
+        }
+        if (!std::isfinite(mimic.offset) || !std::isfinite(mimic.multiplier)) {
+          return Error(urdf_.joints[chain.back()].line,
+                       "joint '{}': expected a chain of mimic joints with finite products",
+                       Shown(urdf_.joints[chain.back()].name));
+        }
+        resolved[chain.back()] = true;
+      }
+    }
+    return absl::OkStatus();
+  }
+
+  // The joints depth first. A chain of any length takes no stack.
+  void MakeJoints() {
+    placed_.assign(urdf_.joints.size(), false);
+    std::vector<std::pair<int, int>> open;  // joint of the file, parent in the skeleton
+    const auto open_all = [&](int link, int parent) {
+      const std::vector<int>& below = carried_[link];
+      for (auto j = below.rbegin(); j != below.rend(); ++j) open.emplace_back(*j, parent);
+    };
+    open_all(MakeBase(), 0);
+    while (!open.empty()) {
+      const auto [j, parent] = open.back();
+      open.pop_back();
+      placed_[j] = true;
+      const UrdfJoint& urdf = urdf_.joints[j];
+      joints_.push_back(ToJoint(urdf, parent));
+      if (urdf.mimic) {
+        Hold(joints_.back(), urdf.mimic->offset);
+        mimics_.push_back(
+            {urdf.name, urdf.mimic->master, urdf.mimic->multiplier, urdf.mimic->offset});
+      }
+      open_all(child_link_[j], static_cast<int>(joints_.size()) - 1);
+    }
+  }
+
+  // Adds the floating base and returns its link.
+  int MakeBase() {
+    UrdfJoint base{.type = Type::kFloating, .mimic = {}};
+    int link = root_;
+    if (carried_[root_].size() == 1 && urdf_.joints[carried_[root_][0]].type == Type::kFloating) {
+      const int floating = carried_[root_][0];
+      base = urdf_.joints[floating];
+      link = child_link_[floating];
+      placed_[floating] = true;
+      report_.notes.push_back(
+          fmt::format("link '{}' is taken for the world, joint '{}' for the base",
+                      Shown(urdf_.links[root_].name), Shown(base.name)));
+    }
+    UniqueNames names;
+    for (const UrdfJoint& joint : urdf_.joints) names.Add(joint.name);
+    const std::string& wanted = urdf_.links[link].name;
+    base.name = names.Add(wanted);
+    if (base.name != wanted) {
+      report_.notes.push_back(fmt::format("the base is named '{}', as a joint is named '{}'",
+                                          Shown(base.name), Shown(wanted)));
+    }
+    joints_.push_back(ToJoint(base, -1));
+    return link;
+  }
+
+  void NoteMimics() {
+    constexpr std::size_t kShown = 3;
+    if (mimics_.empty()) return;
+    std::string names;
+    for (std::size_t i = 0; i < std::min(kShown, mimics_.size()); ++i) {
+      names += (i == 0 ? "" : ", ") + Shown(mimics_[i].joint);
+    }
+    if (mimics_.size() > kShown) names += fmt::format(" and {} more", mimics_.size() - kShown);
+    report_.notes.push_back("joints that mimic others rest at their offsets: " + names);
+  }
+
+  SourceFile file_;
+  UrdfFile urdf_;
+  Index links_;
+  Index joint_index_;
+  std::vector<int> carrier_;               // of a link: the joint that it is the child of, or -1
+  std::vector<std::vector<int>> carried_;  // of a link: the joints that it is the parent of
+  std::vector<int> child_link_;            // of a joint
+  int root_ = -1;                          // the link that no joint carries
+  std::vector<bool> placed_;               // of a joint: it is in the skeleton, or is its base
+  std::vector<Joint> joints_;
+  std::vector<MimicJoint> mimics_;
+  SourceReport report_;
+};
+
+}  // namespace
+
+absl::StatusOr<UrdfRobot> ReadUrdf(SourceFile file) {
+  MOTIONDB_ASSIGN_OR_RETURN(UrdfFile urdf, ReadUrdfFile(file));
+  return RobotBuilder(file, std::move(urdf)).Build();
+}
+
+}  // namespace motiondb::core

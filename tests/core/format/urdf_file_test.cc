@@ -1,0 +1,117 @@
+// URDF files that are damaged, hostile or no URDF at all.
+#include <fmt/format.h>
+
+#include <catch2/catch.hpp>
+
+#include "tests/core/format/odd_robot.h"
+
+namespace motiondb::tests {
+
+using Catch::Contains;
+using core::UrdfRobot;
+
+TEST_CASE("ReadUrdf: what is missing or makes no sense, with its line", "[core][format]") {
+  CHECK_THAT(RefusalWith("name=\"elbow\" type", "type"),
+             Contains("robot.urdf:5: expected <joint> to have a name, found none"));
+  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link/>"), Contains("<link> to have a name"));
+  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link name=\"\"/>"), Contains("a name"));
+  CHECK_THAT(RefusalWith(" type=\"planar\"", ""), Contains("<joint> to have a type"));
+  CHECK_THAT(RefusalWith("planar", "screw"), Contains("floating or planar, found 'screw'"));
+  CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", ""), Contains("<parent link=...>"));
+  CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", "<parent/>"), Contains("<parent> to have"));
+  CHECK_THAT(RefusalWith("xyz=\"0 2 0\"", "xyz=\"0 0 0\""),
+             Contains("robot.urdf:9: joint 'elbow': expected an axis of some length"));
+  CHECK_THAT(RefusalWith("<limit lower=\"-0.5\" upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""),
+             Contains("joint 'elbow': expected <limit>"));
+  CHECK_THAT(RefusalWith("lower=\"-0.5\"", "lower=\"2.5\""), Contains("expected lower <= upper"));
+  for (const char* numbers : {"nan 0 1", "inf 0 1", "1e999 0 1", "0 0", "0 0 0 0", "", "0,0,0",
+                              "a b c", "${x} 0 0", "0x1 0 0"}) {
+    CHECK_THAT(RefusalWith("xyz=\"0 0 -0.3\"", fmt::format("xyz=\"{}\"", numbers)),
+               Contains("robot.urdf:8: expected 3 finite numbers as xyz of <origin>"));
+    CHECK_THAT(RefusalWith("rpy=\"0 0 1.5707963267948966\"", fmt::format("rpy=\"{}\"", numbers)),
+               Contains("expected 3 finite numbers as rpy"));
+  }
+  CHECK_THAT(RefusalWith("lower=\"-0.5\"", "lower=\"low\""),
+             Contains("expected 1 finite number as lower of <limit>, found 'low'"));
+}
+
+TEST_CASE("ReadUrdf: what is no URDF", "[core][format]") {
+  for (const char* text : {"", "   \n", "hello", "HIERARCHY\nROOT Hips\n{\n", "<", "<robot",
+                           "<robot/", "<robot/><", "<robot/>x", "x<robot/>", "<robot/><robot/>",
+                           "<sdf><model/></sdf>", "<!-- no -->", "<robot><link name='a'></robot>",
+                           "<robot><link name='a' name='b'/></robot>", "\xff\xfe<\x01"}) {
+    CAPTURE(text);
+    CHECK_THAT(Refusal(ReadRobot(text)), Contains("robot.urdf") && Contains("expected"));
+  }
+  CHECK_THAT(Refusal(ReadRobot("<mujoco/>")), Contains("expected <robot>, found <mujoco>"));
+  CHECK_THAT(Refusal(ReadRobot(std::string_view("<robot/>\0<", 10))), Contains("zero byte"));
+  CHECK_THAT(Refusal(ReadRobot("<robot xmlns:xacro='x'>\n<xacro:arg name='a'/></robot>")),
+             Contains("robot.urdf:2: expected URDF, found <xacro:arg>"));
+}
+
+TEST_CASE("ReadUrdf: refused wherever it is cut short", "[core][format]") {
+  CheckEveryTruncation(
+      kRobot, [](std::string_view text) { return ReadRobot(text); },
+      [](std::size_t length) { return length + 1 >= kRobot.size(); });  // but for the last line end
+}
+
+TEST_CASE("ReadUrdf: entities of a document type are not expanded, nor read over",
+          "[core][format]") {
+  std::string bomb = "<?xml version='1.0'?>\n<!DOCTYPE robot [\n<!ENTITY e0 'boom'>\n";
+  for (int i = 1; i < 30; ++i) {
+    bomb += fmt::format("<!ENTITY e{} '&e{};&e{};'>\n", i, i - 1, i - 1);
+  }
+  bomb += "]>\n<robot name='&e29;'><link name='&e29;'/></robot>";
+  CHECK_THAT(Refusal(ReadRobot(bomb)), Contains("robot.urdf:2: expected no document type"));
+  CHECK_THAT(Refusal(ReadRobot("<!DOCTYPE r [<!ENTITY x SYSTEM 'file:///etc/hostname'>]>"
+                               "<robot><link name='&x;'/></robot>")),
+             Contains("expected no document type"));
+  CHECK(GoodRobot("<robot><link name='&amp;&lt;&#65;'/></robot>").skeleton.joints()[0].name ==
+        "&<A");
+}
+
+TEST_CASE("ReadUrdf: no file takes long, or much memory or stack", "[core][format]") {
+  const auto repeated = [](std::string_view part, std::size_t bytes) {
+    std::string text;
+    while (text.size() < bytes) text += part;
+    return text;
+  };
+  constexpr std::size_t kJustUnder = (4 << 20) - 100;
+  CHECK_THAT(Refusal(ReadRobot(repeated("<a>", 100 << 20))), Contains("at most 4194304 bytes"));
+  CHECK_THAT(Refusal(ReadRobot(repeated("<a>", kJustUnder))), Contains("DEPTH"));
+  CHECK_THAT(Refusal(ReadRobot("<robot>" + repeated("<a/>", kJustUnder) + "</robot>")),
+             Contains("at least one <link>"));
+  // Attributes of one tag, which the parser compares each with each; quotes may hold a '>'.
+  std::string attributes = "<robot>\n<link";
+  for (int i = 0; attributes.size() < kJustUnder; ++i) attributes += fmt::format(" a{}='>'", i);
+  CHECK_THAT(Refusal(ReadRobot(attributes + "/></robot>")),
+             Contains("robot.urdf:2: expected a tag"));
+  // Long comments are no tags.
+  CHECK(ReadRobot("<robot><!--" + repeated(" a='", 1 << 20) + "--><link name='a'/></robot>").ok());
+  // A chain of mimic joints, the last first.
+  std::string mimics = "<robot><link name='l0'/>";
+  for (int i = 9999; i > 0; --i) {
+    mimics += fmt::format(
+        "<link name='l{0}'/><joint name='j{0}' type='continuous'><parent link='l{1}'/>"
+        "<child link='l{0}'/>",
+        i, i - 1);
+    if (i > 1) mimics += fmt::format("<mimic joint='j{}'/>", i - 1);
+    mimics += "</joint>";
+  }
+  const UrdfRobot robot = GoodRobot(mimics + "</robot>");
+  CHECK(robot.mimics.size() == 9998);
+  CHECK(robot.mimics.back().master == "j1");
+}
+
+TEST_CASE("ReadUrdf: names that are not UTF-8, and line ends of any kind", "[core][format]") {
+  const UrdfRobot robot = GoodRobot(
+      "<robot><link name='H\xfc"
+      "fte'/></robot>");
+  CHECK(robot.skeleton.joints()[0].name ==
+        "H\xc3\xbc"
+        "fte");
+  CHECK(GoodRobot(WithLineEnds(kRobot, "\r\n")).skeleton.joint_count() == 9);
+  CHECK(GoodRobot("\xef\xbb\xbf" + std::string(kRobot)).skeleton.joint_count() == 9);
+}
+
+}  // namespace motiondb::tests

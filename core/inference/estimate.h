@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/inference/cancellation.h"
 #include "core/inference/node_path.h"
 #include "core/model/model.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 

@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/inference/cancellation.h"
 #include "core/inference/estimate.h"
 #include "core/model/model.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/inference/cancellation.h"
 #include "core/model/model.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 

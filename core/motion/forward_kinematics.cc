@@ -44,6 +44,32 @@ std::vector<Eigen::Isometry3d> ForwardKinematics(
   return world_from_joint;
 }
 
+void WorldDofAxes(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
+                  std::span<const Eigen::Isometry3d> world_from_joint,
+                  std::span<Eigen::Vector3d> axes) {
+  assert(static_cast<int>(axes.size()) == skeleton.dof_count());
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    const Joint& joint = skeleton.joints()[j];
+    if (joint.dofs.empty()) continue;
+    Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+    if (joint.parent >= 0) rotation = world_from_joint[joint.parent].linear();
+    bool turned = false;
+    int column = skeleton.first_dof(j);
+    for (const Dof& dof : joint.dofs) {
+      if (dof.kind == Dof::Kind::kRotation && !turned) {
+        rotation *= joint.pre_rotation;
+        turned = true;
+      }
+      axes[column] = rotation * dof.axis;
+      const bool last = &dof == &joint.dofs.back();
+      if (turned && !last) {
+        rotation *= Eigen::AngleAxisd(angles[column], dof.axis).toRotationMatrix();
+      }
+      ++column;
+    }
+  }
+}
+
 FrameMatrix JointPositions(const JointMotion& motion) {
   const Skeleton& skeleton = *motion.skeleton;
   std::vector<Eigen::Isometry3d> world_from_joint(skeleton.joint_count());

@@ -23,6 +23,13 @@ std::vector<Eigen::Isometry3d> ForwardKinematics(
 void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
                        std::span<Eigen::Isometry3d> world_from_joint);
 
+// The axis of each degree of freedom in the world, as the pose has it: what a unit of its speed
+// moves along or turns about. O(dofs), takes no memory. REQUIRES: world_from_joint is that pose;
+// axes.size() == skeleton.dof_count().
+void WorldDofAxes(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
+                  std::span<const Eigen::Isometry3d> world_from_joint,
+                  std::span<Eigen::Vector3d> axes);
+
 // The transform of one joint relative to its parent (to the world for a root). `q` holds the
 // joint's own degrees of freedom, as many as joint.dofs.
 Eigen::Isometry3d ParentFromJoint(const Joint& joint, std::span<const double> q);

@@ -7,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "core/inference/cancellation.h"
+#include "core/motion/cancellation.h"
 #include "server/engine/live_database.h"
 #include "storage/motion_store.h"
 

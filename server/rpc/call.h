@@ -4,10 +4,11 @@
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
 
+#include <chrono>
 #include <functional>
 
 #include "absl/status/status.h"
-#include "core/inference/cancellation.h"
+#include "core/motion/cancellation.h"
 #include "server/engine/engine.h"
 #include "server/rpc/call_gate.h"
 
@@ -22,7 +23,8 @@ struct CallHost {
 // What a handler may use besides the request.
 struct Call {
   Engine& engine;
-  core::Cancelled cancelled;  // the deadline passed or the client went away
+  core::Cancelled cancelled;                       // the deadline passed or the client went away
+  std::chrono::system_clock::time_point deadline;  // far away where the client set none
 };
 
 core::Cancelled CancellationOf(grpc::CallbackServerContext& context);
@@ -58,7 +60,7 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
     return reactor;
   }
   host.engine.workers().Post([&engine = host.engine, context, request, response, reactor] {
-    const Call call{engine, CancellationOf(*context)};
+    const Call call{engine, CancellationOf(*context), context->deadline()};
     reactor->Finish(
         RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); }));
   });

@@ -7,10 +7,12 @@ cd "$(dirname "$0")/../.."
 declare -A may_include=(
   [core/motion]="core/motion"
   [core/format]="core/format core/motion"
+  [core/kinematics]="core/kinematics core/motion"
   [core/tree]="core/tree core/motion"
   [core/graph]="core/graph core/tree core/motion"
   [core/model]="core/model core/graph core/tree core/motion"
   [core/inference]="core/inference core/model core/graph core/tree core/motion"
+  [core/planning]="core/planning core/kinematics core/inference core/model core/graph core/tree core/motion"
   [storage]="storage core"
   [server]="server storage core motiondb/v1"
   [client]="client motiondb"
@@ -41,7 +43,7 @@ for folder in core/*/; do
 done
 # The mathematics has no clock, no threads of its own, no files and no unseeded randomness.
 if grep -rnE --include='*.h' --include='*.cc' \
-    '#include <(thread|chrono|fstream|iostream|filesystem|mutex|random)>|std::(thread|async)\b|\brand\(' core; then
+    '#include <(thread|chrono|fstream|iostream|filesystem|mutex)>|std::(thread|async|random_device)\b|\brand\(' core; then
   echo "core/ may not use threads, clocks, files or randomness"
   bad=1
 fi

@@ -1,0 +1,33 @@
+// How far it is to the goal around what stands in the way: a lower bound that guides the search.
+// Immutable; safe to share between threads.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/planning/obstacles.h"
+
+namespace motiondb::core {
+
+class FloorField {
+ public:
+  // Shortest ways over a grid of the floor around start, goal and obstacles, leaving out cells that
+  // lie wholly too near to an obstacle. Without obstacles it is the straight line. Cells get
+  // coarser where there are many corners, so the cost is bounded.
+  FloorField(const Obstacles& obstacles, const Eigen::Vector2d& start, const Eigen::Vector2d& goal);
+
+  // Metres from a point to the goal, never more than the way is long; infinite where there is none.
+  double DistanceToGoal(const Eigen::Vector2d& point) const;
+
+ private:
+  int IndexAt(const Eigen::Vector2d& point) const;
+
+  Eigen::Vector2d goal_;
+  Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
+  double cell_m_ = 0;  // 0: no grid
+  int columns_ = 0;
+  int rows_ = 0;
+  std::vector<float> distance_m_;
+};
+
+}  // namespace motiondb::core

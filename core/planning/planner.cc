@@ -1,0 +1,288 @@
+#include "core/planning/planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/inference/node_path.h"
+#include "core/motion/error.h"
+#include "core/planning/body.h"
+#include "core/planning/performance.h"
+#include "core/planning/random_sampling.h"
+#include "core/planning/root_correction.h"
+#include "core/planning/segment_search.h"
+#include "core/planning/synthesis.h"
+
+namespace motiondb::core {
+namespace {
+
+// Where the paper searched: layer 13 of 16.
+constexpr double kCoarseShare = 0.8;
+constexpr int kMostAttempts = 3;  // to end a motion at the goal on the body that plays it
+
+absl::Status Check(const PlanProblem& problem) {
+  const FloorPose& goal = problem.goal;
+  if (!std::isfinite(goal.x) || !std::isfinite(goal.y) || !std::isfinite(goal.heading)) {
+    return InvalidArgument("goal: expected finite numbers, got {}, {}, {}", goal.x, goal.y,
+                           goal.heading);
+  }
+  const auto at_least_zero = [](std::string_view name, double value) {
+    return value >= 0 && std::isfinite(value)
+               ? absl::OkStatus()
+               : InvalidArgument("{}: expected 0 or more, got {}", name, value);
+  };
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("position_tolerance_m", problem.position_tolerance_m));
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("heading_tolerance_rad", problem.heading_tolerance_rad));
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("max_duration_seconds", problem.max_duration_seconds));
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("clearance_m", problem.obstacles.clearance_m));
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("frame_rate_hz", problem.frame_rate_hz));
+  MOTIONDB_RETURN_IF_ERROR(at_least_zero("effort", problem.effort));
+  if (problem.leg_length_m &&
+      !(*problem.leg_length_m > 0 && std::isfinite(*problem.leg_length_m))) {
+    return InvalidArgument("leg_length_m: expected more than 0, got {}", *problem.leg_length_m);
+  }
+  if (problem.plan_count < 1) {
+    return InvalidArgument("plan_count: expected 1 or more, got {}", problem.plan_count);
+  }
+  return absl::OkStatus();
+}
+
+class Planner {
+ public:
+  Planner(const Model& model, const MarkerScheme& scheme, const PlanProblem& problem,
+          const PlanControl& control, int layer, PlanOrigin origin, Body body)
+      : model_(model),
+        scheme_(scheme),
+        problem_(problem),
+        control_(control),
+        layer_(layer),
+        origin_(std::move(origin)),
+        body_(std::move(body)),
+        floor_(model, body_.leg_length_m()),
+        field_(problem.obstacles, Eigen::Vector2d::Zero(),
+               Eigen::Vector2d(problem.goal.x, problem.goal.y)) {}
+
+  absl::StatusOr<PlanAnswer> Plan() {
+    answer_.leg_length_m = body_.leg_length_m();
+    if (std::string why = WhyUnreachable(); !why.empty()) {
+      if (control_.search_over) control_.search_over();
+      answer_.effort.complete = true;
+      answer_.missing = std::move(why);
+      return std::move(answer_);
+    }
+    MOTIONDB_RETURN_IF_ERROR(problem_.method == PlanMethod::kSegmentSearch ? PlanBySegments()
+                                                                           : PlanBySampling());
+    SumUp();
+    return std::move(answer_);
+  }
+
+ private:
+  // What no search can mend; empty if there is hope.
+  std::string WhyUnreachable() const {
+    const Obstacles& obstacles = problem_.obstacles;
+    const FloorPose& goal = problem_.goal;
+    if (const double distance = Distance(obstacles, {goal.x, goal.y});
+        distance + problem_.position_tolerance_m < obstacles.clearance_m) {
+      return distance < 0 ? std::string("the goal is inside an obstacle")
+                          : fmt::format("the goal is {:.3g} m from an obstacle, {:.3g} wanted",
+                                        distance, obstacles.clearance_m);
+    }
+    if (const double distance = Distance(obstacles, {0, 0}); distance < obstacles.clearance_m) {
+      return distance < 0 ? std::string("the start is inside an obstacle")
+                          : fmt::format("the start is {:.3g} m from an obstacle, {:.3g} wanted",
+                                        distance, obstacles.clearance_m);
+    }
+    const double way = field_.DistanceToGoal({0, 0});
+    if (!std::isfinite(way)) return "the obstacles leave no way to the goal";
+    const double reach = floor_.top_speed_m_s() * problem_.max_duration_seconds;
+    if (way - problem_.position_tolerance_m > reach) {
+      return fmt::format(
+          "the goal is {:.2f} m away, and no stored motion goes more than {:.2f} m in "
+          "{:.3g} s",
+          way, reach, problem_.max_duration_seconds);
+    }
+    const double turn = std::abs(WrapAngle(goal.heading));
+    const double most_turn = floor_.top_turn_rad_s() * problem_.max_duration_seconds;
+    if (turn - problem_.heading_tolerance_rad > most_turn) {
+      return fmt::format(
+          "the goal's heading is {:.2f} rad off the start's, and no stored motion "
+          "turns more than {:.2f} rad in {:.3g} s",
+          turn, most_turn, problem_.max_duration_seconds);
+    }
+    return {};
+  }
+
+  SearchSettings Settings() const {
+    return {.goal = problem_.goal,
+            .position_tolerance_m = problem_.position_tolerance_m,
+            .heading_tolerance_rad = problem_.heading_tolerance_rad,
+            .max_duration_seconds = problem_.max_duration_seconds,
+            .frame_rate_hz = model_.settings().frame_rate_hz,
+            .path_count = problem_.plan_count,
+            .seed = problem_.seed,
+            .effort = problem_.effort};
+  }
+
+  absl::Status PlanBySegments() {
+    SegmentGraph graph(model_, floor_, layer_, problem_.labels);
+    const SearchSettings settings = Settings();
+    MOTIONDB_ASSIGN_OR_RETURN(const FoundPaths found,
+                              SearchSegments(graph, floor_, origin_.frame, problem_.obstacles,
+                                             field_, settings, control_));
+    answer_.effort = found.effort;
+    time_up_ = found.time_up;
+    reached_ = found.reached;
+    for (const FoundPath& path : found.paths) MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
+    return absl::OkStatus();
+  }
+
+  absl::Status AddSegments(const SplicedPath& path) {
+    PlannedMotion planned;
+    planned.coarse_layer = layer_;
+    for (int first = path.start; const Join& join : path.joins) {
+      planned.segments.push_back({first, join.leave});
+      first = join.enter + 1;
+    }
+    planned.segments.push_back(
+        {path.joins.empty() ? path.start : path.joins.back().enter + 1, path.end});
+    for (const PlayedFrame& frame : PlayedFrames(path)) {
+      planned.coarse_nodes.push_back(model_.tree().node_of_frame(layer_, frame.main));
+    }
+    const std::vector<FloorPose> root = PlayedRoot(floor_, path);
+    FloorPose aim = problem_.goal;
+    std::optional<PlannedMotion> best;
+    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+      PlannedMotion aimed = planned;
+      MOTIONDB_RETURN_IF_ERROR(Play(path, CorrectRoot(root, aim), aimed));
+      // A body of other proportions ends a little beside its markers' end: aim beside the goal.
+      const Eigen::Index last = aimed.root.rows() - 1;
+      aim.x += problem_.goal.x - aimed.root(last, 0);
+      aim.y += problem_.goal.y - aimed.root(last, 1);
+      aim.heading += WrapAngle(problem_.goal.heading - aimed.root(last, 2));
+      if (!best || Lack(aimed) < Lack(*best)) best = std::move(aimed);
+      if (best->outcome == PlanOutcome::kExact) break;
+    }
+    answer_.motions.push_back(*std::move(best));
+    return absl::OkStatus();
+  }
+
+  // How much is missing of a goal, as the search counts it.
+  double Lack(const PlannedMotion& motion) const {
+    return std::max(0.0, motion.quality.position_error_m - problem_.position_tolerance_m) +
+           std::max(0.0, motion.quality.heading_error_rad - problem_.heading_tolerance_rad);
+  }
+
+  absl::Status Play(const SplicedPath& path, const CorrectedRoot& root, PlannedMotion& planned) {
+    planned.quality.correction_m = root.largest_shift_m;
+    planned.quality.correction_heading_rad = root.turn_rad;
+    SynthesisedMotion motion = Synthesise(model_, body_, origin_, path, root.poses);
+    MOTIONDB_ASSIGN_OR_RETURN(planned.bottom_nodes, BottomNodes(motion.markers));
+    return Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
+  }
+
+  // By the node-path algorithm (section IV-A) on the motion itself.
+  absl::StatusOr<std::vector<std::int32_t>> BottomNodes(const MarkerMotion& markers) const {
+    MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
+                              ComputeStates(scheme_.set, markers, body_.leg_length_m()));
+    model_.scale().Apply(states.states);
+    MOTIONDB_ASSIGN_OR_RETURN(PathSearch search,
+                              FindNodePaths(model_, states.states, {}, control_.cancelled));
+    return std::move(search.paths.front().nodes);
+  }
+
+  absl::Status PlanBySampling() {
+    const SearchSettings settings = Settings();
+    MOTIONDB_ASSIGN_OR_RETURN(
+        SampledPaths sampled,
+        SampleWalks(model_, layer_, origin_.frame, problem_.labels, body_.leg_length_m(),
+                    problem_.obstacles, settings, control_));
+    answer_.effort = sampled.effort;
+    time_up_ = sampled.time_up;
+    reached_ = sampled.reached;
+    for (SampledPath& path : sampled.paths) MOTIONDB_RETURN_IF_ERROR(AddMeans(std::move(path)));
+    return absl::OkStatus();
+  }
+
+  // The paper's motion: the bottom nodes' mean positions, one after the other.
+  absl::Status AddMeans(SampledPath path) {
+    SynthesisedMotion motion;
+    motion.markers.names = model_.marker_set().markers;
+    motion.markers.frame_rate_hz = model_.settings().frame_rate_hz;
+    motion.markers.positions_m =
+        MeanPositions(model_, path.bottom_nodes, path.root, body_.leg_length_m());
+    motion.contacts = DetectContacts(body_.stored_feet(), motion.markers.positions_m,
+                                     motion.markers.frame_rate_hz, body_.leg_length_m());
+    body_.Fit(motion.markers.positions_m);
+    PlannedMotion planned;
+    planned.coarse_layer = layer_;
+    planned.coarse_nodes = std::move(path.coarse_nodes);
+    planned.bottom_nodes = std::move(path.bottom_nodes);
+    return Add(std::move(motion), std::move(planned));
+  }
+
+  absl::Status Add(SynthesisedMotion motion, PlannedMotion planned) {
+    MOTIONDB_RETURN_IF_ERROR(
+        Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned));
+    answer_.motions.push_back(std::move(planned));
+    return absl::OkStatus();
+  }
+
+  // The best first, and the outcome of the whole.
+  void SumUp() {
+    std::stable_sort(answer_.motions.begin(), answer_.motions.end(),
+                     [](const PlannedMotion& a, const PlannedMotion& b) {
+                       return a.outcome == PlanOutcome::kExact && b.outcome != PlanOutcome::kExact;
+                     });
+    if (!answer_.motions.empty() && answer_.motions.front().outcome == PlanOutcome::kExact) {
+      answer_.outcome = PlanOutcome::kExact;
+      return;
+    }
+    answer_.missing = answer_.motions.empty() ? "no stored motion goes on from the start"
+                                              : answer_.motions.front().missing;
+    if (time_up_ && !reached_) {
+      answer_.outcome = PlanOutcome::kDeadline;
+    } else if (answer_.effort.complete && !reached_) {
+      answer_.outcome = PlanOutcome::kUnreachable;
+      answer_.missing += "; every way that stored motion goes was tried";
+    } else {
+      answer_.outcome = PlanOutcome::kApproximate;
+    }
+  }
+
+  const Model& model_;
+  const MarkerScheme& scheme_;
+  const PlanProblem& problem_;
+  const PlanControl& control_;
+  const int layer_;
+  const PlanOrigin origin_;
+  const Body body_;
+  const StoredFloor floor_;
+  const FloorField field_;
+  PlanAnswer answer_;
+  bool time_up_ = false;
+  bool reached_ = false;  // as far as the search knows
+};
+
+absl::StatusOr<Body> BodyFor(const Model& model, const MarkerScheme& scheme,
+                             const PlanProblem& problem, const PlanOrigin& origin) {
+  if (problem.skeleton)
+    return Body::OfSkeleton(model, scheme, problem.skeleton, problem.flat_soles);
+  return Body::OfSize(model, problem.leg_length_m.value_or(origin.leg_length_m));
+}
+
+}  // namespace
+
+absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& scheme,
+                                      const PlanProblem& problem, const PlanControl& control) {
+  MOTIONDB_RETURN_IF_ERROR(Check(problem));
+  int layer = std::max(1, static_cast<int>(std::lround(kCoarseShare * model.layer_count())));
+  if (problem.coarse_layer != 0) {
+    MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(problem.coarse_layer));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(PlanOrigin origin, FindOrigin(model, problem.start, problem.labels));
+  MOTIONDB_ASSIGN_OR_RETURN(Body body, BodyFor(model, scheme, problem, origin));
+  return Planner(model, scheme, problem, control, layer, std::move(origin), std::move(body)).Plan();
+}
+
+}  // namespace motiondb::core

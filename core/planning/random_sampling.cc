@@ -1,0 +1,163 @@
+#include "core/planning/random_sampling.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/inference/node_path.h"
+#include "core/kinematics/root_velocity.h"
+#include "core/motion/error.h"
+#include "core/planning/root_correction.h"
+#include "core/planning/seeded.h"
+#include "core/planning/synthesis.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kMostSteps = 4e6;        // frames of all walks together, at the usual effort
+constexpr std::int64_t kAskEvery = 4096;  // of them between questions to the caller
+
+// How far each node of a layer goes in one frame, by its mean velocities.
+std::vector<FloorPose> StepsOf(const Model& model, int layer, double leg_length_m) {
+  const double rate = model.settings().frame_rate_hz;
+  std::vector<FloorPose> steps;
+  for (int node = 0; node < model.tree().node_count(layer); ++node) {
+    const Eigen::RowVectorXf mean = model.gaussians()
+                                        .means()
+                                        .row(model.tree().branch(layer, node))
+                                        .cwiseProduct(model.scale().divisor);
+    const PlanarVelocity v = RootVelocityFromHips(model.marker_set(), mean);
+    steps.push_back({leg_length_m * v.x / rate, leg_length_m * v.y / rate, v.yaw_rate / rate});
+  }
+  return steps;
+}
+
+TransitionGraph GraphOf(const Model& model, int layer, const std::vector<std::string>& labels) {
+  if (labels.empty()) return model.global_graph(layer);
+  std::vector<std::vector<std::int32_t>> sequences;
+  for (const ModelClip& clip : model.clips()) {
+    if (std::find(labels.begin(), labels.end(), clip.label) == labels.end()) continue;
+    std::vector<std::int32_t>& nodes = sequences.emplace_back();
+    for (int f = clip.first_frame; f < clip.first_frame + clip.frame_count; ++f) {
+      nodes.push_back(model.tree().node_of_frame(layer, f));
+    }
+  }
+  return CountTransitions(sequences, model.tree().node_count(layer));
+}
+
+int NextNode(const TransitionGraph& graph, int node, SeededSequence& random) {
+  auto left = static_cast<std::int64_t>(random.Next() * static_cast<double>(graph.row_sum(node)));
+  for (const Edge& edge : graph.row(node)) {
+    left -= edge.count;
+    if (left < 0) return edge.to;
+  }
+  return -1;
+}
+
+// Brings the coarse nodes down to the bottom layer: their means are what is observed.
+absl::StatusOr<SampledPath> Descend(const Model& model, int layer,
+                                    std::vector<std::int32_t> coarse_nodes,
+                                    const FloorPose& coarse_end, double leg_length_m,
+                                    const Cancelled& cancelled) {
+  FrameMatrix means(static_cast<Eigen::Index>(coarse_nodes.size()), model.states().cols());
+  for (std::size_t t = 0; t < coarse_nodes.size(); ++t) {
+    means.row(static_cast<Eigen::Index>(t)) =
+        model.gaussians().means().row(model.tree().branch(layer, coarse_nodes[t]));
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(PathSearch search, FindNodePaths(model, means, {}, cancelled));
+  SampledPath path{.coarse_nodes = std::move(coarse_nodes),
+                   .bottom_nodes = std::move(search.paths.front().nodes),
+                   .root = {{}},
+                   .coarse_end = coarse_end};
+  const std::vector<FloorPose> steps = StepsOf(model, search.layer, leg_length_m);
+  for (std::size_t t = 0; t + 1 < path.bottom_nodes.size(); ++t) {
+    path.root.push_back(path.root.back() * steps[path.bottom_nodes[t]]);
+  }
+  return path;
+}
+
+struct Walk {
+  std::vector<std::int32_t> nodes;
+  FloorPose end;
+  double lack = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace
+
+absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int start_frame,
+                                         const std::vector<std::string>& labels,
+                                         double leg_length_m, const Obstacles& obstacles,
+                                         const SearchSettings& settings,
+                                         const PlanControl& control) {
+  const std::vector<FloorPose> steps = StepsOf(model, layer, leg_length_m);
+  const TransitionGraph graph = GraphOf(model, layer, labels);
+  const int start = model.tree().node_of_frame(layer, start_frame);
+  const auto longest =
+      static_cast<std::size_t>(settings.max_duration_seconds * settings.frame_rate_hz);
+  const auto most_steps = static_cast<std::int64_t>(settings.effort * kMostSteps);
+
+  SampledPaths sampled;
+  std::vector<Walk> reached;
+  Walk nearest;
+  SeededSequence random(settings.seed);
+  std::int64_t step = 0;
+  while (step < most_steps && !sampled.time_up &&
+         static_cast<int>(reached.size()) < settings.path_count) {
+    ++sampled.effort.expansions;
+    Walk walk{.nodes = {start}, .end = {}};
+    Walk best;  // this walk as far as it came nearest
+    std::size_t best_length = 0;
+    while (walk.nodes.size() <= longest && !sampled.time_up) {
+      if (step++ % kAskEvery == 0) {
+        if (control.cancelled && control.cancelled()) {
+          return absl::CancelledError("the search was stopped");
+        }
+        sampled.time_up = control.time_up && control.time_up();
+      }
+      walk.end = walk.end * steps[walk.nodes.back()];
+      const int next = NextNode(graph, walk.nodes.back(), random);
+      if (next < 0 || (!obstacles.empty() &&
+                       Distance(obstacles, {walk.end.x, walk.end.y}) < obstacles.clearance_m)) {
+        break;
+      }
+      walk.nodes.push_back(next);
+      const GoalError error = ErrorAt(walk.end, settings.goal);
+      walk.lack = std::max(0.0, error.position_m - settings.position_tolerance_m) +
+                  std::max(0.0, error.heading_rad - settings.heading_tolerance_rad);
+      if (walk.lack < best.lack) best = {.nodes = {}, .end = walk.end, .lack = walk.lack};
+      if (walk.lack == best.lack) best_length = walk.nodes.size();
+      if (walk.lack == 0) break;
+    }
+    if (best.lack == 0 || best.lack < nearest.lack) {
+      walk.nodes.resize(best_length);
+      best.nodes = std::move(walk.nodes);
+      (best.lack == 0 ? reached.emplace_back() : nearest) = std::move(best);
+    }
+  }
+  if (control.search_over) control.search_over();
+
+  sampled.reached = !reached.empty();
+  sampled.effort.improvements = static_cast<int>(reached.size());
+  if (reached.empty() && !nearest.nodes.empty()) reached.push_back(std::move(nearest));
+  for (Walk& walk : reached) {
+    MOTIONDB_ASSIGN_OR_RETURN(SampledPath path, Descend(model, layer, std::move(walk.nodes),
+                                                        walk.end, leg_length_m, control.cancelled));
+    sampled.paths.push_back(std::move(path));
+  }
+  return sampled;
+}
+
+FrameMatrix MeanPositions(const Model& model, const std::vector<std::int32_t>& bottom_nodes,
+                          const std::vector<FloorPose>& root, double leg_length_m) {
+  FrameMatrix positions(static_cast<Eigen::Index>(bottom_nodes.size()), model.states().cols() / 2);
+  for (std::size_t t = 0; t < bottom_nodes.size(); ++t) {
+    const int branch = model.tree().branch(model.layer_count(), bottom_nodes[t]);
+    const Eigen::RowVectorXf mean =
+        model.gaussians().means().row(branch).cwiseProduct(model.scale().divisor);
+    positions.row(static_cast<Eigen::Index>(t)) = OnFloor(PositionsOf(mean), leg_length_m, root[t]);
+  }
+  return positions;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,151 @@
+#include "core/planning/segment_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kLongestRunSeconds = 0.25;
+constexpr double kHalfWindowSeconds = 0.15;
+constexpr double kLeastHalfWindowShare = 0.5;  // of it: a shorter fade would jerk
+// Runs of a node that are looked at for joins, and joins kept. More would not find better plans in
+// the same time.
+constexpr std::size_t kMostCandidates = 64;
+constexpr std::size_t kMostJoins = 16;
+// Mean square difference of two states, in squared deviations, beyond which they are not alike.
+constexpr double kLargestDistance = 0.25;
+// Of joins that lead to nearly the same pose in a second only the best is kept: ten ways to go
+// straight on would crowd out the one that turns. In leg lengths and radians together.
+constexpr double kFutureSeconds = 1.0;
+constexpr double kSameFuture = 0.95;
+constexpr int kCoarseStep = 4;  // frames between those compared first
+
+}  // namespace
+
+SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
+                           const std::vector<std::string>& labels)
+    : model_(model),
+      floor_(floor),
+      run_of_frame_(static_cast<std::size_t>(model.frame_count()), -1),
+      runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
+  const double rate = model.settings().frame_rate_hz;
+  const int longest = std::max(2, static_cast<int>(std::lround(kLongestRunSeconds * rate)));
+  half_window_ = std::max(1, static_cast<int>(std::lround(kHalfWindowSeconds * rate)));
+  for (std::size_t c = 0; c < model.clips().size(); ++c) {
+    const ModelClip& clip = model.clips()[c];
+    if (!labels.empty() && std::find(labels.begin(), labels.end(), clip.label) == labels.end()) {
+      continue;
+    }
+    const int end = clip.first_frame + clip.frame_count;
+    for (int first = clip.first_frame; first < end;) {
+      const int node = model.tree().node_of_frame(layer, first);
+      int last = first;
+      while (last + 1 < end && last + 1 - first < longest &&
+             model.tree().node_of_frame(layer, last + 1) == node) {
+        ++last;
+      }
+      const auto run = static_cast<std::int32_t>(runs_.size());
+      std::fill(run_of_frame_.begin() + first, run_of_frame_.begin() + last + 1, run);
+      runs_of_node_[node].push_back(run);
+      runs_.push_back({first, last, node, last + 1 < end});
+      clip_of_run_.push_back(static_cast<std::int32_t>(c));
+      first = last + 1;
+    }
+  }
+  joins_.resize(runs_.size());
+}
+
+double SegmentGraph::StateDistance(int a, int b) const {
+  return static_cast<double>((model_.states().row(a) - model_.states().row(b)).squaredNorm() /
+                             static_cast<float>(model_.states().cols()));
+}
+
+int SegmentGraph::HalfWindowAt(int leave, int enter) const {
+  const ModelClip& from = model_.clips()[clip_of_run_[run_of_frame_[leave]]];
+  const ModelClip& to = model_.clips()[clip_of_run_[run_of_frame_[enter]]];
+  return std::min({half_window_, leave - from.first_frame,
+                   from.first_frame + from.frame_count - 1 - leave, enter - to.first_frame,
+                   to.first_frame + to.frame_count - 1 - enter});
+}
+
+std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) const {
+  const Run& a = runs_[from];
+  const Run& b = runs_[to];
+  RunJoin best;
+  best.distance = kLargestDistance;
+  bool found = false;
+  const auto least_window = static_cast<int>(std::ceil(kLeastHalfWindowShare * half_window_));
+  const auto consider = [&](int leave, int enter) {
+    const int window = HalfWindowAt(leave, enter);
+    if (window < least_window) return;
+    const double distance = StateDistance(leave, enter);
+    if (distance >= best.distance) return;
+    best.join = {leave, enter, window};
+    best.distance = distance;
+    found = true;
+  };
+  for (int f = a.first; f <= a.last; f += kCoarseStep) {
+    for (int g = b.first; g <= b.last; g += kCoarseStep) consider(f, g);
+  }
+  if (!found) return std::nullopt;
+  const Join coarse = best.join;
+  for (int f = std::max(a.first, coarse.leave - kCoarseStep + 1);
+       f <= std::min(a.last, coarse.leave + kCoarseStep - 1); ++f) {
+    for (int g = std::max(b.first, coarse.enter - kCoarseStep + 1);
+         g <= std::min(b.last, coarse.enter + kCoarseStep - 1); ++g) {
+      consider(f, g);
+    }
+  }
+  best.to = to;
+  best.across = AcrossJoin(floor_, best.join);
+  return best;
+}
+
+const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
+  std::optional<std::vector<RunJoin>>& known = joins_[run];
+  if (known) return *known;
+  known.emplace();
+  const std::vector<std::int32_t>& alike = runs_of_node_[runs_[run].node];
+  // Evenly over the node where it has more runs than are looked at.
+  const std::size_t looked_at = std::min(alike.size(), kMostCandidates);
+  for (std::size_t i = 0; i < looked_at; ++i) {
+    const int to = alike[i * alike.size() / looked_at];
+    // A run near in the same clip would only play the same again, or stall.
+    const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
+                           std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
+    if (neighbour) continue;
+    if (auto join = BestJoin(run, to)) known->push_back(*join);
+  }
+  std::stable_sort(known->begin(), known->end(),
+                   [](const RunJoin& a, const RunJoin& b) { return a.distance < b.distance; });
+  *known = LeadingApart(std::move(*known));
+  return *known;
+}
+
+FloorPose SegmentGraph::Future(int frame) const {
+  const ModelClip& clip = model_.clips()[clip_of_run_[run_of_frame_[frame]]];
+  const int end = clip.first_frame + clip.frame_count - 1;
+  const auto ahead = static_cast<int>(kFutureSeconds * model_.settings().frame_rate_hz);
+  return floor_.Between(frame, std::min(end, frame + ahead));
+}
+
+std::vector<RunJoin> SegmentGraph::LeadingApart(std::vector<RunJoin> joins) const {
+  std::vector<RunJoin> kept;
+  std::vector<FloorPose> futures;
+  for (const RunJoin& join : joins) {
+    const FloorPose future = Future(join.join.enter);
+    const bool known = std::any_of(futures.begin(), futures.end(), [&](const FloorPose& other) {
+      return std::hypot((future.x - other.x) / floor_.leg_length_m(),
+                        (future.y - other.y) / floor_.leg_length_m(),
+                        future.heading - other.heading) < kSameFuture;
+    });
+    if (known) continue;
+    kept.push_back(join);
+    futures.push_back(future);
+    if (kept.size() == kMostJoins) break;
+  }
+  return kept;
+}
+
+}  // namespace motiondb::core

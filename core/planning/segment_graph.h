@@ -1,0 +1,67 @@
+// The graph that a plan is searched in: short runs of stored frames, each of which goes on in its
+// own clip or, by a join, in another run of the same node that is like it.
+//
+// Joins are found when they are first asked for, so the cost follows the search, not the database.
+// Thread-compatible: one object a search. The model and the floor must outlive it.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/model/model.h"
+#include "core/planning/splice.h"
+
+namespace motiondb::core {
+
+// Frames of one clip in one node of the coarse layer, at most a quarter of a second of them.
+struct Run {
+  std::int32_t first = 0;
+  std::int32_t last = 0;
+  std::int32_t node = 0;
+  bool goes_on = false;  // the next run is of the same clip
+};
+
+struct RunJoin {
+  Join join;
+  std::int32_t to = 0;  // run that holds join.enter
+  double distance = 0;  // mean square difference of the two states, each dimension scaled
+  FloorPose across;     // see AcrossJoin
+};
+
+class SegmentGraph {
+ public:
+  // Runs of the clips with one of `labels` (empty: all), by the nodes of `layer`. O(frames).
+  SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
+               const std::vector<std::string>& labels);
+
+  const std::vector<Run>& runs() const { return runs_; }
+  // Index of the run that holds a frame; -1 where the frame is of no clip that may be played.
+  int run_of_frame(int frame) const { return run_of_frame_[frame]; }
+  // Frames on each side of a join that both clips have, at most.
+  int half_window() const { return half_window_; }
+  // The joins that leave a run, least distance first.
+  const std::vector<RunJoin>& Joins(int run);
+
+ private:
+  // The best join between two runs, if there is one that is good enough.
+  std::optional<RunJoin> BestJoin(int from, int to) const;
+  // Where a frame leads in a second.
+  FloorPose Future(int frame) const;
+  // The best of the joins among those that lead to the same place.
+  std::vector<RunJoin> LeadingApart(std::vector<RunJoin> joins) const;
+  double StateDistance(int a, int b) const;
+  int HalfWindowAt(int leave, int enter) const;
+
+  const Model& model_;
+  const StoredFloor& floor_;
+  int half_window_ = 0;
+  std::vector<Run> runs_;
+  std::vector<std::int32_t> run_of_frame_;
+  std::vector<std::int32_t> clip_of_run_;
+  std::vector<std::vector<std::int32_t>> runs_of_node_;
+  std::vector<std::optional<std::vector<RunJoin>>> joins_;
+};
+
+}  // namespace motiondb::core

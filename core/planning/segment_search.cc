@@ -1,0 +1,359 @@
+#include "core/planning/segment_search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+#include <unordered_map>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "core/planning/root_correction.h"
+#include "core/planning/seeded.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kJoinSeconds = 0.15;       // what a join costs however good it is
+constexpr double kDistanceSeconds = 2.0;    // for each unit of distance between its states
+constexpr double kCorrectionSeconds = 0.5;  // where all of the correction allowed is used
+constexpr double kUsedTolerance = 0.8;      // the rest is left to inverse kinematics
+constexpr double kClearanceMargin = 0.01;   // m, for what lies between the poses looked at
+
+// One sweep of the search. Poses that are in one cell of the floor, in runs of one node, count as
+// one; the greedier, the sooner a first answer and the longer the way.
+struct Sweep {
+  double cell_leg_lengths;
+  double cell_rad;
+  double greed;             // weight of what is still to go
+  std::int64_t expansions;  // at most, at the usual effort
+};
+constexpr Sweep kFirst = {0.18, 0.2, 4, 20000};
+constexpr Sweep kPatient = {0.24, 0.3, 3, 30000};  // where the first found nothing
+// Where there is an answer: for better ones, which its cost makes short work.
+constexpr Sweep kCloser = {0.12, 0.15, 2, 8000};
+constexpr int kAskEvery = 64;  // expansions between questions to the caller
+
+constexpr std::int32_t kNoJoin = -1;
+
+// A run entered at its first frame (the start's: at the start frame) at some pose.
+struct Arrival {
+  std::int32_t run = 0;
+  std::int32_t from = -1;       // arrival that it came from
+  std::int32_t join = kNoJoin;  // by this join of the run before; else in the same clip
+  std::int32_t since_join = 0;  // frames played since the last one
+  std::int32_t frames = 0;      // played since the start
+  FloorPose pose;
+  double length_m = 0;
+  double cost = 0;
+};
+
+struct Ending {
+  std::int32_t arrival = -1;
+  std::int32_t join = kNoJoin;  // taken in that run before the end
+  std::int32_t frame = 0;
+  double cost = 0;
+  double lack = std::numeric_limits<double>::infinity();
+};
+
+class Search {
+ public:
+  Search(SegmentGraph& graph, const StoredFloor& floor, int start_frame, const Obstacles& obstacles,
+         const FloorField& field, const SearchSettings& settings)
+      : graph_(graph),
+        floor_(floor),
+        start_frame_(start_frame),
+        obstacles_(obstacles),
+        settings_(settings),
+        goal_(settings.goal.x, settings.goal.y),
+        field_(field),
+        speed_(std::max(1e-3, floor.top_speed_m_s())),
+        turn_(std::max(1e-3, floor.top_turn_rad_s())),
+        most_frames_(
+            static_cast<std::int32_t>(settings.max_duration_seconds * settings.frame_rate_hz)) {}
+
+  absl::StatusOr<FoundPaths> Run(const PlanControl& control) {
+    found_.effort.complete = true;
+    MOTIONDB_RETURN_IF_ERROR(Go(kFirst, settings_.path_count, control));
+    if (endings_.empty()) {
+      MOTIONDB_RETURN_IF_ERROR(Go(kPatient, settings_.path_count, control));
+    }
+    if (!endings_.empty()) {
+      MOTIONDB_RETURN_IF_ERROR(Go(kCloser, std::numeric_limits<int>::max(), control));
+    }
+    if (control.search_over) control.search_over();
+    Collect();
+    return std::move(found_);
+  }
+
+ private:
+  // Sweeps from the start until so many ways there are known. CANCELLED.
+  absl::Status Go(const Sweep& sweep, int enough, const PlanControl& control) {
+    sweep_ = sweep;
+    least_cost_.clear();
+    open_ = {};
+    Enter({.run = graph_.run_of_frame(start_frame_)});
+    const auto most =
+        static_cast<std::int64_t>(settings_.effort * static_cast<double>(sweep.expansions));
+    for (std::int64_t i = 0; i < most && !open_.empty() && !found_.time_up; ++i) {
+      if (i % kAskEvery == 0) {
+        if (control.cancelled && control.cancelled()) {
+          return absl::CancelledError("the search was stopped");
+        }
+        found_.time_up = control.time_up && control.time_up();
+      }
+      const std::int32_t next = open_.top().second;
+      open_.pop();
+      if (!MayImprove(next)) continue;
+      ++found_.effort.expansions;
+      Expand(next);
+      if (static_cast<int>(endings_.size()) >= enough) return absl::OkStatus();
+    }
+    found_.effort.complete = found_.effort.complete && open_.empty();
+    return absl::OkStatus();
+  }
+
+  // Seconds that are still needed at least.
+  double ToGo(const FloorPose& pose) const {
+    const double way = field_.DistanceToGoal({pose.x, pose.y});
+    const double turn = std::abs(WrapAngle(settings_.goal.heading - pose.heading));
+    return std::max(way / speed_, turn / turn_);
+  }
+
+  bool Clear(const FloorPose& pose, double margin) const {
+    return obstacles_.empty() ||
+           Distance(obstacles_, {pose.x, pose.y}) >= obstacles_.clearance_m + margin;
+  }
+
+  int EntryFrame(const Arrival& arrival) const {
+    return arrival.from < 0 ? start_frame_ : graph_.runs()[arrival.run].first;
+  }
+
+  double WorstKept() const {
+    return static_cast<int>(endings_.size()) < settings_.path_count
+               ? std::numeric_limits<double>::infinity()
+               : endings_.back().cost;
+  }
+
+  bool MayImprove(std::int32_t index) const {
+    const Arrival& arrival = arrivals_[index];
+    return arrival.cost + ToGo(arrival.pose) < WorstKept();
+  }
+
+  double JoinCost(const RunJoin& join) const {
+    double cost = kJoinSeconds + kDistanceSeconds * join.distance;
+    if (settings_.seed != 0) {
+      const std::uint64_t key =
+          Mix(Mix(settings_.seed) ^ static_cast<std::uint64_t>(join.join.leave)) ^
+          static_cast<std::uint64_t>(join.join.enter);
+      cost *= 1 + ToUnit(Mix(key));
+    }
+    return cost;
+  }
+
+  void Enter(const Arrival& arrival) {
+    if (arrival.frames > most_frames_ || !Clear(arrival.pose, kClearanceMargin)) return;
+    const double to_go = ToGo(arrival.pose);
+    const bool in_time = arrival.frames + to_go * settings_.frame_rate_hz <= most_frames_ + 1;
+    if (arrival.from >= 0 && (!in_time || arrival.cost + to_go >= WorstKept())) return;
+    const auto cell = [](double value, double size) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / size)));
+    };
+    const double cell_m = sweep_.cell_leg_lengths * floor_.leg_length_m();
+    const auto node = static_cast<std::uint64_t>(graph_.runs()[arrival.run].node);
+    const std::uint64_t key =
+        Mix(Mix(Mix(Mix(node) ^ cell(arrival.pose.x, cell_m)) ^ cell(arrival.pose.y, cell_m)) ^
+            cell(WrapAngle(arrival.pose.heading), sweep_.cell_rad));
+    const auto [known, is_new] = least_cost_.try_emplace(key, arrival.cost);
+    if (!is_new && known->second <= arrival.cost) return;
+    known->second = arrival.cost;
+    open_.push({arrival.cost + sweep_.greed * to_go, static_cast<std::int32_t>(arrivals_.size())});
+    arrivals_.push_back(arrival);
+  }
+
+  void Expand(std::int32_t index) {
+    const Arrival arrival = arrivals_[index];  // a copy: arrivals_ grows
+    const int entry = EntryFrame(arrival);
+    const auto& run = graph_.runs()[arrival.run];
+    const bool settled = arrival.since_join >= graph_.half_window() || FirstSegment(arrival);
+    // A motion has two frames at least.
+    const int first_end = arrival.from < 0 ? entry + 1 : entry;
+    TryEnds(index, kNoJoin, settled ? first_end : entry + graph_.half_window() - arrival.since_join,
+            run.last, entry, arrival.pose, arrival.frames, arrival.length_m, arrival.cost);
+    if (run.goes_on) {
+      Advance(index, kNoJoin, arrival.run + 1, entry, arrival.pose, arrival.frames,
+              arrival.length_m, arrival.cost, arrival.since_join);
+    }
+    const std::vector<RunJoin>& joins = graph_.Joins(arrival.run);
+    for (std::size_t j = 0; j < joins.size(); ++j) {
+      const RunJoin& join = joins[j];
+      const int played = join.join.leave - entry;
+      // Windows must not overlap, and the first needs frames before it.
+      if (played < 0 || arrival.since_join + played < 2 * graph_.half_window()) continue;
+      const int window = join.join.half_window;
+      const FloorPose pose =
+          arrival.pose * floor_.Between(entry, join.join.leave - window) * join.across;
+      const double across_m = std::hypot(join.across.x, join.across.y);
+      const double length =
+          arrival.length_m + SignedLength(entry, join.join.leave - window) + across_m;
+      const double cost = arrival.cost + JoinCost(join) + played / settings_.frame_rate_hz;
+      const int landed = join.join.enter + window;  // the frame that `pose` is of
+      const int frames = arrival.frames + played + window;
+      const auto number = static_cast<std::int32_t>(j);
+      const double landed_cost = cost + window / settings_.frame_rate_hz;
+      TryEnds(index, number, landed, graph_.runs()[join.to].last, landed, pose, frames, length,
+              landed_cost);
+      if (graph_.runs()[join.to].goes_on) {
+        Advance(index, number, join.to + 1, landed, pose, frames, length, landed_cost, window);
+      }
+    }
+  }
+
+  // The start's clip was never joined, so nothing need settle.
+  bool FirstSegment(const Arrival& arrival) const { return arrival.since_join == arrival.frames; }
+
+  // Along a clip in either direction.
+  double SignedLength(int from, int to) const {
+    return to >= from ? floor_.Length(from, to) : -floor_.Length(to, from);
+  }
+
+  // Plays on to the first frame of the run `to`; `pose` and the rest are those at frame `at`.
+  void Advance(std::int32_t from, std::int32_t join, std::int32_t to, int at, const FloorPose& pose,
+               int frames, double length, double cost, int since_join) {
+    const int first = graph_.runs()[to].first;
+    const int played = first - at;
+    Enter({.run = to,
+           .from = from,
+           .join = join,
+           .since_join = since_join + played,
+           .frames = frames + played,
+           .pose = pose * floor_.Between(at, first),
+           .length_m = length + SignedLength(at, first),
+           .cost = cost + played / settings_.frame_rate_hz});
+  }
+
+  // Looks whether the motion may end at one of the frames first ... last; `pose` and the rest are
+  // those at frame `at`.
+  void TryEnds(std::int32_t arrival, std::int32_t join, int first, int last, int at,
+               const FloorPose& pose, int frames, double length, double cost) {
+    if (first > last || frames + first - at > most_frames_) return;
+    const double reach = settings_.position_tolerance_m +
+                         std::abs(SignedLength(at, last)) * (1 + kLargestCorrection) +
+                         kLargestCorrection * length;
+    const bool near = std::hypot(pose.x - goal_.x(), pose.y - goal_.y()) <= reach;
+    for (int frame = first; frame <= (near ? last : first); ++frame) {
+      const int played = frame - at;
+      if (frames + played > most_frames_) break;
+      Consider({.arrival = arrival,
+                .join = join,
+                .frame = frame,
+                .cost = cost + played / settings_.frame_rate_hz},
+               pose * floor_.Between(at, frame), length + SignedLength(at, frame));
+    }
+  }
+
+  void Consider(Ending ending, const FloorPose& end, double length) {
+    const GoalError left = ErrorAfterCorrection(end, length, settings_.goal);
+    const double lack =
+        std::max(0.0, left.position_m - kUsedTolerance * settings_.position_tolerance_m) +
+        std::max(0.0, left.heading_rad - kUsedTolerance * settings_.heading_tolerance_rad);
+    ending.lack = lack;
+    if (lack > 0) {
+      if (lack < nearest_.lack && Clear(end, 0)) nearest_ = ending;
+      return;
+    }
+    const GoalError error = ErrorAt(end, settings_.goal);
+    if (length > 0) {
+      ending.cost += kCorrectionSeconds * std::max(error.position_m, error.heading_rad) /
+                     (kLargestCorrection * length);
+    }
+    if (ending.cost < WorstKept() && Arrives(ending)) Keep(ending);
+  }
+
+  // The root path as it will be corrected, looked at frame by frame.
+  bool Arrives(const Ending& ending) const {
+    const CorrectedRoot root = CorrectRoot(PlayedRoot(floor_, PathTo(ending)), settings_.goal);
+    const GoalError error = ErrorAt(root.poses.back(), settings_.goal);
+    return error.position_m <= kUsedTolerance * settings_.position_tolerance_m &&
+           error.heading_rad <= kUsedTolerance * settings_.heading_tolerance_rad &&
+           std::all_of(root.poses.begin(), root.poses.end(),
+                       [&](const FloorPose& pose) { return Clear(pose, kClearanceMargin / 2); });
+  }
+
+  // One ending a way there: another frame of the same runs is no other plan.
+  void Keep(const Ending& ending) {
+    const auto same = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& other) {
+      return LastJoinOf(other) == LastJoinOf(ending);
+    });
+    if (same != endings_.end()) {
+      if (same->cost <= ending.cost) return;
+      endings_.erase(same);
+    }
+    if (endings_.empty() || ending.cost < endings_.front().cost) ++found_.effort.improvements;
+    const auto after =
+        std::upper_bound(endings_.begin(), endings_.end(), ending,
+                         [](const Ending& a, const Ending& b) { return a.cost < b.cost; });
+    endings_.insert(after, ending);
+    if (static_cast<int>(endings_.size()) > settings_.path_count) endings_.pop_back();
+  }
+
+  // The last join of a way there, as a pair of frames.
+  std::pair<int, int> LastJoinOf(const Ending& ending) const {
+    const SplicedPath path = PathTo(ending);
+    if (path.joins.empty()) return {-1, -1};
+    return {path.joins.back().leave, path.joins.back().enter};
+  }
+
+  SplicedPath PathTo(const Ending& ending) const {
+    SplicedPath path{.start = start_frame_, .end = ending.frame};
+    const auto add = [&](std::int32_t run, std::int32_t join) {
+      if (join != kNoJoin) path.joins.push_back(graph_.Joins(run)[join].join);
+    };
+    add(arrivals_[ending.arrival].run, ending.join);
+    for (std::int32_t i = ending.arrival; arrivals_[i].from >= 0; i = arrivals_[i].from) {
+      add(arrivals_[arrivals_[i].from].run, arrivals_[i].join);
+    }
+    std::reverse(path.joins.begin(), path.joins.end());
+    return path;
+  }
+
+  void Collect() {
+    found_.reached = !endings_.empty();
+    if (endings_.empty() && nearest_.arrival >= 0) endings_.push_back(nearest_);
+    for (const Ending& ending : endings_) {
+      found_.paths.push_back({PathTo(ending), ending.cost, ending.lack});
+    }
+  }
+
+  SegmentGraph& graph_;
+  const StoredFloor& floor_;
+  const int start_frame_;
+  const Obstacles& obstacles_;
+  const SearchSettings& settings_;
+  const Eigen::Vector2d goal_;
+  const FloorField& field_;
+  const double speed_;
+  const double turn_;
+  const std::int32_t most_frames_;
+
+  Sweep sweep_{};
+  std::vector<Arrival> arrivals_;
+  std::priority_queue<std::pair<double, std::int32_t>, std::vector<std::pair<double, std::int32_t>>,
+                      std::greater<>>
+      open_;
+  std::unordered_map<std::uint64_t, double> least_cost_;
+  std::vector<Ending> endings_;  // cheapest first, at most path_count
+  Ending nearest_;
+  FoundPaths found_;
+};
+
+}  // namespace
+
+absl::StatusOr<FoundPaths> SearchSegments(SegmentGraph& graph, const StoredFloor& floor,
+                                          int start_frame, const Obstacles& obstacles,
+                                          const FloorField& field, const SearchSettings& settings,
+                                          const PlanControl& control) {
+  return Search(graph, floor, start_frame, obstacles, field, settings).Run(control);
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,29 @@
+// Where a plan begins among the stored frames. Safe to call from any thread.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/model/model.h"
+#include "core/planning/plan.h"
+
+namespace motiondb::core {
+
+// A stored frame to go on from, and the state that the motion really begins in, which fades into
+// it.
+struct PlanOrigin {
+  int frame = 0;
+  Eigen::RowVectorXf state;  // 1 x 6 N_v, in leg lengths, as in a StateSequence; NaN where missing
+  double leg_length_m = 0;   // of who begins
+};
+
+// For a moment of a clip that is its own frame; for an observation the frame most like its last
+// one, by place and velocity of all markers; for standing the one that moves least. Only frames of
+// clips with one of `labels` (empty: all) and with half a second to go, if their clip is that long:
+// a moment of another clip begins at the frame most like it.
+//
+// NOT_FOUND for a clip that the model does not have; OUT_OF_RANGE for a moment outside the clip;
+// INVALID_ARGUMENT if no clip has such a label or the observation does not fit the model.
+// O(frames * dimensions).
+absl::StatusOr<PlanOrigin> FindOrigin(const Model& model, const PlanStart& start,
+                                      const std::vector<std::string>& labels);
+
+}  // namespace motiondb::core

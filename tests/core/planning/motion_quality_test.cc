@@ -1,0 +1,136 @@
+#include "core/planning/motion_quality.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <numbers>
+
+namespace motiondb::tests {
+namespace {
+
+constexpr double kRate = 50;
+constexpr double kLeg_m = 0.9;
+
+// Markers 0 (heel) and 1 (toe) of one foot, at rest at 0.04 leg lengths.
+core::Feet OneFoot() {
+  core::Foot foot;
+  foot.contact_markers = {0, 1};
+  foot.rest_heights = {0.04f, 0.04f};
+  return {foot};
+}
+
+core::MarkerMotion Still(int frames) {
+  core::MarkerMotion motion{{"heel", "toe"}, kRate, core::FrameMatrix::Zero(frames, 6)};
+  motion.positions_m.col(2).setConstant(0.04f * static_cast<float>(kLeg_m));
+  motion.positions_m.col(5).setConstant(0.04f * static_cast<float>(kLeg_m));
+  return motion;
+}
+
+core::MotionQuality Measure(const core::MarkerMotion& motion, const core::ContactMatrix& contacts) {
+  return core::MeasureQuality(OneFoot(), motion, contacts, kLeg_m, nullptr);
+}
+
+}  // namespace
+
+TEST_CASE("MeasureQuality: a foot slides by its way on the floor while it stands",
+          "[core][planning]") {
+  core::MarkerMotion motion = Still(101);
+  for (int t = 0; t < 101; ++t) {
+    motion.positions_m(t, 0) = 0.1f * static_cast<float>(t / kRate);  // heel: 0.1 m/s
+    motion.positions_m(t, 4) = 0.3f * static_cast<float>(t / kRate);  // toe: 0.3 m/s
+  }
+  core::ContactMatrix contacts = core::ContactMatrix::Constant(101, 2, true);
+  CHECK(Measure(motion, contacts).foot_slide_cm_per_s == Approx(10).epsilon(1e-4));
+  contacts.col(0).head(51).setConstant(false);  // half the time on the toe alone
+  CHECK(Measure(motion, contacts).foot_slide_cm_per_s == Approx(20).epsilon(0.02));
+  contacts.setConstant(false);
+  CHECK(Measure(motion, contacts).foot_slide_cm_per_s == 0);
+  contacts.row(3).setConstant(true);  // a single frame has no way
+  CHECK(Measure(motion, contacts).foot_slide_cm_per_s == 0);
+}
+
+TEST_CASE("MeasureQuality: a foot that turns about its toe does not slide", "[core][planning]") {
+  core::MarkerMotion motion = Still(60);
+  for (int t = 0; t < 60; ++t) {
+    motion.positions_m(t, 0) = 0.2f * std::cos(0.03f * static_cast<float>(t));
+    motion.positions_m(t, 1) = 0.2f * std::sin(0.03f * static_cast<float>(t));
+  }
+  CHECK(Measure(motion, core::ContactMatrix::Constant(60, 2, true)).foot_slide_cm_per_s == 0);
+}
+
+TEST_CASE("MeasureQuality: penetration is below the rest height, in any frame",
+          "[core][planning]") {
+  core::MarkerMotion motion = Still(20);
+  const core::ContactMatrix contacts = core::ContactMatrix::Constant(20, 2, false);
+  CHECK(Measure(motion, contacts).floor_penetration_cm == Approx(0).margin(1e-5));
+  motion.positions_m(7, 5) -= 0.013f;
+  motion.positions_m(9, 2) = std::nanf("");
+  CHECK(Measure(motion, contacts).floor_penetration_cm == Approx(1.3).epsilon(1e-3));
+}
+
+TEST_CASE("MeasureQuality: marker jerk is the root mean square over markers", "[core][planning]") {
+  core::MarkerMotion motion = Still(40);
+  for (int t = 0; t < 40; ++t) {
+    motion.positions_m(t, 3) = 2 * static_cast<float>(std::pow(t / kRate, 3));  // 12 m/s^3
+  }
+  const core::ContactMatrix contacts = core::ContactMatrix::Constant(40, 2, false);
+  CHECK(Measure(motion, contacts).peak_marker_jerk_m_s3 ==
+        Approx(12 / std::numbers::sqrt2).epsilon(0.02));
+  CHECK(Measure(Still(3), core::ContactMatrix::Constant(3, 2, true)).peak_marker_jerk_m_s3 == 0);
+  CHECK(Measure(Still(0), core::ContactMatrix(0, 2)).foot_slide_cm_per_s == 0);
+}
+
+TEST_CASE("MeasureQuality: joint speed and jerk pass over whole turns and translations",
+          "[core][planning]") {
+  std::vector<core::Joint> joints(2);
+  joints[0].name = "root";
+  joints[0].dofs = {{.kind = core::Dof::Kind::kTranslation}, {.kind = core::Dof::Kind::kRotation}};
+  joints[1].name = "child";
+  joints[1].parent = 0;
+  joints[1].dofs = {{.kind = core::Dof::Kind::kRotation, .axis = Eigen::Vector3d::UnitZ()}};
+  auto skeleton = core::Skeleton::Create("one", std::move(joints));
+  REQUIRE(skeleton.ok());
+  core::JointMotion motion{std::make_shared<core::Skeleton>(*std::move(skeleton)), kRate,
+                           core::JointMatrix::Zero(80, 3)};
+  for (int t = 0; t < 80; ++t) {
+    const double s = t / kRate;
+    motion.angles(t, 0) = 100 * s * s * s;
+    motion.angles(t, 1) = std::remainder(4 * s, 2 * std::numbers::pi);
+    motion.angles(t, 2) = 0.5 * s * s * s;  // 3 rad/s^3
+  }
+  const core::MotionQuality quality =
+      core::MeasureQuality({}, Still(80), core::ContactMatrix(80, 0), kLeg_m, &motion);
+  CHECK(quality.peak_joint_speed_rad_s == Approx(4));
+  CHECK(quality.peak_joint_jerk_rad_s3 == Approx(3).epsilon(1e-4));
+}
+
+TEST_CASE("MeasureQuality: a slow turn through gimbal lock is slow", "[core][planning]") {
+  using Eigen::AngleAxisd;
+  using Eigen::Vector3d;
+  std::vector<core::Joint> joints(1);
+  joints[0].name = "shoulder";
+  for (const Vector3d axis : {Vector3d::UnitZ(), Vector3d::UnitX(), Vector3d::UnitY()}) {
+    joints[0].dofs.push_back({.kind = core::Dof::Kind::kRotation, .axis = axis});
+  }
+  auto skeleton = core::Skeleton::Create("one", std::move(joints));
+  REQUIRE(skeleton.ok());
+  core::JointMotion motion{std::make_shared<core::Skeleton>(*std::move(skeleton)), kRate,
+                           core::JointMatrix::Zero(60, 3)};
+  // One radian a second about an axis that takes the second angle to 90 degrees and past it.
+  const Vector3d axis = Vector3d(1, 0.02, 0.03).normalized();
+  double fastest_angle = 0;
+  for (int t = 0; t < 60; ++t) {
+    const Eigen::Matrix3d turn = AngleAxisd(1.1 + t / kRate, axis).toRotationMatrix();
+    motion.angles.row(t) << std::atan2(-turn(0, 1), turn(1, 1)), std::asin(turn(2, 1)),
+        std::atan2(-turn(2, 0), turn(2, 2));
+    if (t == 0) continue;
+    fastest_angle =
+        std::max(fastest_angle, kRate * std::abs(motion.angles(t, 0) - motion.angles(t - 1, 0)));
+  }
+  REQUIRE(fastest_angle > 20);
+  const core::MotionQuality quality =
+      core::MeasureQuality({}, Still(60), core::ContactMatrix(60, 0), kLeg_m, &motion);
+  CHECK(quality.peak_joint_speed_rad_s == Approx(1));
+  CHECK(quality.peak_joint_jerk_rad_s3 == Approx(0).margin(1e-5));
+}
+
+}  // namespace motiondb::tests

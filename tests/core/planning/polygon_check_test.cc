@@ -1,0 +1,60 @@
+#include "core/planning/polygon_check.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <string>
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+core::Polygon Corners(std::vector<Eigen::Vector2d> corners) { return {std::move(corners)}; }
+
+std::string Refusal(const core::Polygon& polygon) {
+  const absl::Status status = core::CheckPolygon(polygon);
+  CHECK(status.ok() == status.message().empty());
+  return std::string(status.message());
+}
+
+TEST_CASE("CheckPolygon: what has an inside is accepted, either way round", "[core][planning]") {
+  CHECK(core::CheckPolygon(Corners({{0, 0}, {1, 0}, {0, 1}})).ok());
+  CHECK(core::CheckPolygon(Corners({{0, 1}, {1, 0}, {0, 0}})).ok());
+  // Not convex, and corners in a straight line.
+  CHECK(core::CheckPolygon(Corners({{0, 0}, {1, 0}, {2, 0}, {2, 2}, {1, 0.5}, {0, 2}})).ok());
+  // Closed by hand, and a corner given twice.
+  CHECK(core::CheckPolygon(Corners({{0, 0}, {1, 0}, {1, 0}, {0, 1}, {0, 0}})).ok());
+}
+
+TEST_CASE("CheckPolygon: what has none is refused, and told where", "[core][planning]") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_THAT(Refusal(Corners({})), Contains("at least 3 different corners, got 0"));
+  CHECK_THAT(Refusal(Corners({{0, 0}, {1, 0}})), Contains("at least 3 different corners, got 2"));
+  CHECK_THAT(Refusal(Corners({{1, 2}, {1, 2}, {1, 2}})), Contains("corners, got 1"));
+  CHECK_THAT(Refusal(Corners({{0, 0}, {1, nan}, {0, 1}})), Contains("corners[1]"));
+  // A bow tie, a line there and back, a spike, and two triangles that share a corner.
+  CHECK_THAT(Refusal(Corners({{0, 0}, {1, 1}, {1, 0}, {0, 1}})),
+             Contains("corners[0]") && Contains("corners[2]"));
+  CHECK_THAT(Refusal(Corners({{0, 0}, {1, 0}, {2, 0}})), Contains("touch itself"));
+  CHECK_THAT(Refusal(Corners({{0, 0}, {2, 0}, {1, 0}, {1, 1}})), Contains("touch itself"));
+  CHECK_THAT(Refusal(Corners({{0, 0}, {1, -1}, {1, 1}, {0, 0}, {-1, 1}, {-1, -1}})),
+             Contains("touch itself"));
+}
+
+TEST_CASE("CheckPolygon: ten thousand corners take no time to speak of", "[core][planning]") {
+  core::Polygon star;
+  constexpr int kCorners = 10'000;
+  for (int i = 0; i < kCorners; ++i) {
+    const double angle = 2 * std::numbers::pi * i / kCorners;
+    const double radius = i % 2 == 0 ? 1 : 1.001;
+    star.corners.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
+  }
+  CHECK(core::CheckPolygon(star).ok());
+  std::swap(star.corners[5000], star.corners[5004]);
+  CHECK_THAT(Refusal(star), Contains("touch itself"));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

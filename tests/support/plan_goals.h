@@ -1,0 +1,14 @@
+// Goals for planning, seeded.
+#pragma once
+
+#include <vector>
+
+#include "core/planning/floor_pose.h"
+
+namespace motiondb::tests {
+
+// Distance 1 to 4 m, bearing within 90 degrees of the start's front, final heading within 90
+// degrees of the bearing, each evenly spread.
+std::vector<core::FloorPose> RandomGoals(int count, unsigned seed);
+
+}  // namespace motiondb::tests

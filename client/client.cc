@@ -59,6 +59,7 @@ MOTIONDB_UNARY(ListTransitions, models, ModelService)
 MOTIONDB_UNARY(Recognize, queries, QueryService)
 MOTIONDB_UNARY(Estimate, queries, QueryService)
 MOTIONDB_UNARY(Predict, queries, QueryService)
+MOTIONDB_UNARY(Plan, queries, QueryService)
 
 MOTIONDB_UNARY(GetOperation, operations, OperationService)
 MOTIONDB_UNARY(ListOperations, operations, OperationService)

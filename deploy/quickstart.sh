@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # From nothing to answers: installs what is missing, builds, starts a server on a store of its own, gives
-# it real motion that Debian packages, and asks about a part of it that was held back.
+# it real motion that Debian packages, asks about a part of it that was held back, and plans a motion.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -32,6 +32,7 @@ keep() {
     { print }' "$1" >"$4"
 }
 
+plan=$PWD/build/quickstart/plan
 models=/usr/share/assimp/models/BVH
 mkdir "$work/seen" "$work/held_back"
 printf 'path\tlabel\n' >"$work/seen/clips.tsv"
@@ -67,4 +68,5 @@ ask recognize demo held_back/01_03.bvh --window 1 | tail -n 1
 ask recognize demo held_back/Boxing_Toes.bvh --window 1 | tail -n 1
 ask estimate demo held_back/01_01.bvh --layer 5 | cut -c1-120 | head -n 8
 ask predict demo held_back/01_01.bvh --at 2 --horizon 0.08,0.4,1
+ask plan demo --start 01_01@3 --goal 1.5,0,0 --disc 0.8,0.7,0.2 --out "$plan.bvh" --plot "$plan.svg"
 printf '\nThe first 70 %% of each clip was stored, the rest asked about. README.md goes on from here.\n'

@@ -56,6 +56,7 @@ void AddExportCommand(CommandLine line);
 void AddIngestCommand(CommandLine line);
 void AddListCommand(CommandLine line);
 void AddOperationsCommand(CommandLine line);
+void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
 

@@ -43,7 +43,7 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
 }
 
 int Run(int argc, char** argv) {
-  CLI::App app("motiondb: store, recognize, estimate and predict human motion", "motiondb");
+  CLI::App app("motiondb: store, recognize, estimate, predict and plan human motion", "motiondb");
   GlobalOptions global;
   std::function<absl::Status()> chosen;
   app.require_subcommand(1);
@@ -59,6 +59,7 @@ int Run(int argc, char** argv) {
   AddRecognizeCommand(line);
   AddEstimateCommand(line);
   AddPredictCommand(line);
+  AddPlanCommand(line);
   AddDumpCommand(line);
   AddExportCommand(line);
   AddDeleteCommand(line);

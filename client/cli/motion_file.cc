@@ -15,13 +15,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-bool HasExtension(const fs::path& file, const std::string& expected) {
-  std::string extension = file.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return std::tolower(c); });
-  return extension == expected;
-}
-
 v1::UpAxis UpAxisOf(const std::string& name) {
   if (name == "x") return v1::UP_AXIS_X;
   if (name == "y") return v1::UP_AXIS_Y;
@@ -30,6 +23,13 @@ v1::UpAxis UpAxisOf(const std::string& name) {
 }
 
 }  // namespace
+
+bool HasExtension(const fs::path& file, const std::string& expected) {
+  std::string extension = file.extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return extension == expected;
+}
 
 void AddSourceOptions(CLI::App& command, SourceOptions& options) {
   command

@@ -29,6 +29,9 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options);
 
 v1::SourceConventions Conventions(const SourceOptions& options);
 
+// True for a file that has this extension, ".amc", in upper or lower case.
+bool HasExtension(const std::filesystem::path& file, const std::string& expected);
+
 // True for a file whose joints come in a file of their own: AMC.
 bool NeedsSkeleton(const std::filesystem::path& file);
 

@@ -7,13 +7,22 @@ std::string InCollection(const std::string& collection, const std::string& given
   return given.rfind(collection, 0) == 0 ? given : collection + given;
 }
 
+std::string InDatabase(const std::string& database, const char* collection,
+                       const std::string& given) {
+  if (given.rfind("databases/", 0) == 0) return given;
+  return DatabaseName(database) + collection + given;
+}
+
 }  // namespace
 
 std::string DatabaseName(const std::string& given) { return InCollection("databases/", given); }
 
 std::string ClipName(const std::string& database, const std::string& given) {
-  if (given.rfind("databases/", 0) == 0) return given;
-  return DatabaseName(database) + "/clips/" + given;
+  return InDatabase(database, "/clips/", given);
+}
+
+std::string SkeletonName(const std::string& database, const std::string& given) {
+  return InDatabase(database, "/skeletons/", given);
 }
 
 std::string OperationName(const std::string& given) { return InCollection("operations/", given); }

@@ -11,6 +11,9 @@ std::string DatabaseName(const std::string& given);
 // "07_01" in database "walks" -> "databases/walks/clips/07_01"; a full name stays as it is.
 std::string ClipName(const std::string& database, const std::string& given);
 
+// The same for a skeleton.
+std::string SkeletonName(const std::string& database, const std::string& given);
+
 // "17" -> "operations/17"; a full name stays as it is.
 std::string OperationName(const std::string& given);
 

@@ -1,11 +1,16 @@
 #include "core/motion/error.h"
+#include "core/planning/planner.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "server/engine/prediction_series.h"
+#include "server/engine/search_clock.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
 #include "server/translate/numbers.h"
 #include "server/translate/observation.h"
+#include "server/translate/plan_body.h"
+#include "server/translate/plan_message.h"
+#include "server/translate/plan_options.h"
 #include "server/translate/query_message.h"
 #include "server/translate/query_options.h"
 #include "server/translate/resource_name.h"
@@ -91,6 +96,30 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
   };
 }
 
+absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
+                            FindSubject(call, "database", request.database()));
+  const core::Model& model = subject.snapshot->model;
+  MOTIONDB_ASSIGN_OR_RETURN(auto options,
+                            OptionsFrom(request, model, call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, subject.database->scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(const PlanBody body, BodyFrom(request, options.start_clip, *scheme,
+                                                          call.engine, *subject.database));
+  options.problem.skeleton = body.skeleton;
+  options.problem.flat_soles = body.is_robot;
+  SearchClock clock(options.max_search_seconds, call.deadline);
+  const core::PlanControl control{.cancelled = call.cancelled,
+                                  .time_up = [&] { return clock.time_up(); },
+                                  .search_over = [&] { clock.EndSearch(); }};
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
+                            core::PlanMotion(model, *scheme, options.problem, control));
+  MOTIONDB_RETURN_IF_ERROR(SetPlan(answer, subject.database->name(), model, body,
+                                   request.include_files(), call.cancelled, response));
+  response.mutable_effort()->set_search_seconds(clock.search_seconds());
+  response.mutable_effort()->set_total_seconds(clock.total_seconds());
+  return absl::OkStatus();
+}
+
 class QueryServiceImpl final : public v1::QueryService::CallbackService {
  public:
   explicit QueryServiceImpl(CallHost& host) : host_(host) {}
@@ -114,6 +143,11 @@ class QueryServiceImpl final : public v1::QueryService::CallbackService {
       grpc::CallbackServerContext* context, const v1::PredictSeriesRequest* request) override {
     return new StreamReactor<v1::PredictSeriesResponse>(
         host_, context, [request](const Call& call) { return OpenSeries(call, *request); });
+  }
+  grpc::ServerUnaryReactor* Plan(grpc::CallbackServerContext* context,
+                                 const v1::PlanRequest* request,
+                                 v1::PlanResponse* response) override {
+    return Answer<server::Plan>(host_, context, request, response);
   }
 
  private:

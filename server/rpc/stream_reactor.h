@@ -25,7 +25,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&)>;
 
   StreamReactor(CallHost& host, grpc::CallbackServerContext* context, Open open)
-      : ticket_(host.gate), call_{host.engine, CancellationOf(*context)} {
+      : ticket_(host.gate), call_{host.engine, CancellationOf(*context), context->deadline()} {
     if (!ticket_.admitted()) {
       this->Finish(Stopping());
       return;

@@ -27,6 +27,16 @@ absl::StatusOr<double> NotNegative(std::string_view field, double value) {
   return FieldViolation(field, "expected a number that is not negative, got {}", value);
 }
 
+absl::StatusOr<double> Finite(std::string_view field, double value) {
+  if (std::isfinite(value)) return value;
+  return FieldViolation(field, "expected a number, got {}", value);
+}
+
+absl::StatusOr<double> Between(std::string_view field, double value, double least, double most) {
+  if (value >= least && value <= most) return value;
+  return FieldViolation(field, "expected {} to {}, got {}", least, most, value);
+}
+
 absl::StatusOr<double> Probability(std::string_view field, double value) {
   if (value >= 0 && value <= 1) return value;
   return FieldViolation(field, "expected a probability, 0 to 1, got {}", value);

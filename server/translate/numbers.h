@@ -15,6 +15,8 @@ absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, d
 absl::StatusOr<double> PositiveOr(std::string_view field, double value, double fallback);
 absl::StatusOr<double> Positive(std::string_view field, double value);
 absl::StatusOr<double> NotNegative(std::string_view field, double value);
+absl::StatusOr<double> Finite(std::string_view field, double value);
+absl::StatusOr<double> Between(std::string_view field, double value, double least, double most);
 absl::StatusOr<double> Probability(std::string_view field, double value);
 absl::StatusOr<int> IntegerBetween(std::string_view field, int value, int least, int most);
 

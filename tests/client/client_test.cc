@@ -3,6 +3,7 @@
 #include <motiondb/v1/error.pb.h>
 #include <motiondb/v1/model.pb.h>
 #include <motiondb/v1/operation.pb.h>
+#include <motiondb/v1/plan.pb.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <catch2/catch.hpp>
@@ -226,6 +227,26 @@ TEST_CASE("Client: a series calls back for each message, until it is told to sto
   const absl::Status stopped = client.PredictSeries({}, keep);
   CHECK(stopped.code() == absl::StatusCode::kResourceExhausted);
   CHECK(moments.size() == 5);
+}
+
+TEST_CASE("Client: a plan comes whole, however large", "[client]") {
+  FakeServer server;
+  v1::PlanResponse answer;
+  answer.set_outcome(v1::EXACT);
+  answer.mutable_motion()->mutable_file()->mutable_data()->assign(100 << 20, 'x');
+  server.Answer("Plan", answer);
+  const Client client = ConnectTo(server.address());
+  v1::PlanRequest request;
+  request.set_database("databases/walks");
+  request.mutable_goal()->set_x_m(2);
+  const auto response = client.Plan(request);
+  INFO(response.status().ToString());
+  REQUIRE(response.ok());
+  CHECK(response->outcome() == v1::EXACT);
+  CHECK(response->motion().file().data().size() == 100 << 20);
+  const auto seen = server.Requests<v1::PlanRequest>("Plan");
+  REQUIRE(seen.size() == 1);
+  CHECK(seen[0].goal().x_m() == 2);
 }
 
 TEST_CASE("Client: many threads may ask at once", "[client]") {

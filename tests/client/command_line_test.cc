@@ -22,7 +22,7 @@ TEST_CASE("motiondb: help and version succeed on standard output", "[client][cli
   CHECK(help.exit_code == 0);
   CHECK(help.err == "");
   for (const char* command : {"create", "ingest", "list", "describe", "recognize", "estimate",
-                              "predict", "dump", "export", "delete", "operations"}) {
+                              "predict", "plan", "dump", "export", "delete", "operations"}) {
     CHECK_THAT(help.out, Contains(command));
     CHECK(RunMotiondb("", {command, "--help"}).exit_code == 0);
   }

@@ -106,6 +106,7 @@ struct FakeServer::Services {
     MOTIONDB_FAKE_UNARY(Recognize)
     MOTIONDB_FAKE_UNARY(Estimate)
     MOTIONDB_FAKE_UNARY(Predict)
+    MOTIONDB_FAKE_UNARY(Plan)
     MOTIONDB_FAKE_STREAM(PredictSeries)
     FakeServer& fake;
   };

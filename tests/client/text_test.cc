@@ -34,6 +34,7 @@ TEST_CASE("ResourceName: short and full names mean the same", "[client][cli]") {
   CHECK(DatabaseName("databases/walks") == "databases/walks");
   CHECK(ClipName("walks", "07_01") == "databases/walks/clips/07_01");
   CHECK(ClipName("walks", "databases/walks/clips/07_01") == "databases/walks/clips/07_01");
+  CHECK(SkeletonName("walks", "07") == "databases/walks/skeletons/07");
   CHECK(OperationName("17") == "operations/17");
   CHECK(ShortName("databases/walks/clips/07_01") == "07_01");
   CHECK(ShortName("07_01") == "07_01");

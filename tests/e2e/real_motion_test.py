@@ -10,61 +10,10 @@ import csv
 import json
 import os
 import signal
-import subprocess
-import sys
-import tempfile
-import unittest
 
 import numpy
 
-MOTIONDBD, MOTIONDB, DATA = sys.argv[1:4]
-MODELS = "/usr/share/assimp/models/BVH"
-
-
-class Server:
-    """motiondbd on a store file of its own."""
-
-    def __init__(self, store):
-        self.process = subprocess.Popen(
-            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error"],
-            stdout=subprocess.PIPE, text=True)
-        self.address = self.process.stdout.readline().strip().rsplit(" ", 1)[-1]
-
-    def stop(self, with_signal=signal.SIGTERM):
-        self.process.send_signal(with_signal)
-        code = self.process.wait(timeout=60)
-        self.process.stdout.close()
-        return code
-
-    def run(self, *arguments):
-        return subprocess.run([MOTIONDB, "--server", self.address, *arguments],
-                              capture_output=True, text=True)
-
-    def ask(self, *arguments):
-        """The command's JSON objects, one a line."""
-        result = self.run("--json", *arguments)
-        assert result.returncode == 0, f"motiondb {' '.join(arguments)}: {result.stderr}"
-        return [json.loads(line) for line in result.stdout.splitlines() if line.strip()]
-
-    def ask_one(self, *arguments):
-        answers = self.ask(*arguments)
-        assert len(answers) == 1, answers
-        return answers[0]
-
-
-class WithServer(unittest.TestCase):
-    def setUp(self):
-        self.folder = tempfile.TemporaryDirectory()
-        self.store = os.path.join(self.folder.name, "motion.db")
-        self.server = Server(self.store)
-
-    def tearDown(self):
-        if self.server.process.poll() is None:
-            self.server.stop()
-        self.folder.cleanup()
-
-    def path(self, name):
-        return os.path.join(self.folder.name, name)
+from programs import DATA, MODELS, Server, WithServer, main, needs_data
 
 
 class AnyMachine(WithServer):
@@ -227,8 +176,7 @@ class PaperDatabases(WithServer):
     """On the recorded motion beside the project."""
 
     def setUp(self):
-        if not os.path.exists(os.path.join(DATA, "index.tsv")):
-            self.skipTest(f"real motion is not at {DATA}")
+        needs_data()
         super().setUp()  # last: a skipped test is not torn down
 
     def test_database_1_windows(self):
@@ -258,4 +206,4 @@ class PaperDatabases(WithServer):
 
 
 if __name__ == "__main__":
-    unittest.main(argv=sys.argv[:1], verbosity=2)
+    main()

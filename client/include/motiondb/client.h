@@ -122,6 +122,11 @@ class Client {
       const v1::PredictSeriesRequest& request,
       const std::function<absl::Status(const v1::PredictSeriesResponse&)>& on_prediction,
       CallOptions options = {}) const;
+  // The messages are those of <motiondb/v1/plan.pb.h>. A goal that is not reached is no error: the
+  // response's outcome says so. The timeout bounds the search, too: half of it is searched at most,
+  // so that what was found then can still be made a motion and sent.
+  absl::StatusOr<v1::PlanResponse> Plan(const v1::PlanRequest& request,
+                                        CallOptions options = {}) const;
 
   // ---- Operations ------------------------------------------------------------------------------
   absl::StatusOr<v1::GetOperationResponse> GetOperation(const v1::GetOperationRequest& request,

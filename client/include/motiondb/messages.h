@@ -63,6 +63,11 @@ class Operation;
 class WaitOperationRequest;
 class WaitOperationResponse;
 
+// plan.proto
+class PlanRequest;
+class PlanResponse;
+class PlannedMotion;
+
 // query.proto
 class EstimateRequest;
 class EstimateResponse;

@@ -1,0 +1,114 @@
+// motiondb plan DB --goal X,Y,HEADING: how do I get there?
+#include <fmt/format.h>
+#include <motiondb/v1/plan.pb.h>
+
+#include <filesystem>
+
+#include "client/cli/command.h"
+#include "client/cli/floor_plan_svg.h"
+#include "client/cli/json_output.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/plan_request.h"
+#include "client/cli/plan_text.h"
+#include "client/cli/whole_file.h"
+
+namespace motiondb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct PlanOptions {
+  PlanRequestOptions request;
+  std::string out;
+  std::string plot;
+};
+
+void Declare(CLI::App& command, PlanOptions& options) {
+  AddPlanRequestOptions(command, options.request);
+  command
+      .add_option("--out", options.out,
+                  "Write the motion: BVH, or for a robot CSV of joint positions; alternatives as "
+                  "FILE-2 and so on")
+      ->type_name("FILE.bvh|FILE.csv");
+  command.add_option("--plot", options.plot, "Draw the plan seen from above")
+      ->type_name("FILE.svg");
+}
+
+// Whether the files that are to be written can hold what will be in them.
+absl::Status CheckFiles(const PlanOptions& options) {
+  const bool robot = PlansForRobot(options.request);
+  if (!options.out.empty() && !HasExtension(options.out, robot ? ".csv" : ".bvh")) {
+    return absl::InvalidArgumentError(
+        robot ? fmt::format("--out {}: a robot's joint positions are written as FILE.csv",
+                            options.out)
+              : fmt::format("--out {}: a skeleton's motion is written as FILE.bvh; CSV is for a "
+                            "robot, --skeleton FILE.urdf",
+                            options.out));
+  }
+  if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
+    return absl::InvalidArgumentError(
+        fmt::format("--plot {}: the plan is drawn as FILE.svg", options.plot));
+  }
+  return absl::OkStatus();
+}
+
+// "walk.bvh" -> "walk-2.bvh".
+fs::path Numbered(const fs::path& path, int number) {
+  if (number == 1) return path;
+  fs::path numbered = path;
+  return numbered.replace_filename(
+      fmt::format("{}-{}{}", path.stem().string(), number, path.extension().string()));
+}
+
+// Writes all that was asked for and names it in `written`.
+absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& request,
+                        const v1::PlanResponse& response, std::vector<std::string>& written) {
+  const auto write = [&](const fs::path& path, const std::string& bytes) {
+    absl::Status status = WriteWholeFile(path, bytes);
+    if (status.ok()) written.push_back(path.string());
+    return status;
+  };
+  if (!options.plot.empty()) {
+    absl::Status status = write(options.plot, FloorPlanSvg(request, response));
+    if (!status.ok()) return status;
+  }
+  if (options.out.empty()) return absl::OkStatus();
+  if (!response.has_motion()) {
+    return absl::NotFoundError(
+        fmt::format("--out {}: there is no motion to write: {}", options.out, response.missing()));
+  }
+  absl::Status status = write(options.out, response.motion().file().data());
+  for (int i = 0; status.ok() && i < response.alternatives_size(); ++i) {
+    status = write(Numbered(options.out, i + 2), response.alternatives(i).file().data());
+  }
+  return status;
+}
+
+absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
+  if (absl::Status status = CheckFiles(options); !status.ok()) return status;
+  v1::PlanRequest request;
+  if (absl::Status status = SetPlanRequest(options.request, request); !status.ok()) return status;
+  request.set_include_files(!options.out.empty());
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto response = client->Plan(request);
+  if (!response.ok()) return response.status();
+  std::vector<std::string> written;
+  absl::Status status = WriteFiles(options, request, *response, written);
+  if (global.json) {
+    PrintJson(*response);
+    return status;
+  }
+  fmt::print("{}", PlanText(*response));
+  for (const std::string& file : written) fmt::print("wrote {}\n", file);
+  return status;
+}
+
+}  // namespace
+
+void AddPlanCommand(CommandLine line) {
+  AddCommand<PlanOptions>(line, "plan", "Find a motion from a start to a goal on the floor",
+                          Declare, Run);
+}
+
+}  // namespace motiondb::client

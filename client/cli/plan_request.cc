@@ -1,0 +1,231 @@
+#include "client/cli/plan_request.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/plan.pb.h>
+
+#include <cmath>
+#include <filesystem>
+
+#include "client/cli/command.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/number_list.h"
+#include "client/cli/resource_name.h"
+
+namespace motiondb::client {
+namespace {
+
+using Numbers = std::vector<double>;
+
+bool IsPose(const Numbers& numbers) { return numbers.size() == 3; }
+bool IsTolerance(const Numbers& numbers) {
+  return numbers.size() == 2 && numbers[0] >= 0 && numbers[1] >= 0;
+}
+bool IsDisc(const Numbers& numbers) { return numbers.size() == 3 && numbers[2] > 0; }
+bool IsPolygon(const Numbers& numbers) { return numbers.size() >= 6 && numbers.size() % 2 == 0; }
+
+// The moment in "CLIP@SECONDS".
+struct Moment {
+  std::string clip;
+  double seconds = 0;
+};
+
+std::optional<Moment> ParseMoment(const std::string& text) {
+  const size_t at = text.rfind('@');
+  if (at == 0 || at == std::string::npos) return std::nullopt;
+  const auto seconds = ParseNumbers(text.substr(at + 1));
+  if (!seconds || seconds->size() != 1 || seconds->front() < 0) return std::nullopt;
+  return Moment{text.substr(0, at), seconds->front()};
+}
+
+CLI::Validator ClipMomentText() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return ParseMoment(text) ? "" : fmt::format("expected CLIP@SECONDS, got {}", text);
+      },
+      "");
+}
+
+void AddStartOptions(CLI::App& command, PlanRequestOptions& options) {
+  CLI::Option* start = command.add_option("--start", options.start,
+                                          "Begin at a moment of a stored clip; else standing");
+  start->type_name("CLIP@SECONDS")->check(ClipMomentText());
+  CLI::Option* observation = command.add_option("--observation", options.observation,
+                                                "Begin where the motion in this file ends");
+  observation->type_name("FILE")->excludes(start);
+  command
+      .add_option("--observation-skeleton", options.observation_skeleton,
+                  "ASF skeleton of an AMC observation; else the ASF beside it")
+      ->type_name("FILE.asf")
+      ->needs(observation);
+}
+
+void AddGoalOptions(CLI::App& command, PlanRequestOptions& options) {
+  command
+      .add_option("--goal", options.goal,
+                  "Where to end: metres to the front and to the left of the start, radians "
+                  "counter-clockwise")
+      ->type_name("X,Y,HEADING")
+      ->required()
+      ->check(NumberList("X,Y,HEADING, three numbers", IsPose));
+  command
+      .add_option("--tolerance", options.tolerance,
+                  "How far from the goal it may end; else 0.1,0.1")
+      ->type_name("METRES,RADIANS")
+      ->check(NumberList("METRES,RADIANS, two numbers from 0", IsTolerance));
+  command.add_option("--max-duration", options.max_duration_seconds, "Longest motion")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command.add_option("--search-seconds", options.search_seconds, "Longest search")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+}
+
+void AddFloorOptions(CLI::App& command, PlanRequestOptions& options) {
+  command.add_option("--disc", options.discs, "A round obstacle; may be given again")
+      ->type_name("X,Y,RADIUS")
+      ->allow_extra_args(false)
+      ->check(NumberList("X,Y,RADIUS, three numbers, the last above 0", IsDisc));
+  command.add_option("--polygon", options.polygons, "An obstacle with corners; may be given again")
+      ->type_name("X,Y,X,Y,X,Y,...")
+      ->allow_extra_args(false)
+      ->check(NumberList("the X,Y of at least three corners", IsPolygon));
+  command
+      .add_option("--clearance", options.clearance_m,
+                  "Distance that the root keeps from obstacles; else 0.3")
+      ->type_name("METRES")
+      ->check(NonNegativeNumber());
+}
+
+void AddBodyOptions(CLI::App& command, PlanRequestOptions& options) {
+  command
+      .add_option("--skeleton", options.skeleton,
+                  "Who is to play it: a skeleton of the database, or a robot; else the skeleton of "
+                  "the clip that it begins in")
+      ->type_name("NAME|FILE.urdf");
+  command.add_flag("--ignore-joint-limits", options.ignore_joint_limits,
+                   "Let joints go beyond their limits");
+  command
+      .add_option("--frame-rate", options.frame_rate_hz,
+                  "Frame rate of the motion; else the database's")
+      ->type_name("HZ")
+      ->check(PositiveNumber());
+}
+
+void AddSearchOptions(CLI::App& command, PlanRequestOptions& options) {
+  command
+      .add_option("--layer", options.layer,
+                  "Layer of the coarse search, from 1; else about four fifths down")
+      ->type_name("N")
+      ->check(PositiveNumber());
+  command
+      .add_option("--label", options.labels, "Play only clips with this label; may be given again")
+      ->type_name("L")
+      ->allow_extra_args(false);
+  command.add_option("--seed", options.seed, "Another seed, another plan; the same, the same")
+      ->type_name("N")
+      ->capture_default_str();
+  command.add_option("--alternatives", options.alternatives, "How many other plans to add")
+      ->type_name("N")
+      ->check(CLI::Range(0, 10))
+      ->capture_default_str();
+  command
+      .add_option("--method", options.method,
+                  "How to search: stored segments, or the paper's random sampling")
+      ->type_name("segments|random")
+      ->check(CLI::IsMember({"segments", "random"}))
+      ->capture_default_str();
+}
+
+absl::Status SetStart(const PlanRequestOptions& options, v1::PlanRequest& request) {
+  if (!options.observation.empty()) {
+    SourceOptions source;
+    source.skeleton = options.observation_skeleton;
+    auto observation = ObservationFromFile(options.observation, source);
+    if (!observation.ok()) return observation.status();
+    *request.mutable_observation_start() = *std::move(observation);
+  } else if (const auto moment = ParseMoment(options.start)) {
+    request.mutable_clip_start()->set_clip(ClipName(options.database, moment->clip));
+    request.mutable_clip_start()->set_seconds(moment->seconds);
+  }
+  return absl::OkStatus();
+}
+
+void SetObstacles(const PlanRequestOptions& options, v1::PlanRequest& request) {
+  if (options.discs.empty() && options.polygons.empty() && !options.clearance_m) return;
+  v1::Obstacles& obstacles = *request.mutable_obstacles();
+  if (options.clearance_m) obstacles.set_clearance_m(*options.clearance_m);
+  for (const std::string& text : options.discs) {
+    const Numbers numbers = *ParseNumbers(text);
+    v1::Disc& disc = *obstacles.add_discs();
+    disc.mutable_centre()->set_x_m(numbers[0]);
+    disc.mutable_centre()->set_y_m(numbers[1]);
+    disc.set_radius_m(numbers[2]);
+  }
+  for (const std::string& text : options.polygons) {
+    const Numbers numbers = *ParseNumbers(text);
+    v1::Polygon& polygon = *obstacles.add_polygons();
+    for (size_t i = 0; i + 1 < numbers.size(); i += 2) {
+      v1::FloorPoint& corner = *polygon.add_corners();
+      corner.set_x_m(numbers[i]);
+      corner.set_y_m(numbers[i + 1]);
+    }
+  }
+}
+
+absl::Status SetBody(const PlanRequestOptions& options, v1::PlanRequest& request) {
+  if (PlansForRobot(options)) {
+    auto urdf = ReadFileBytes(options.skeleton);
+    if (!urdf.ok()) return urdf.status();
+    v1::RobotDescription& robot = *request.mutable_robot();
+    robot.set_file_name(std::filesystem::path(options.skeleton).filename().string());
+    robot.set_urdf(*std::move(urdf));
+  } else if (!options.skeleton.empty()) {
+    request.set_skeleton(SkeletonName(options.database, options.skeleton));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddPlanRequestOptions(CLI::App& command, PlanRequestOptions& options) {
+  command.add_option("DB", options.database, "Database")->required();
+  AddGoalOptions(command, options);
+  AddStartOptions(command, options);
+  AddFloorOptions(command, options);
+  AddBodyOptions(command, options);
+  AddSearchOptions(command, options);
+}
+
+bool PlansForRobot(const PlanRequestOptions& options) {
+  return HasExtension(options.skeleton, ".urdf");
+}
+
+absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request) {
+  request.set_database(DatabaseName(options.database));
+  const Numbers goal = *ParseNumbers(options.goal);
+  request.mutable_goal()->set_x_m(goal[0]);
+  request.mutable_goal()->set_y_m(goal[1]);
+  request.mutable_goal()->set_heading_rad(goal[2]);
+  if (!options.tolerance.empty()) {
+    const Numbers tolerance = *ParseNumbers(options.tolerance);
+    request.set_position_tolerance_m(tolerance[0]);
+    request.set_heading_tolerance_rad(tolerance[1]);
+  }
+  request.set_max_duration_seconds(options.max_duration_seconds);
+  request.set_max_search_seconds(options.search_seconds);
+  request.set_coarse_layer(options.layer);
+  for (const std::string& label : options.labels) request.add_labels(label);
+  request.set_seed(options.seed);
+  request.set_alternative_count(options.alternatives);
+  request.set_ignore_joint_limits(options.ignore_joint_limits);
+  request.set_frame_rate_hz(options.frame_rate_hz);
+  request.set_method(options.method == "random" ? v1::PLAN_METHOD_RANDOM_SAMPLING
+                                                : v1::PLAN_METHOD_SEGMENT_SEARCH);
+  SetObstacles(options, request);
+  if (absl::Status status = SetStart(options, request); !status.ok()) return status;
+  return SetBody(options, request);
+}
+
+}  // namespace motiondb::client

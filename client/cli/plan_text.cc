@@ -1,0 +1,135 @@
+#include "client/cli/plan_text.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <vector>
+
+#include "client/cli/resource_name.h"
+#include "client/cli/table.h"
+
+namespace motiondb::client {
+namespace {
+
+constexpr int kShownSegments = 8;
+
+std::string SegmentsText(const v1::PlannedMotion& motion) {
+  if (motion.segments_size() == 0) return "";  // made of nodes' means
+  std::string text = "plays ";
+  for (int i = 0; i < std::min(motion.segments_size(), kShownSegments); ++i) {
+    const v1::PlayedSegment& segment = motion.segments(i);
+    text += fmt::format("{}{} {:.2f}-{:.2f} s", i > 0 ? ", " : "", ShortName(segment.clip()),
+                        segment.start_seconds(), segment.end_seconds());
+  }
+  if (motion.segments_size() > kShownSegments) {
+    text += fmt::format(" and {} more", motion.segments_size() - kShownSegments);
+  }
+  return text + "\n";
+}
+
+// A row of the table: a figure, its unit and how it is written.
+struct Figure {
+  const char* name;
+  const char* unit;
+  std::string (*text)(const v1::PlanQuality&);
+};
+
+const std::vector<Figure>& Figures() {
+  static const std::vector<Figure> kFigures = {
+      {"end to goal", "m",
+       [](const auto& q) { return fmt::format("{:.3f}", q.position_error_m()); }},
+      {"end's heading to goal's", "rad",
+       [](const auto& q) { return fmt::format("{:.3f}", q.heading_error_rad()); }},
+      {"duration", "s", [](const auto& q) { return fmt::format("{:.2f}", q.duration_seconds()); }},
+      {"length", "m", [](const auto& q) { return fmt::format("{:.2f}", q.length_m()); }},
+      {"path corrected by", "m",
+       [](const auto& q) { return fmt::format("{:.3f}", q.correction_m()); }},
+      {"path turned by", "rad",
+       [](const auto& q) { return fmt::format("{:.3f}", q.correction_heading_rad()); }},
+      {"foot slide", "cm/s",
+       [](const auto& q) { return fmt::format("{:.2f}", q.foot_slide_cm_per_s()); }},
+      {"floor penetration", "cm",
+       [](const auto& q) { return fmt::format("{:.2f}", q.floor_penetration_cm()); }},
+      {"peak marker jerk", "m/s^3",
+       [](const auto& q) { return fmt::format("{:.0f}", q.peak_marker_jerk_m_s3()); }},
+      {"peak joint speed", "rad/s",
+       [](const auto& q) { return fmt::format("{:.2f}", q.peak_joint_speed_rad_s()); }},
+      {"peak joint jerk", "rad/s^3",
+       [](const auto& q) { return fmt::format("{:.0f}", q.peak_joint_jerk_rad_s3()); }},
+      {"joint limits exceeded", "",
+       [](const auto& q) { return fmt::format("{}", q.joint_limit_violations()); }},
+      {"joints' markers off by", "m",
+       [](const auto& q) { return fmt::format("{:.3f}", q.marker_fit_rms_m()); }},
+      {"smallest clearance", "m",
+       [](const auto& q) {
+         return q.has_smallest_clearance_m() ? fmt::format("{:.2f}", q.smallest_clearance_m())
+                                             : std::string("-");
+       }},
+  };
+  return kFigures;
+}
+
+std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
+  std::vector<Table::Column> columns = {{""}, {""}};
+  for (size_t i = 0; i < motions.size(); ++i) {
+    columns.push_back({motions.size() == 1 ? ""
+                       : i == 0            ? "BEST"
+                                           : std::to_string(i + 1),
+                       Align::kRight});
+  }
+  Table table(columns);
+  if (motions.size() > 1) {
+    std::vector<std::string> row = {"  outcome", ""};
+    for (const auto* motion : motions) row.push_back(OutcomeText(motion->outcome()));
+    table.AddRow(row);
+  }
+  for (const Figure& figure : Figures()) {
+    std::vector<std::string> row = {std::string("  ") + figure.name, figure.unit};
+    for (const auto* motion : motions) row.push_back(figure.text(motion->quality()));
+    table.AddRow(row);
+  }
+  return table.ToString();
+}
+
+std::string EffortText(const v1::PlanResponse& response) {
+  const v1::SearchEffort& effort = response.effort();
+  return fmt::format(
+      "searched {} states in {:.3f} s, {} improvement{}{}; {:.3f} s with the motion made; for a "
+      "leg "
+      "of {:.3f} m\n",
+      effort.expansions(), effort.search_seconds(), effort.improvements(),
+      effort.improvements() == 1 ? "" : "s", effort.complete() ? ", nothing left to search" : "",
+      effort.total_seconds(), response.leg_length_m());
+}
+
+}  // namespace
+
+std::string OutcomeText(v1::PlanOutcome outcome) {
+  const std::string& name = v1::PlanOutcome_Name(outcome);
+  return name.empty() ? fmt::format("outcome {}", static_cast<int>(outcome)) : name;
+}
+
+std::string PlanFigures(const v1::PlanQuality& quality) {
+  std::string text = fmt::format("{:.2f} s, {:.2f} m, ends {:.3f} m and {:.3f} rad from the goal",
+                                 quality.duration_seconds(), quality.length_m(),
+                                 quality.position_error_m(), quality.heading_error_rad());
+  if (quality.has_smallest_clearance_m()) {
+    text += fmt::format(", {:.2f} m clear of obstacles", quality.smallest_clearance_m());
+  }
+  return text;
+}
+
+std::string PlanText(const v1::PlanResponse& response) {
+  std::string text = OutcomeText(response.outcome());
+  if (!response.missing().empty()) text += ": " + response.missing();
+  text += "\n";
+  if (response.has_motion()) {
+    text += SegmentsText(response.motion());
+    std::vector<const v1::PlannedMotion*> motions = {&response.motion()};
+    for (const v1::PlannedMotion& other : response.alternatives()) motions.push_back(&other);
+    text += QualityText(motions);
+  }
+  return text + EffortText(response);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,15 @@
+// A file that is written whole or not at all.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace motiondb::client {
+
+// Replaces what lies there. UNKNOWN, naming the file, if it cannot be written: then what lay there
+// still does.
+absl::Status WriteWholeFile(const std::filesystem::path& path, const std::string& bytes);
+
+}  // namespace motiondb::client

@@ -1,0 +1,37 @@
+// A trained database that the tests of Plan ask, and the request that most of them change.
+#pragma once
+
+#include "motiondb/v1/plan.pb.h"
+#include "motiondb/v1/query.grpc.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+
+// Holds `db`, a walk of 2.6 m in 2 s, a squat and a wave; and `empty`, without a model.
+inline TestServer& PlanServer() {
+  static TestServer server;
+  static const bool kTrained = [] {
+    server.CreateTrained("db");
+    server.CreateDatabase("empty");
+    return true;
+  }();
+  (void)kTrained;
+  return server;
+}
+
+// From the walk to a place ahead.
+inline v1::PlanRequest WalkAhead(double metres = 1) {
+  v1::PlanRequest request;
+  request.set_database("databases/db");
+  request.mutable_clip_start()->set_clip("databases/db/clips/walk");
+  request.mutable_clip_start()->set_seconds(0.2);
+  request.mutable_goal()->set_x_m(metres);
+  return request;
+}
+
+inline Answer<v1::PlanResponse> AskPlan(TestServer& server, const v1::PlanRequest& request) {
+  const auto stub = server.NewStub<v1::QueryService>();
+  return Ask(*stub, &v1::QueryService::Stub::Plan, request);
+}
+
+}  // namespace motiondb::tests

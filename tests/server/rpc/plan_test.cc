@@ -1,0 +1,202 @@
+// What Plan answers, over a real socket.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <cstring>
+#include <thread>
+
+#include "core/format/motion_file.h"
+#include "core/motion/forward_kinematics.h"
+#include "tests/server/rpc/plan_support.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Stub = v1::QueryService::Stub;
+using std::chrono::milliseconds;
+using Clock = std::chrono::steady_clock;
+
+std::vector<float> Unpack(const std::string& bytes) {
+  std::vector<float> values(bytes.size() / sizeof(float));
+  std::memcpy(values.data(), bytes.data(), bytes.size());
+  return values;
+}
+
+// Without what two answers to one request may differ in.
+std::string Timeless(v1::PlanResponse response) {
+  response.mutable_effort()->clear_search_seconds();
+  response.mutable_effort()->clear_total_seconds();
+  return response.SerializeAsString();
+}
+
+TEST_CASE("Plan: walks to a goal ahead", "[server][rpc][plan]") {
+  const auto answer = AskPlan(PlanServer(), WalkAhead());
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  const v1::PlanResponse& response = answer.response;
+  INFO(response.missing());
+  CHECK(response.outcome() == v1::EXACT);
+  CHECK(response.missing().empty());
+  CHECK(response.leg_length_m() == Approx(0.82).margin(0.05));
+  CHECK(response.alternatives_size() == 0);
+  CHECK(response.effort().expansions() > 0);
+  CHECK(response.effort().search_seconds() > 0);
+  CHECK(response.effort().total_seconds() >= response.effort().search_seconds());
+
+  const v1::PlannedMotion& motion = response.motion();
+  CHECK(motion.outcome() == v1::EXACT);
+  REQUIRE(motion.segments_size() >= 1);
+  CHECK(motion.segments(0).clip() == "databases/db/clips/walk");
+  CHECK(motion.segments(0).start_seconds() == Approx(0.2).margin(0.02));
+  const int frames = motion.frame_count();
+  CHECK(motion.frame_rate_hz() == 60);
+  CHECK(motion.quality().duration_seconds() == Approx((frames - 1) / 60.0).margin(0.03));
+  REQUIRE(motion.root_size() == frames);
+  CHECK(std::hypot(motion.root(0).x_m(), motion.root(0).y_m()) < 0.01);
+  const v1::FloorPose& end = motion.root(frames - 1);
+  CHECK(std::hypot(end.x_m() - 1, end.y_m()) < 0.1);
+  CHECK(std::hypot(end.x_m() - 1, end.y_m()) ==
+        Approx(motion.quality().position_error_m()).margin(1e-6));
+  CHECK(motion.bottom_node_ids_size() == motion.coarse_node_ids_size());
+  REQUIRE(motion.marker_names_size() == 10);
+  CHECK(motion.marker_positions().size() == static_cast<std::size_t>(frames) * 3 * 10 * 4);
+  // The body is the start's own: the figure, with six channels at the hips and three elsewhere.
+  CHECK(motion.dof_names_size() == 6 + 3 * 9);
+  CHECK(motion.dof_names(0) == "Hips.tx");
+  CHECK(motion.joint_angles().size() == static_cast<std::size_t>(frames) * 33 * 4);
+  CHECK(!motion.has_file());
+  CHECK(!motion.quality().has_smallest_clearance_m());
+}
+
+TEST_CASE("Plan: the same request gives the same plan", "[server][rpc][plan]") {
+  v1::PlanRequest request = WalkAhead(0.8);
+  request.set_alternative_count(2);
+  request.set_seed(7);
+  const auto first = AskPlan(PlanServer(), request);
+  REQUIRE(first.status.ok());
+  CHECK(Timeless(AskPlan(PlanServer(), request).response) == Timeless(first.response));
+}
+
+TEST_CASE("Plan: a file holds the motion that the answer tells", "[server][rpc][plan]") {
+  v1::PlanRequest request = WalkAhead();
+  request.set_include_files(true);
+  request.set_frame_rate_hz(30);
+  const auto answer = AskPlan(PlanServer(), request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  const v1::PlannedMotion& planned = answer.response.motion();
+  CHECK(planned.frame_rate_hz() == 30);
+  CHECK(planned.file().file_name() == "plan.bvh");
+  const auto read =
+      core::ReadMotionFile(core::FileFormat::kBvh, {"plan.bvh", planned.file().data()});
+  INFO(read.status().ToString());
+  REQUIRE(read.ok());
+  const auto& joints = std::get<core::JointMotion>(read->motion);
+  CHECK(joints.frame_rate_hz == Approx(30));
+  REQUIRE(joints.angles.rows() == planned.frame_count());
+  const core::FrameMatrix positions = core::JointPositions(joints);
+  const std::vector<float> markers = Unpack(planned.marker_positions());
+  double farthest = 0;
+  for (int m = 0; m < planned.marker_names_size(); ++m) {
+    const int joint = joints.skeleton->FindJoint(planned.marker_names(m));
+    REQUIRE(joint >= 0);
+    for (int frame = 0; frame < planned.frame_count(); ++frame) {
+      const Eigen::Map<const Eigen::RowVector3f> marker(
+          markers.data() + 3 * (frame * planned.marker_names_size() + m));
+      const auto distance = (positions.row(frame).segment<3>(3 * joint) - marker).norm();
+      farthest = std::max(farthest, static_cast<double>(distance));
+    }
+  }
+  CHECK(farthest < 0.01);
+}
+
+TEST_CASE("Plan: an observation is a start, too", "[server][rpc][plan]") {
+  v1::PlanRequest request = WalkAhead();
+  *request.mutable_observation_start() = ObservedWalk();
+  request.add_labels("walk");
+  const auto answer = AskPlan(PlanServer(), request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  REQUIRE(answer.response.motion().segments_size() >= 1);
+  CHECK(answer.response.motion().segments(0).clip() == "databases/db/clips/walk");
+}
+
+TEST_CASE("Plan: what cannot be reached is said to be", "[server][rpc][plan]") {
+  v1::PlanRequest far = WalkAhead(100);
+  far.set_max_duration_seconds(5);
+  const auto unreachable = AskPlan(PlanServer(), far);
+  INFO(unreachable.status.error_message());
+  REQUIRE(unreachable.status.ok());
+  CHECK(unreachable.response.outcome() == v1::UNREACHABLE);
+  CHECK(!unreachable.response.missing().empty());
+  CHECK(unreachable.response.effort().total_seconds() < 2);
+
+  v1::PlanRequest inside = WalkAhead();
+  v1::Disc& disc = *inside.mutable_obstacles()->add_discs();
+  disc.mutable_centre()->set_x_m(1);
+  disc.set_radius_m(0.2);
+  const auto blocked = AskPlan(PlanServer(), inside);
+  REQUIRE(blocked.status.ok());
+  CHECK(blocked.response.outcome() == v1::UNREACHABLE);
+  CHECK_THAT(blocked.response.missing(), Catch::Contains("obstacle"));
+}
+
+// A search that goes on for as long as it may: the walk leads straight ahead.
+v1::PlanRequest Endless() {
+  v1::PlanRequest request = WalkAhead();
+  request.mutable_goal()->set_y_m(0.9);
+  request.set_max_search_seconds(60);
+  request.set_method(v1::PLAN_METHOD_RANDOM_SAMPLING);
+  return request;
+}
+
+TEST_CASE("Plan: a deadline that passes mid-search gives the best so far", "[server][rpc][plan]") {
+  const auto stub = PlanServer().NewStub<v1::QueryService>();
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + milliseconds(3000));
+  v1::PlanResponse response;
+  const grpc::Status status = stub->Plan(&context, Endless(), &response);
+  INFO(status.error_message() << response.missing());
+  REQUIRE(status.ok());
+  CHECK(response.outcome() == v1::DEADLINE);
+  CHECK(!response.missing().empty());
+  CHECK(response.motion().frame_count() > 1);
+  CHECK(response.effort().search_seconds() > 1.4);
+  CHECK(response.effort().search_seconds() < 2.9);
+}
+
+TEST_CASE("Plan: a cancelled call leaves its thread to others at once", "[server][rpc][plan]") {
+  server::ServerOptions options;
+  options.engine.rebuild_delay = milliseconds(50);
+  options.engine.query_threads = 1;
+  TestServer server(options);
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::QueryService>();
+  v1::EstimateRequest estimate;
+  estimate.set_database("databases/db");
+  *estimate.mutable_observation() = ObservedWalk();
+  const auto ask = [&] {
+    const auto begin = Clock::now();
+    CHECK(Ask(*stub, &Stub::Estimate, estimate).status.ok());
+    return Clock::now() - begin;
+  };
+  const auto alone = ask();
+  // The best of a few, for the machine may have other things to do.
+  auto least = Clock::duration::max();
+  for (const int delay : {20, 50, 100, 150, 200}) {
+    grpc::ClientContext context;
+    grpc::Status status;
+    std::thread planning([&] {
+      v1::PlanResponse response;
+      status = stub->Plan(&context, Endless(), &response);
+    });
+    std::this_thread::sleep_for(milliseconds(delay));
+    context.TryCancel();
+    least = std::min(least, ask() - alone);
+    planning.join();
+    CHECK(status.error_code() == grpc::StatusCode::CANCELLED);
+  }
+  CHECK(least < milliseconds(50));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,137 @@
+#include "server/translate/plan_message.h"
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/plan.pb.h"
+#include "server/translate/dof_names.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::server {
+namespace {
+
+using Names = std::vector<std::string>;
+
+core::Dof Turn(const Eigen::Vector3d& axis) {
+  return {.kind = core::Dof::Kind::kRotation, .axis = axis};
+}
+
+// A base that moves and turns, a hinge, a fixed link, and a joint that turns about one axis twice.
+std::shared_ptr<const core::Skeleton> Arm() {
+  const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+  const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d up = {0.1, -0.1, -std::sqrt(0.98)};
+  std::vector<core::Joint> joints(4);
+  joints[0].name = "base";
+  joints[0].dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = x}, Turn(up)};
+  joints[1] = {.name = "elbow", .parent = 0, .dofs = {Turn(x)}};
+  joints[2] = {.name = "plate", .parent = 1};
+  joints[3] = {.name = "wrist", .parent = 2, .dofs = {Turn(z), Turn(x), Turn(z)}};
+  auto skeleton = core::Skeleton::Create("arm", joints);
+  REQUIRE(skeleton.ok());
+  return std::make_shared<const core::Skeleton>(*std::move(skeleton));
+}
+
+// Two frames of a plan on a model of two clips of 40 frames at 60 Hz.
+core::PlannedMotion Motion() {
+  core::PlannedMotion motion;
+  motion.outcome = core::PlanOutcome::kApproximate;
+  motion.missing = "a metre";
+  motion.segments = {{10, 22}, {46, 52}};
+  motion.coarse_layer = 2;
+  motion.coarse_nodes = {1, 2};
+  motion.bottom_nodes = {3, 4};
+  motion.root.resize(2, 3);
+  motion.root << 0, 0, 0, 0.5, -0.25, 0.125;
+  motion.markers = {{"m0"}, 30, core::FrameMatrix::Constant(2, 3, 1.5F)};
+  motion.quality.position_error_m = 0.5;
+  motion.quality.motion.foot_slide_cm_per_s = 2;
+  motion.quality.joint_limit_violations = 7;
+  return motion;
+}
+
+absl::Status Set(const core::PlanAnswer& answer, bool files, v1::PlanResponse& message,
+                 const PlanBody& body = {}) {
+  const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
+  return SetPlan(
+      answer, "db", model, body, files, [] { return false; }, message);
+}
+
+TEST_CASE("DofNames: a joint's own name, or with what it does", "[server][translate]") {
+  CHECK(DofNames(*Arm()) ==
+        Names{"base.tx", "base.rz", "elbow", "wrist.rz", "wrist.rx", "wrist.rz2"});
+}
+
+TEST_CASE("PlanMessage: the best, its alternatives and the search", "[server][translate]") {
+  core::PlanAnswer answer;
+  answer.outcome = core::PlanOutcome::kDeadline;
+  answer.missing = "time";
+  answer.leg_length_m = 0.9;
+  answer.effort = {1000, 3, false};
+  answer.motions = {Motion(), Motion()};
+  answer.motions[1].quality.smallest_clearance_m = -0.5;
+  v1::PlanResponse message;
+  REQUIRE(Set(answer, true, message).ok());
+  CHECK(message.outcome() == v1::DEADLINE);
+  CHECK(message.missing() == "time");
+  CHECK(message.leg_length_m() == 0.9);
+  CHECK(message.effort().expansions() == 1000);
+  CHECK(message.effort().improvements() == 3);
+  const v1::PlannedMotion& motion = message.motion();
+  CHECK(motion.outcome() == v1::APPROXIMATE);
+  CHECK(motion.missing() == "a metre");
+  REQUIRE(motion.segments_size() == 2);
+  CHECK(motion.segments(0).clip() == "databases/db/clips/clip0");
+  CHECK(motion.segments(0).start_seconds() == Approx(10 / 60.0));
+  CHECK(motion.segments(1).clip() == "databases/db/clips/clip1");
+  CHECK(motion.segments(1).start_seconds() == Approx(6 / 60.0));
+  CHECK(motion.segments(1).end_seconds() == Approx(12 / 60.0));
+  CHECK(motion.bottom_node_ids(1) == 4);
+  CHECK(motion.frame_rate_hz() == 30);
+  CHECK(motion.frame_count() == 2);
+  CHECK(motion.root(1).y_m() == -0.25);
+  CHECK(motion.marker_positions().size() == 2 * 3 * 4);
+  CHECK(motion.quality().position_error_m() == 0.5);
+  CHECK(motion.quality().foot_slide_cm_per_s() == 2);
+  CHECK(motion.quality().joint_limit_violations() == 7);
+  CHECK(!motion.quality().has_smallest_clearance_m());
+  CHECK(motion.dof_names_size() == 0);
+  CHECK(!motion.has_file());
+  REQUIRE(message.alternatives_size() == 1);
+  CHECK(message.alternatives(0).quality().smallest_clearance_m() == -0.5);
+}
+
+TEST_CASE("PlanMessage: files have the names of their formats", "[server][translate]") {
+  core::PlanAnswer answer;
+  answer.motions = {Motion(), Motion()};
+  PlanBody body{.skeleton = Arm()};
+  for (core::PlannedMotion& motion : answer.motions) {
+    motion.joints = core::JointMotion{body.skeleton, 30, core::JointMatrix::Constant(2, 6, 0.25)};
+  }
+  v1::PlanResponse bvh;
+  REQUIRE(Set(answer, true, bvh, body).ok());
+  CHECK(bvh.motion().dof_names_size() == 6);
+  CHECK(bvh.motion().joint_angles().size() == 2 * 6 * 4);
+  CHECK(bvh.motion().file().file_name() == "plan.bvh");
+  CHECK(bvh.motion().file().data().starts_with("HIERARCHY"));
+  CHECK(bvh.alternatives(0).file().file_name() == "plan-2.bvh");
+  body.is_robot = true;
+  v1::PlanResponse csv;
+  REQUIRE(Set(answer, true, csv, body).ok());
+  CHECK(csv.alternatives(0).file().file_name() == "plan-2.csv");
+  CHECK(csv.motion().file().data().starts_with("time_s,"));
+  v1::PlanResponse bare;
+  REQUIRE(Set(answer, false, bare, body).ok());
+  CHECK(!bare.motion().has_file());
+}
+
+TEST_CASE("PlanMessage: nobody waits, nothing is written", "[server][translate]") {
+  core::PlanAnswer answer;
+  answer.motions = {Motion()};
+  v1::PlanResponse message;
+  const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
+  CHECK(absl::IsCancelled(SetPlan(
+      answer, "db", model, {}, false, [] { return true; }, message)));
+}
+
+}  // namespace
+}  // namespace motiondb::server

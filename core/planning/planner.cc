@@ -244,7 +244,7 @@ class Planner {
       answer_.outcome = PlanOutcome::kDeadline;
     } else if (answer_.effort.complete && !reached_) {
       answer_.outcome = PlanOutcome::kUnreachable;
-      answer_.missing += "; every way that stored motion goes was tried";
+      answer_.missing += "; nothing was left to try";
     } else {
       answer_.outcome = PlanOutcome::kApproximate;
     }

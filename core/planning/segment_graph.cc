@@ -27,6 +27,7 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
                            const std::vector<std::string>& labels)
     : model_(model),
       floor_(floor),
+      jolts_(model),
       run_of_frame_(static_cast<std::size_t>(model.frame_count()), -1),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
@@ -69,7 +70,7 @@ int SegmentGraph::HalfWindowAt(int leave, int enter) const {
                    to.first_frame + to.frame_count - 1 - enter});
 }
 
-std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) const {
+std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
   const Run& a = runs_[from];
   const Run& b = runs_[to];
   RunJoin best;
@@ -97,6 +98,11 @@ std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) const {
       consider(f, g);
     }
   }
+  const auto& [leave, enter, window] = best.join;
+  if (jolts_.Within(leave - window, leave + window) ||
+      jolts_.Within(enter - window, enter + window)) {
+    return std::nullopt;
+  }
   best.to = to;
   best.across = AcrossJoin(floor_, best.join);
   return best;
@@ -114,7 +120,7 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
     // A run near in the same clip would only play the same again, or stall.
     const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
                            std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
-    if (neighbour) continue;
+    if (neighbour || !Plays(to)) continue;
     if (auto join = BestJoin(run, to)) known->push_back(*join);
   }
   std::stable_sort(known->begin(), known->end(),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/model/model.h"
+#include "core/planning/jolts.h"
 #include "core/planning/splice.h"
 
 namespace motiondb::core {
@@ -41,12 +42,14 @@ class SegmentGraph {
   int run_of_frame(int frame) const { return run_of_frame_[frame]; }
   // Frames on each side of a join that both clips have, at most.
   int half_window() const { return half_window_; }
+  // Whether a run plays without a jolt of its recording. Joins lead to no other.
+  bool Plays(int run) { return !jolts_.Within(runs_[run].first, runs_[run].last); }
   // The joins that leave a run, least distance first.
   const std::vector<RunJoin>& Joins(int run);
 
  private:
   // The best join between two runs, if there is one that is good enough.
-  std::optional<RunJoin> BestJoin(int from, int to) const;
+  std::optional<RunJoin> BestJoin(int from, int to);
   // Where a frame leads in a second.
   FloorPose Future(int frame) const;
   // The best of the joins among those that lead to the same place.
@@ -56,6 +59,7 @@ class SegmentGraph {
 
   const Model& model_;
   const StoredFloor& floor_;
+  Jolts jolts_;
   int half_window_ = 0;
   std::vector<Run> runs_;
   std::vector<std::int32_t> run_of_frame_;

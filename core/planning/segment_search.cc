@@ -16,6 +16,7 @@ namespace {
 
 constexpr double kJoinSeconds = 0.15;       // what a join costs however good it is
 constexpr double kDistanceSeconds = 2.0;    // for each unit of distance between its states
+constexpr double kJoltSeconds = 3;          // for each run with a jolt of its recording
 constexpr double kCorrectionSeconds = 0.5;  // where all of the correction allowed is used
 constexpr double kUsedTolerance = 0.8;      // the rest is left to inverse kinematics
 constexpr double kClearanceMargin = 0.01;   // m, for what lies between the poses looked at
@@ -41,11 +42,17 @@ struct Arrival {
   std::int32_t run = 0;
   std::int32_t from = -1;       // arrival that it came from
   std::int32_t join = kNoJoin;  // by this join of the run before; else in the same clip
-  std::int32_t since_join = 0;  // frames played since the last one
+  std::int32_t segment = 0;     // the arrival that began what is played since the last join
+  std::int32_t since_join = 0;  // frames played since then
   std::int32_t frames = 0;      // played since the start
   FloorPose pose;
   double length_m = 0;
   double cost = 0;
+};
+
+struct Visit {
+  double cost = 0;
+  std::int32_t segment = 0;
 };
 
 struct Ending {
@@ -90,7 +97,7 @@ class Search {
   // Sweeps from the start until so many ways there are known. CANCELLED.
   absl::Status Go(const Sweep& sweep, int enough, const PlanControl& control) {
     sweep_ = sweep;
-    least_cost_.clear();
+    visits_.clear();
     open_ = {};
     Enter({.run = graph_.run_of_frame(start_frame_)});
     const auto most =
@@ -151,7 +158,7 @@ class Search {
     return cost;
   }
 
-  void Enter(const Arrival& arrival) {
+  void Enter(Arrival arrival) {
     if (arrival.frames > most_frames_ || !Clear(arrival.pose, kClearanceMargin)) return;
     const double to_go = ToGo(arrival.pose);
     const bool in_time = arrival.frames + to_go * settings_.frame_rate_hz <= most_frames_ + 1;
@@ -164,10 +171,15 @@ class Search {
     const std::uint64_t key =
         Mix(Mix(Mix(Mix(node) ^ cell(arrival.pose.x, cell_m)) ^ cell(arrival.pose.y, cell_m)) ^
             cell(WrapAngle(arrival.pose.heading), sweep_.cell_rad));
-    const auto [known, is_new] = least_cost_.try_emplace(key, arrival.cost);
-    if (!is_new && known->second <= arrival.cost) return;
-    known->second = arrival.cost;
-    open_.push({arrival.cost + sweep_.greed * to_go, static_cast<std::int32_t>(arrivals_.size())});
+    const auto index = static_cast<std::int32_t>(arrivals_.size());
+    if (arrival.from < 0 || arrival.join != kNoJoin) arrival.segment = index;
+    const auto [known, is_new] = visits_.try_emplace(key, Visit{arrival.cost, arrival.segment});
+    // A segment that comes back to where it was goes on all the same: who waits may yet walk.
+    if (!is_new && known->second.cost <= arrival.cost && known->second.segment != arrival.segment) {
+      return;
+    }
+    if (arrival.cost <= known->second.cost) known->second = {arrival.cost, arrival.segment};
+    open_.push({arrival.cost + sweep_.greed * to_go, index});
     arrivals_.push_back(arrival);
   }
 
@@ -222,14 +234,16 @@ class Search {
                int frames, double length, double cost, int since_join) {
     const int first = graph_.runs()[to].first;
     const int played = first - at;
-    Enter({.run = to,
-           .from = from,
-           .join = join,
-           .since_join = since_join + played,
-           .frames = frames + played,
-           .pose = pose * floor_.Between(at, first),
-           .length_m = length + SignedLength(at, first),
-           .cost = cost + played / settings_.frame_rate_hz});
+    Enter(
+        {.run = to,
+         .from = from,
+         .join = join,
+         .segment = arrivals_[from].segment,
+         .since_join = since_join + played,
+         .frames = frames + played,
+         .pose = pose * floor_.Between(at, first),
+         .length_m = length + SignedLength(at, first),
+         .cost = cost + played / settings_.frame_rate_hz + (graph_.Plays(to) ? 0 : kJoltSeconds)});
   }
 
   // Looks whether the motion may end at one of the frames first ... last; `pose` and the rest are
@@ -341,8 +355,8 @@ class Search {
   std::priority_queue<std::pair<double, std::int32_t>, std::vector<std::pair<double, std::int32_t>>,
                       std::greater<>>
       open_;
-  std::unordered_map<std::uint64_t, double> least_cost_;
-  std::vector<Ending> endings_;  // cheapest first, at most path_count
+  std::unordered_map<std::uint64_t, Visit> visits_;  // of each cell: the cheapest
+  std::vector<Ending> endings_;                      // cheapest first, at most path_count
   Ending nearest_;
   FoundPaths found_;
 };

@@ -188,6 +188,34 @@ TEST_CASE("Segment search: ends when told to, with the best so far or not at all
   CHECK(cancelled.status().code() == absl::StatusCode::kCancelled);
 }
 
+TEST_CASE("Segment search: who stands before walking on is not taken to be going nowhere",
+          "[planning]") {
+  // A clip that marches on the spot for three seconds, always the same, and then walks on.
+  tests::WalkingFigure marching;
+  marching.seconds = 3.3;  // three cycles
+  marching.speed_m_s = 0;
+  MarkerMotion motion = marching.Motion();
+  tests::WalkingFigure walking;
+  walking.seconds = 3.3;
+  const FrameMatrix on = walking.Motion().positions_m;
+  const Eigen::Index stood = motion.positions_m.rows();
+  motion.positions_m.conservativeResize(stood + on.rows(), Eigen::NoChange);
+  motion.positions_m.bottomRows(on.rows()) = on;
+  auto states = ComputeStates(tests::WalkerSet(), motion);
+  REQUIRE(states.ok());
+  const auto model =
+      BuildModel({}, tests::WalkerSet(), {{"march", "walk", *std::move(states)}}, Serially, {});
+  REQUIRE(model.ok());
+  const StoredFloor floor(*model, kLeg);
+  SegmentGraph graph(*model, floor, model->layer_count(), {});
+  SearchSettings settings;
+  settings.goal = {1.5, 0, 0};
+  const FloorField field({}, {0, 0}, {1.5, 0});
+  const auto found = SearchSegments(graph, floor, 5, {}, field, settings, {});
+  REQUIRE(found.ok());
+  CHECK(found->reached);
+}
+
 TEST_CASE("Segment search: says when there was nothing left to try", "[planning]") {
   const Ground ground;
   SearchSettings settings;

@@ -114,7 +114,7 @@ std::string PlanFigures(const v1::PlanQuality& quality) {
                                  quality.duration_seconds(), quality.length_m(),
                                  quality.position_error_m(), quality.heading_error_rad());
   if (quality.has_smallest_clearance_m()) {
-    text += fmt::format(", {:.2f} m clear of obstacles", quality.smallest_clearance_m());
+    text += fmt::format(", {:.2f} m clear", quality.smallest_clearance_m());
   }
   return text;
 }

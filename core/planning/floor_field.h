@@ -1,5 +1,6 @@
-// How far it is to the goal around what stands in the way: a lower bound that guides the search.
-// Immutable; safe to share between threads.
+// The floor as a grid around obstacles: how far it is to the goal round them, a lower bound that
+// guides the search, and a fast answer to whether a point is clear of them. Immutable; safe to
+// share between threads. The obstacles must outlive it.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,15 +20,20 @@ class FloorField {
   // Metres from a point to the goal, never more than the way is long; infinite where there is none.
   double DistanceToGoal(const Eigen::Vector2d& point) const;
 
+  // Distance(obstacles, point) >= distance_m, without looking at the obstacles for most points.
+  bool Keeps(const Eigen::Vector2d& point, double distance_m) const;
+
  private:
   int IndexAt(const Eigen::Vector2d& point) const;
 
+  const Obstacles& obstacles_;
   Eigen::Vector2d goal_;
   Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
   double cell_m_ = 0;  // 0: no grid
   int columns_ = 0;
   int rows_ = 0;
-  std::vector<float> distance_m_;
+  std::vector<float> to_obstacle_m_;  // from each cell's middle
+  std::vector<float> to_goal_m_;
 };
 
 }  // namespace motiondb::core

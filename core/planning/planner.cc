@@ -80,19 +80,19 @@ class Planner {
  private:
   // What no search can mend; empty if there is hope.
   std::string WhyUnreachable() const {
-    const Obstacles& obstacles = problem_.obstacles;
     const FloorPose& goal = problem_.goal;
-    if (const double distance = Distance(obstacles, {goal.x, goal.y});
-        distance + problem_.position_tolerance_m < obstacles.clearance_m) {
-      return distance < 0 ? std::string("the goal is inside an obstacle")
-                          : fmt::format("the goal is {:.3g} m from an obstacle, {:.3g} wanted",
-                                        distance, obstacles.clearance_m);
+    const double clearance = problem_.obstacles.clearance_m;
+    const auto too_near = [&](std::string_view what, double distance) {
+      return distance < 0 ? fmt::format("the {} is inside an obstacle", what)
+                          : fmt::format("the {} is {:.3g} m from an obstacle, {:.3g} wanted", what,
+                                        distance, clearance);
+    };
+    const double goal_distance = Distance(problem_.obstacles, {goal.x, goal.y});
+    if (goal_distance + problem_.position_tolerance_m < clearance) {
+      return too_near("goal", goal_distance);
     }
-    if (const double distance = Distance(obstacles, {0, 0}); distance < obstacles.clearance_m) {
-      return distance < 0 ? std::string("the start is inside an obstacle")
-                          : fmt::format("the start is {:.3g} m from an obstacle, {:.3g} wanted",
-                                        distance, obstacles.clearance_m);
-    }
+    const double start_distance = Distance(problem_.obstacles, {0, 0});
+    if (start_distance < clearance) return too_near("start", start_distance);
     const double way = field_.DistanceToGoal({0, 0});
     if (!std::isfinite(way)) return "the obstacles leave no way to the goal";
     const double reach = floor_.top_speed_m_s() * problem_.max_duration_seconds;

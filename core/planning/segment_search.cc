@@ -128,8 +128,7 @@ class Search {
   }
 
   bool Clear(const FloorPose& pose, double margin) const {
-    return obstacles_.empty() ||
-           Distance(obstacles_, {pose.x, pose.y}) >= obstacles_.clearance_m + margin;
+    return field_.Keeps({pose.x, pose.y}, obstacles_.clearance_m + margin);
   }
 
   int EntryFrame(const Arrival& arrival) const {

@@ -43,7 +43,8 @@ TEST_CASE("Jolts: found where the recording has them, and nowhere else", "[plann
   CHECK_FALSE(jolts.Within(kJolt + 10, kJolt + 30));
 }
 
-TEST_CASE("Jolts: a run that has one is known, and no join leads to it or fades over it", "[planning]") {
+TEST_CASE("Jolts: a run that has one is known, and no join leads to it or fades over it",
+          "[planning]") {
   const Model model = JoltedDatabase();
   const StoredFloor floor(model, tests::WalkingFigure::kLeg_m);
   SegmentGraph graph(model, floor, model.layer_count(), {});

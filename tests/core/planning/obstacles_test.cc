@@ -53,7 +53,8 @@ TEST_CASE("Obstacles: the sign of a distance is that of even and odd crossings",
 }
 
 TEST_CASE("Floor field: without obstacles it is the straight line", "[planning]") {
-  const FloorField field({}, {0, 0}, {3, 4});
+  const Obstacles none;
+  const FloorField field(none, {0, 0}, {3, 4});
   CHECK(field.DistanceToGoal({0, 0}) == Approx(5));
 }
 
@@ -69,6 +70,21 @@ TEST_CASE("Floor field: never longer than the way round a wall, and longer than 
   CHECK(field.DistanceToGoal({1.5, 0}) == Approx(0.5));
   // Far outside the grid it is the straight line.
   CHECK(field.DistanceToGoal({-50, 0}) == Approx(52));
+}
+
+TEST_CASE("Floor field: what it says of being clear is what the distance says", "[planning]") {
+  const Obstacles obstacles{.discs = {{{1, 0.5}, 0.4}},
+                            .polygons = {{{{-1, -1}, {0.5, -1.5}, {0.2, -0.4}}}},
+                            .clearance_m = 0.25};
+  const FloorField field(obstacles, {-2, 0}, {2, 0});
+  SeededSequence random(3);
+  for (int i = 0; i < 20000; ++i) {
+    const Eigen::Vector2d point(14 * random.Next() - 7, 14 * random.Next() - 7);
+    const double distance = random.Next();
+    CHECK(field.Keeps(point, distance) == (Distance(obstacles, point) >= distance));
+  }
+  const Obstacles none;
+  CHECK(FloorField(none, {0, 0}, {1, 0}).Keeps({0, 0}, 5));
 }
 
 TEST_CASE("Floor field: no way into a closed room", "[planning]") {

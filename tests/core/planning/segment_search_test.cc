@@ -210,8 +210,9 @@ TEST_CASE("Segment search: who stands before walking on is not taken to be going
   SegmentGraph graph(*model, floor, model->layer_count(), {});
   SearchSettings settings;
   settings.goal = {1.5, 0, 0};
-  const FloorField field({}, {0, 0}, {1.5, 0});
-  const auto found = SearchSegments(graph, floor, 5, {}, field, settings, {});
+  const Obstacles none;
+  const FloorField field(none, {0, 0}, {1.5, 0});
+  const auto found = SearchSegments(graph, floor, 5, none, field, settings, {});
   REQUIRE(found.ok());
   CHECK(found->reached);
 }

@@ -147,8 +147,8 @@ class PaperDatabase(unittest.TestCase):
         # Nobody ends within a micrometre: without a deadline this search would go on.
         began = time.monotonic()
         plan = self.plan("6,3,2", "--tolerance", "0.000001,0.000001", "--search-seconds", "60",
-                         "--method", "random", "--timeout", "4")
-        self.assertLess(time.monotonic() - began, 4.5)
+                         "--method", "random", "--timeout", "12")
+        self.assertLess(time.monotonic() - began, 12.5)
         self.assertIn(plan["outcome"], ("DEADLINE", "APPROXIMATE"))
         self.assertGreater(plan["motion"]["frame_count"], 1)
 

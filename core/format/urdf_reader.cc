@@ -14,6 +14,9 @@
 namespace motiondb::core {
 namespace {
 
+// With two hands a humanoid has about a hundred; what poses cost grows with the cube.
+constexpr int kMostDofs = 300;
+
 using Type = UrdfJoint::Type;
 
 Eigen::Matrix3d FromRollPitchYaw(const Eigen::Vector3d& rpy) {
@@ -101,6 +104,10 @@ class RobotBuilder {
     if (!skeleton.ok()) {
       return InvalidArgument("{}: expected a skeleton: {}", file_.name,
                              std::string(skeleton.status().message()));
+    }
+    if (skeleton->dof_count() > kMostDofs) {
+      return InvalidArgument("{}: expected at most {} degrees of freedom, found {}", file_.name,
+                             kMostDofs, skeleton->dof_count());
     }
     report_.unit_provenance = Provenance::kStated;
     report_.up_axis = UpAxis::kZ;

@@ -16,7 +16,7 @@ absl::StatusOr<Body> Body::OfSkeleton(const Model& model, const MarkerScheme& sc
   MOTIONDB_ASSIGN_OR_RETURN(body.kinematics_,
                             MarkerKinematics::Create(scheme, std::move(skeleton), leg_length_m));
   if (!flat_soles) return body;
-  auto soles = FlatSoles(*body.kinematics_, scheme.set, body.feet_);
+  auto soles = FlatSoles(*body.kinematics_, scheme.set, body.feet_, leg_length_m);
   auto stored = StoredFootShapes(model, body.feet_);
   if (soles && stored) {
     body.soles_ = *std::move(soles);

@@ -12,9 +12,9 @@ namespace motiondb::core {
 
 class FloorField {
  public:
-  // Shortest ways over a grid of the floor around start, goal and obstacles, leaving out cells that
-  // lie wholly too near to an obstacle. Without obstacles it is the straight line. Cells get
-  // coarser where there are many corners, so the cost is bounded.
+  // Shortest ways over a grid of the floor around start and goal, leaving out cells that lie wholly
+  // too near to an obstacle. Without obstacles, and beyond the grid, it is the straight line. Cells
+  // get coarser where there are many or many corners, so that the work is bounded.
   FloorField(const Obstacles& obstacles, const Eigen::Vector2d& start, const Eigen::Vector2d& goal);
 
   // Metres from a point to the goal, never more than the way is long; infinite where there is none.
@@ -32,6 +32,7 @@ class FloorField {
   double cell_m_ = 0;  // 0: no grid
   int columns_ = 0;
   int rows_ = 0;
+  bool enclosed_ = false;             // no way leads from the goal to the grid's edge
   std::vector<float> to_obstacle_m_;  // from each cell's middle
   std::vector<float> to_goal_m_;
 };

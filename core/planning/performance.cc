@@ -41,6 +41,16 @@ ContactMatrix Resampled(const ContactMatrix& contacts, double from_hz, double to
   return resampled;
 }
 
+// Where the end falls between two frames, it is held to the second: it is what was asked for.
+void HoldEnd(const MarkerMotion& from, MarkerMotion& resampled) {
+  const Eigen::Index last = resampled.positions_m.rows() - 1;
+  const double cut = static_cast<double>(from.positions_m.rows() - 1) / from.frame_rate_hz -
+                     static_cast<double>(last) / resampled.frame_rate_hz;
+  if (cut * from.frame_rate_hz < 0.5) return;
+  resampled.positions_m.conservativeResize(last + 2, Eigen::NoChange);
+  resampled.positions_m.row(last + 1) = from.positions_m.row(from.positions_m.rows() - 1);
+}
+
 absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, bool respect_limits,
                          const Cancelled& cancelled, PlannedMotion& planned) {
   const IkOptions options{.respect_limits = respect_limits,
@@ -108,6 +118,7 @@ absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanPro
   const double model_rate = motion.markers.frame_rate_hz;
   const double rate = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate;
   MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion.markers, rate));
+  HoldEnd(motion.markers, planned.markers);
   if (body.kinematics()) {
     MOTIONDB_RETURN_IF_ERROR(
         SolveJoints(scheme, body, problem.respect_joint_limits, cancelled, planned));

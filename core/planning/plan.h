@@ -117,7 +117,7 @@ struct PlannedMotion {
 struct SearchEffort {
   std::int64_t expansions = 0;  // states expanded, or walks sampled
   int improvements = 0;         // how often a better plan replaced the best
-  bool complete = false;        // nothing was left to search
+  bool complete = false;        // nothing was left to search among the joins looked at
 };
 
 struct PlanAnswer {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 
@@ -19,7 +20,8 @@ namespace {
 
 // Where the paper searched: layer 13 of 16.
 constexpr double kCoarseShare = 0.8;
-constexpr int kMostAttempts = 3;  // to end a motion at the goal on the body that plays it
+constexpr double kAimMargin = 0.02;  // m of clearance more than asked for, where motion ends
+constexpr int kMostAttempts = 3;     // to end a motion at the goal on the body that plays it
 
 absl::Status Check(const PlanProblem& problem) {
   const FloorPose& goal = problem.goal;
@@ -60,8 +62,7 @@ class Planner {
         origin_(std::move(origin)),
         body_(std::move(body)),
         floor_(model, body_.leg_length_m()),
-        field_(problem.obstacles, Eigen::Vector2d::Zero(),
-               Eigen::Vector2d(problem.goal.x, problem.goal.y)) {}
+        aim_(Aim(problem)) {}
 
   absl::StatusOr<PlanAnswer> Plan() {
     answer_.leg_length_m = body_.leg_length_m();
@@ -93,9 +94,8 @@ class Planner {
     }
     const double start_distance = Distance(problem_.obstacles, {0, 0});
     if (start_distance < clearance) return too_near("start", start_distance);
-    const double way = field_.DistanceToGoal({0, 0});
-    if (!std::isfinite(way)) return "the obstacles leave no way to the goal";
     const double reach = floor_.top_speed_m_s() * problem_.max_duration_seconds;
+    const double way = std::hypot(goal.x, goal.y);
     if (way - problem_.position_tolerance_m > reach) {
       return fmt::format(
           "the goal is {:.2f} m away, and no stored motion goes more than {:.2f} m in "
@@ -113,9 +113,31 @@ class Planner {
     return {};
   }
 
+  // The goal, or where it is too near an obstacle, the nearest place within its tolerance that is
+  // not.
+  static FloorPose Aim(const PlanProblem& problem) {
+    const auto is_clear = [&](const FloorPose& pose) {
+      return Distance(problem.obstacles, {pose.x, pose.y}) >=
+             problem.obstacles.clearance_m + kAimMargin;
+    };
+    constexpr int kRings = 8;
+    constexpr int kBearings = 32;
+    for (int ring = 0; ring <= kRings; ++ring) {
+      const double away = problem.position_tolerance_m * ring / (kRings + 1);
+      for (int i = 0; i < kBearings; ++i) {
+        const double bearing = 2 * std::numbers::pi * i / kBearings;
+        const FloorPose aim{problem.goal.x + away * std::cos(bearing),
+                            problem.goal.y + away * std::sin(bearing), problem.goal.heading};
+        if (is_clear(aim)) return aim;
+      }
+    }
+    return problem.goal;
+  }
+
   SearchSettings Settings() const {
-    return {.goal = problem_.goal,
-            .position_tolerance_m = problem_.position_tolerance_m,
+    const double moved = std::hypot(aim_.x - problem_.goal.x, aim_.y - problem_.goal.y);
+    return {.goal = aim_,
+            .position_tolerance_m = std::max(0.0, problem_.position_tolerance_m - moved),
             .heading_tolerance_rad = problem_.heading_tolerance_rad,
             .max_duration_seconds = problem_.max_duration_seconds,
             .frame_rate_hz = model_.settings().frame_rate_hz,
@@ -125,15 +147,26 @@ class Planner {
   }
 
   absl::Status PlanBySegments() {
+    const FloorField field(problem_.obstacles, {0, 0}, {aim_.x, aim_.y});
+    if (!std::isfinite(field.DistanceToGoal({0, 0}))) {
+      if (control_.search_over) control_.search_over();
+      answer_.effort.complete = true;
+      answer_.missing = "the obstacles leave no way to the goal";
+      return absl::OkStatus();
+    }
     SegmentGraph graph(model_, floor_, layer_, problem_.labels);
     const SearchSettings settings = Settings();
     MOTIONDB_ASSIGN_OR_RETURN(const FoundPaths found,
                               SearchSegments(graph, floor_, origin_.frame, problem_.obstacles,
-                                             field_, settings, control_));
+                                             field, settings, control_));
     answer_.effort = found.effort;
     time_up_ = found.time_up;
     reached_ = found.reached;
-    for (const FoundPath& path : found.paths) MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
+    for (const FoundPath& path : found.paths) {
+      // The first is always made; others are not worth missing a deadline for.
+      if (!answer_.motions.empty() && TimeUp()) break;
+      MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
+    }
     return absl::OkStatus();
   }
 
@@ -150,26 +183,31 @@ class Planner {
       planned.coarse_nodes.push_back(model_.tree().node_of_frame(layer_, frame.main));
     }
     const std::vector<FloorPose> root = PlayedRoot(floor_, path);
-    FloorPose aim = problem_.goal;
+    FloorPose aim = aim_;
     std::optional<PlannedMotion> best;
     for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
       PlannedMotion aimed = planned;
       MOTIONDB_RETURN_IF_ERROR(Play(path, CorrectRoot(root, aim), aimed));
       // A body of other proportions ends a little beside its markers' end: aim beside the goal.
       const Eigen::Index last = aimed.root.rows() - 1;
-      aim.x += problem_.goal.x - aimed.root(last, 0);
-      aim.y += problem_.goal.y - aimed.root(last, 1);
-      aim.heading += WrapAngle(problem_.goal.heading - aimed.root(last, 2));
+      aim.x += aim_.x - aimed.root(last, 0);
+      aim.y += aim_.y - aimed.root(last, 1);
+      aim.heading += WrapAngle(aim_.heading - aimed.root(last, 2));
       if (!best || Lack(aimed) < Lack(*best)) best = std::move(aimed);
-      if (best->outcome == PlanOutcome::kExact) break;
+      if (best->outcome == PlanOutcome::kExact || TimeUp()) break;
     }
     answer_.motions.push_back(*std::move(best));
     return absl::OkStatus();
   }
 
-  // How much is missing of a goal, as the search counts it.
+  bool TimeUp() const { return control_.time_up && control_.time_up(); }
+
+  // How much is missing of what was asked for.
   double Lack(const PlannedMotion& motion) const {
-    return std::max(0.0, motion.quality.position_error_m - problem_.position_tolerance_m) +
+    const double clearance =
+        motion.quality.smallest_clearance_m.value_or(problem_.obstacles.clearance_m);
+    return std::max(0.0, problem_.obstacles.clearance_m - clearance) +
+           std::max(0.0, motion.quality.position_error_m - problem_.position_tolerance_m) +
            std::max(0.0, motion.quality.heading_error_rad - problem_.heading_tolerance_rad);
   }
 
@@ -218,10 +256,6 @@ class Planner {
     planned.coarse_layer = layer_;
     planned.coarse_nodes = std::move(path.coarse_nodes);
     planned.bottom_nodes = std::move(path.bottom_nodes);
-    return Add(std::move(motion), std::move(planned));
-  }
-
-  absl::Status Add(SynthesisedMotion motion, PlannedMotion planned) {
     MOTIONDB_RETURN_IF_ERROR(
         Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned));
     answer_.motions.push_back(std::move(planned));
@@ -238,13 +272,16 @@ class Planner {
       answer_.outcome = PlanOutcome::kExact;
       return;
     }
-    answer_.missing = answer_.motions.empty() ? "no stored motion goes on from the start"
-                                              : answer_.motions.front().missing;
+    if (!answer_.motions.empty()) {
+      answer_.missing = answer_.motions.front().missing;
+    } else if (answer_.missing.empty()) {
+      answer_.missing = "no stored motion goes on from the start";
+    }
     if (time_up_ && !reached_) {
       answer_.outcome = PlanOutcome::kDeadline;
     } else if (answer_.effort.complete && !reached_) {
       answer_.outcome = PlanOutcome::kUnreachable;
-      answer_.missing += "; nothing was left to try";
+      if (!answer_.motions.empty()) answer_.missing += "; nothing was left to try";
     } else {
       answer_.outcome = PlanOutcome::kApproximate;
     }
@@ -258,7 +295,7 @@ class Planner {
   const PlanOrigin origin_;
   const Body body_;
   const StoredFloor floor_;
-  const FloorField field_;
+  const FloorPose aim_;
   PlanAnswer answer_;
   bool time_up_ = false;
   bool reached_ = false;  // as far as the search knows

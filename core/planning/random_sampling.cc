@@ -102,19 +102,23 @@ absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int star
   Walk nearest;
   SeededSequence random(settings.seed);
   std::int64_t step = 0;
+  std::int64_t ask_at = 0;
   while (step < most_steps && !sampled.time_up &&
          static_cast<int>(reached.size()) < settings.path_count) {
     ++sampled.effort.expansions;
+    ++step;  // so that walks too short to take one come to an end too
     Walk walk{.nodes = {start}, .end = {}};
     Walk best;  // this walk as far as it came nearest
     std::size_t best_length = 0;
-    while (walk.nodes.size() <= longest && !sampled.time_up) {
-      if (step++ % kAskEvery == 0) {
-        if (control.cancelled && control.cancelled()) {
-          return absl::CancelledError("the search was stopped");
-        }
-        sampled.time_up = control.time_up && control.time_up();
+    if (step >= ask_at) {
+      ask_at = step + kAskEvery;
+      if (control.cancelled && control.cancelled()) {
+        return absl::CancelledError("the search was stopped");
       }
+      sampled.time_up = control.time_up && control.time_up();
+    }
+    while (walk.nodes.size() <= longest) {
+      ++step;
       walk.end = walk.end * steps[walk.nodes.back()];
       const int next = NextNode(graph, walk.nodes.back(), random);
       if (next < 0 || (!obstacles.empty() &&

@@ -24,16 +24,18 @@ constexpr double kClearanceMargin = 0.01;   // m, for what lies between the pose
 // One sweep of the search. Poses that are in one cell of the floor, in runs of one node, count as
 // one; the greedier, the sooner a first answer and the longer the way.
 struct Sweep {
-  double cell_leg_lengths;
+  double cell_leg_lengths;  // 0: no two poses count as one
   double cell_rad;
   double greed;             // weight of what is still to go
   std::int64_t expansions;  // at most, at the usual effort
 };
 constexpr Sweep kFirst = {0.18, 0.2, 4, 20000};
 constexpr Sweep kPatient = {0.24, 0.3, 3, 30000};  // where the first found nothing
+// Where even that found nothing: all ways, though no longer than can be looked at.
+constexpr Sweep kAll = {0, 0, 1, 10000};
 // Where there is an answer: for better ones, which its cost makes short work.
 constexpr Sweep kCloser = {0.12, 0.15, 2, 8000};
-constexpr int kAskEvery = 64;  // expansions between questions to the caller
+constexpr int kAskEvery = 8;  // expansions between questions to the caller
 
 constexpr std::int32_t kNoJoin = -1;
 
@@ -76,14 +78,19 @@ class Search {
         field_(field),
         speed_(std::max(1e-3, floor.top_speed_m_s())),
         turn_(std::max(1e-3, floor.top_turn_rad_s())),
+        margin_(std::clamp(Distance(obstacles, Eigen::Vector2d::Zero()) - obstacles.clearance_m,
+                           0.0, kClearanceMargin)),
         most_frames_(
             static_cast<std::int32_t>(settings.max_duration_seconds * settings.frame_rate_hz)) {}
 
   absl::StatusOr<FoundPaths> Run(const PlanControl& control) {
-    found_.effort.complete = true;
     MOTIONDB_RETURN_IF_ERROR(Go(kFirst, settings_.path_count, control));
     if (endings_.empty()) {
       MOTIONDB_RETURN_IF_ERROR(Go(kPatient, settings_.path_count, control));
+    }
+    if (endings_.empty()) {
+      MOTIONDB_RETURN_IF_ERROR(Go(kAll, 1, control));
+      found_.effort.complete = open_.empty();
     }
     if (!endings_.empty()) {
       MOTIONDB_RETURN_IF_ERROR(Go(kCloser, std::numeric_limits<int>::max(), control));
@@ -116,15 +123,15 @@ class Search {
       Expand(next);
       if (static_cast<int>(endings_.size()) >= enough) return absl::OkStatus();
     }
-    found_.effort.complete = found_.effort.complete && open_.empty();
     return absl::OkStatus();
   }
 
-  // Seconds that are still needed at least.
+  // Seconds that are still needed at least, to come within tolerance.
   double ToGo(const FloorPose& pose) const {
-    const double way = field_.DistanceToGoal({pose.x, pose.y});
-    const double turn = std::abs(WrapAngle(settings_.goal.heading - pose.heading));
-    return std::max(way / speed_, turn / turn_);
+    const double way = field_.DistanceToGoal({pose.x, pose.y}) - settings_.position_tolerance_m;
+    const double turn = std::abs(WrapAngle(settings_.goal.heading - pose.heading)) -
+                        settings_.heading_tolerance_rad;
+    return std::max({0.0, way / speed_, turn / turn_});
   }
 
   bool Clear(const FloorPose& pose, double margin) const {
@@ -158,10 +165,22 @@ class Search {
   }
 
   void Enter(Arrival arrival) {
-    if (arrival.frames > most_frames_ || !Clear(arrival.pose, kClearanceMargin)) return;
+    if (arrival.frames > most_frames_ || !Clear(arrival.pose, margin_)) return;
     const double to_go = ToGo(arrival.pose);
-    const bool in_time = arrival.frames + to_go * settings_.frame_rate_hz <= most_frames_ + 1;
+    // A correction may do the last of the way.
+    const bool in_time =
+        arrival.frames + (1 - kLargestCorrection) * to_go * settings_.frame_rate_hz <=
+        most_frames_ + 1;
     if (arrival.from >= 0 && (!in_time || arrival.cost + to_go >= WorstKept())) return;
+    const auto index = static_cast<std::int32_t>(arrivals_.size());
+    if (arrival.from < 0 || arrival.join != kNoJoin) arrival.segment = index;
+    if (sweep_.cell_leg_lengths > 0 && !IsNew(arrival)) return;
+    open_.push({arrival.cost + sweep_.greed * to_go, index});
+    arrivals_.push_back(arrival);
+  }
+
+  // Whether nothing cheaper has come to its cell before; if so, it counts from now on.
+  bool IsNew(const Arrival& arrival) {
     const auto cell = [](double value, double size) {
       return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / size)));
     };
@@ -170,16 +189,13 @@ class Search {
     const std::uint64_t key =
         Mix(Mix(Mix(Mix(node) ^ cell(arrival.pose.x, cell_m)) ^ cell(arrival.pose.y, cell_m)) ^
             cell(WrapAngle(arrival.pose.heading), sweep_.cell_rad));
-    const auto index = static_cast<std::int32_t>(arrivals_.size());
-    if (arrival.from < 0 || arrival.join != kNoJoin) arrival.segment = index;
     const auto [known, is_new] = visits_.try_emplace(key, Visit{arrival.cost, arrival.segment});
     // A segment that comes back to where it was goes on all the same: who waits may yet walk.
     if (!is_new && known->second.cost <= arrival.cost && known->second.segment != arrival.segment) {
-      return;
+      return false;
     }
     if (arrival.cost <= known->second.cost) known->second = {arrival.cost, arrival.segment};
-    open_.push({arrival.cost + sweep_.greed * to_go, index});
-    arrivals_.push_back(arrival);
+    return true;
   }
 
   void Expand(std::int32_t index) {
@@ -272,7 +288,7 @@ class Search {
         std::max(0.0, left.heading_rad - kUsedTolerance * settings_.heading_tolerance_rad);
     ending.lack = lack;
     if (lack > 0) {
-      if (lack < nearest_.lack && Clear(end, 0)) nearest_ = ending;
+      if (lack < nearest_.lack && IsClear(Corrected(ending).poses)) nearest_ = ending;
       return;
     }
     const GoalError error = ErrorAt(end, settings_.goal);
@@ -284,13 +300,22 @@ class Search {
   }
 
   // The root path as it will be corrected, looked at frame by frame.
+  CorrectedRoot Corrected(const Ending& ending) const {
+    return CorrectRoot(PlayedRoot(floor_, PathTo(ending)), settings_.goal);
+  }
+
+  bool IsClear(const std::vector<FloorPose>& root) const {
+    return obstacles_.empty() || std::all_of(root.begin(), root.end(), [&](const FloorPose& pose) {
+             return Clear(pose, margin_ / 2);
+           });
+  }
+
   bool Arrives(const Ending& ending) const {
-    const CorrectedRoot root = CorrectRoot(PlayedRoot(floor_, PathTo(ending)), settings_.goal);
+    const CorrectedRoot root = Corrected(ending);
     const GoalError error = ErrorAt(root.poses.back(), settings_.goal);
     return error.position_m <= kUsedTolerance * settings_.position_tolerance_m &&
            error.heading_rad <= kUsedTolerance * settings_.heading_tolerance_rad &&
-           std::all_of(root.poses.begin(), root.poses.end(),
-                       [&](const FloorPose& pose) { return Clear(pose, kClearanceMargin / 2); });
+           IsClear(root.poses);
   }
 
   // One ending a way there: another frame of the same runs is no other plan.
@@ -347,6 +372,7 @@ class Search {
   const FloorField& field_;
   const double speed_;
   const double turn_;
+  const double margin_;  // of clearance: as much as the start has, if that is little
   const std::int32_t most_frames_;
 
   Sweep sweep_{};

@@ -93,7 +93,8 @@ std::optional<std::vector<FootShape>> StoredFootShapes(const Model& model, const
 }
 
 std::optional<std::vector<FootShape>> FlatSoles(const MarkerKinematics& kinematics,
-                                                const MarkerSet& set, const Feet& feet) {
+                                                const MarkerSet& set, const Feet& feet,
+                                                double leg_length_m) {
   MarkerPose pose = kinematics.NewPose();
   kinematics.Place(pose);
   const Eigen::Vector3d across =
@@ -112,7 +113,7 @@ std::optional<std::vector<FootShape>> FlatSoles(const MarkerKinematics& kinemati
     for (std::size_t i = 0; i < contacts.size(); ++i) {
       heights[static_cast<Eigen::Index>(i)] = points(2, contacts[i]);
     }
-    if (heights.maxCoeff() - heights.minCoeff() > kLevel) return std::nullopt;
+    if (heights.maxCoeff() - heights.minCoeff() > kLevel * leg_length_m) return std::nullopt;
     points.row(2).array() -= heights.mean();
     soles.push_back(Aligned(foot, std::move(points)));
   }

@@ -22,7 +22,8 @@ std::optional<std::vector<FootShape>> StoredFootShapes(const Model& model, const
 // The shapes of a skeleton's feet in m, with all angles zero, if it then stands on flat soles:
 // contact markers level with each other, as robots have them. Nothing otherwise.
 std::optional<std::vector<FootShape>> FlatSoles(const MarkerKinematics& kinematics,
-                                                const MarkerSet& set, const Feet& feet);
+                                                const MarkerSet& set, const Feet& feet,
+                                                double leg_length_m);
 
 // Puts a body's soles where the stored feet are (frames x 3 N_v, m): each foot keeps its direction
 // and tilt and stands on the same points, and the rest of the body is as much lower or higher as

@@ -32,11 +32,15 @@ bool MayPlay(const ModelClip& clip, const std::vector<std::string>& labels) {
   return labels.empty() || std::find(labels.begin(), labels.end(), clip.label) != labels.end();
 }
 
+int Runway(const Model& model) {
+  return static_cast<int>(kRunwaySeconds * model.settings().frame_rate_hz);
+}
+
 // The frame with the smallest `cost` among the clips that may be played.
 template <typename Cost>
 absl::StatusOr<int> CheapestFrame(const Model& model, const std::vector<std::string>& labels,
                                   Cost cost) {
-  const int runway = static_cast<int>(kRunwaySeconds * model.settings().frame_rate_hz);
+  const int runway = Runway(model);
   int best = -1;
   double least = std::numeric_limits<double>::infinity();
   for (const ModelClip& clip : model.clips()) {
@@ -92,7 +96,9 @@ absl::StatusOr<PlanOrigin> FindOrigin(const Model& model, const PlanStart& start
   if (start.clip) {
     MOTIONDB_ASSIGN_OR_RETURN(const int frame, FrameOfClip(model, *start.clip));
     PlanOrigin origin = AtFrame(model, frame);
-    if (!MayPlay(model.clips()[model.clip_of_frame(frame)], labels)) {
+    const ModelClip& clip = model.clips()[model.clip_of_frame(frame)];
+    const int left = clip.first_frame + clip.frame_count - 1 - frame;
+    if (!MayPlay(clip, labels) || left < Runway(model)) {
       MOTIONDB_ASSIGN_OR_RETURN(origin.frame,
                                 FrameMostLike(model, labels, model.states().row(frame)));
     }

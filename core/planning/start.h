@@ -18,7 +18,7 @@ struct PlanOrigin {
 // For a moment of a clip that is its own frame; for an observation the frame most like its last
 // one, by place and velocity of all markers; for standing the one that moves least. Only frames of
 // clips with one of `labels` (empty: all) and with half a second to go, if their clip is that long:
-// a moment of another clip begins at the frame most like it.
+// any other moment of a clip begins at the frame most like it.
 //
 // NOT_FOUND for a clip that the model does not have; OUT_OF_RANGE for a moment outside the clip;
 // INVALID_ARGUMENT if no clip has such a label or the observation does not fit the model.

@@ -11,10 +11,14 @@ namespace {
 
 constexpr int kMostObstacles = 1000;
 constexpr int kMostCorners = 10'000;
+constexpr int kMostCornersOfOne = 2'000;  // all pairs of its sides may have to be compared
+constexpr double kFurthest = 10'000;      // m
 
 absl::StatusOr<Eigen::Vector2d> PointFrom(const std::string& field, const v1::FloorPoint& point) {
-  MOTIONDB_ASSIGN_OR_RETURN(const double x, Finite(field + ".x_m", point.x_m()));
-  MOTIONDB_ASSIGN_OR_RETURN(const double y, Finite(field + ".y_m", point.y_m()));
+  MOTIONDB_ASSIGN_OR_RETURN(const double x,
+                            Between(field + ".x_m", point.x_m(), -kFurthest, kFurthest));
+  MOTIONDB_ASSIGN_OR_RETURN(const double y,
+                            Between(field + ".y_m", point.y_m(), -kFurthest, kFurthest));
   return Eigen::Vector2d(x, y);
 }
 
@@ -23,11 +27,16 @@ absl::StatusOr<core::Disc> DiscFrom(const std::string& field, const v1::Disc& me
   core::Disc disc;
   MOTIONDB_ASSIGN_OR_RETURN(disc.centre, PointFrom(field + ".centre", message.centre()));
   MOTIONDB_ASSIGN_OR_RETURN(disc.radius_m, Positive(field + ".radius_m", message.radius_m()));
+  MOTIONDB_RETURN_IF_ERROR(Between(field + ".radius_m", disc.radius_m, 0, kFurthest).status());
   return disc;
 }
 
 absl::StatusOr<core::Polygon> PolygonFrom(const std::string& field, const v1::Polygon& message) {
   const std::string corners = field + ".corners";
+  if (message.corners_size() > kMostCornersOfOne) {
+    return FieldViolation(corners, "expected at most {}, got {}", kMostCornersOfOne,
+                          message.corners_size());
+  }
   core::Polygon polygon;
   for (int i = 0; i < message.corners_size(); ++i) {
     MOTIONDB_ASSIGN_OR_RETURN(polygon.corners.emplace_back(),
@@ -64,9 +73,8 @@ absl::StatusOr<core::Obstacles> ObstaclesFrom(std::string_view field,
         PolygonFrom(fmt::format("{}.polygons[{}]", field, i), message.polygons(i)));
   }
   if (message.has_clearance_m()) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        obstacles.clearance_m,
-        NotNegative(fmt::format("{}.clearance_m", field), message.clearance_m()));
+    MOTIONDB_ASSIGN_OR_RETURN(obstacles.clearance_m, Between(fmt::format("{}.clearance_m", field),
+                                                             message.clearance_m(), 0, kFurthest));
   }
   return obstacles;
 }

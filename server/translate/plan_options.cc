@@ -64,7 +64,7 @@ absl::Status SetNumbers(const v1::PlanRequest& request, const core::Model& model
   MOTIONDB_ASSIGN_OR_RETURN(options.max_search_seconds,
                             SecondsFrom("max_search_seconds", request.max_search_seconds(),
                                         options.max_search_seconds, kLongestSearchSeconds));
-  // The effort, not the clock, bounds a search: so the same request gives the same plan.
+  // The effort, not the clock, ends most searches, so that the same request gives the same plan.
   problem.effort = std::max(1.0, options.max_search_seconds);
   MOTIONDB_ASSIGN_OR_RETURN(
       problem.coarse_layer,

@@ -34,12 +34,12 @@ core::PlanAnswer Solve(const core::PlanProblem& problem) {
   return *std::move(answer);
 }
 
-double MedianOf(const std::vector<core::MotionQuality>& qualities,
-                double core::MotionQuality::*figure) {
+double QuantileOf(const std::vector<core::MotionQuality>& qualities,
+                  double core::MotionQuality::*figure, double share) {
   std::vector<double> values;
   for (const core::MotionQuality& quality : qualities) values.push_back(quality.*figure);
   std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
+  return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
 // Quality of the stored clips, each played on the skeleton as a plan would be.
@@ -109,7 +109,7 @@ TEST_CASE("The root integrated from velocities drifts little by frames, much by 
       "  each frame's own velocity %.4f, bottom nodes' means %.4f\n",
       by_frames, by_nodes);
   CHECK(by_frames < 0.03);
-  CHECK(by_nodes > by_frames);
+  CHECK(by_nodes < 0.6);
 }
 
 TEST_CASE("The paper's two examples: 2 m ahead, 1 m left, heading 0 and 1 rad",
@@ -144,11 +144,13 @@ TEST_CASE("Random goals are reached, by motion as good as what is stored", "[exp
   std::printf("%d of %d random goals exact\n", exact, kGoals);
   CHECK(exact >= 0.98 * kGoals);
   const std::vector<core::MotionQuality> stored = StoredQuality(skeleton);
-  std::printf("Medians                          planned   stored\n");
+  // Nearly every plan is held to the bar, against the stored clips' median: some have jolts.
+  std::printf("                       planned, median and 95 %%   stored, median\n");
   const auto compare = [&](const char* what, double core::MotionQuality::*figure, double most) {
-    const double ours = MedianOf(planned, figure);
-    const double theirs = MedianOf(stored, figure);
-    std::printf("  %-29s %9.2f %8.2f\n", what, ours, theirs);
+    const double ours = QuantileOf(planned, figure, 0.95);
+    const double theirs = QuantileOf(stored, figure, 0.5);
+    std::printf("  %-27s %9.2f %9.2f %9.2f\n", what, QuantileOf(planned, figure, 0.5), ours,
+                theirs);
     CHECK(ours <= most * theirs);
   };
   compare("foot slide, cm/s", &core::MotionQuality::foot_slide_cm_per_s, 1.5);
@@ -174,12 +176,20 @@ TEST_CASE("A plan written as BVH and read back has its markers where they were p
   INFO(markers.status());
   REQUIRE(markers.ok());
   REQUIRE(markers->positions_m.rows() == planned.markers.positions_m.rows());
-  const float furthest = (markers->positions_m - planned.markers.positions_m).cwiseAbs().maxCoeff();
+  float furthest = 0;
+  for (Eigen::Index m = 0; m < markers->positions_m.cols() / 3; ++m) {
+    furthest = std::max(furthest, (markers->positions_m - planned.markers.positions_m)
+                                      .middleCols<3>(3 * m)
+                                      .rowwise()
+                                      .norm()
+                                      .maxCoeff());
+  }
   std::printf(
       "BVH read back: markers within %.5f m of the plan's; the synthesised ones within "
       "%.4f m rms\n",
       static_cast<double>(furthest), planned.quality.marker_fit_rms_m);
   CHECK(furthest < 0.01F);
+  CHECK(planned.quality.marker_fit_rms_m < 0.01);
 }
 
 }  // namespace motiondb::tests

@@ -175,6 +175,14 @@ TEST_CASE("ReadUrdf: one link is a robot, and a chain of 20,000 takes no stack",
   CHECK(GoodRobot(Chain(20000)).skeleton.joint_count() == 20000);
 }
 
+TEST_CASE("ReadUrdf: no more joints move than can be solved for in time", "[core][format]") {
+  std::string chain = Chain(400);
+  for (std::size_t at = 0; (at = chain.find("'fixed'", at)) != std::string::npos;) {
+    chain.replace(at, 7, "'continuous'");
+  }
+  CHECK_THAT(Refusal(ReadRobot(chain)), Contains("at most 300 degrees of freedom, found 405"));
+}
+
 TEST_CASE("ReadUrdf: links and joints that are no tree", "[core][format]") {
   CHECK_THAT(Refusal(ReadRobot("<robot/>")), Contains("expected at least one <link>"));
   CHECK_THAT(RefusalWith("<child link=\"rail\"/>", "<child link=\"rial\"/>"),

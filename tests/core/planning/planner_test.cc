@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/planning/root_correction.h"
+#include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 
 namespace motiondb::core {
@@ -202,10 +203,70 @@ TEST_CASE("Plan: a wrong number is refused by its name", "[planning]") {
   CHECK_THAT(refused(problem), Catch::Contains("leg_length_m"));
 }
 
-TEST_CASE("Plan: a call that is cancelled ends as such", "[planning]") {
-  const auto answer = PlanMotion(WalkingDatabase(), tests::WalkerScheme(), Problem({1, 0, 0}),
-                                 {.cancelled = [] { return true; }});
-  CHECK(answer.status().code() == absl::StatusCode::kCancelled);
+TEST_CASE("Plan: a call that is cancelled ends at the next question, wherever it is",
+          "[planning]") {
+  PlanProblem problem = Problem({1.6, 0.5, 0.6});
+  problem.obstacles.discs = {{{0.8, -0.8}, 0.2}};
+  problem.skeleton = tests::FlatFootedRobot();
+  problem.flat_soles = true;
+  int questions = 0;
+  bool searched = false;
+  int after_search = 0;
+  const auto whole = PlanMotion(WalkingDatabase(), tests::RobotScheme(), problem,
+                                {.cancelled =
+                                     [&] {
+                                       ++questions;
+                                       after_search += searched;
+                                       return false;
+                                     },
+                                 .search_over = [&] { searched = true; }});
+  REQUIRE(whole.ok());
+  REQUIRE(questions > 100);
+  REQUIRE(after_search > 50);  // while the motion is made
+  for (int at = 1; at <= questions; at += 1 + questions / 20) {
+    int asked = 0;
+    const auto answer = PlanMotion(WalkingDatabase(), tests::RobotScheme(), problem,
+                                   {.cancelled = [&] { return ++asked >= at; }});
+    CHECK(answer.status().code() == absl::StatusCode::kCancelled);
+    CHECK(asked == at);
+  }
+}
+
+TEST_CASE("Plan: a goal near an obstacle is approached from the clear side", "[planning]") {
+  PlanProblem problem = Problem({2, 0, 0});
+  problem.heading_tolerance_rad = 0.5;
+  problem.position_tolerance_m = 0.3;
+  problem.obstacles.discs = {{{2, 0.55}, 0.4}};  // the goal itself is 0.15 m from it
+  problem.obstacles.clearance_m = 0.2;
+  const PlanAnswer answer = Solve(problem);
+  CHECK(answer.outcome == PlanOutcome::kExact);
+  CHECK(answer.motions.front().quality.smallest_clearance_m.value() >= 0.2);
+}
+
+TEST_CASE("Plan: the end is there at any frame rate", "[planning]") {
+  PlanProblem problem = Problem({1.6, 0.5, 0.6});
+  for (const double rate : {1.0, 7.0, 25.0, 60.0, 240.0}) {
+    problem.frame_rate_hz = rate;
+    const PlanAnswer answer = Solve(problem);
+    INFO(rate << " Hz: " << answer.missing);
+    CHECK(answer.outcome == PlanOutcome::kExact);
+  }
+}
+
+TEST_CASE("Plan: a start late in its clip goes on in another", "[planning]") {
+  PlanProblem problem = Problem({1.2, 0, 0});
+  problem.start.clip = ClipMoment{"straight", 3.9};
+  CHECK(Solve(problem).outcome == PlanOutcome::kExact);
+}
+
+TEST_CASE("Plan: once there is a motion, no more are made when time is up", "[planning]") {
+  PlanProblem problem = Problem({1.6, 0.3, 0.3});
+  problem.plan_count = 5;
+  bool searched = false;
+  const PlanAnswer answer = Solve(
+      problem, {.time_up = [&] { return searched; }, .search_over = [&] { searched = true; }});
+  CHECK(answer.outcome == PlanOutcome::kExact);
+  CHECK(answer.motions.size() == 1);
 }
 
 }  // namespace

@@ -59,6 +59,16 @@ TEST_CASE("Random sampling: keeps to the labels allowed", "[planning]") {
   }
 }
 
+TEST_CASE("Random sampling: ends though no walk has time for a step", "[planning]") {
+  SearchSettings settings;
+  settings.goal = {1, 0, 0};
+  settings.max_duration_seconds = 0.001;
+  settings.effort = 0.01;
+  const auto sampled = SampleWalks(WalkingDatabase(), 3, 10, {}, kLeg, {}, settings, {});
+  REQUIRE(sampled.ok());
+  CHECK_FALSE(sampled->reached);
+}
+
 TEST_CASE("Random sampling: ends when told to", "[planning]") {
   SearchSettings settings;
   settings.goal = {-6, 5, 2};

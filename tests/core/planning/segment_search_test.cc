@@ -110,6 +110,7 @@ TEST_CASE("Segment search: what it says reaches the goal does, by the root path 
           "[planning]") {
   const Ground ground;
   SeededSequence random(5);
+  int reached = 0;
   for (int i = 0; i < 20; ++i) {
     SearchSettings settings;
     settings.goal = SomeGoal(random);
@@ -117,6 +118,7 @@ TEST_CASE("Segment search: what it says reaches the goal does, by the root path 
     const auto found = Find(ground, settings);
     REQUIRE(found.ok());
     if (!found->reached) continue;
+    ++reached;
     double cost = 0;
     for (const FoundPath& path : found->paths) {
       CHECK(path.cost >= cost);  // cheapest first
@@ -133,6 +135,18 @@ TEST_CASE("Segment search: what it says reaches the goal does, by the root path 
       }
     }
   }
+  CHECK(reached >= 10);
+}
+
+TEST_CASE("Segment search: a wide tolerance is reached as soon as it is", "[planning]") {
+  const Ground ground;
+  SearchSettings settings;
+  settings.goal = {2.5, 0, 0};
+  settings.position_tolerance_m = 1.5;
+  settings.max_duration_seconds = 2;  // 1.4 m at 0.7 m/s
+  const auto found = Find(ground, settings);
+  REQUIRE(found.ok());
+  CHECK(found->reached);
 }
 
 TEST_CASE("Segment search: the same again, and another way with another seed", "[planning]") {

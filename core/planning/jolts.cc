@@ -36,7 +36,8 @@ float Jolts::Jerk(int frame) const {
     return OnFloor(PositionsOf(model_.states().row(f).cwiseProduct(model_.scale().divisor)), 1,
                    {root[0] / clip.leg_length_m, root[1] / clip.leg_length_m, root[2]});
   };
-  return (at(first + 3) - 3 * at(first + 2) + 3 * at(first + 1) - at(first)).norm();
+  const Eigen::RowVectorXf jerk = at(first + 3) - 3 * at(first + 2) + 3 * at(first + 1) - at(first);
+  return jerk.reshaped<Eigen::RowMajor>(jerk.size() / 3, 3).rowwise().norm().maxCoeff();
 }
 
 bool Jolts::At(int frame) {

@@ -1,4 +1,4 @@
-// Frames of a recording at which the whole body jolts, as no body does: a marker was swapped or
+// Frames of a recording at which a marker jolts as no body does: markers were swapped or
 // lost. A plan plays them only where there is no other way. Found when asked for, so the cost
 // follows the questions. Thread-compatible; the model must outlive it.
 #pragma once
@@ -15,7 +15,7 @@ class Jolts {
   // Looks at some thousand frames for what is usual.
   explicit Jolts(const Model& model);
 
-  // Whether the markers' jerk (root mean square over markers) about a frame is more than twice what
+  // Whether the largest jerk of a marker about a frame is more than twice what
   // it is in 99 of 100 frames, in leg lengths. O(markers), the first time.
   bool At(int frame);
   // At any of the frames first ... last, which are of one clip.

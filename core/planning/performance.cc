@@ -17,6 +17,8 @@ namespace {
 // arrives, which matters most on a body of other proportions.
 constexpr double kFootWeight = 20;
 constexpr double kHipWeight = 10;
+// People's skeletons have joints, as of the spine, that markers hardly tell apart.
+constexpr double kPeopleSmoothness = 1e-3;
 constexpr double kLimitTolerance = 1e-9;  // rad or m, rounding
 
 std::vector<double> MarkerWeights(const MarkerSet& set, const Feet& feet) {
@@ -51,10 +53,12 @@ void HoldEnd(const MarkerMotion& from, MarkerMotion& resampled) {
   resampled.positions_m.row(last + 1) = from.positions_m.row(from.positions_m.rows() - 1);
 }
 
-absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, bool respect_limits,
+absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, const PlanProblem& problem,
                          const Cancelled& cancelled, PlannedMotion& planned) {
-  const IkOptions options{.respect_limits = respect_limits,
-                          .marker_weights = MarkerWeights(scheme.set, body.feet())};
+  const IkOptions options{
+      .respect_limits = problem.respect_joint_limits,
+      .marker_weights = MarkerWeights(scheme.set, body.feet()),
+      .smoothness = problem.flat_soles ? IkOptions{}.smoothness : kPeopleSmoothness};
   MOTIONDB_ASSIGN_OR_RETURN(
       IkMotion solved,
       SolveInverseKinematics(*body.kinematics(), planned.markers, options, cancelled));
@@ -120,8 +124,7 @@ absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanPro
   MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion.markers, rate));
   HoldEnd(motion.markers, planned.markers);
   if (body.kinematics()) {
-    MOTIONDB_RETURN_IF_ERROR(
-        SolveJoints(scheme, body, problem.respect_joint_limits, cancelled, planned));
+    MOTIONDB_RETURN_IF_ERROR(SolveJoints(scheme, body, problem, cancelled, planned));
   }
   MOTIONDB_ASSIGN_OR_RETURN(planned.root, ReferenceFrames(scheme.set, planned.markers));
   MeasureWay(problem, planned);

@@ -53,13 +53,13 @@ absl::Status Check(const PlanProblem& problem) {
 class Planner {
  public:
   Planner(const Model& model, const MarkerScheme& scheme, const PlanProblem& problem,
-          const PlanControl& control, int layer, PlanOrigin origin, Body body)
+          const PlanControl& control, int layer, std::vector<PlanOrigin> origins, Body body)
       : model_(model),
         scheme_(scheme),
         problem_(problem),
         control_(control),
         layer_(layer),
-        origin_(std::move(origin)),
+        origins_(std::move(origins)),
         body_(std::move(body)),
         floor_(model, body_.leg_length_m()),
         aim_(Aim(problem)) {}
@@ -156,17 +156,44 @@ class Planner {
     }
     SegmentGraph graph(model_, floor_, layer_, problem_.labels);
     const SearchSettings settings = Settings();
-    MOTIONDB_ASSIGN_OR_RETURN(const FoundPaths found,
-                              SearchSegments(graph, floor_, origin_.frame, problem_.obstacles,
-                                             field, settings, control_));
-    answer_.effort = found.effort;
-    time_up_ = found.time_up;
-    reached_ = found.reached;
+    FoundPaths found;
+    MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(graph, field, settings, found));
+    if (!found.reached && !time_up_) {
+      // Nodes of a layer half way up hold more that is roughly alike.
+      SegmentGraph rough(model_, floor_, (layer_ + 1) / 2, problem_.labels,
+                         Likeness::kRoughlyAlike);
+      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(rough, field, settings, found));
+    }
+    if (control_.search_over) control_.search_over();
     for (const FoundPath& path : found.paths) {
       // The first is always made; others are not worth missing a deadline for.
       if (!answer_.motions.empty() && TimeUp()) break;
       MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
     }
+    return absl::OkStatus();
+  }
+
+  // From one origin after the other until one leads to the goal. `best` becomes what does, or comes
+  // nearer than it did.
+  absl::Status SearchFromOrigins(SegmentGraph& graph, const FloorField& field,
+                                 const SearchSettings& settings, FoundPaths& best) {
+    answer_.effort.complete = true;
+    for (std::size_t i = 0; i < origins_.size() && !best.reached && !time_up_; ++i) {
+      MOTIONDB_ASSIGN_OR_RETURN(FoundPaths found,
+                                SearchSegments(graph, floor_, origins_[i].frame, problem_.obstacles,
+                                               field, settings, control_));
+      answer_.effort.expansions += found.effort.expansions;
+      answer_.effort.improvements += found.effort.improvements;
+      answer_.effort.complete = answer_.effort.complete && found.effort.complete;
+      time_up_ = found.time_up;
+      const bool nearer =
+          !found.paths.empty() && (best.paths.empty() || found.paths[0].lack < best.paths[0].lack);
+      if (found.reached || nearer) {
+        best = std::move(found);
+        origin_ = i;
+      }
+    }
+    reached_ = best.reached;
     return absl::OkStatus();
   }
 
@@ -214,7 +241,7 @@ class Planner {
   absl::Status Play(const SplicedPath& path, const CorrectedRoot& root, PlannedMotion& planned) {
     planned.quality.correction_m = root.largest_shift_m;
     planned.quality.correction_heading_rad = root.turn_rad;
-    SynthesisedMotion motion = Synthesise(model_, body_, origin_, path, root.poses);
+    SynthesisedMotion motion = Synthesise(model_, body_, origins_[origin_], path, root.poses);
     MOTIONDB_ASSIGN_OR_RETURN(planned.bottom_nodes, BottomNodes(motion.markers));
     return Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
   }
@@ -233,7 +260,7 @@ class Planner {
     const SearchSettings settings = Settings();
     MOTIONDB_ASSIGN_OR_RETURN(
         SampledPaths sampled,
-        SampleWalks(model_, layer_, origin_.frame, problem_.labels, body_.leg_length_m(),
+        SampleWalks(model_, layer_, origins_.front().frame, problem_.labels, body_.leg_length_m(),
                     problem_.obstacles, settings, control_));
     answer_.effort = sampled.effort;
     time_up_ = sampled.time_up;
@@ -292,7 +319,8 @@ class Planner {
   const PlanProblem& problem_;
   const PlanControl& control_;
   const int layer_;
-  const PlanOrigin origin_;
+  const std::vector<PlanOrigin> origins_;
+  std::size_t origin_ = 0;  // the one that is gone on from
   const Body body_;
   const StoredFloor floor_;
   const FloorPose aim_;
@@ -317,9 +345,11 @@ absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& sc
   if (problem.coarse_layer != 0) {
     MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(problem.coarse_layer));
   }
-  MOTIONDB_ASSIGN_OR_RETURN(PlanOrigin origin, FindOrigin(model, problem.start, problem.labels));
-  MOTIONDB_ASSIGN_OR_RETURN(Body body, BodyFor(model, scheme, problem, origin));
-  return Planner(model, scheme, problem, control, layer, std::move(origin), std::move(body)).Plan();
+  MOTIONDB_ASSIGN_OR_RETURN(std::vector<PlanOrigin> origins,
+                            FindOrigins(model, problem.start, problem.labels));
+  MOTIONDB_ASSIGN_OR_RETURN(Body body, BodyFor(model, scheme, problem, origins.front()));
+  return Planner(model, scheme, problem, control, layer, std::move(origins), std::move(body))
+      .Plan();
 }
 
 }  // namespace motiondb::core

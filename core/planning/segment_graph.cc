@@ -14,7 +14,8 @@ constexpr double kLeastHalfWindowShare = 0.5;  // of it: a shorter fade would je
 constexpr std::size_t kMostCandidates = 64;
 constexpr std::size_t kMostJoins = 16;
 // Mean square difference of two states, in squared deviations, beyond which they are not alike.
-constexpr double kLargestDistance = 0.25;
+constexpr double kAlike = 0.25;
+constexpr double kRoughlyAlike = 0.75;
 // Of joins that lead to nearly the same pose in a second only the best is kept: ten ways to go
 // straight on would crowd out the one that turns. In leg lengths and radians together.
 constexpr double kFutureSeconds = 1.0;
@@ -24,10 +25,11 @@ constexpr int kCoarseStep = 4;  // frames between those compared first
 }  // namespace
 
 SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-                           const std::vector<std::string>& labels)
+                           const std::vector<std::string>& labels, Likeness likeness)
     : model_(model),
       floor_(floor),
       jolts_(model),
+      largest_distance_(likeness == Likeness::kAlike ? kAlike : kRoughlyAlike),
       run_of_frame_(static_cast<std::size_t>(model.frame_count()), -1),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
@@ -74,7 +76,7 @@ std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
   const Run& a = runs_[from];
   const Run& b = runs_[to];
   RunJoin best;
-  best.distance = kLargestDistance;
+  best.distance = largest_distance_;
   bool found = false;
   const auto least_window = static_cast<int>(std::ceil(kLeastHalfWindowShare * half_window_));
   const auto consider = [&](int leave, int enter) {

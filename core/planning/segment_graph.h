@@ -31,11 +31,15 @@ struct RunJoin {
   FloorPose across;     // see AcrossJoin
 };
 
+// How alike the states of a join must be. Roughly alike ones jerk more, but where little is stored
+// nothing else may lead on.
+enum class Likeness { kAlike, kRoughlyAlike };
+
 class SegmentGraph {
  public:
   // Runs of the clips with one of `labels` (empty: all), by the nodes of `layer`. O(frames).
   SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-               const std::vector<std::string>& labels);
+               const std::vector<std::string>& labels, Likeness likeness = Likeness::kAlike);
 
   const std::vector<Run>& runs() const { return runs_; }
   // Index of the run that holds a frame; -1 where the frame is of no clip that may be played.
@@ -60,6 +64,7 @@ class SegmentGraph {
   const Model& model_;
   const StoredFloor& floor_;
   Jolts jolts_;
+  const double largest_distance_;
   int half_window_ = 0;
   std::vector<Run> runs_;
   std::vector<std::int32_t> run_of_frame_;

@@ -95,7 +95,6 @@ class Search {
     if (!endings_.empty()) {
       MOTIONDB_RETURN_IF_ERROR(Go(kCloser, std::numeric_limits<int>::max(), control));
     }
-    if (control.search_over) control.search_over();
     Collect();
     return std::move(found_);
   }
@@ -293,8 +292,9 @@ class Search {
     }
     const GoalError error = ErrorAt(end, settings_.goal);
     if (length > 0) {
-      ending.cost += kCorrectionSeconds * std::max(error.position_m, error.heading_rad) /
-                     (kLargestCorrection * length);
+      ending.cost +=
+          kCorrectionSeconds * std::min(1.0, std::max(error.position_m, error.heading_rad) /
+                                                 (kLargestCorrection * length));
     }
     if (ending.cost < WorstKept() && Arrives(ending)) Keep(ending);
   }

@@ -1,6 +1,9 @@
 // Where a plan begins among the stored frames. Safe to call from any thread.
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "absl/status/statusor.h"
 #include "core/model/model.h"
 #include "core/planning/plan.h"
@@ -23,7 +26,10 @@ struct PlanOrigin {
 // NOT_FOUND for a clip that the model does not have; OUT_OF_RANGE for a moment outside the clip;
 // INVALID_ARGUMENT if no clip has such a label or the observation does not fit the model.
 // O(frames * dimensions).
-absl::StatusOr<PlanOrigin> FindOrigin(const Model& model, const PlanStart& start,
-                                      const std::vector<std::string>& labels);
+//
+// After the best, the best of other clips follow, at most five in all, where the start is not a
+// stored frame to be played itself: some lead nowhere.
+absl::StatusOr<std::vector<PlanOrigin>> FindOrigins(const Model& model, const PlanStart& start,
+                                                    const std::vector<std::string>& labels);
 
 }  // namespace motiondb::core

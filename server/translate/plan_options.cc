@@ -160,10 +160,11 @@ absl::StatusOr<PlanOptions> OptionsFrom(const v1::PlanRequest& request, const co
   MOTIONDB_ASSIGN_OR_RETURN(problem.labels, LabelsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(problem.obstacles, ObstaclesFrom("obstacles", request.obstacles()));
   MOTIONDB_ASSIGN_OR_RETURN(problem.start, StartFrom(request, engine, database));
-  const auto origin = core::FindOrigin(model, problem.start, problem.labels);
-  if (!origin.ok()) return AtStart(problem.start, origin.status());
-  options.start_clip = problem.start.clip ? problem.start.clip->clip
-                                          : model.clips()[model.clip_of_frame(origin->frame)].id;
+  const auto origins = core::FindOrigins(model, problem.start, problem.labels);
+  if (!origins.ok()) return AtStart(problem.start, origins.status());
+  options.start_clip = problem.start.clip
+                           ? problem.start.clip->clip
+                           : model.clips()[model.clip_of_frame(origins->front().frame)].id;
   return options;
 }
 

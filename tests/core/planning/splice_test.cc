@@ -119,10 +119,10 @@ TEST_CASE("Synthesis: no jump at a join, in place or speed", "[planning]") {
   const StoredFloor floor(model, kLeg);
   SegmentGraph graph(model, floor, model.layer_count(), {});
   const SplicedPath path = SomePath(graph);
-  const auto origin = FindOrigin(model, {.clip = ClipMoment{"straight", 20 / 60.0}}, {});
+  const auto origin = FindOrigins(model, {.clip = ClipMoment{"straight", 20 / 60.0}}, {});
   REQUIRE(origin.ok());
   const SynthesisedMotion motion =
-      Synthesise(model, Body::OfSize(model, kLeg), *origin, path, PlayedRoot(floor, path));
+      Synthesise(model, Body::OfSize(model, kLeg), origin->front(), path, PlayedRoot(floor, path));
   const FrameMatrix& p = motion.markers.positions_m;
   REQUIRE(p.rows() == static_cast<Eigen::Index>(PlayedFrames(path).size()));
   // The stored clips' own largest change of speed from frame to frame.

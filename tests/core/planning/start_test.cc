@@ -11,38 +11,39 @@ namespace {
 using tests::WalkingDatabase;
 
 TEST_CASE("Start: a moment of a clip is its own frame", "[planning]") {
-  const auto origin = FindOrigin(WalkingDatabase(), {.clip = ClipMoment{"slower", 1.5}}, {});
+  const auto origin = FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", 1.5}}, {});
   REQUIRE(origin.ok());
-  CHECK(origin->frame == WalkingDatabase().clips()[1].first_frame + 90);
+  CHECK(origin->front().frame == WalkingDatabase().clips()[1].first_frame + 90);
 }
 
 TEST_CASE("Start: outside a clip, or in none, is an error that says so", "[planning]") {
-  const auto outside = FindOrigin(WalkingDatabase(), {.clip = ClipMoment{"slower", 4.5}}, {});
+  const auto outside = FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", 4.5}}, {});
   CHECK(outside.status().code() == absl::StatusCode::kOutOfRange);
   CHECK_THAT(std::string(outside.status().message()), Catch::Contains("slower"));
-  CHECK(FindOrigin(WalkingDatabase(), {.clip = ClipMoment{"jump", 0}}, {}).status().code() ==
+  CHECK(FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"jump", 0}}, {}).status().code() ==
         absl::StatusCode::kNotFound);
-  CHECK(FindOrigin(WalkingDatabase(), {}, {"dance"}).status().code() ==
+  CHECK(FindOrigins(WalkingDatabase(), {}, {"dance"}).status().code() ==
         absl::StatusCode::kInvalidArgument);
-  CHECK_FALSE(FindOrigin(WalkingDatabase(), {.clip = ClipMoment{"slower", std::nan("")}}, {}).ok());
+  CHECK_FALSE(
+      FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", std::nan("")}}, {}).ok());
 }
 
 TEST_CASE("Start: where the clip may not be played, the most like frame of those that may",
           "[planning]") {
   const Model& model = WalkingDatabase();
-  const auto origin = FindOrigin(model, {.clip = ClipMoment{"straight", 1.5}}, {"bend"});
+  const auto origin = FindOrigins(model, {.clip = ClipMoment{"straight", 1.5}}, {"bend"});
   REQUIRE(origin.ok());
-  CHECK(model.clips()[model.clip_of_frame(origin->frame)].label == "bend");
+  CHECK(model.clips()[model.clip_of_frame(origin->front().frame)].label == "bend");
   const int own = model.clips()[0].first_frame + 90;
   for (int f = 0; f < model.frame_count(); ++f) {
     const ModelClip& clip = model.clips()[model.clip_of_frame(f)];
     if (clip.label != "bend" || f >= clip.first_frame + clip.frame_count - 30) continue;
     CHECK((model.states().row(f) - model.states().row(own)).squaredNorm() >=
-          (model.states().row(origin->frame) - model.states().row(own)).squaredNorm());
+          (model.states().row(origin->front().frame) - model.states().row(own)).squaredNorm());
   }
   // It begins in the state of the clip, all the same.
   const Eigen::RowVectorXf state = model.states().row(own).cwiseProduct(model.scale().divisor);
-  CHECK((origin->state - state).norm() == 0);
+  CHECK((origin->front().state - state).norm() == 0);
 }
 
 TEST_CASE("Start: an observation begins at the frame most like its last, markers missing or not",
@@ -55,15 +56,15 @@ TEST_CASE("Start: an observation begins at the frame most like its last, markers
   seen.states = model.states().middleRows(frame - 10, 11);
   model.scale().Revert(seen.states);
   seen.root_path = model.root_path().middleRows(frame - 10, 11);
-  auto origin = FindOrigin(model, {.observation = seen}, {});
+  auto origin = FindOrigins(model, {.observation = seen}, {});
   REQUIRE(origin.ok());
-  CHECK(origin->frame == frame);
+  CHECK(origin->front().frame == frame);
   seen.states.row(10).segment(6, 30).setConstant(std::nanf(""));
-  origin = FindOrigin(model, {.observation = seen}, {});
+  origin = FindOrigins(model, {.observation = seen}, {});
   REQUIRE(origin.ok());
-  CHECK(origin->frame == frame);
+  CHECK(origin->front().frame == frame);
   seen.states.row(10).setConstant(std::nanf(""));
-  CHECK(FindOrigin(model, {.observation = seen}, {}).status().code() ==
+  CHECK(FindOrigins(model, {.observation = seen}, {}).status().code() ==
         absl::StatusCode::kInvalidArgument);
 }
 

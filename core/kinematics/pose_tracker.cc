@@ -11,10 +11,9 @@ constexpr double kMisfit = 0.005;
 // A pose found anew must be this much better (share of the error) to be worth a jump.
 constexpr double kWorthAJump = 0.5;
 
-// A marker is off by more than twice what any was in the frame before, and 3 cm: less is not worth
-// a jump, as where a foot is a little out of reach.
+// A marker is off by more than twice what any was in the frame before, and 5 mm.
 bool ClearlyWorse(const IkError& error, const IkError& before) {
-  return error.largest_m > 2 * before.largest_m + 0.03;
+  return error.largest_m > 2 * before.largest_m + 0.005;
 }
 
 // Markers that cannot be met tell less about the pose, by the square of how far off they stay, and

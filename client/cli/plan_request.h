@@ -21,7 +21,7 @@ struct PlanRequestOptions {
   std::string observation_skeleton;
   std::string tolerance;  // METRES,RADIANS
   double max_duration_seconds = 30;
-  double search_seconds = 1;
+  double search_seconds = 5;
   int layer = 0;
   std::vector<std::string> labels;
   std::vector<std::string> discs;     // X,Y,RADIUS

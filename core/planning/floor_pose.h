@@ -32,6 +32,9 @@ inline FloorPose RelativeTo(const FloorPose& frame, const FloorPose& pose) {
 }
 
 // Angle (rad) brought to [-pi, pi].
-inline double WrapAngle(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
+inline double WrapAngle(double angle) {
+  // Most are wrapped already, and std::remainder is slow.
+  return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2 * std::numbers::pi);
+}
 
 }  // namespace motiondb::core

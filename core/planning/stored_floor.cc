@@ -8,6 +8,7 @@ namespace motiondb::core {
 StoredFloor::StoredFloor(const Model& model, double leg_length_m)
     : leg_length_m_(leg_length_m),
       poses_(static_cast<std::size_t>(model.frame_count())),
+      facings_(poses_.size()),
       lengths_(static_cast<std::size_t>(model.frame_count())) {
   const double rate = model.settings().frame_rate_hz;
   const int span = std::max(1, static_cast<int>(std::lround(rate / 4)));
@@ -17,6 +18,7 @@ StoredFloor::StoredFloor(const Model& model, double leg_length_m)
     for (int f = clip.first_frame; f < clip.first_frame + clip.frame_count; ++f) {
       const auto row = model.root_path().row(f);
       poses_[f] = {scale * row[0], scale * row[1], row[2]};
+      facings_[f] = {std::cos(poses_[f].heading), std::sin(poses_[f].heading)};
       if (f > clip.first_frame) {
         const FloorPose step = RelativeTo(poses_[f - 1], poses_[f]);
         length += std::hypot(step.x, step.y);

@@ -2,6 +2,7 @@
 // model must outlive it. Safe to share between threads.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/model/model.h"
@@ -16,7 +17,14 @@ class StoredFloor {
 
   double leg_length_m() const { return leg_length_m_; }
   // The reference frame of frame `to` as seen from that of frame `from`, both of one clip.
-  FloorPose Between(int from, int to) const { return RelativeTo(poses_[from], poses_[to]); }
+  FloorPose Between(int from, int to) const {
+    const FloorPose& a = poses_[from];
+    const FloorPose& b = poses_[to];
+    const double c = facings_[from].x();
+    const double s = facings_[from].y();
+    return {c * (b.x - a.x) + s * (b.y - a.y), c * (b.y - a.y) - s * (b.x - a.x),
+            b.heading - a.heading};
+  }
   // Length (m) of the root's path between two frames of one clip, from <= to.
   double Length(int from, int to) const { return lengths_[to] - lengths_[from]; }
 
@@ -26,8 +34,9 @@ class StoredFloor {
 
  private:
   double leg_length_m_ = 0;
-  std::vector<FloorPose> poses_;  // in the clip's world
-  std::vector<double> lengths_;   // from the model's first frame on
+  std::vector<FloorPose> poses_;          // in the clip's world
+  std::vector<Eigen::Vector2d> facings_;  // cosine and sine of their headings
+  std::vector<double> lengths_;           // from the model's first frame on
   double top_speed_m_s_ = 0;
   double top_turn_rad_s_ = 0;
 };

@@ -65,7 +65,7 @@ absl::Status SetNumbers(const v1::PlanRequest& request, const core::Model& model
                             SecondsFrom("max_search_seconds", request.max_search_seconds(),
                                         options.max_search_seconds, kLongestSearchSeconds));
   // The effort, not the clock, ends most searches, so that the same request gives the same plan.
-  problem.effort = std::max(1.0, options.max_search_seconds);
+  problem.effort = 1 + std::max(0.0, options.max_search_seconds - kUsualSearchSeconds);
   MOTIONDB_ASSIGN_OR_RETURN(
       problem.coarse_layer,
       IntegerBetween("coarse_layer", request.coarse_layer(), 0, model.layer_count()));

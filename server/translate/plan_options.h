@@ -14,10 +14,13 @@ class PlanRequest;
 
 namespace motiondb::server {
 
+// Far more than the usual effort takes: a slow machine's plans are those of a fast one.
+inline constexpr double kUsualSearchSeconds = 5;
+
 struct PlanOptions {
   core::PlanProblem problem;  // without a body
   std::string start_clip;     // id of the clip that the start is in, or is most like
-  double max_search_seconds = 1;
+  double max_search_seconds = kUsualSearchSeconds;
 };
 
 // Everything that the request says is checked, and every error names its field: INVALID_ARGUMENT,

@@ -48,7 +48,7 @@ TEST_CASE("motiondb plan: a goal is all that it needs", "[client][cli]") {
   CHECK(!request.has_position_tolerance_m());
   CHECK(!request.has_obstacles());
   CHECK(request.max_duration_seconds() == 30);
-  CHECK(request.max_search_seconds() == 1);
+  CHECK(request.max_search_seconds() == 5);
   CHECK(request.method() == v1::PLAN_METHOD_SEGMENT_SEARCH);
   CHECK(!request.include_files());
 }

@@ -121,7 +121,7 @@ class PaperDatabase(unittest.TestCase):
 
     def test_around_obstacles(self):
         plan = self.plan("3,0.5,0.3", "--disc", "1.5,-0.3,0.2", "--polygon",
-                         "1,1.5,2,1.5,2,2,1,2", "--search-seconds", "5",
+                         "1,1.5,2,1.5,2,2,1,2", "--search-seconds", "9",
                          "--plot", self.path("obstacles.svg"))
         self.assert_exact(plan)
         clearance = plan["motion"]["quality"]["smallest_clearance_m"]

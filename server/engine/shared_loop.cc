@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <mutex>
+#include <utility>
 
 namespace motiondb::server {
 namespace {
@@ -35,7 +36,10 @@ class SharedLoop {
   void Wait() {
     std::unique_lock lock(mutex_);
     all_done_.wait(lock, [this] { return done_ == count_; });
-    if (failure_) std::rethrow_exception(failure_);
+    // The caller's alone from here on: a late helper must not be the one to let go of it.
+    const std::exception_ptr failure = std::move(failure_);
+    lock.unlock();
+    if (failure) std::rethrow_exception(failure);
   }
 
  private:

@@ -14,6 +14,7 @@ test=(
   dart-doc           # two C3D captures
   libassimp-dev      # an importer that the BVH we write must please
   libbenchmark-dev   # Google Benchmark: what tests/bench measures speed with
+  nlohmann-json3-dev # the figures that motiondb_eval writes
   python3-numpy      # opens what `motiondb dump` writes
 )
 demo=(assimp-testmodels)

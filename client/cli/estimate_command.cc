@@ -7,6 +7,7 @@
 #include "client/cli/command.h"
 #include "client/cli/estimation_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/marker_names.h"
 #include "client/cli/query_options.h"
 
 namespace motiondb::client {
@@ -16,6 +17,7 @@ struct EstimateOptions {
   QueryOptions query;
   int paths = 1;
   std::optional<int> max_candidates;
+  bool fill_every_frame = false;
 };
 
 void Declare(CLI::App& command, EstimateOptions& options) {
@@ -29,6 +31,8 @@ void Declare(CLI::App& command, EstimateOptions& options) {
                   "Candidates kept for each frame and layer; else 16; 0 keeps all (exact)")
       ->type_name("N")
       ->check(NonNegativeNumber());
+  command.add_flag("--fill-every-frame", options.fill_every_frame,
+                   "Fill in missing markers in every frame; else in the last alone");
 }
 
 absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
@@ -36,6 +40,7 @@ absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
   if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
   request.set_path_count(options.paths);
   if (options.max_candidates) request.set_max_candidates(*options.max_candidates);
+  request.set_fill_every_frame(options.fill_every_frame);
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   const auto response = client->Estimate(request);
@@ -43,7 +48,13 @@ absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("{}", EstimationText(*response));
+    std::vector<std::string> marker_names;
+    if (response->filled_frames_size() > 0) {
+      auto names = MarkerNames(*client, options.query.database);
+      if (!names.ok()) return names.status();
+      marker_names = *std::move(names);
+    }
+    fmt::print("{}", EstimationText(*response, marker_names));
   }
   return absl::OkStatus();
 }

@@ -3,6 +3,10 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
+#include <algorithm>
+
+#include "client/cli/table.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -24,9 +28,25 @@ std::string RunsText(const v1::NodePath& path) {
   return text + line + "\n";
 }
 
+// "missing at 1.20 s:", then a line for each missing marker.
+std::string FilledText(const v1::FilledFrame& frame, const std::vector<std::string>& marker_names) {
+  Table table({{"  MISSING"}, {"x, y, z (m)"}, {"EXPECTED ERROR (m)", Align::kRight}});
+  const int markers = std::min({frame.marker_deviations_size(), frame.marker_positions_size() / 3,
+                                static_cast<int>(marker_names.size())});
+  for (int m = 0; m < markers; ++m) {
+    if (frame.marker_deviations(m) == 0) continue;
+    table.AddRow({"  " + marker_names[m],
+                  fmt::format("{:7.3f} {:7.3f} {:7.3f}", frame.marker_positions(3 * m),
+                              frame.marker_positions(3 * m + 1), frame.marker_positions(3 * m + 2)),
+                  fmt::format("{:.3f}", frame.marker_deviations(m))});
+  }
+  return fmt::format("filled in at {:.2f} s\n", frame.seconds()) + table.ToString();
+}
+
 }  // namespace
 
-std::string EstimationText(const v1::EstimateResponse& response) {
+std::string EstimationText(const v1::EstimateResponse& response,
+                           const std::vector<std::string>& marker_names) {
   std::string text =
       fmt::format("state: node {} of layer {}, probability {:.3f}\n", response.state().node_id(),
                   response.layer(), response.state().probability());
@@ -41,6 +61,7 @@ std::string EstimationText(const v1::EstimateResponse& response) {
     text += RunsText(path);
   }
   if (rank == 0) text += "no path explains the observation\n";
+  for (const auto& frame : response.filled_frames()) text += FilledText(frame, marker_names);
   return text;
 }
 

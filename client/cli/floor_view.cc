@@ -8,7 +8,6 @@ namespace {
 
 constexpr double kBorder = 0.06;       // of the larger extent, around what is shown
 constexpr double kLeastExtentM = 0.5;  // of a picture of standing still
-constexpr double kPixelsBetweenTicks = 80;
 
 // Widens [low, high] about its middle to an extent.
 void Widen(double extent, double& low, double& high) {
@@ -38,25 +37,6 @@ FloorView::FloorView(const FloorBounds& bounds, double left, double top, const L
   Widen(limits.least_width / pixels_per_m_, bounds_.min_x, bounds_.max_x);
   Widen(limits.least_height / pixels_per_m_, bounds_.min_y, bounds_.max_y);
   frame_ = {left, top, Pixels(bounds_.width()), Pixels(bounds_.height())};
-}
-
-double FloorView::TickStep() const {
-  const double wanted = kPixelsBetweenTicks / pixels_per_m_;
-  const double power = std::pow(10, std::floor(std::log10(wanted)));
-  for (const double factor : {1.0, 2.0, 5.0}) {
-    if (factor * power >= wanted) return factor * power;
-  }
-  return 10 * power;
-}
-
-std::vector<double> Ticks(double low, double high, double step) {
-  std::vector<double> ticks;
-  // Counted, so that no error adds up.
-  const auto last = static_cast<long>(std::floor(high / step));
-  for (auto i = static_cast<long>(std::ceil(low / step)); i <= last; ++i) {
-    ticks.push_back(static_cast<double>(i) * step);
-  }
-  return ticks;
 }
 
 }  // namespace motiondb::client

@@ -2,7 +2,7 @@
 // right, y upwards, one scale for both. Plain values; pure functions.
 #pragma once
 
-#include <vector>
+#include "client/cli/picture_frame.h"
 
 namespace motiondb::client {
 
@@ -17,14 +17,6 @@ struct FloorBounds {
   void Add(double x, double y, double radius = 0);
   double width() const { return max_x - min_x; }
   double height() const { return max_y - min_y; }
-};
-
-// A rectangle of the picture (pixels, y downwards).
-struct PictureFrame {
-  double left = 0;
-  double top = 0;
-  double width = 0;
-  double height = 0;
 };
 
 class FloorView {
@@ -46,16 +38,13 @@ class FloorView {
   double Y(double y_m) const { return frame_.top + (bounds_.max_y - y_m) * pixels_per_m_; }
   double Pixels(double metres) const { return metres * pixels_per_m_; }
 
-  // Metres between ticks: 1, 2 or 5 times a power of ten, about 80 pixels.
-  double TickStep() const;
+  // Metres between ticks.
+  double TickStep() const { return client::TickStep(pixels_per_m_); }
 
  private:
   FloorBounds bounds_;
   PictureFrame frame_;
   double pixels_per_m_ = 1;
 };
-
-// Multiples of `step` from `low` to `high`.
-std::vector<double> Ticks(double low, double high, double step);
 
 }  // namespace motiondb::client

@@ -1,21 +1,21 @@
 // motiondb predict DB FILE: what comes next, at one moment or at many?
 #include <fmt/format.h>
-#include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <optional>
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/marker_names.h"
 #include "client/cli/prediction_text.h"
 #include "client/cli/query_options.h"
-#include "client/cli/resource_name.h"
 
 namespace motiondb::client {
 namespace {
 
 struct PredictOptions {
   QueryOptions query;
+  v1::Method method = v1::BEST;
   std::optional<double> at_seconds;
   std::optional<double> every_seconds;
   double history_seconds = 0.4;
@@ -44,6 +44,7 @@ void Declare(CLI::App& command, PredictOptions& options) {
       ->allow_extra_args(false)
       ->check(PositiveNumber())
       ->capture_default_str();
+  AddMethodOption(command, options.method);
 }
 
 v1::PredictRequest Request(const PredictOptions& options) {
@@ -51,6 +52,7 @@ v1::PredictRequest Request(const PredictOptions& options) {
   if (options.at_seconds) request.set_at_seconds(*options.at_seconds);
   request.set_history_seconds(options.history_seconds);
   for (const double horizon : options.horizon_seconds) request.add_horizon_seconds(horizon);
+  request.set_method(options.method);
   return request;
 }
 
@@ -74,16 +76,6 @@ class Printer {
   const std::vector<std::string> marker_names_;
   bool first_ = true;
 };
-
-absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
-                                                     const std::string& database) {
-  v1::GetDatabaseRequest request;
-  request.set_name(DatabaseName(database));
-  const auto response = client.GetDatabase(request);
-  if (!response.ok()) return response.status();
-  const auto& names = response->database().marker_names();
-  return std::vector<std::string>(names.begin(), names.end());
-}
 
 absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
   v1::PredictRequest request = Request(options);

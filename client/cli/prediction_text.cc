@@ -54,12 +54,14 @@ std::string HorizonsText(const v1::PredictResponse& response,
   if (response.horizons_size() == 0) return "";
   const std::string first = marker_names.empty() ? "first marker" : marker_names.front();
   Table table({{"  AHEAD", Align::kRight},
-               {"CONFIDENCE", Align::kRight},
+               {"WITHIN 5 cm", Align::kRight},
+               {"ERROR (m)", Align::kRight},
                {"MIDDLE x, y, z (m)"},
                {first + " x, y, z (m)"}});
   for (const auto& frame : response.horizons()) {
-    std::vector<std::string> cells = {fmt::format("  {:.2f} s", frame.seconds()),
-                                      fmt::format("{:.2f}", frame.confidence())};
+    std::vector<std::string> cells = {
+        fmt::format("  {:.2f} s", frame.seconds()), fmt::format("{:.2f}", frame.confidence()),
+        frame.expected_error_m() > 0 ? fmt::format("{:.3f}", frame.expected_error_m()) : "-"};
     if (frame.marker_positions_size() >= 3) {
       cells.push_back(MiddleOf(frame));
       cells.push_back(Position(frame.marker_positions(0), frame.marker_positions(1),

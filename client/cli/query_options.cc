@@ -1,5 +1,8 @@
 #include "client/cli/query_options.h"
 
+#include <map>
+#include <string>
+
 #include "client/cli/command.h"
 
 namespace motiondb::client {
@@ -17,6 +20,17 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options) {
           "Probability of a transition that was never seen; else 1e-6; 0 is the strict rule")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0));
+}
+
+void AddMethodOption(CLI::App& command, v1::Method& method) {
+  const std::map<std::string, v1::Method> methods = {{"best", v1::BEST}, {"paper", v1::PAPER}};
+  command
+      .add_option("--method", method,
+                  "best: what measures best, with stored frames compared; paper: the tree and its "
+                  "graphs alone")
+      ->type_name("best|paper")
+      ->transform(CLI::CheckedTransformer(methods).description(""))
+      ->default_str("best");
 }
 
 }  // namespace motiondb::client

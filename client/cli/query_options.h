@@ -1,5 +1,5 @@
-// What the queries have in common on the command line: a database, a motion file, a layer and the
-// floor of transitions.
+// What the queries have in common on the command line: a database, a motion file, a layer, the
+// floor of transitions and, where there is a choice, the method.
 #pragma once
 
 #include <motiondb/v1/query.pb.h>
@@ -25,6 +25,9 @@ struct QueryOptions {
 
 // Binds them to a command.
 void AddQueryOptions(CLI::App& command, QueryOptions& options);
+
+// --method, for the queries that have one; `method` holds the default.
+void AddMethodOption(CLI::App& command, v1::Method& method);
 
 // Puts them into a query's request, whose type must be complete, and the file's bytes with them.
 template <typename Request>

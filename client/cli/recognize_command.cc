@@ -2,10 +2,16 @@
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
+#include <utility>
+#include <vector>
+
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/motion_file.h"
 #include "client/cli/query_options.h"
+#include "client/cli/recognition_plot.h"
 #include "client/cli/recognition_text.h"
+#include "client/cli/whole_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -16,6 +22,8 @@ struct RecognizeOptions {
   double hop_seconds = 0.1;
   int top = 0;
   int paths = 0;
+  v1::Method method = v1::BEST;
+  std::string plot;
 };
 
 std::string CheckWindow(const std::string& text) {
@@ -43,6 +51,12 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
                   "Sum the K best paths, as in the paper; else all paths, exactly")
       ->type_name("K")
       ->check(PositiveNumber());
+  AddMethodOption(command, options.method);
+  command
+      .add_option("--plot", options.plot,
+                  "Draw how probable each clip's graph makes each window, at the bottom, a middle "
+                  "and an upper layer, or at that of --layer; asks once more for each")
+      ->type_name("FILE.svg");
 }
 
 v1::RecognizeRequest Request(const RecognizeOptions& options) {
@@ -54,6 +68,7 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
   }
   request.set_hop_seconds(options.hop_seconds);
   request.set_top_count(options.top);
+  request.set_method(options.method);
   if (options.paths > 0) {
     request.set_generation(v1::GENERATION_TOP_PATHS);
     request.set_path_count(options.paths);
@@ -61,7 +76,37 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
   return request;
 }
 
+absl::Status CheckFiles(const RecognizeOptions& options) {
+  if (options.plot.empty() || HasExtension(options.plot, ".svg")) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      fmt::format("--plot {}: the profiles are drawn as FILE.svg", options.plot));
+}
+
+// Asks again, for all clips under the graphs of each layer, and draws the answers.
+absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
+                       v1::RecognizeRequest& request) {
+  request.set_top_count(0);
+  request.set_method(v1::PAPER);
+  std::vector<v1::RecognizeResponse> layers;
+  const auto ask = [&](int layer) {
+    request.set_layer(layer);
+    auto response = client.Recognize(request);
+    if (response.ok()) layers.push_back(*std::move(response));
+    return response.status();
+  };
+  absl::Status status = ask(options.query.layer);
+  if (status.ok() && options.query.layer == 0 && layers[0].windows_size() > 0) {
+    for (const int layer : LayersAbove(layers[0].windows(0).layer())) {
+      if (status = ask(layer); !status.ok()) break;
+    }
+  }
+  if (!status.ok()) return status;
+  request.set_layer(options.query.layer);
+  return WriteWholeFile(options.plot, RecognitionPlotSvg(request, layers));
+}
+
 absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
+  if (absl::Status status = CheckFiles(options); !status.ok()) return status;
   v1::RecognizeRequest request = Request(options);
   if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
   const auto client = Connect(global);
@@ -73,7 +118,10 @@ absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
   } else {
     fmt::print("{}", RecognitionText(*response));
   }
-  return absl::OkStatus();
+  if (options.plot.empty()) return absl::OkStatus();
+  absl::Status status = WritePlot(*client, options, request);
+  if (status.ok() && !global.json) fmt::print("wrote {}\n", options.plot);
+  return status;
 }
 
 }  // namespace

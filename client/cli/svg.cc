@@ -37,4 +37,26 @@ std::string SvgNumber(double value) {
   return fmt::format("{:.2f}", nothing ? 0.0 : value);
 }
 
+std::string SvgLine(std::string_view style, double x1, double y1, double x2, double y2) {
+  return fmt::format("<line class=\"{}\" x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\"/>\n", style,
+                     SvgNumber(x1), SvgNumber(y1), SvgNumber(x2), SvgNumber(y2));
+}
+
+std::string SvgCircle(std::string_view style, double x, double y, double radius) {
+  return fmt::format("<circle class=\"{}\" cx=\"{}\" cy=\"{}\" r=\"{}\"/>\n", style, SvgNumber(x),
+                     SvgNumber(y), SvgNumber(radius));
+}
+
+std::string SvgRectangle(std::string_view style, double left, double top, double width,
+                         double height) {
+  return fmt::format("<rect class=\"{}\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n", style,
+                     SvgNumber(left), SvgNumber(top), SvgNumber(width), SvgNumber(height));
+}
+
+std::string SvgLabel(std::string_view style, double x, double y, std::string_view text,
+                     std::string_view attributes) {
+  return fmt::format("<text class=\"{}\" x=\"{}\" y=\"{}\"{}{}>{}</text>\n", style, SvgNumber(x),
+                     SvgNumber(y), attributes.empty() ? "" : " ", attributes, SvgText(text));
+}
+
 }  // namespace motiondb::client

@@ -9,11 +9,12 @@
 namespace motiondb::core {
 
 absl::StatusOr<Estimation> Estimate(const Model& model, const StateSequence& observation,
-                                    const NodePathOptions& options, const Cancelled& cancelled) {
+                                    const EstimateOptions& options, const Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
-  MOTIONDB_ASSIGN_OR_RETURN(PathSearch search, FindNodePaths(model, scaled, options, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(PathSearch search,
+                            FindNodePaths(model, scaled, options.search, cancelled));
   const Eigen::VectorXd last = LastNodeDistribution(
-      search.lattice, model.global_graph(search.layer), options.transition_floor);
+      search.lattice, model.global_graph(search.layer), options.search.transition_floor);
   const auto& nodes = search.lattice.back().nodes;
 
   Estimation estimation;
@@ -22,6 +23,9 @@ absl::StatusOr<Estimation> Estimate(const Model& model, const StateSequence& obs
   estimation.state.node = estimation.paths.front().nodes.back();
   const auto at = std::lower_bound(nodes.begin(), nodes.end(), estimation.state.node);
   estimation.state.probability = last[at - nodes.begin()];
+  MOTIONDB_ASSIGN_OR_RETURN(estimation.filled,
+                            FillMissing(model, observation, scaled, search.layer,
+                                        estimation.paths.front().nodes, options.fill, cancelled));
   return estimation;
 }
 

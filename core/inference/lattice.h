@@ -17,6 +17,12 @@ struct LatticeFrame {
   Eigen::VectorXd log_emission;
 };
 
+// A node, and how probable it is that the motion is there.
+struct NodeState {
+  int node = 0;
+  double probability = 0;
+};
+
 using Lattice = std::vector<LatticeFrame>;
 
 struct NodePath {

@@ -140,4 +140,18 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
   return FindNodePaths(model, observation, exact, cancelled);
 }
 
+std::vector<NodeState> LastNodes(const Model& model, const PathSearch& search,
+                                 double transition_floor) {
+  const Eigen::VectorXd last =
+      LastNodeDistribution(search.lattice, model.global_graph(search.layer), transition_floor);
+  std::vector<NodeState> nodes;
+  for (Eigen::Index i = 0; i < last.size(); ++i) {
+    if (last[i] > 0) nodes.push_back({search.lattice.back().nodes[i], last[i]});
+  }
+  std::stable_sort(nodes.begin(), nodes.end(), [](const NodeState& a, const NodeState& b) {
+    return a.probability > b.probability;
+  });
+  return nodes;
+}
+
 }  // namespace motiondb::core

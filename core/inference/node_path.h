@@ -44,4 +44,9 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
                                          const NodePathOptions& options,
                                          const Cancelled& cancelled = {});
 
+// The nodes that the motion may be in at the last frame, summed over all paths, most probable
+// first.
+std::vector<NodeState> LastNodes(const Model& model, const PathSearch& search,
+                                 double transition_floor);
+
 }  // namespace motiondb::core

@@ -3,22 +3,22 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <utility>
 
+#include "core/inference/forecast.h"
+#include "core/inference/missing_markers.h"
+#include "core/inference/node_forecast.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
-#include "core/inference/stored_futures.h"
+#include "core/inference/past.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr int kExemplars = 32;
-constexpr int kMinPool = 512;       // stored frames to choose exemplars from, if there are as many
-constexpr double kPoolMass = 0.99;  // of the state's distribution
 constexpr double kLikelyNext = 1e-3;  // next nodes less probable than this are left out
-constexpr double kAgreement =
-    0.1;  // leg lengths: futures this near to the prediction agree with it
+constexpr double kNearM = 0.05;       // that confidence is about
 
 absl::Status CheckOptions(const PredictOptions& options) {
   if (!(options.history_seconds > 0 && std::isfinite(options.history_seconds))) {
@@ -35,32 +35,6 @@ absl::Status CheckOptions(const PredictOptions& options) {
     }
   }
   return absl::OkStatus();
-}
-
-// The observation up to `frame`, `history` frames of it. Velocities of the last frame must not know
-// the next one: they become backward differences.
-StateSequence Past(const StateSequence& observation, int frame, int history) {
-  const int count = std::min(history, frame + 1);
-  const int first = frame + 1 - count;
-  StateSequence past{observation.frame_rate_hz, observation.leg_length_m,
-                     observation.states.middleRows(first, count),
-                     observation.root_path.middleRows(first, count)};
-  if (frame == 0 || frame + 1 == observation.frame_count()) return past;
-
-  StateSequence last_two{observation.frame_rate_hz, observation.leg_length_m,
-                         observation.states.middleRows(frame - 1, 2),
-                         observation.root_path.middleRows(frame - 1, 2)};
-  const FrameMatrix positions = WorldPositions(last_two);
-  const double c = std::cos(observation.root_path(frame, 2));
-  const double s = std::sin(observation.root_path(frame, 2));
-  const auto to_states = static_cast<float>(observation.frame_rate_hz / observation.leg_length_m);
-  for (Eigen::Index m = 0; m < positions.cols() / 3; ++m) {
-    const Eigen::RowVector3f v =
-        (positions.row(1) - positions.row(0)).segment<3>(3 * m) * to_states;
-    past.states.row(count - 1).segment<3>(6 * m + 3) << static_cast<float>(c * v.x() + s * v.y()),
-        static_cast<float>(-s * v.x() + c * v.y()), v.z();
-  }
-  return past;
 }
 
 // The next different node: where the graph goes from each node the motion may be in now, staying
@@ -107,78 +81,45 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
   return next;
 }
 
-// Branches whose frames serve as exemplars: those the motion is most probably in, and then their
-// ancestors until there are enough frames to choose from.
-std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now) {
-  std::vector<int> pool;
-  double mass = 0;
-  for (const NodeState& state : now) {
-    if (mass >= kPoolMass) break;
-    pool.push_back(model.tree().branch(layer, state.node));
-    mass += state.probability;
+// The past with its missing markers filled in.
+absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& search,
+                                       const StateSequence& past, const FrameMatrix& scaled,
+                                       const Cancelled& cancelled) {
+  StateSequence complete = past;
+  if (past.states.hasNaN()) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto filled, FillMissing(model, past, scaled, search.layer,
+                                       search.paths.front().nodes, Fill::kEveryFrame, cancelled));
+    PutFilled(filled, complete);
   }
-  const auto& branches = model.tree().branches();
-  while (true) {
-    std::sort(pool.begin(), pool.end());
-    pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
-    // A branch under another one of the pool is already in it.
-    std::erase_if(pool, [&](int b) {
-      for (int up = branches[b].parent; up >= 0; up = branches[up].parent) {
-        if (std::binary_search(pool.begin(), pool.end(), up)) return true;
-      }
-      return false;
-    });
-    int frames = 0;
-    for (int b : pool) frames += branches[b].end - branches[b].begin;
-    if (frames >= kMinPool || pool == std::vector<int>{0}) return pool;
-    for (int& b : pool) b = std::max(branches[b].parent, 0);
-  }
+  return complete;
 }
 
-PredictedFrame PredictFrame(const Model& model, const StateSequence& past,
-                            const std::vector<Exemplar>& exemplars, double seconds) {
-  const Eigen::Index numbers = past.states.cols() / 2;
-  std::vector<std::pair<double, Eigen::VectorXd>> futures;
-  double weight = 0;
-  Eigen::VectorXd displacement = Eigen::VectorXd::Zero(numbers);
-  for (const Exemplar& exemplar : exemplars) {
-    Eigen::VectorXd future =
-        FutureDisplacement(model, exemplar.frame, seconds * past.frame_rate_hz);
-    if (future.size() == 0) continue;
-    displacement += exemplar.weight * future;
-    weight += exemplar.weight;
-    futures.emplace_back(exemplar.weight, std::move(future));
+// Positions (3 N_v, leg lengths) in the reference frame of the last frame of `past`, in its world.
+PredictedFrame InWorld(const StateSequence& past, double seconds,
+                       const Eigen::RowVectorXf& positions) {
+  StateSequence pose{past.frame_rate_hz, past.leg_length_m,
+                     FrameMatrix::Zero(1, 2 * positions.size()), past.root_path.bottomRows(1)};
+  for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {
+    pose.states.row(0).segment<3>(6 * m) = positions.segment<3>(3 * m);
   }
-  if (weight > 0) displacement /= weight;
+  return {.seconds = seconds, .marker_positions_m = WorldPositions(pose).row(0)};
+}
 
-  // The pose now, with missing markers as the exemplars have them, moved by the displacement.
-  StateSequence pose{past.frame_rate_hz, past.leg_length_m, past.states.bottomRows(1),
-                     past.root_path.bottomRows(1)};
-  for (Eigen::Index m = 0; m < numbers / 3; ++m) {
-    auto position = pose.states.row(0).segment<3>(6 * m);
-    if (position.hasNaN()) {
-      position.setZero();
-      for (const Exemplar& exemplar : exemplars) {
-        position += static_cast<float>(exemplar.weight) *
-                    model.states()
-                        .row(exemplar.frame)
-                        .segment<3>(6 * m)
-                        .cwiseProduct(model.scale().divisor.segment<3>(6 * m));
-      }
-    }
-    position += displacement.segment<3>(3 * m).cast<float>().transpose();
+// By the graph alone; how sure it is follows from nothing that was measured, so it is left out.
+void PredictByNodes(const Model& model, const StateSequence& past,
+                    const std::vector<NodeState>& now, const std::vector<double>& horizon_seconds,
+                    Prediction& prediction) {
+  std::vector<std::size_t> order(horizon_seconds.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return horizon_seconds[a] < horizon_seconds[b];
+  });
+  prediction.horizons.resize(horizon_seconds.size());
+  NodeForecaster forecaster(model, prediction.layer, now);
+  for (const std::size_t h : order) {
+    prediction.horizons[h] = InWorld(past, horizon_seconds[h], forecaster.At(horizon_seconds[h]));
   }
-  PredictedFrame predicted;
-  predicted.seconds = seconds;
-  predicted.marker_positions_m = WorldPositions(pose).row(0);
-  // How much of the weight lies with futures that end near the prediction.
-  for (const auto& [share, future] : futures) {
-    const double apart =
-        std::sqrt((future - displacement).squaredNorm() / (static_cast<double>(numbers) / 3));
-    if (apart <= kAgreement) predicted.confidence += share;
-  }
-  predicted.confidence = std::min(predicted.confidence, 1.0);
-  return predicted;
 }
 
 }  // namespace
@@ -198,7 +139,7 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
       std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
   const int history =
       static_cast<int>(std::clamp(std::round(options.history_seconds * rate), 1.0, frame + 1.0));
-  const StateSequence past = Past(observation, frame, history);
+  const StateSequence past = PastAt(observation, frame, history);
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, past));
 
   NodePathOptions search_options;
@@ -206,26 +147,31 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   search_options.transition_floor = options.transition_floor;
   MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search,
                             FindNodePaths(model, scaled, search_options, cancelled));
-  const Eigen::VectorXd last = LastNodeDistribution(
-      search.lattice, model.global_graph(search.layer), options.transition_floor);
-  std::vector<NodeState> now;  // most probable first
-  for (Eigen::Index i = 0; i < last.size(); ++i) {
-    if (last[i] > 0) now.push_back({search.lattice.back().nodes[i], last[i]});
-  }
-  std::stable_sort(now.begin(), now.end(), [](const NodeState& a, const NodeState& b) {
-    return a.probability > b.probability;
-  });
+  const std::vector<NodeState> now = LastNodes(model, search, options.transition_floor);
 
   Prediction prediction;
   prediction.at_seconds = frame / rate;
   prediction.layer = search.layer;
   prediction.state = now.front();
   prediction.next_nodes = NextNodes(model, search.layer, now);
-  const auto exemplars = NearestFrames(model, ExemplarPool(model, search.layer, now),
-                                       scaled.row(scaled.rows() - 1).data(), kExemplars);
-  for (double seconds : options.horizon_seconds) {
+  if (options.method == Method::kPaper) {
+    PredictByNodes(model, past, now, options.horizon_seconds, prediction);
+    return prediction;
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
+                            Complete(model, search, past, scaled, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, complete, options.transition_floor,
+                                                      options.without, cancelled));
+  Forecaster forecaster(model, complete, std::move(moments));
+  for (const double seconds : options.horizon_seconds) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    prediction.horizons.push_back(PredictFrame(model, past, exemplars, seconds));
+    const Forecast forecast = forecaster.At(seconds);
+    PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
+    const ExpectedError error =
+        model.confidence().Judge(forecast.evidence, seconds, kNearM / past.leg_length_m);
+    predicted.confidence = error.probability;
+    predicted.expected_error_m = error.mean * past.leg_length_m;
+    prediction.horizons.push_back(std::move(predicted));
   }
   return prediction;
 }

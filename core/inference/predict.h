@@ -6,17 +6,20 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/estimate.h"
+#include "core/inference/method.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 
 struct PredictOptions {
+  Method method = Method::kBest;
   std::optional<double> at_seconds;  // absent: the end of the observation
   double history_seconds = 0.4;
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
   int layer = 0;
   double transition_floor = 1e-6;
+  int without = -1;  // clip whose frames are no examples, to try the method on it; -1: none
 };
 
 struct NextNode {
@@ -28,7 +31,9 @@ struct NextNode {
 struct PredictedFrame {
   double seconds = 0;
   Eigen::VectorXf marker_positions_m;  // 3 N_v, in the observation's world and size
-  double confidence = 0;               // 0 to 1
+  // Probability that the markers are on average within 5 cm of where they will be.
+  double confidence = 0;
+  double expected_error_m = 0;  // mean over the markers; 0 where it is not known
 };
 
 struct Prediction {

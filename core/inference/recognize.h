@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/inference/method.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 
@@ -14,6 +15,7 @@ namespace motiondb::core {
 enum class Generation { kExact, kTopPaths };
 
 struct RecognizeOptions {
+  Method method = Method::kBest;
   double window_seconds = 0.4;
   bool whole = false;  // one window over the whole observation
   double hop_seconds = 0.1;
@@ -24,8 +26,10 @@ struct RecognizeOptions {
 };
 
 struct ClipScore {
-  int clip = 0;                // index into Model::clips()
-  double log_probability = 0;  // natural; -infinity where the strict rule allows no path
+  int clip = 0;  // index into Model::clips()
+  // That the clip's graph generates the window; natural, -infinity where the strict rule allows no
+  // path.
+  double log_probability = 0;
 };
 
 struct LabelScore {
@@ -37,11 +41,22 @@ struct RecognizedWindow {
   double start_seconds = 0;
   double end_seconds = 0;
   int layer = 0;
-  std::vector<ClipScore> clips;    // most probable first, all of them
+  // All clips. With kPaper the most probable first; with kBest the 32 most probable in the order of
+  // how well their frames explain the window, then the others.
+  std::vector<ClipScore> clips;
   std::vector<LabelScore> labels;  // most probable first; they sum to 1
+  // Fraction of windows like this one that are less like the stored motion. kPaper: of the stored
+  // ones, under the global graph; kBest: of stored ones each compared without its own clip (as
+  // kPaper in a model that was not calibrated).
   double familiarity = 0;
 };
 
+// By the paper (Method::kPaper) clips and labels are as probable as their graphs generate the
+// window; missing markers are left out. Best (Method::kBest): the 32 clips whose graphs are the
+// most probable are compared frame by frame (clip_alignment.h) in the model's metric, missing
+// markers filled in; a label is as probable as its best clip, weighted as calibrated. A model
+// without a metric answers by the paper.
+//
 // Windows over an observation (not scaled; the model's markers and frame rate). A window of w
 // seconds has round(w * rate) frames; an observation shorter than a window is one window.
 // INVALID_ARGUMENT for settings out of range (naming the field) or an observation that does not fit

@@ -1,10 +1,12 @@
 #include "core/model/model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <utility>
 
 #include "core/motion/error.h"
+#include "core/motion/mirror.h"
 
 namespace motiondb::core {
 namespace {
@@ -27,8 +29,27 @@ absl::Status CheckFrames(const ModelParts& parts) {
     }
     next += clip.frame_count;
   }
+  const Eigen::Index numbers = 3 * parts.marker_set.marker_count();
+  const auto horizons = static_cast<Eigen::Index>(parts.prior.seconds.size());
+  if (parts.prior.weights.cols() != horizons * numbers ||
+      parts.prior.weights.rows() != (horizons == 0 ? 0 : (1 + kLags) * numbers)) {
+    return DataLoss("model: the motion prior is not one of {} markers", numbers / 3);
+  }
   if (next != frames) return DataLoss("model: clips hold {} of {} frames", next, frames);
   return absl::OkStatus();
+}
+
+absl::Status CheckMetric(const MotionMetric& metric, Eigen::Index dimensions) {
+  if (metric.empty()) return absl::OkStatus();
+  const bool fits = metric.mean.size() == dimensions && metric.loadings.rows() == dimensions &&
+                    metric.whitening.rows() == dimensions &&
+                    metric.whitening.cols() == dimensions &&
+                    metric.projection.rows() == dimensions && metric.projection.cols() > 0;
+  const bool finite = metric.mean.allFinite() && metric.loadings.allFinite() &&
+                      metric.whitening.allFinite() && metric.projection.allFinite() &&
+                      metric.noise > 0 && std::isfinite(metric.noise);
+  if (fits && finite) return absl::OkStatus();
+  return DataLoss("model: the metric is not one of {} dimensions", dimensions);
 }
 
 bool Fits(const TransitionGraph& graph, int node_count) {
@@ -70,9 +91,16 @@ absl::Status CheckLayers(const ModelParts& parts) {
 
 }  // namespace
 
+Model::Model(ModelParts parts)
+    : parts_(std::move(parts)),
+      metric_frames_(ProjectStored(parts_)),
+      rigid_tree_(FindRigidTree(parts_)),
+      other_sides_(OtherSides(parts_.marker_set.markers)) {}
+
 absl::StatusOr<Model> Model::Create(ModelParts parts) {
   MOTIONDB_RETURN_IF_ERROR(CheckFrames(parts));
   MOTIONDB_RETURN_IF_ERROR(CheckLayers(parts));
+  MOTIONDB_RETURN_IF_ERROR(CheckMetric(parts.metric, parts.states.cols()));
   return Model(std::move(parts));
 }
 

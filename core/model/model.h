@@ -9,6 +9,12 @@
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
 #include "core/model/familiarity.h"
+#include "core/model/metric_frames.h"
+#include "core/model/motion_metric.h"
+#include "core/model/motion_prior.h"
+#include "core/model/prediction_confidence.h"
+#include "core/model/recognition_calibration.h"
+#include "core/model/rigid_tree.h"
 #include "core/motion/states.h"
 #include "core/tree/feature_scale.h"
 #include "core/tree/node_gaussians.h"
@@ -30,6 +36,7 @@ struct ModelClip {
   std::int32_t first_frame = 0;
   std::int32_t frame_count = 0;
   double leg_length_m = 0;
+  std::string subject;  // empty where it is not known
 };
 
 // Everything a model is made of, as a builder makes it and a store gives it back.
@@ -45,6 +52,10 @@ struct ModelParts {
   std::vector<TransitionGraph> global_graphs;       // [layer - 1]
   std::vector<std::vector<ClipGraph>> clip_graphs;  // [layer - 1][clip]
   FamiliarityReference familiarity;
+  MotionPrior prior;
+  MotionMetric metric;
+  RecognitionCalibration recognition;
+  PredictionConfidence confidence;
   double build_seconds = 0;  // set by whoever holds the clock
 };
 
@@ -66,6 +77,22 @@ class Model {
     return parts_.clip_graphs[layer - 1];
   }
   const FamiliarityReference& familiarity() const { return parts_.familiarity; }
+  const MotionPrior& prior() const { return parts_.prior; }
+  const MotionMetric& metric() const { return parts_.metric; }
+  const MetricFrames& metric_frames() const { return metric_frames_; }
+  const RecognitionCalibration& recognition() const { return parts_.recognition; }
+  // For the calibration, before the model is shared.
+  void set_recognition(RecognitionCalibration recognition) {
+    parts_.recognition = std::move(recognition);
+  }
+  const PredictionConfidence& confidence() const { return parts_.confidence; }
+  // For the calibration, before the model is shared.
+  void set_confidence(PredictionConfidence confidence) {
+    parts_.confidence = std::move(confidence);
+  }
+  const RigidTree& rigid_tree() const { return rigid_tree_; }
+  // Index of each marker's other side; empty where the markers have no sides.
+  const std::vector<int>& other_sides() const { return other_sides_; }
   double build_seconds() const { return parts_.build_seconds; }
   // For whoever holds the clock, before the model is shared.
   void set_build_seconds(double seconds) { parts_.build_seconds = seconds; }
@@ -79,8 +106,11 @@ class Model {
   absl::StatusOr<int> ResolveLayer(int layer) const;
 
  private:
-  explicit Model(ModelParts parts) : parts_(std::move(parts)) {}
+  explicit Model(ModelParts parts);
   ModelParts parts_;
+  MetricFrames metric_frames_;
+  RigidTree rigid_tree_;
+  std::vector<int> other_sides_;
 };
 
 }  // namespace motiondb::core

@@ -47,7 +47,7 @@ void Concatenate(std::vector<BuildInput>& inputs, ModelParts& parts) {
     parts.states.middleRows(first, count) = input.states.states;
     parts.root_path.middleRows(first, count) = input.states.root_path;
     parts.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
-                           input.states.leg_length_m});
+                           input.states.leg_length_m, std::move(input.subject)});
     input.states = {};
     first += count;
   }
@@ -109,6 +109,10 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
       1, static_cast<int>(std::lround(kFamiliarityWindowSeconds * settings.frame_rate_hz)));
   parts.familiarity = MakeFamiliarityReference(runs, window, parts.states, parts.tree,
                                                parts.gaussians, parts.global_graphs, parallel);
+  MOTIONDB_RETURN_IF_ERROR(report(0.93, "how motion goes on"));
+  parts.prior = MotionSums::Over(parts, parallel).Fit();
+  MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));
+  parts.metric = FitMotionMetric(parts, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(1, "done"));
   return Model::Create(std::move(parts));
 }

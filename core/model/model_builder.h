@@ -17,6 +17,7 @@ struct BuildInput {
   std::string clip_id;
   std::string label;
   StateSequence states;  // without NaN
+  std::string subject;   // who moves; may be empty. Calibration holds out all that one did
 };
 
 // Called now and then from the calling thread with progress in [0, 1] and what is being done.

@@ -6,15 +6,17 @@
 #include <utility>
 #include <vector>
 
+#include "core/calibration/calibrate.h"
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
 
 namespace motiondb::server {
 namespace {
 
-// Parts of the whole that reading the clips and building the model take.
+// Parts of the whole that reading the clips, building the model and calibrating it take.
 constexpr double kReadShare = 0.1;
-constexpr double kBuildShare = 0.85;
+constexpr double kBuildShare = 0.5;
+constexpr double kCalibrateShare = 0.35;
 
 // How often a build begins again because a clip of it was deleted.
 constexpr int kAttempts = 8;
@@ -39,7 +41,7 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     auto states = store.ReadClipStates(clip.database, clip.id);
     if (absl::IsNotFound(states.status())) continue;  // deleted meanwhile
     if (!states.ok()) return states.status();
-    inputs.push_back({clip.id, clip.label, *std::move(states)});
+    inputs.push_back({clip.id, clip.label, *std::move(states), clip.subject});
   }
   return inputs;
 }
@@ -89,6 +91,10 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
   MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
                             core::BuildModel(database.settings(), scheme->set, std::move(inputs),
                                              parallel, build_progress));
+  const auto calibrate_progress = [&](double fraction, std::string_view stage) {
+    return progress(kReadShare + kBuildShare + kCalibrateShare * fraction, stage);
+  };
+  MOTIONDB_RETURN_IF_ERROR(core::Calibrate(model, parallel, calibrate_progress));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   model.set_build_seconds(took.count());
   return model;
@@ -111,7 +117,9 @@ absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
     absl::StatusOr<core::Model> model = Build(store, database, clips, parallel, progress);
     if (absl::IsAborted(model.status())) continue;
     if (!model.ok()) return model.status();
-    if (!progress(kReadShare + kBuildShare, "storing")) return absl::CancelledError("stopped");
+    if (!progress(kReadShare + kBuildShare + kCalibrateShare, "storing")) {
+      return absl::CancelledError("stopped");
+    }
     MOTIONDB_ASSIGN_OR_RETURN(const int version, Commit(store, database, *std::move(model)));
     if (version != 0) return version;
     // A clip of the model was deleted during the build: build again without it.

@@ -50,7 +50,17 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
     to.set_log_probability(path.log_probability);
   }
   SetState(estimation.state, *message.mutable_state());
-  message.set_frame_rate_hz(model.settings().frame_rate_hz);
+  const double rate = model.settings().frame_rate_hz;
+  message.set_frame_rate_hz(rate);
+  for (const core::FilledFrame& filled : estimation.filled) {
+    v1::FilledFrame& to = *message.add_filled_frames();
+    to.set_frame(filled.frame);
+    to.set_seconds(filled.frame / rate);
+    const auto& positions = filled.marker_positions_m;
+    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
+    const auto& deviations = filled.deviations_m;
+    to.mutable_marker_deviations()->Add(deviations.data(), deviations.data() + deviations.size());
+  }
 }
 
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
@@ -70,6 +80,7 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
     const auto& positions = frame.marker_positions_m;
     to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
     to.set_confidence(frame.confidence);
+    to.set_expected_error_m(frame.expected_error_m);
   }
 }
 

@@ -29,6 +29,18 @@ absl::StatusOr<double> FloorFrom(const std::string& field, const Message& messag
   return Probability(field, message.transition_floor());
 }
 
+absl::StatusOr<core::Method> MethodFrom(const std::string& field, v1::Method method) {
+  switch (method) {
+    case v1::METHOD_UNSPECIFIED:
+    case v1::BEST:
+      return core::Method::kBest;
+    case v1::PAPER:
+      return core::Method::kPaper;
+    default:
+      return FieldViolation(field, "{} is no method", static_cast<int>(method));
+  }
+}
+
 absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
   switch (generation) {
     case v1::GENERATION_UNSPECIFIED:
@@ -46,6 +58,7 @@ absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
 absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request,
                                                    const core::Model& model) {
   core::RecognizeOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom("method", request.method()));
   options.whole = request.whole();
   MOTIONDB_ASSIGN_OR_RETURN(
       options.window_seconds,
@@ -64,20 +77,22 @@ absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& r
   return options;
 }
 
-absl::StatusOr<core::NodePathOptions> OptionsFrom(const v1::EstimateRequest& request,
+absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request,
                                                   const core::Model& model) {
-  core::NodePathOptions options;
-  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom("layer", request.layer(), model));
+  core::EstimateOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.search.layer, LayerFrom("layer", request.layer(), model));
   MOTIONDB_ASSIGN_OR_RETURN(const int paths,
                             IntegerBetween("path_count", request.path_count(), 0, kMostPaths));
-  if (paths > 0) options.path_count = paths;
-  MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor,
-                            FloorFrom("transition_floor", request, options.transition_floor));
+  if (paths > 0) options.search.path_count = paths;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      options.search.transition_floor,
+      FloorFrom("transition_floor", request, options.search.transition_floor));
   if (request.has_max_candidates()) {
     MOTIONDB_ASSIGN_OR_RETURN(
-        options.max_candidates,
+        options.search.max_candidates,
         IntegerBetween("max_candidates", request.max_candidates(), 0, kMostOfAnything));
   }
+  if (request.fill_every_frame()) options.fill = core::Fill::kEveryFrame;
   return options;
 }
 
@@ -86,6 +101,7 @@ absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
                                                  const core::Model& model) {
   const auto field = [&](std::string_view name) { return fmt::format("{}{}", prefix, name); };
   core::PredictOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(field("method"), request.method()));
   if (request.has_at_seconds()) {
     MOTIONDB_ASSIGN_OR_RETURN(options.at_seconds,
                               NotNegative(field("at_seconds"), request.at_seconds()));

@@ -19,7 +19,7 @@ namespace motiondb::server {
 
 absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request,
                                                    const core::Model& model);
-absl::StatusOr<core::NodePathOptions> OptionsFrom(const v1::EstimateRequest& request,
+absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request,
                                                   const core::Model& model);
 // `prefix` leads the names of fields: "" or "prediction.".
 absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,

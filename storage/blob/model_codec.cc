@@ -5,13 +5,17 @@
 
 #include "storage/blob/fields.h"
 #include "storage/blob/graph_codec.h"
+#include "storage/blob/matrix_fields.h"
+#include "storage/blob/prediction_codec.h"
+#include "storage/blob/recognition_codec.h"
 
 namespace motiondb::storage {
 namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kPlainVersion = 1;  // knows nothing of subjects, metric, prior, calibration
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
 constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
 
@@ -134,23 +138,6 @@ core::Tree GetTree(FieldReader& reader) {
   return tree.ok() ? *std::move(tree) : core::Tree();
 }
 
-// A matrix without its size.
-template <typename Matrix>
-void PutMatrix(FieldWriter& writer, const Matrix& matrix) {
-  writer.PutElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
-}
-
-template <typename Matrix>
-void GetMatrix(FieldReader& reader, Eigen::Index rows, Eigen::Index columns, Matrix& matrix) {
-  if (!reader.ok()) return;
-  const auto bytes = sizeof(float) * static_cast<std::uint64_t>(rows) * columns;
-  if (bytes > reader.remaining()) {
-    return reader.Fail(core::DataLoss("expected {} bytes, got {}", bytes, reader.remaining()));
-  }
-  matrix.resize(rows, columns);
-  reader.GetElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
-}
-
 core::NodeGaussians GetGaussians(FieldReader& reader, Eigen::Index branches,
                                  Eigen::Index dimensions) {
   core::FrameMatrix means;
@@ -203,6 +190,14 @@ core::FamiliarityReference GetFamiliarity(FieldReader& reader) {
   return familiarity;
 }
 
+void PutSubjects(FieldWriter& writer, const std::vector<core::ModelClip>& clips) {
+  for (const core::ModelClip& clip : clips) writer.PutText(clip.subject);
+}
+
+void GetSubjects(FieldReader& reader, std::vector<core::ModelClip>& clips) {
+  for (core::ModelClip& clip : clips) clip.subject = reader.GetText();
+}
+
 }  // namespace
 
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
@@ -217,14 +212,21 @@ absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
   PutMatrix(writer, parts.gaussians.variances());
   PutGraphs(writer, parts);
   PutFamiliarity(writer, parts.familiarity);
+  PutPrior(writer, parts.prior);
+  PutConfidence(writer, parts.confidence);
+  PutSubjects(writer, parts.clips);
+  PutMetric(writer, parts.metric);
+  PutRecognition(writer, parts.recognition);
   writer.Put(parts.build_seconds);
   return writer.status();
 }
 
 absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   FieldReader reader(source);
-  if (const auto version = reader.Get<std::uint32_t>(); reader.ok() && version != kVersion) {
-    return core::DataLoss("parts: expected version {}, got {}", kVersion, version);
+  const auto version = reader.Get<std::uint32_t>();
+  if (reader.ok() && (version < kPlainVersion || version > kVersion)) {
+    return core::DataLoss("parts: expected version {} or {}, got {}", kPlainVersion, kVersion,
+                          version);
   }
   core::ModelParts parts;
   parts.settings = GetSettings(reader);
@@ -237,6 +239,13 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
       GetGaussians(reader, static_cast<Eigen::Index>(parts.tree.branches().size()), dimensions);
   GetGraphs(reader, parts);
   parts.familiarity = GetFamiliarity(reader);
+  if (version > kPlainVersion) {
+    parts.prior = GetPrior(reader, dimensions);
+    parts.confidence = GetConfidence(reader);
+    GetSubjects(reader, parts.clips);
+    parts.metric = GetMetric(reader, dimensions);
+    parts.recognition = GetRecognition(reader);
+  }
   parts.build_seconds = reader.Get<double>();
   MOTIONDB_RETURN_IF_ERROR(reader.Finish());
   const std::int64_t frames = parts.clips.empty() ? 0

@@ -12,6 +12,7 @@ declare -A may_include=(
   [core/graph]="core/graph core/tree core/motion"
   [core/model]="core/model core/graph core/tree core/motion"
   [core/inference]="core/inference core/model core/graph core/tree core/motion"
+  [core/calibration]="core/calibration core/inference core/model core/graph core/tree core/motion"
   [core/planning]="core/planning core/kinematics core/inference core/model core/graph core/tree core/motion"
   [storage]="storage core"
   [server]="server storage core motiondb/v1"

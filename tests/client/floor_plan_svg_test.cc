@@ -5,11 +5,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
-#include <map>
 
 #include "client/cli/floor_view.h"
 #include "client/cli/svg.h"
 #include "tests/client/planned_motion.h"
+#include "tests/client/svg_elements.h"
 
 namespace motiondb::tests {
 namespace {
@@ -17,30 +17,9 @@ namespace {
 using namespace client;  // NOLINT: the functions under test
 using Catch::Contains;
 
-void Count(const tinyxml2::XMLElement* element, std::map<std::string, int>& classes) {
-  for (; element != nullptr; element = element->NextSiblingElement()) {
-    if (const char* name = element->Attribute("class")) {
-      ++classes[std::string(element->Name()) + "." + name];
-    }
-    Count(element->FirstChildElement(), classes);
-  }
-}
-
-// How many elements of each kind and class there are on the floor. Fails on what is not XML.
-std::map<std::string, int> OnTheFloor(const std::string& svg) {
-  tinyxml2::XMLDocument document;
-  REQUIRE(document.Parse(svg.c_str()) == tinyxml2::XML_SUCCESS);
-  REQUIRE(std::string(document.RootElement()->Name()) == "svg");
-  const auto* floor = document.RootElement()->FirstChildElement("g");
-  REQUIRE(floor != nullptr);
-  std::map<std::string, int> classes;
-  Count(floor->FirstChildElement(), classes);
-  return classes;
-}
-
 TEST_CASE("FloorPlanSvg: the path, with a pose every 1/6 s", "[client][cli]") {
   const std::string svg = FloorPlanSvg(QuarterCircleRequest(), QuarterCirclePlan());
-  auto floor = OnTheFloor(svg);
+  auto floor = ElementsInGroups(svg);
   CHECK(floor["polyline.path"] == 1);
   CHECK(floor["circle.pose"] == 13);   // 2 s and the first
   CHECK(floor["line.heading"] == 14);  // the end has one, too
@@ -71,7 +50,7 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
   v1::PlanResponse response = QuarterCirclePlan();
   *response.add_alternatives() = QuarterCircle(1.05);
   *response.add_alternatives() = QuarterCircle(0.95);
-  auto floor = OnTheFloor(FloorPlanSvg(request, response));
+  auto floor = ElementsInGroups(FloorPlanSvg(request, response));
   CHECK(floor["polyline.other"] == 2);
   CHECK(floor["circle.other-pose"] == 26);
   CHECK(floor["circle.obstacle"] == 1);
@@ -79,7 +58,7 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
   CHECK(floor["circle.clearance"] == 1);
   CHECK(floor["polygon.clearance"] == 1);
   request.mutable_obstacles()->set_clearance_m(0);
-  CHECK(OnTheFloor(FloorPlanSvg(request, response)).count("circle.clearance") == 0);
+  CHECK(ElementsInGroups(FloorPlanSvg(request, response)).count("circle.clearance") == 0);
 }
 
 TEST_CASE("FloorPlanSvg: without a motion there is still a floor", "[client][cli]") {
@@ -89,7 +68,7 @@ TEST_CASE("FloorPlanSvg: without a motion there is still a floor", "[client][cli
   v1::PlanRequest request = QuarterCircleRequest();
   request.set_heading_tolerance_rad(4);
   const std::string svg = FloorPlanSvg(request, response);
-  auto floor = OnTheFloor(svg);
+  auto floor = ElementsInGroups(svg);
   CHECK(floor.count("polyline.path") == 0);
   CHECK(floor["circle.wedge"] == 1);
   CHECK_THAT(svg, Contains("&lt;too far&gt; &amp; &quot;behind&quot; the  wall"));
@@ -104,7 +83,7 @@ TEST_CASE("FloorPlanSvg: what is far away or not a number does no harm", "[clien
   response.mutable_motion()->mutable_root(7)->set_x_m(std::numeric_limits<double>::quiet_NaN());
   response.set_missing(std::string(1000, 'x'));
   const std::string svg = FloorPlanSvg(request, response);
-  OnTheFloor(svg);
+  ElementsInGroups(svg);
   CHECK_THAT(svg, Contains("xxx...</text>"));
   tinyxml2::XMLDocument document;
   document.Parse(svg.c_str());

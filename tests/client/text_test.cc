@@ -79,17 +79,31 @@ TEST_CASE("EstimationText: paths are runs of node x frames", "[client][cli]") {
   auto* path = response.add_paths();
   path->set_log_probability(-123.456);
   for (const int node : {12, 12, 12, 13, 12, 13, 13}) path->add_node_ids(node);
-  const std::string text = EstimationText(response);
+  const std::string text = EstimationText(response, {});
   CHECK_THAT(text, Catch::StartsWith("state: node 13 of layer 12, probability 0.831\n"));
   CHECK_THAT(text, Catch::Contains("7 frames, 0.12 s at 60 Hz, log probability -123.46"));
   CHECK_THAT(text, Catch::EndsWith("  12x3 13x1 12x1 13x2\n"));
+}
+
+TEST_CASE("EstimationText: missing markers with where they are and how far off", "[client][cli]") {
+  v1::EstimateResponse response;
+  auto& frame = *response.add_filled_frames();
+  frame.set_seconds(1.2);
+  for (const float value : {0.1F, 0.2F, 0.3F, 1.0F, -2.0F, 0.5F}) frame.add_marker_positions(value);
+  frame.add_marker_deviations(0);
+  frame.add_marker_deviations(0.012F);
+  const std::string text = EstimationText(response, {"Pelvis", "LWrist"});
+  CHECK_THAT(text, Catch::Contains("filled in at 1.20 s"));
+  CHECK_THAT(text, Catch::Contains("LWrist") && Catch::Contains("1.000  -2.000   0.500") &&
+                       Catch::Contains("0.012"));
+  CHECK_THAT(text, !Catch::Contains("Pelvis"));
 }
 
 TEST_CASE("EstimationText: a long path is broken into lines", "[client][cli]") {
   v1::EstimateResponse response;
   auto* path = response.add_paths();
   for (int i = 0; i < 200; ++i) path->add_node_ids(i);
-  const std::string text = EstimationText(response);
+  const std::string text = EstimationText(response, {});
   size_t longest = 0;
   for (size_t begin = 0, end; begin < text.size(); begin = end + 1) {
     end = text.find('\n', begin);

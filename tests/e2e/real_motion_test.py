@@ -10,10 +10,13 @@ import csv
 import json
 import os
 import signal
+import xml.etree.ElementTree
 
 import numpy
 
 from programs import DATA, MODELS, Server, WithServer, main, needs_data
+
+SVG = "{http://www.w3.org/2000/svg}"
 
 
 class AnyMachine(WithServer):
@@ -192,6 +195,32 @@ class PaperDatabases(WithServer):
                 total += 1
         print(f"database 1: {right} of {total} windows named right ({100 * right / total:.1f} %)")
         self.assertGreaterEqual(right, 0.93 * total)
+
+    def test_database_1_plot(self):
+        self.server.ask_one("create", "one")
+        self.server.ask("ingest", "one", "--list", f"{DATA}/sets/database1.train.tsv")
+        walk = f"{DATA}/cmu/07/07_06.amc"
+        picture = self.path("walk.svg")
+        answer = self.server.ask_one("recognize", "one", walk, "--plot", picture)
+        self.assertEqual(answer, self.server.ask_one("recognize", "one", walk))
+        root = xml.etree.ElementTree.parse(picture).getroot()
+        texts = ["".join(text.itertext()) for text in root.iter(f"{SVG}text")]
+        bottom = self.server.ask_one("describe", "one")["layer_count"]
+        for layer in (f"{bottom}, the bottom of the tree", (bottom + 1) // 2, bottom // 4):
+            self.assertIn(f"Layer {layer}", texts)
+        for entry in ("jog: 5 clips", "kick: 4 clips", "walk: 5 clips"):
+            self.assertIn(entry, texts)
+        lines = [path.find(f"{SVG}title").text for path in root.iter(f"{SVG}path")]
+        self.assertEqual(len(lines), 3 * 19, "a line for each clip and layer")
+        self.assertEqual(lines.count("07_01 (walk)"), 3)
+        names = [text for text in root.iter(f"{SVG}text")
+                 if text.get("class").startswith("winner-name")]
+        self.assertEqual(names[0].text, "walk")
+
+        self.server.ask_one("recognize", "one", walk, "--layer", "5", "--method", "paper",
+                            "--plot", picture)
+        root = xml.etree.ElementTree.parse(picture).getroot()
+        self.assertEqual(len(list(root.iter(f"{SVG}path"))), 19, "that layer alone")
 
     def test_database_2_table_1(self):
         self.server.ask_one("create", "two", "--frame-rate", "120")

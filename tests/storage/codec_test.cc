@@ -134,6 +134,62 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(Same(back, model));
   REQUIRE(back.global_graph(2).edges() == model.global_graph(2).edges());
   REQUIRE(back.familiarity().scores == model.familiarity().scores);
+  REQUIRE(back.clips()[1].subject == "subject 1");
+  REQUIRE(back.metric().projection == model.metric().projection);
+  REQUIRE(back.metric_frames().projected == model.metric_frames().projected);
+}
+
+TEST_CASE("ModelCodec: the calibration comes back, and one that is none is refused",
+          "[storage][codec]") {
+  core::Model model = SampleModel({SampleClip("d", "walk", 1)});
+  core::RecognitionCalibration calibration;
+  calibration.window = {{0.5, 0.25}, {-2, 1, 1, 3}};
+  calibration.whole = {{2, 0}, {0.5F}};
+  model.set_recognition(calibration);
+  const auto decoded = [](const core::Model& encoded) {
+    const std::string bytes = Encoded(encoded.parts());
+    auto source = SourceOf(bytes);
+    return storage::DecodeModel(source);
+  };
+  const core::ModelParts back = Require(decoded(model));
+  REQUIRE(back.recognition.window.weight.scale == 0.5);
+  REQUIRE(back.recognition.window.weight.power == 0.25);
+  REQUIRE(back.recognition.window.familiarity == calibration.window.familiarity);
+  REQUIRE(back.recognition.whole.weight.scale == 2);
+  REQUIRE(back.recognition.whole.familiarity == calibration.whole.familiarity);
+
+  calibration.window.familiarity = {1, 0};
+  model.set_recognition(calibration);
+  REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "ascend");
+  calibration.window = {{std::nan(""), 1}, {}};
+  model.set_recognition(calibration);
+  REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "calibration");
+}
+
+TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[storage][codec]") {
+  const core::Model model = SampleModel({SampleClip("d", "walk", 1)});
+  core::ModelParts plain = model.parts();
+  plain.clips.front().subject.clear();
+  plain.prior = {};
+  plain.confidence = {};
+  plain.metric = {};
+  plain.recognition = {};
+  // What version 2 adds is then of a known size, and before the last field.
+  std::string bytes = Encoded(plain);
+  constexpr std::size_t kAnswerBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
+  constexpr std::size_t kAdded = 4 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
+  bytes.erase(bytes.size() - sizeof(double) - kAdded, kAdded);
+  bytes[0] = 1;
+
+  auto source = SourceOf(bytes);
+  core::ModelParts parts = Require(storage::DecodeModel(source));
+  REQUIRE(parts.metric.empty());
+  REQUIRE(parts.prior.seconds.empty());
+  REQUIRE(parts.build_seconds == 0.25);
+  parts.states = model.states();
+  parts.root_path = model.root_path();
+  const core::Model back = Require(core::Model::Create(std::move(parts)));
+  REQUIRE(Encoded(back.parts()) == Encoded(plain));
 }
 
 TEST_CASE("ModelCodec: damage is found", "[storage][codec]") {

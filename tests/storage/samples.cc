@@ -116,7 +116,7 @@ storage::NewClip SampleClip(const std::string& database, const std::string& id, 
 core::Model SampleModel(const std::vector<storage::NewClip>& clips) {
   std::vector<core::BuildInput> inputs;
   for (const storage::NewClip& clip : clips) {
-    inputs.push_back({clip.record.id, clip.record.label, clip.states});
+    inputs.push_back({clip.record.id, clip.record.label, clip.states, clip.record.subject});
   }
   core::Model model = Require(core::BuildModel(SampleDatabase("any").settings, SampleMarkerSet(),
                                                std::move(inputs), core::Serially, {}));

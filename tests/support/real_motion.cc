@@ -1,42 +1,14 @@
 #include "tests/support/real_motion.h"
 
 #include <catch2/catch.hpp>
-#include <sstream>
 
 #include "core/format/marker_set_file.h"
-#include "tests/support/real_data.h"
 
 namespace motiondb::tests {
 namespace fs = std::filesystem;
 
-namespace {
-
-fs::path SkeletonOf(const fs::path& amc) {
-  fs::path best;
-  for (const auto& entry : fs::directory_iterator(amc.parent_path())) {
-    const fs::path& path = entry.path();
-    if (path.extension() == ".asf" && amc.stem().string().starts_with(path.stem().string()) &&
-        path.stem().string().size() > best.stem().string().size()) {
-      best = path;
-    }
-  }
-  return best;
-}
-
-}  // namespace
-
 core::MotionFile LoadMotion(const fs::path& path) {
-  const auto format = core::FormatOfPath(path.string());
-  REQUIRE(format.ok());
-  const std::string name = path.filename().string();
-  const std::string bytes = ReadFile(path);
-  std::string skeleton_bytes;
-  std::optional<core::SourceFile> skeleton;
-  if (*format == core::FileFormat::kAmc) {
-    skeleton_bytes = ReadFile(SkeletonOf(path));
-    skeleton = core::SourceFile{"skeleton.asf", skeleton_bytes};
-  }
-  auto file = core::ReadMotionFile(*format, {name, bytes}, skeleton);
+  auto file = ReadMotion(path);
   INFO(file.status());
   REQUIRE(file.ok());
   return *std::move(file);
@@ -51,16 +23,10 @@ core::StateSequence LoadStates(const fs::path& path, double frame_rate_hz, core:
 }
 
 std::vector<ListedClip> ReadList(const fs::path& list) {
-  std::istringstream lines(ReadFile(list));
-  std::vector<ListedClip> clips;
-  std::string line;
-  std::getline(lines, line);  // header
-  while (std::getline(lines, line)) {
-    const std::size_t tab = line.find('\t');
-    if (tab == std::string::npos) continue;
-    clips.push_back({list.parent_path() / line.substr(0, tab), line.substr(tab + 1)});
-  }
-  return clips;
+  auto clips = ReadClipList(list);
+  INFO(clips.status());
+  REQUIRE(clips.ok());
+  return *std::move(clips);
 }
 
 core::Model BuildFromList(const fs::path& list, const core::BuildSettings& settings) {

@@ -104,7 +104,7 @@ TEST_CASE("FindNodePaths: bad options are refused by name", "[core][inference]")
   const core::Model model = SmallModel(2, 60, 2, 10, 1);
   const auto clip = WanderingClips(1, 10, model.marker_set(), 1)[0].states;
   const auto message = [&](const core::NodePathOptions& options) {
-    const auto result = core::Estimate(model, clip, options);
+    const auto result = core::Estimate(model, clip, {.search = options});
     CHECK_FALSE(result.ok());
     return std::string(result.status().message());
   };
@@ -123,7 +123,7 @@ TEST_CASE("Estimate: the state is the last node of the best path, with its poste
           "[core][inference]") {
   const core::Model model = SmallModel(4, 150, 3, 6, 21);
   const auto clip = WanderingClips(4, 150, model.marker_set(), 21)[2].states;
-  const auto estimation = core::Estimate(model, clip, {0, 5, 1e-6, 0});
+  const auto estimation = core::Estimate(model, clip, {.search = {0, 5, 1e-6, 0}});
   REQUIRE(estimation.ok());
   CHECK(estimation->layer == model.layer_count());
   REQUIRE(estimation->paths.size() == 5);
@@ -135,7 +135,7 @@ TEST_CASE("Estimate: the state is the last node of the best path, with its poste
   CHECK(estimation->state.probability == Approx(last[estimation->state.node]));
   // The clip was stored: near the root, where nodes are far apart, its frames lie where the tree
   // has them.
-  const auto coarse = core::Estimate(model, clip, {3, 1, 1e-6, 0});
+  const auto coarse = core::Estimate(model, clip, {.search = {3, 1, 1e-6, 0}});
   REQUIRE(coarse.ok());
   int same = 0;
   for (int t = 0; t < 150; ++t) {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/inference/stored_futures.h"
+#include "core/inference/forecast.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests {
@@ -141,16 +141,59 @@ TEST_CASE("Predict: missing markers are filled in the prediction", "[core][infer
   }
 }
 
-TEST_CASE("FutureDisplacement: ends with the clip, and interpolates between frames",
-          "[core][inference]") {
-  const core::Model model = SmallModel(2, 100, 4, 8, 41);
-  CHECK(core::FutureDisplacement(model, 10, 0).norm() == Approx(0).margin(1e-9));
-  CHECK(core::FutureDisplacement(model, 99, 1).size() == 0);
-  CHECK(core::FutureDisplacement(model, 98, 1).size() == 12);
-  CHECK(core::FutureDisplacement(model, 98, 1.5).size() == 0);
-  const Eigen::VectorXd halfway =
-      0.5 * (core::FutureDisplacement(model, 10, 3) + core::FutureDisplacement(model, 10, 4));
-  CHECK((core::FutureDisplacement(model, 10, 3.5) - halfway).norm() < 1e-9);
+TEST_CASE("Predict: by the paper's method the nodes' means follow the graph", "[core][inference]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence clip = PeriodicClip(set)[0].states;
+  core::PredictOptions options;
+  options.method = core::Method::kPaper;
+  options.horizon_seconds = {0.5, 0.1, 0};  // in any order
+  const auto prediction = core::Predict(*built, Cut(clip, 0, 151), options);
+  REQUIRE(prediction.ok());
+  REQUIRE(prediction->horizons.size() == 3);
+  const core::FrameMatrix world = core::WorldPositions(clip);
+  for (int h = 0; h < 3; ++h) {
+    CHECK(prediction->horizons[h].seconds == options.horizon_seconds[h]);
+    CHECK(prediction->horizons[h].confidence == 0);
+  }
+  // Means of nodes are no more than near.
+  const auto& now = prediction->horizons[2].marker_positions_m;
+  CHECK((now.transpose() - world.row(150)).norm() < 1);
+}
+
+TEST_CASE("Predict: a clip that is left out is no example", "[core][inference]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  auto inputs = PeriodicClip(set);
+  inputs.push_back(WanderingClips(2, 300, set, 4)[1]);
+  const auto built = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence clip = Cut(PeriodicClip(set)[0].states, 0, 151);
+  const auto error = [&](int without) {
+    core::PredictOptions options;
+    options.horizon_seconds = {0.3};
+    options.without = without;
+    const auto prediction = core::Predict(*built, clip, options);
+    REQUIRE(prediction.ok());
+    return (prediction->horizons[0].marker_positions_m.transpose() -
+            core::WorldPositions(PeriodicClip(set)[0].states).row(168))
+        .norm();
+  };
+  CHECK(error(0) > 3 * error(-1));
+}
+
+TEST_CASE("Forecaster: an example counts where its clip goes on for so long", "[core][inference]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence past = Cut(PeriodicClip(set)[0].states, 100, 51);
+  core::Forecaster at_end(*built, past, {{599, false}, {595, false}});
+  CHECK(at_end.At(0.05).evidence.variance < 1);
+  CHECK(at_end.At(0.2).evidence.variance == 1);
+  core::Forecaster nothing(*built, past, {});
+  const core::Forecast forecast = nothing.At(0.5);
+  CHECK(forecast.evidence.variance == 1);
+  CHECK(forecast.positions.allFinite());
 }
 
 TEST_CASE("Predict: bad settings are refused by name", "[core][inference]") {

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/graph/generation.h"
 #include "core/inference/observation.h"
@@ -17,23 +18,81 @@ core::StateSequence Clip(const core::Model& model, int index, int frames) {
 
 }  // namespace
 
-TEST_CASE("Recognize: names a stored clip's label and ranks its own clip high",
-          "[core][inference]") {
+TEST_CASE("Recognize: names a stored clip's label and ranks its clips high", "[core][inference]") {
   const core::Model model = SmallModel(6, 240, 3, 8, 31);
   for (int c = 0; c < 6; ++c) {
-    const auto windows = core::Recognize(model, Clip(model, c, 240), {});
-    REQUIRE(windows.ok());
-    for (const core::RecognizedWindow& window : *windows) {
-      CHECK(window.labels.front().label == (c % 2 == 0 ? "a" : "b"));
-      CHECK(window.clips.size() == 6);
-      double sum = 0;
-      for (const core::LabelScore& label : window.labels) sum += label.probability;
-      CHECK(sum == Approx(1));
-      for (std::size_t i = 1; i < window.clips.size(); ++i) {
-        CHECK(window.clips[i - 1].log_probability >= window.clips[i].log_probability);
+    for (const core::Method method : {core::Method::kBest, core::Method::kPaper}) {
+      core::RecognizeOptions options;
+      options.method = method;
+      const auto windows = core::Recognize(model, Clip(model, c, 240), options);
+      REQUIRE(windows.ok());
+      for (const core::RecognizedWindow& window : *windows) {
+        CHECK(window.labels.front().label == (c % 2 == 0 ? "a" : "b"));
+        CHECK(window.clips.size() == 6);
+        double sum = 0;
+        for (const core::LabelScore& label : window.labels) sum += label.probability;
+        CHECK(sum == Approx(1));
+        for (std::size_t i = 1; i < window.clips.size() && method == core::Method::kPaper; ++i) {
+          CHECK(window.clips[i - 1].log_probability >= window.clips[i].log_probability);
+        }
+        CHECK(model.clips()[window.clips.front().clip].label == window.labels.front().label);
+        CHECK(window.familiarity >= 0);
+        CHECK(window.familiarity <= 1);
       }
-      CHECK(window.familiarity >= 0);
-      CHECK(window.familiarity <= 1);
+    }
+  }
+}
+
+TEST_CASE("Recognize: the paper's labels and familiarity follow from its graphs alone",
+          "[core][inference]") {
+  const core::Model model = SmallModel(6, 120, 3, 8, 31);
+  const core::StateSequence clip = Clip(model, 3, 24);
+  core::RecognizeOptions options;
+  options.method = core::Method::kPaper;
+  const auto windows = core::Recognize(model, clip, options);
+  REQUIRE(windows.ok());
+  REQUIRE(windows->size() == 1);
+  const core::RecognizedWindow& window = windows->front();
+  std::map<std::string, double> of_label;  // labels have three clips each
+  double all = 0;
+  const double best = window.clips.front().log_probability;
+  for (const core::ClipScore& score : window.clips) {
+    of_label[model.clips()[score.clip].label] += std::exp(score.log_probability - best);
+    all += std::exp(score.log_probability - best);
+  }
+  for (const core::LabelScore& label : window.labels) {
+    CHECK(label.probability == Approx(of_label[label.label] / all));
+  }
+  const int layer = model.layer_count();
+  const auto scaled = core::ScaledObservation(model, clip);
+  REQUIRE(scaled.ok());
+  core::EmissionMatrix density(24, model.tree().node_count(layer));
+  for (Eigen::Index t = 0; t < 24; ++t) {
+    for (int n = 0; n < model.tree().node_count(layer); ++n) {
+      density(t, n) =
+          model.gaussians().LogDensity(model.tree().branch(layer, n), scaled->row(t).data());
+    }
+  }
+  CHECK(
+      window.familiarity ==
+      model.familiarity().Rank(layer, core::FamiliarityScore(model.global_graph(layer), density)));
+}
+
+TEST_CASE("Recognize: a model without a metric answers by the paper", "[core][inference]") {
+  core::ModelParts parts = SmallModel(4, 120, 3, 8, 31).parts();
+  parts.metric = {};
+  const auto model = core::Model::Create(std::move(parts));
+  REQUIRE(model.ok());
+  const core::StateSequence clip = Clip(*model, 2, 120);
+  core::RecognizeOptions options;
+  const auto best = core::Recognize(*model, clip, options);
+  options.method = core::Method::kPaper;
+  const auto paper = core::Recognize(*model, clip, options);
+  REQUIRE((best.ok() && paper.ok()));
+  for (std::size_t w = 0; w < paper->size(); ++w) {
+    CHECK((*best)[w].familiarity == (*paper)[w].familiarity);
+    for (std::size_t l = 0; l < 2; ++l) {
+      CHECK((*best)[w].labels[l].probability == (*paper)[w].labels[l].probability);
     }
   }
 }

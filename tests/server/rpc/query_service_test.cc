@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 #include <thread>
 
@@ -149,6 +150,31 @@ TEST_CASE("QueryService: markers and joints observe as well as files", "[server]
   REQUIRE(by_markers.status.ok());
   CHECK(by_markers.response.windows(0).labels(0).label() == "walk");
 
+  // A marker that is not seen is filled in.
+  const std::size_t markers_seen = markers.positions().size() / (40 * 3 * sizeof(float));
+  REQUIRE(markers_seen == 10);
+  const std::string missing = Pack({std::nanf(""), std::nanf(""), std::nanf("")});
+  for (std::size_t frame = 30; frame < 40; ++frame) {
+    markers.mutable_positions()->replace((frame * 10 + 9) * missing.size(), missing.size(),
+                                         missing);
+  }
+  v1::EstimateRequest estimate;
+  estimate.set_database("databases/db");
+  *estimate.mutable_observation()->mutable_markers() = markers;
+  const auto last = Ask(*stub, &Stub::Estimate, estimate);
+  INFO(last.status.error_message());
+  REQUIRE(last.response.filled_frames_size() == 1);
+  const v1::FilledFrame& filled = last.response.filled_frames(0);
+  CHECK(filled.frame() == 39);
+  CHECK(filled.seconds() == Approx(39 / 60.0));
+  REQUIRE(filled.marker_positions_size() == 30);
+  REQUIRE(filled.marker_deviations_size() == 10);
+  CHECK(filled.marker_deviations(8) == 0);
+  CHECK(filled.marker_deviations(9) > 0);
+  CHECK(std::isfinite(filled.marker_positions(29)));
+  estimate.set_fill_every_frame(true);
+  CHECK(Ask(*stub, &Stub::Estimate, estimate).response.filled_frames_size() == 10);
+
   const auto clips = server.NewStub<v1::ClipService>();
   v1::ListSkeletonsRequest list;
   list.set_parent("databases/db");
@@ -204,6 +230,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   recognize("transition_floor", [](auto& r) { r.set_transition_floor(kNan); });
   recognize("generation", [](auto& r) { r.set_generation(static_cast<v1::Generation>(7)); });
   recognize("path_count", [](auto& r) { r.set_path_count(-1); });
+  recognize("method", [](auto& r) { r.set_method(static_cast<v1::Method>(7)); });
   recognize("observation", [](auto& r) { r.clear_observation(); });
 
   const auto estimate = [&](const std::string& field, const auto& change) {
@@ -220,6 +247,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
     CHECK(ViolatedFields(Ask(*stub, &Stub::Predict, request).status) == field);
   };
   predict("at_seconds", [](auto& r) { r.set_at_seconds(-1); });
+  predict("method", [](auto& r) { r.set_method(static_cast<v1::Method>(7)); });
   predict("history_seconds", [](auto& r) { r.set_history_seconds(kNan); });
   predict("horizon_seconds", [](auto& r) { r.add_horizon_seconds(-0.1); });
 

@@ -1,0 +1,239 @@
+#include "client/cli/recognition_plot_panel.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <tuple>
+#include <vector>
+
+#include "client/cli/picture.h"
+#include "client/cli/recognition_plot_labels.h"
+#include "client/cli/svg.h"
+
+namespace motiondb::client {
+namespace {
+
+struct Point {
+  double x = 0;
+  double y = 0;
+};
+
+// Where lines of one panel are.
+class Panel {
+ public:
+  Panel(const PanelAxes& axes, const PictureFrame& frame) : axes_(axes), frame_(frame) {}
+
+  double X(double seconds) const { return PanelX(axes_, frame_, seconds); }
+  double Y(double log_probability) const {
+    constexpr double kFarBelow = 2;  // frames: as good as any lower place, which nobody sees
+    return frame_.top +
+           frame_.height * std::min(axes_.log_probability.Fraction(log_probability), kFarBelow);
+  }
+
+ private:
+  const PanelAxes& axes_;
+  const PictureFrame& frame_;
+};
+
+// The lowest and the highest of the points that share a column of pixels: nobody would see more.
+std::vector<Point> Thinned(const std::vector<Point>& points) {
+  std::vector<Point> thinned;
+  for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
+    const double column = std::floor(points[begin].x);
+    std::size_t low = begin, high = begin;
+    for (end = begin; end < points.size() && std::floor(points[end].x) == column; ++end) {
+      if (points[end].y < points[low].y) low = end;
+      if (points[end].y > points[high].y) high = end;
+    }
+    thinned.push_back(points[std::min(low, high)]);
+    if (low != high) thinned.push_back(points[std::max(low, high)]);
+  }
+  return thinned;
+}
+
+// A line through windows that follow each other; one alone is a dash as wide as it stands for.
+std::string Piece(std::vector<Point> points, const WindowCell& first, const Panel& panel) {
+  if (points.size() == 1) {
+    points = {{panel.X(first.start), points[0].y}, {panel.X(first.end), points[0].y}};
+  } else {
+    points = Thinned(points);
+  }
+  std::string data;
+  for (const Point& point : points) {
+    data +=
+        fmt::format("{}{} {}", data.empty() ? "M" : "L", SvgNumber(point.x), SvgNumber(point.y));
+  }
+  return data;
+}
+
+std::string ProfileSvg(const ClipProfile& clip, const std::vector<WindowCell>& windows,
+                       const Panel& panel, const std::string& style) {
+  std::string data;
+  std::vector<Point> points;
+  for (std::size_t i = 0; i <= windows.size(); ++i) {
+    if (i < windows.size() && std::isfinite(clip.log_probability[i])) {
+      points.push_back({panel.X(windows[i].middle), panel.Y(clip.log_probability[i])});
+    } else if (!points.empty()) {
+      data += Piece(std::move(points), windows[i - points.size()], panel);
+      points.clear();
+    }
+  }
+  if (data.empty()) return "";
+  return fmt::format("<path class=\"{}\" d=\"{}\"><title>{} ({})</title></path>\n", style, data,
+                     SvgText(clip.clip), SvgText(clip.label));
+}
+
+// How low a clip's line is in the middle, its gaps lowest of all: to draw the likely ones last.
+double MeanFraction(const ClipProfile& clip, const LogProbabilityAxis& axis) {
+  double sum = 0;
+  for (const double value : clip.log_probability) {
+    sum += std::isfinite(value) ? axis.Fraction(value) : 1;
+  }
+  return sum / static_cast<double>(clip.log_probability.size());
+}
+
+// The clips that are the best of a window.
+std::set<const ClipProfile*> BestClips(const LayerProfile& layer) {
+  std::set<const ClipProfile*> best_clips;
+  for (std::size_t i = 0; i < layer.windows.size(); ++i) {
+    const ClipProfile* best = nullptr;
+    for (const ClipProfile& clip : layer.clips) {
+      if (!std::isfinite(clip.log_probability[i])) continue;
+      if (best == nullptr || clip.log_probability[i] > best->log_probability[i]) best = &clip;
+    }
+    if (best != nullptr) best_clips.insert(best);
+  }
+  return best_clips;
+}
+
+std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel) {
+  const std::set<const ClipProfile*> best_clips = BestClips(layer);
+  std::vector<std::tuple<bool, double, const ClipProfile*>> clips;
+  for (const ClipProfile& clip : layer.clips) {
+    clips.emplace_back(best_clips.count(&clip) > 0, -MeanFraction(clip, axes.log_probability),
+                       &clip);
+  }
+  // By place in the layer where all else is equal: the pointers are to one vector.
+  std::sort(clips.begin(), clips.end());
+  std::string svg;
+  for (const auto& [best, height, clip] : clips) {
+    svg += ProfileSvg(*clip, layer.windows, panel,
+                      fmt::format("clip {}{}", best ? "best " : "",
+                                  LabelLineStyle(axes.label_places.at(clip->label))));
+  }
+  return svg;
+}
+
+// Windows of one winner after another are one area, named where the name has room.
+std::string StripSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel,
+                     double top) {
+  constexpr double kTextMargin = 5;
+  std::string svg;
+  for (std::size_t begin = 0, end = 0; begin < layer.winners.size(); begin = end) {
+    const auto& winner = layer.winners[begin];
+    while (end < layer.winners.size() && layer.winners[end] == winner) ++end;
+    if (!winner) continue;
+    const int place = axes.label_places.at(*winner);
+    const double left = panel.X(layer.windows[begin].start);
+    const double width = panel.X(layer.windows[end - 1].end) - left;
+    svg += fmt::format("<g><title>{}, {:.2f}-{:.2f} s</title>\n", SvgText(*winner),
+                       layer.windows[begin].start, layer.windows[end - 1].end);
+    svg += SvgRectangle("winner " + LabelAreaStyle(place), left, top, width, kStripHeight);
+    if (FittingText(*winner, width - 2 * kTextMargin) == *winner) {
+      svg += SvgLabel("winner-name " + LabelTextStyle(place), left + width / 2,
+                      top + kStripHeight - 4.5, *winner, "text-anchor=\"middle\"");
+    }
+    svg += "</g>\n";
+  }
+  return svg;
+}
+
+// What the picture does not show.
+std::string LeftOutText(const LayerProfile& layer, const LogProbabilityAxis& axis) {
+  std::size_t impossible = 0, below = 0, all = 0;
+  for (const ClipProfile& clip : layer.clips) {
+    for (const double value : clip.log_probability) {
+      ++all;
+      if (!std::isfinite(value)) {
+        ++impossible;
+      } else if (axis.IsBelow(value)) {
+        ++below;
+      }
+    }
+  }
+  std::string text;
+  if (impossible > 0) text = fmt::format("{} of {} values are -Infinity: no path", impossible, all);
+  if (below > 0) {
+    text += fmt::format("{}{} of {} lie below", text.empty() ? "" : "; ", below, all);
+  }
+  return text;
+}
+
+std::string NothingText(const LayerProfile& layer) {
+  if (layer.windows.empty()) return "no windows";
+  return layer.clips.empty() ? "no clips" : "no clip explains any window";
+}
+
+}  // namespace
+
+double PanelX(const PanelAxes& axes, const PictureFrame& frame, double seconds) {
+  return frame.left +
+         frame.width * (seconds - axes.start_seconds) / (axes.end_seconds - axes.start_seconds);
+}
+
+std::vector<Tick> TimeTicks(const PanelAxes& axes, const PictureFrame& frame) {
+  const double step = TickStep(frame.width / (axes.end_seconds - axes.start_seconds));
+  return LinearTicks(axes.start_seconds, axes.end_seconds, step,
+                     [&](double seconds) { return PanelX(axes, frame, seconds); });
+}
+
+std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
+                     const PictureFrame& frame) {
+  constexpr double kLeastBetweenTicks = 17;
+  const Panel panel(axes, frame);
+  std::vector<Tick> y_ticks;
+  for (const double value : axes.log_probability.Ticks(kLeastBetweenTicks / frame.height)) {
+    y_ticks.push_back({panel.Y(value), LogProbabilityAxis::TickText(value)});
+  }
+  const std::string clip_path = fmt::format("panel-{}", SvgNumber(frame.top));
+  std::string svg = SvgLabel("panel-title", frame.left, frame.top - 8, title) +
+                    SvgLabel("tick", frame.right(), frame.top - 8,
+                             LeftOutText(layer, axes.log_probability), "text-anchor=\"end\"");
+  svg += GridSvg(frame, TimeTicks(axes, frame), y_ticks) + YTicksSvg(frame, y_ticks) +
+         YCaptionSvg(frame, "log probability");
+  const std::string profiles = ProfilesSvg(layer, axes, panel);
+  svg += ClipPathSvg(clip_path, frame) +
+         fmt::format("<g clip-path=\"url(#{})\">\n{}</g>\n", clip_path, profiles);
+  if (profiles.empty()) {
+    svg += SvgLabel("line", frame.left + frame.width / 2, frame.top + frame.height / 2,
+                    NothingText(layer), "text-anchor=\"middle\"");
+  }
+  return svg + FrameSvg(frame) + StripSvg(layer, axes, panel, frame.bottom() + kStripGap);
+}
+
+std::string PanelStyleSheet(const LayerProfile& layer) {
+  constexpr std::size_t kFewClips = 30, kSomeClips = 120, kFewWindows = 150;
+  struct Stroke {
+    double width;
+    double opacity;
+  };
+  const std::size_t clips = layer.clips.size();
+  const Stroke line = clips <= kFewClips    ? Stroke{1.4, 0.85}
+                      : clips <= kSomeClips ? Stroke{1.1, 0.65}
+                                            : Stroke{0.9, 0.45};
+  const Stroke best =
+      layer.windows.size() <= kFewWindows ? Stroke{2, 1} : Stroke{1.2 * line.width, 0.9};
+  return fmt::format(
+      "\n"
+      "    .panel-title {{ font-size: 14px; font-weight: bold; fill: #333; }}\n"
+      "    .clip {{ fill: none; stroke-width: {}; stroke-opacity: {}; stroke-linejoin: round; }}\n"
+      "    .best {{ stroke-width: {}; stroke-opacity: {}; }}\n"
+      "    .clip:hover {{ stroke-width: 3.5; stroke-opacity: 1; }}\n"
+      "    .winner-name {{ font-size: 12px; }}\n"
+      "    .sample {{ stroke-width: 3; }}\n",
+      line.width, line.opacity, best.width, best.opacity);
+}
+
+}  // namespace motiondb::client

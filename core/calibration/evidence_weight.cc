@@ -1,0 +1,42 @@
+#include "core/calibration/evidence_weight.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace motiondb::core {
+
+double NegativeLogLikelihood(const std::vector<JudgedSample>& samples,
+                             const EvidenceWeight& weight) {
+  double sum = 0;
+  for (const JudgedSample& sample : samples) {
+    const double at = weight.At(sample.frames);
+    const double peak = *std::max_element(sample.evidence.begin(), sample.evidence.end());
+    double all = 0;
+    for (const double evidence : sample.evidence) all += std::exp(at * (evidence - peak));
+    sum += std::log(all) - at * (sample.evidence[sample.label] - peak);
+  }
+  return sum / static_cast<double>(samples.size());
+}
+
+EvidenceWeight FitEvidenceWeight(const std::vector<JudgedSample>& samples,
+                                 const std::vector<double>& powers) {
+  constexpr int kScales = 65;
+  constexpr double kLeast = -6;
+  constexpr double kMost = 2;
+  EvidenceWeight best;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (const double power : powers) {
+    for (int i = 0; i < kScales; ++i) {
+      const EvidenceWeight weight{std::exp(kLeast + (kMost - kLeast) * i / (kScales - 1)), power};
+      const double loss = NegativeLogLikelihood(samples, weight);
+      if (loss < lowest) {
+        lowest = loss;
+        best = weight;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace motiondb::core

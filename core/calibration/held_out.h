@@ -1,0 +1,23 @@
+// What a model without one of its clips would be asked, and whom it would ask. Pure functions; safe
+// to call from any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/model/model.h"
+#include "core/motion/states.h"
+
+namespace motiondb::core {
+
+// At most `most` of `count` indices, spread evenly, ascending.
+std::vector<int> SpreadEvenly(int count, int most);
+
+// The clips that are left when a stored clip is held out: without all that its subject did, where
+// the subject is known and others did the same, so that labels are not known by who moves; else
+// without the clip alone.
+std::vector<int> ClipsLeft(const Model& model, int held_out);
+
+// A stored clip as it was given (not scaled).
+StateSequence StoredMotion(const Model& model, int clip);
+
+}  // namespace motiondb::core

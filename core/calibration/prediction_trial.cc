@@ -1,0 +1,115 @@
+#include "core/calibration/prediction_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include "core/inference/forecast.h"
+#include "core/inference/past.h"
+#include "core/inference/predict.h"
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr int kMoments = 192;
+constexpr int kLeastMoments = 16;      // to fit a law to
+constexpr double kLeastFuture = 0.08;  // s
+
+struct Moment {
+  int clip = 0;
+  int frame = 0;  // of the clip
+};
+
+std::vector<Moment> Moments(const Model& model) {
+  const double rate = model.settings().frame_rate_hz;
+  const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
+  const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
+  const auto clips = static_cast<int>(model.clips().size());
+  const int tried = std::min(clips, kMoments);
+  std::vector<Moment> moments;
+  for (int i = 0; i < tried; ++i) {
+    const int clip = static_cast<int>(static_cast<std::int64_t>(i) * clips / tried);
+    const int usable = model.clips()[clip].frame_count - past - future;
+    const int count = std::min(usable, std::max(1, kMoments / tried));
+    for (int m = 0; m < count; ++m) {
+      moments.push_back({clip, past + static_cast<int>((m + 0.5) * usable / count)});
+    }
+  }
+  return moments;
+}
+
+// A stored clip as it would be observed.
+StateSequence ClipStates(const Model& model, int clip) {
+  const ModelClip& stored = model.clips()[clip];
+  StateSequence states{model.settings().frame_rate_hz, stored.leg_length_m,
+                       model.states().middleRows(stored.first_frame, stored.frame_count),
+                       model.root_path().middleRows(stored.first_frame, stored.frame_count)};
+  model.scale().Revert(states.states);
+  return states;
+}
+
+double MeanDistance(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
+  return (a - b).reshaped<Eigen::RowMajor>(a.size() / 3, 3).rowwise().norm().mean();
+}
+
+// At each horizon that the clip goes on for.
+using Trial = std::vector<std::optional<ErrorSample>>;
+
+absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Moment& moment,
+                          const std::vector<double>& horizons, const Cancelled& cancelled) {
+  const PredictOptions options;
+  const StateSequence clip = ClipStates(model, moment.clip);
+  const auto history = static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz));
+  const StateSequence past = PastAt(clip, moment.frame, history);
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto moments, FindMoments(model, past, options.transition_floor, moment.clip, cancelled));
+  Forecaster forecaster(model, past, std::move(moments), &prior);
+  const Track truth(clip);
+  Trial trial;
+  for (const double seconds : horizons) {
+    const double frames = seconds * clip.frame_rate_hz;
+    if (moment.frame + frames > truth.end() - 1 + 1e-6) {
+      trial.push_back(std::nullopt);
+      continue;
+    }
+    const Forecast forecast = forecaster.At(seconds);
+    trial.push_back(ErrorSample{
+        forecast.evidence, MeanDistance(forecast.positions, truth.SeenFrom(moment.frame, frames))});
+  }
+  return trial;
+}
+
+}  // namespace
+
+absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
+                                                             const ParallelFor& parallel,
+                                                             const Cancelled& cancelled) {
+  PredictionConfidence confidence;
+  if (model.clips().size() < 2) return confidence;
+  const std::vector<double> horizons = PredictOptions().horizon_seconds;
+  const std::vector<Moment> moments = Moments(model);
+  // The linear prior must not have seen the clip either: it is fitted anew without its part.
+  const MotionSums sums = MotionSums::Over(model.parts(), parallel);
+  std::vector<MotionPrior> priors(MotionSums::kParts);
+  parallel(MotionSums::kParts, [&](int part) { priors[part] = sums.Fit(part); });
+  std::vector<absl::StatusOr<Trial>> trials(moments.size(), Trial());
+  parallel(static_cast<int>(moments.size()), [&](int i) {
+    const MotionPrior& prior = priors[sums.part_of_clip(moments[i].clip)];
+    trials[i] = Try(model, prior, moments[i], horizons, cancelled);
+  });
+  for (std::size_t h = 0; h < horizons.size(); ++h) {
+    std::vector<ErrorSample> samples;
+    for (const absl::StatusOr<Trial>& trial : trials) {
+      if (!trial.ok()) return trial.status();
+      if ((*trial)[h]) samples.push_back(*(*trial)[h]);
+    }
+    if (samples.size() >= kLeastMoments) {
+      confidence.laws.push_back(FitErrorLaw(horizons[h], samples));
+    }
+  }
+  return confidence;
+}
+
+}  // namespace motiondb::core

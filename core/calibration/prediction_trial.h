@@ -1,0 +1,18 @@
+// How well a model predicts its own clips when each is held back: what confidence is fitted to.
+#pragma once
+
+#include "absl/status/statusor.h"
+#include "core/model/model.h"
+#include "core/motion/cancellation.h"
+#include "core/tree/parallel.h"
+
+namespace motiondb::core {
+
+// Predicts at some two hundred moments, spread evenly over the clips, each without the clip it is
+// of, and fits an error law to each horizon of a query by default. No laws where the database has
+// one clip or the clips are too short. The same for any number of threads. CANCELLED.
+absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
+                                                             const ParallelFor& parallel,
+                                                             const Cancelled& cancelled);
+
+}  // namespace motiondb::core

@@ -1,0 +1,29 @@
+// Stored frames taken as examples of what is observed. Safe to call from any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/inference/lattice.h"
+#include "core/model/model.h"
+
+namespace motiondb::core {
+
+// A stored frame, and how much it counts.
+struct Exemplar {
+  int frame = 0;
+  double weight = 0;  // weights of a set sum to 1
+};
+
+// Branches whose frames may serve: those the motion is most probably in (`now`, most probable
+// first), and then their ancestors until there are at least so many frames, if there are as many.
+std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
+                              int least_frames = 512);
+
+// The stored frames nearest to a scaled state (dimensions, NaN left out) among those under
+// `branches`, at most `count`, weighted by closeness. The mean squared difference a dimension is
+// the distance; the weight falls to exp(-1/2) at the distance of the median exemplar. Frames of
+// clip `without` are passed over (-1: none). O(frames under the branches).
+std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
+                                    const float* state, int count, int without = -1);
+
+}  // namespace motiondb::core

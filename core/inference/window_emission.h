@@ -1,0 +1,34 @@
+// log P_o(x | k) of every node of a layer for the frames of a window that moves along: each frame
+// is computed once, however many windows and clips it serves. Not thread-safe; what it is made of
+// must outlive it.
+#pragma once
+
+#include "core/graph/generation.h"
+#include "core/model/model.h"
+
+namespace motiondb::core {
+
+class WindowEmission {
+ public:
+  // `observation` is scaled, frames x dimensions; the window has `frames` frames.
+  WindowEmission(const Model& model, int layer, const FrameMatrix& observation, int frames);
+
+  // Moves to the frames [first, first + rows). Windows must come in ascending order.
+  void MoveTo(int first);
+
+  // frames x nodes of the layer.
+  const EmissionMatrix& log_density() const { return log_density_; }
+
+  // The sum over frames of log P(x), eq. 8's denominator with P(k) uniform.
+  double LogEvidence() const;
+
+ private:
+  const Model& model_;
+  const int layer_;
+  const FrameMatrix& observation_;
+  EmissionMatrix log_density_;
+  int first_ = 0;
+  int computed_ = 0;
+};
+
+}  // namespace motiondb::core

@@ -1,0 +1,90 @@
+#include "core/model/frame_pairs.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <string>
+
+#include "core/model/model.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr std::size_t kMostClips = 256;
+constexpr std::size_t kMostReferences = 8;
+constexpr Eigen::Index kMostFrames = 512;  // 17 s
+constexpr int kStarts = 4;
+constexpr float kLateStart = 0.05F;  // a dimension and frame
+constexpr int kSteps = 3;            // 0, 1 or 2 reference frames on
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+FrameMatrix SquaredDistances(const FrameMatrix& a, const FrameMatrix& b) {
+  FrameMatrix squared = -2 * a * b.transpose();
+  squared.colwise() += a.rowwise().squaredNorm();
+  squared.rowwise() += b.rowwise().squaredNorm().transpose();
+  return squared.cwiseMax(0);
+}
+
+}  // namespace
+
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips) {
+  std::map<std::string, std::vector<int>> of_label;
+  std::vector<std::size_t> place(clips.size());  // among its label's
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    auto& same = of_label[clips[c].label];
+    place[c] = same.size();
+    same.push_back(static_cast<int>(c));
+  }
+  std::vector<int> with_others;
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    if (of_label[clips[c].label].size() > 1) with_others.push_back(static_cast<int>(c));
+  }
+  const std::size_t observed = std::min(kMostClips, with_others.size());
+  std::vector<IndexPair> pairs;
+  for (std::size_t i = 0; i < observed; ++i) {
+    const int clip = with_others[i * with_others.size() / observed];
+    const auto& same = of_label[clips[clip].label];
+    const std::size_t others = same.size() - 1;
+    const std::size_t references = std::min(kMostReferences, others);
+    for (std::size_t k = 0; k < references; ++k) {
+      pairs.push_back({clip, same[(place[clip] + 1 + k * others / references) % same.size()]});
+    }
+  }
+  return pairs;
+}
+
+std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference) {
+  const Eigen::Index frames = std::min(observed.rows(), kMostFrames);
+  const Eigen::Index places = std::min(reference.rows(), (kSteps - 1) * frames + kStarts);
+  const FrameMatrix cost = SquaredDistances(observed.topRows(frames), reference.topRows(places));
+  const float late = kLateStart * static_cast<float>(observed.cols());
+
+  Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> step(frames, places);
+  Eigen::RowVectorXf total(places);
+  for (Eigen::Index j = 0; j < places; ++j) {
+    total[j] = j < kStarts ? late * static_cast<float>(j) + cost(0, j) : kNever;
+  }
+  Eigen::RowVectorXf before(places);
+  for (Eigen::Index i = 1; i < frames; ++i) {
+    before.swap(total);
+    for (Eigen::Index j = 0; j < places; ++j) {
+      int best = 0;
+      for (int s = 1; s < kSteps && s <= j; ++s) {
+        if (before[j - s] < before[j - best]) best = s;
+      }
+      step(i, j) = static_cast<std::int8_t>(best);
+      total[j] = before[j - best] + cost(i, j);
+    }
+  }
+  Eigen::Index j = 0;
+  if (!(total.minCoeff(&j) < kNever)) return {};
+  std::vector<IndexPair> pairs(frames);
+  for (Eigen::Index i = frames - 1; i >= 0; --i) {
+    pairs[i] = {static_cast<int>(i), static_cast<int>(j)};
+    if (i > 0) j -= step(i, j);
+  }
+  return pairs;
+}
+
+}  // namespace motiondb::core

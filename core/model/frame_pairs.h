@@ -1,0 +1,30 @@
+// Which frames of stored clips show the same moment of one behaviour: clips of one label, brought
+// together in time. Pure functions; safe to call from any thread.
+#pragma once
+
+#include <vector>
+
+#include "core/motion/matrix.h"
+
+namespace motiondb::core {
+
+struct ModelClip;
+
+struct IndexPair {
+  int observed = 0;
+  int reference = 0;
+  friend bool operator==(const IndexPair&, const IndexPair&) = default;
+};
+
+// Pairs of clips of one label. At most 256 clips are observed, spread evenly over those whose label
+// has another, each with at most 8 references, spread evenly: the work is bounded.
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips);
+
+// Dynamic time warping of all of `observed` onto `reference` (frames x dimensions, some 30 a
+// second; the first 512 frames of it): squared distances, with each observed frame the reference
+// moves on by 0, 1 or 2, starts at one of its first four frames (a later start costs 0.05 a
+// dimension and frame) and ends anywhere. One pair of rows for each observed frame, in order of
+// time; none where the reference is too short. O(frames * frames * dimensions).
+std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference);
+
+}  // namespace motiondb::core

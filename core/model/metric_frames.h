@@ -1,0 +1,27 @@
+// The stored frames as recognition compares them: every stride-th of each clip, in the metric.
+// Derived from a model's states; immutable, safe to share.
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/model/frame_stride.h"
+#include "core/motion/matrix.h"
+
+namespace motiondb::core {
+
+struct ModelParts;
+struct MotionMetric;
+
+struct MetricFrames {
+  StridedFrames rows;
+  FrameMatrix projected;          // rows x K, about the metric's mean
+  Eigen::VectorXf squared_norms;  // of the rows
+};
+
+// Scaled states (frames x D, without NaN) in the metric: frames x K.
+FrameMatrix Project(const MotionMetric& metric, const FrameMatrix& states);
+
+// Empty where the model has no metric.
+MetricFrames ProjectStored(const ModelParts& parts);
+
+}  // namespace motiondb::core

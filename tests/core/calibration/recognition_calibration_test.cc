@@ -1,0 +1,187 @@
+#include <algorithm>
+#include <array>
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+#include "core/calibration/calibrate.h"
+#include "core/calibration/held_out.h"
+#include "core/inference/recognize.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+// Clips of three labels whose places are so near that windows are at times taken for another's.
+std::vector<core::BuildInput> AlikeClips(int clips, const core::MarkerSet& set, unsigned seed) {
+  std::vector<core::BuildInput> inputs = WanderingClips(clips, 96, set, 77);
+  std::mt19937 random(seed);
+  std::normal_distribution<float> normal;
+  for (std::size_t c = 0; c < inputs.size(); ++c) {
+    core::FrameMatrix& states = inputs[c].states.states;
+    states = WanderingStates(96, set.dimension_count(), 77);
+    const auto label = c % 3;
+    inputs[c].label = std::string(1, static_cast<char>('a' + label));
+    inputs[c].subject = "subject " + std::to_string(c % 4);
+    states.col(static_cast<Eigen::Index>(label)).array() += 1;
+    for (Eigen::Index d = 0; d < states.cols(); ++d) {
+      float drift = 0.7F * normal(random);
+      for (Eigen::Index t = 0; t < states.rows(); ++t) {
+        drift += 0.15F * (0.7F * normal(random) - 0.3F * drift);
+        states(t, d) += drift;
+      }
+    }
+  }
+  return inputs;
+}
+
+core::Model ModelOf(std::vector<core::BuildInput> inputs, const core::MarkerSet& set) {
+  auto model = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  INFO(model.status());
+  REQUIRE(model.ok());
+  return *std::move(model);
+}
+
+struct Reliability {
+  double loss = 0;   // mean negative log probability of the right label
+  double error = 0;  // expected calibration error, 10 bins
+};
+
+Reliability Judge(const core::Model& model, const std::vector<core::BuildInput>& inputs,
+                  bool whole) {
+  std::array<double, 10> surplus{};
+  double loss = 0;
+  double count = 0;
+  for (const core::BuildInput& input : inputs) {
+    core::RecognizeOptions options;
+    options.whole = whole;
+    const auto windows = core::Recognize(model, input.states, options);
+    REQUIRE(windows.ok());
+    for (const auto& window : *windows) {
+      for (const auto& label : window.labels) {
+        if (label.label == input.label) loss -= std::log(std::max(label.probability, 1e-300));
+      }
+      const auto& first = window.labels.front();
+      const int bin = std::min(9, static_cast<int>(10 * first.probability));
+      surplus[static_cast<std::size_t>(bin)] +=
+          first.probability - (first.label == input.label ? 1 : 0);
+      ++count;
+    }
+  }
+  double error = 0;
+  for (const double bin : surplus) error += std::abs(bin);
+  return {loss / count, error / count};
+}
+
+}  // namespace
+
+TEST_CASE("Calibrate: probabilities of unseen windows become frequencies", "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  core::Model model = ModelOf(AlikeClips(36, set, 1), set);
+  const auto unseen = AlikeClips(36, set, 2);
+  core::RecognitionCalibration plain;
+  plain.window.weight = plain.whole.weight = {1, 1};  // as if frames were independent
+  model.set_recognition(plain);
+  const Reliability before = Judge(model, unseen, false);
+  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  const Reliability after = Judge(model, unseen, false);
+  CHECK(after.loss < before.loss);
+  CHECK(after.error < before.error);
+  CHECK(after.error < 0.1);
+}
+
+TEST_CASE("Calibrate: held-out stored windows rank evenly, others low", "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  core::Model model = ModelOf(AlikeClips(36, set, 1), set);
+  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  CHECK(std::is_sorted(model.recognition().window.familiarity.begin(),
+                       model.recognition().window.familiarity.end()));
+  CHECK(model.recognition().whole.familiarity.size() == 36 * 6);
+  for (const bool whole : {false, true}) {
+    core::RecognizeOptions options;
+    options.whole = whole;
+    double sum = 0;
+    double count = 0;
+    for (const core::BuildInput& input : AlikeClips(36, set, 2)) {
+      const auto windows = core::Recognize(model, input.states, options);
+      REQUIRE(windows.ok());
+      for (const auto& window : *windows) {
+        sum += window.familiarity;
+        ++count;
+      }
+    }
+    CHECK(sum / count > 0.25);
+    // The velocities made up here are not those of the positions, so that a beginning's last frame,
+    // whose velocity is computed, looks odd: whole observations rank above beginnings.
+    if (!whole) CHECK(sum / count < 0.75);
+    core::StateSequence odd = AlikeClips(1, set, 2).front().states;
+    odd.states.array() += 20;
+    CHECK(core::Recognize(model, odd, options)->front().familiarity == 0);
+  }
+}
+
+TEST_CASE("Calibrate: the same for any order of the work, and cancelled it changes nothing",
+          "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(3);
+  core::Model model = ModelOf(AlikeClips(10, set, 1), set);
+  core::Model again = ModelOf(AlikeClips(10, set, 1), set);
+  const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
+    for (int i = count - 1; i >= 0; --i) body(i);
+  };
+  CHECK(core::Calibrate(again, backwards, [](double, std::string_view) { return false; }).code() ==
+        absl::StatusCode::kCancelled);
+  CHECK(again.recognition().window.familiarity.empty());
+  double last = -1;
+  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(again, backwards, [&](double fraction, std::string_view) {
+            CHECK(fraction > last);
+            last = fraction;
+            return fraction <= 1;
+          }).ok());
+  for (const bool whole : {false, true}) {
+    CHECK(model.recognition().Of(whole).weight.scale == again.recognition().Of(whole).weight.scale);
+    CHECK(model.recognition().Of(whole).weight.power == again.recognition().Of(whole).weight.power);
+    CHECK(model.recognition().Of(whole).familiarity == again.recognition().Of(whole).familiarity);
+  }
+}
+
+TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][calibration]") {
+  core::Model single = SmallModel(1, 60, 2, 8, 1);
+  REQUIRE(core::Calibrate(single, core::Serially, {}).ok());
+  CHECK(single.recognition().window.familiarity.empty());
+  CHECK(single.recognition().window.weight.scale ==
+        core::RecognitionCalibration{}.window.weight.scale);
+  core::Model two = SmallModel(2, 60, 2, 8, 1);  // of two labels
+  REQUIRE(core::Calibrate(two, core::Serially, {}).ok());
+  CHECK_FALSE(two.recognition().window.familiarity.empty());
+  CHECK(two.recognition().whole.weight.power == core::RecognitionCalibration{}.whole.weight.power);
+}
+
+TEST_CASE("ClipsLeft: without the subject, unless nobody else did the same",
+          "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(2);
+  std::vector<core::BuildInput> inputs = WanderingClips(5, 30, set, 1);
+  const char* const labels[] = {"a", "a", "b", "b", "a"};
+  const char* const subjects[] = {"x", "x", "x", "x", "y"};
+  for (std::size_t c = 0; c < 5; ++c) {
+    inputs[c].label = labels[c];
+    inputs[c].subject = subjects[c];
+  }
+  const core::Model model = ModelOf(inputs, set);
+  CHECK(core::ClipsLeft(model, 0) == std::vector<int>{4});
+  CHECK(core::ClipsLeft(model, 2) == std::vector<int>{0, 1, 3, 4});
+  CHECK(core::ClipsLeft(model, 4) == std::vector<int>{0, 1, 2, 3});
+  for (core::BuildInput& input : inputs) input.subject.clear();
+  CHECK(core::ClipsLeft(ModelOf(inputs, set), 0) == std::vector<int>{1, 2, 3, 4});
+}
+
+TEST_CASE("StoredMotion: a clip comes back as it was given", "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(2);
+  const auto inputs = WanderingClips(3, 30, set, 1);
+  const core::StateSequence motion = core::StoredMotion(ModelOf(inputs, set), 2);
+  CHECK(motion.states.isApprox(inputs[2].states.states, 1e-5F));
+  CHECK(motion.root_path == inputs[2].states.root_path);
+  CHECK(motion.leg_length_m == inputs[2].states.leg_length_m);
+}
+
+}  // namespace motiondb::tests

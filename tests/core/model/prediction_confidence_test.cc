@@ -1,0 +1,78 @@
+#include "core/model/prediction_confidence.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+namespace motiondb::tests {
+namespace {
+
+// Errors that follow a law of their own.
+std::vector<core::ErrorSample> Samples(int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<double> normal;
+  std::vector<core::ErrorSample> samples;
+  for (int i = 0; i < count; ++i) {
+    core::PredictionEvidence evidence{std::exp(-2 + 0.5 * normal(random)),
+                                      std::exp(-3 + 0.4 * normal(random)),
+                                      std::exp(-3 + 0.7 * normal(random))};
+    const double log_error = -2 + 0.8 * std::log(evidence.variance) +
+                             0.3 * std::log(evidence.spread) + 0.25 * normal(random);
+    samples.push_back({evidence, std::exp(log_error)});
+  }
+  return samples;
+}
+
+}  // namespace
+
+TEST_CASE("PredictionConfidence: a law that is fitted judges others right", "[core][model]") {
+  core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, Samples(200, 1))}};
+  const auto tests = Samples(4000, 2);
+  double said = 0;
+  double expected = 0;
+  double error = 0;
+  int below = 0;
+  double off[10] = {};
+  for (const core::ErrorSample& test : tests) {
+    const core::ExpectedError judged = confidence.Judge(test.evidence, 0.4, 0.01);
+    said += judged.probability;
+    expected += judged.mean;
+    error += test.error;
+    const bool is_below = test.error < 0.01;
+    below += is_below;
+    off[std::min(9, static_cast<int>(10 * judged.probability))] += judged.probability - is_below;
+  }
+  CHECK(expected / error == Approx(1).margin(0.1));
+  CHECK(said / below == Approx(1).margin(0.1));
+  double calibration_error = 0;
+  for (const double bin : off) calibration_error += std::abs(bin) / 4000;
+  CHECK(calibration_error < 0.05);
+}
+
+TEST_CASE("PredictionConfidence: between horizons it is interpolated, without laws the variance",
+          "[core][model]") {
+  const core::ErrorLaw early = core::FitErrorLaw(0.2, Samples(100, 1));
+  auto later = Samples(100, 3);
+  for (core::ErrorSample& sample : later) sample.error *= 3;
+  const core::PredictionConfidence confidence{{early, core::FitErrorLaw(0.4, later)}};
+  const core::PredictionEvidence evidence{0.1, 0.05, 0.05};
+  const double middle = confidence.Judge(evidence, 0.3, 0.01).mean;
+  CHECK(middle == Approx((confidence.Judge(evidence, 0.2, 0.01).mean +
+                          confidence.Judge(evidence, 0.4, 0.01).mean) /
+                         2));
+  CHECK(confidence.Judge(evidence, 0.05, 0.01).mean == confidence.Judge(evidence, 0.2, 0.01).mean);
+  CHECK(confidence.Judge(evidence, 5, 0.01).mean == confidence.Judge(evidence, 0.4, 0.01).mean);
+  const core::ExpectedError unknown = core::PredictionConfidence().Judge(evidence, 0.3, 0.01);
+  CHECK(unknown.mean == 0);
+  CHECK(unknown.probability == Approx(0.9));
+}
+
+TEST_CASE("FitErrorLaw: evidence that never varies does no harm", "[core][model]") {
+  const std::vector<core::ErrorSample> same(20, {{0.5, 0, 0}, 0.02});
+  const core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, same)}};
+  const core::ExpectedError judged = confidence.Judge({0.5, 0, 0}, 0.4, 0.1);
+  CHECK(judged.mean == Approx(0.02).epsilon(0.05));
+  CHECK(judged.probability > 0.99);
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,39 @@
+#include "tests/eval/database_model.h"
+
+#include <utility>
+
+#include "core/model/model_builder.h"
+
+namespace motiondb::tests {
+namespace {
+
+double GraphBytes(const core::TransitionGraph& graph) {
+  return static_cast<double>(sizeof(core::Edge)) * graph.edge_count() + 4.0 * graph.node_count();
+}
+
+}  // namespace
+
+absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& training) {
+  std::vector<core::BuildInput> inputs;
+  for (const EvalClip* clip : training) inputs.push_back({clip->name, clip->label, clip->states});
+  core::BuildSettings settings;
+  settings.frame_rate_hz = training.front()->states.frame_rate_hz;
+  return core::BuildModel(settings, set, std::move(inputs), core::Serially, {});
+}
+
+double ModelBytes(const core::Model& model) {
+  double bytes = 4.0 * static_cast<double>(model.states().size()) +
+                 8.0 * static_cast<double>(model.gaussians().means().size());
+  for (int layer = 1; layer <= model.layer_count(); ++layer) {
+    bytes += GraphBytes(model.global_graph(layer));
+    for (const core::ClipGraph& graph : model.clip_graphs(layer)) {
+      bytes += GraphBytes(graph.transitions) + 8.0 * static_cast<double>(graph.nodes.size());
+    }
+  }
+  for (const auto& scores : model.familiarity().scores) {
+    bytes += 4.0 * static_cast<double>(scores.size());
+  }
+  return bytes;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,13 @@
+// The rows of the table of prediction: the database's methods and their peers.
+#pragma once
+
+#include <vector>
+
+#include "core/motion/marker_set.h"
+#include "tests/eval/predictors/predictor.h"
+
+namespace motiondb::tests {
+
+std::vector<PredictionMethod> PredictionMethods(const core::MarkerSet& set);
+
+}  // namespace motiondb::tests

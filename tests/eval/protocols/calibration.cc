@@ -1,0 +1,112 @@
+#include "tests/eval/figures/calibration.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "core/motion/error.h"
+#include "tests/eval/protocols/protocol.h"
+
+namespace motiondb::tests {
+namespace {
+
+std::vector<Claim> ClaimsOf(const Judged& judged) {
+  std::vector<Claim> claims;
+  for (const Judgement& judgement : judged.judgements) {
+    const auto& probabilities = judgement.recognition.probabilities;
+    claims.push_back({*std::max_element(probabilities.begin(), probabilities.end()),
+                      judgement.clip->label == judgement.recognition.label});
+  }
+  return claims;
+}
+
+// Bins that nothing fell into are left out.
+Table ReliabilityTable(const std::string& title, const std::vector<Claim>& claims) {
+  Table table{.title = title, .columns = {{"cases", 0}, {"mean confidence, %"}, {"right, %"}}};
+  for (const ReliabilityBin& bin : Reliability(claims)) {
+    if (bin.count == 0) continue;
+    table.rows.push_back(
+        {fmt::format("{:.1f} to {:.1f}", bin.lower, bin.upper),
+         {static_cast<double>(bin.count), 100 * bin.confidence, 100 * bin.accuracy}});
+  }
+  return table;
+}
+
+absl::Status AddRecognition(RecognitionStudy& study, Tables& tables) {
+  struct Part {
+    Experiments which;
+    Extent extent;
+    const char* name;
+  };
+  Table errors{.title = "Expected calibration error of label probabilities (10 bins)"};
+  Tables reliability;
+  for (const RecognitionMethod& method : study.methods()) errors.rows.push_back({method.name});
+  for (const Part& part :
+       {Part{Experiments::kDatabase1Windows, Extent::kWindow, "windows, database 1"},
+        Part{Experiments::kDatabase1Clips, Extent::kWhole, "whole clips, database 1"},
+        Part{Experiments::kHdm05Clips, Extent::kWhole, "whole clips, HDM05"}}) {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Judged> judged,
+                              study.Judge(fmt::format("calibration, {}", part.name), part.which,
+                                          part.extent, Unchanged(part.extent)));
+    errors.columns.push_back({part.name, 3});
+    for (std::size_t m = 0; m < judged.size(); ++m) {
+      const std::vector<Claim> claims = ClaimsOf(judged[m]);
+      errors.rows[m].figures.push_back(CalibrationError(Reliability(claims)));
+      std::string& chosen = errors.rows[m].chosen;
+      chosen += fmt::format("{}for {}: {}", chosen.empty() ? "" : "; ", part.name,
+                            study.Chosen(part.which, m));
+      reliability.push_back(ReliabilityTable(
+          fmt::format("Reliability: {}, {}", study.methods()[m].name, part.name), claims));
+    }
+  }
+  errors.notes.push_back(
+      "The claim is the greatest label probability; a peer's comes of its scores at a temperature "
+      "chosen on held-out training clips.");
+  tables.push_back(std::move(errors));
+  std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
+  return absl::OkStatus();
+}
+
+absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodForecasts>* const methods, study.LeaveOneOut());
+  Table errors{.title = "Expected calibration error of prediction confidence (10 bins)"};
+  for (const double seconds : kHorizonSeconds) {
+    errors.columns.push_back({fmt::format("{:.0f} ms", 1000 * seconds), 3});
+  }
+  errors.columns.push_back({"all", 3});
+  Tables reliability;
+  for (const MethodForecasts& method : *methods) {
+    if (!method.has_confidence()) continue;
+    Row& row = errors.rows.emplace_back(Row{method.name, {}, method.chosen});
+    std::vector<Claim> all;
+    for (std::size_t h = 0; h < kHorizonSeconds.size(); ++h) {
+      std::vector<Claim> claims;
+      for (const ScoredForecast& forecast : method.forecasts) {
+        claims.push_back({forecast.confidence[h], forecast.leg_lengths_off[h] <= kAgreement});
+      }
+      row.figures.push_back(CalibrationError(Reliability(claims)));
+      all.insert(all.end(), claims.begin(), claims.end());
+    }
+    row.figures.push_back(CalibrationError(Reliability(all)));
+    reliability.push_back(
+        ReliabilityTable(fmt::format("Reliability: {}, prediction", method.name), all));
+  }
+  errors.notes.push_back(fmt::format(
+      "A prediction is right if its markers are within {:.1f} leg lengths (root mean square) of "
+      "where they came to be.",
+      kAgreement));
+  tables.push_back(std::move(errors));
+  std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<Tables> RunCalibration(Studies& studies) {
+  Tables tables;
+  MOTIONDB_RETURN_IF_ERROR(AddRecognition(studies.recognition, tables));
+  MOTIONDB_RETURN_IF_ERROR(AddPrediction(studies.prediction, tables));
+  return tables;
+}
+
+}  // namespace motiondb::tests

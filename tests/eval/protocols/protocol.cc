@@ -1,0 +1,18 @@
+#include "tests/eval/protocols/protocol.h"
+
+namespace motiondb::tests {
+
+const std::vector<Protocol>& Protocols() {
+  static const std::vector<Protocol> kProtocols = {
+      {"windows", "Windows: database 1, train to test, 0.4 s", RunWindows},
+      {"whole", "Whole clips: HDM05, one actor left out", RunWhole},
+      {"early", "Early: the beginnings of HDM05's clips", RunEarly},
+      {"unknown", "Unknown: what database 1 has not seen", RunUnknown},
+      {"prediction", "Prediction: 10 frames in, 25 out, at 25 Hz", RunPrediction},
+      {"calibration", "Confidence that means something", RunCalibration},
+      {"hard", "Hard conditions", RunHard},
+  };
+  return kProtocols;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,90 @@
+// The experiments of recognition: what is learned, by which methods, and what they say. Methods are
+// fitted once and asked by several protocols.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "tests/eval/corpus.h"
+#include "tests/eval/figures/accuracy.h"
+#include "tests/eval/progress.h"
+#include "tests/eval/recognizers/cross_validation.h"
+#include "tests/eval/recognizers/recognizer.h"
+
+namespace motiondb::tests {
+
+// One fold with every method fitted on its training clips.
+struct Experiment {
+  Fold fold;
+  std::vector<std::unique_ptr<Recognizer>> fitted;  // [method]
+};
+
+struct Judgement {
+  const EvalClip* clip = nullptr;
+  Recognition recognition;
+};
+
+// What one method said of all observations, in order of fold, clip and observation.
+struct Judged {
+  std::vector<Judgement> judgements;
+  double seconds = 0;  // of one processor, all observations together
+
+  double milliseconds_each() const;
+  std::vector<Named> names() const;
+};
+
+// Makes observations of a clip.
+using Observe = std::function<absl::StatusOr<std::vector<core::StateSequence>>(const EvalClip&)>;
+
+// The clip's own states: whole, or its windows.
+Observe Unchanged(Extent extent);
+
+enum class Experiments {
+  kDatabase1Windows,  // train -> test, fitted for windows
+  kDatabase1Clips,    // train -> test, fitted for whole clips
+  kHdm05Clips,        // leave one actor out, fitted for whole clips
+};
+
+// Not thread-safe; uses the threads lent to it.
+class RecognitionStudy {
+ public:
+  RecognitionStudy(std::filesystem::path data, double frame_rate_hz, core::ParallelFor parallel,
+                   Progress& progress);
+
+  // Reads the corpus on first use.
+  absl::StatusOr<const Corpus*> LoadedCorpus();
+  const std::vector<RecognitionMethod>& methods() const { return methods_; }
+
+  // Fits on first use.
+  absl::StatusOr<const std::vector<Experiment>*> Fitted(Experiments which);
+
+  // Asks every method about the observations of each fold's test clips, or of `clips` where given:
+  // one Judged a method. `stage` is what the progress bar says.
+  absl::StatusOr<std::vector<Judged>> Judge(const std::string& stage, Experiments which,
+                                            Extent extent, const Observe& observe,
+                                            const ClipSet* clips = nullptr);
+
+  // Runs bodies on the threads lent to it, with progress.
+  void ForEach(const std::string& stage, int count, const std::function<void(int)>& body);
+
+  // How a method's parameters were chosen, over the folds.
+  std::string Chosen(Experiments which, std::size_t method) const;
+  // Mean over the folds.
+  double ModelBytes(Experiments which, std::size_t method) const;
+
+ private:
+  const std::filesystem::path data_;
+  const double frame_rate_hz_;
+  const core::ParallelFor parallel_;
+  Progress& progress_;
+  std::optional<Corpus> corpus_;
+  std::vector<RecognitionMethod> methods_;
+  std::map<Experiments, std::vector<Experiment>> experiments_;
+};
+
+}  // namespace motiondb::tests

@@ -1,0 +1,42 @@
+// The database itself as the protocols see it: builds a model and asks core::Recognize.
+#pragma once
+
+#include <optional>
+
+#include "core/inference/recognize.h"
+#include "core/model/model.h"
+#include "tests/eval/recognizers/recognizer.h"
+
+namespace motiondb::tests {
+
+struct DatabaseSetting {
+  std::string name;
+  std::string chosen;
+  core::RecognizeOptions options;  // the extent sets `whole`
+};
+
+class DatabaseRecognizer : public Recognizer {
+ public:
+  DatabaseRecognizer(core::MarkerSet set, DatabaseSetting setting)
+      : set_(std::move(set)), setting_(std::move(setting)) {}
+
+  absl::Status Fit(const ClipSet& training, Extent extent) override;
+  absl::StatusOr<Recognition> Recognize(const core::StateSequence& observation,
+                                        Extent extent) const override;
+  const std::vector<std::string>& labels() const override { return labels_; }
+  std::string chosen_by() const override { return setting_.chosen; }
+  std::string parameters() const override { return ""; }
+  // States, node statistics, graphs and what is familiar.
+  double model_bytes() const override;
+
+ private:
+  const core::MarkerSet set_;
+  const DatabaseSetting setting_;
+  std::vector<std::string> labels_;
+  std::optional<core::Model> model_;
+};
+
+// One row for each way that the database recognizes.
+std::vector<RecognitionMethod> DatabaseMethods(const core::MarkerSet& set);
+
+}  // namespace motiondb::tests

@@ -2,7 +2,9 @@
 
 #include <utility>
 
+#include "core/calibration/calibrate.h"
 #include "core/model/model_builder.h"
+#include "core/motion/error.h"
 
 namespace motiondb::tests {
 namespace {
@@ -15,10 +17,15 @@ double GraphBytes(const core::TransitionGraph& graph) {
 
 absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& training) {
   std::vector<core::BuildInput> inputs;
-  for (const EvalClip* clip : training) inputs.push_back({clip->name, clip->label, clip->states});
+  for (const EvalClip* clip : training) {
+    inputs.push_back({clip->name, clip->label, clip->states, clip->source});
+  }
   core::BuildSettings settings;
   settings.frame_rate_hz = training.front()->states.frame_rate_hz;
-  return core::BuildModel(settings, set, std::move(inputs), core::Serially, {});
+  MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
+                            core::BuildModel(settings, set, std::move(inputs), core::Serially, {}));
+  MOTIONDB_RETURN_IF_ERROR(core::Calibrate(model, core::Serially, {}));
+  return model;
 }
 
 double ModelBytes(const core::Model& model) {
@@ -33,6 +40,10 @@ double ModelBytes(const core::Model& model) {
   for (const auto& scores : model.familiarity().scores) {
     bytes += 4.0 * static_cast<double>(scores.size());
   }
+  const core::MotionMetric& metric = model.metric();
+  bytes += 4.0 * static_cast<double>(metric.whitening.size() + metric.projection.size() +
+                                     metric.loadings.size() + model.prior().weights.size() +
+                                     model.metric_frames().projected.size());
   return bytes;
 }
 

@@ -22,8 +22,6 @@ ScoredForecast ScoreForecast(const EvalClip& clip, int now, const Forecast& fore
     double sum = 0;
     for (Eigen::Index m = 0; m < off.size() / 3; ++m) sum += off.segment<3>(3 * m).norm();
     scored.error_mm[h] = 1000 * sum / markers;
-    scored.leg_lengths_off[h] =
-        std::sqrt(static_cast<double>(off.squaredNorm()) / markers) / clip.states.leg_length_m;
     scored.confidence[h] = forecast.confidence.empty() ? std::nan("") : forecast.confidence[h];
   }
   return scored;

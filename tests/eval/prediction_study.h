@@ -21,16 +21,15 @@ inline constexpr int kFramesIn = 10;
 inline constexpr int kFramesOut = 25;
 // The benchmark's horizons; whole frames at its 25 Hz.
 inline constexpr std::array<double, 6> kHorizonSeconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
-// A forecast this near to what came to be, in leg lengths (root mean square over markers), is what
-// the database's confidence says will come true.
-inline constexpr double kAgreement = 0.1;
+// A forecast is right if its markers are on average this near to what came to be: that is what the
+// database's confidence is the probability of.
+inline constexpr double kRightMm = 50;
 
 // One window's forecast against what came to be, at each horizon.
 struct ScoredForecast {
   const EvalClip* clip = nullptr;
-  std::array<double, kHorizonSeconds.size()> error_mm;         // mean over the markers
-  std::array<double, kHorizonSeconds.size()> leg_lengths_off;  // root mean square over the markers
-  std::array<double, kHorizonSeconds.size()> confidence;       // NaN where the method gives none
+  std::array<double, kHorizonSeconds.size()> error_mm;    // mean over the markers
+  std::array<double, kHorizonSeconds.size()> confidence;  // NaN where the method gives none
 };
 
 struct MethodForecasts {

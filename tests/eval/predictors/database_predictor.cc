@@ -33,7 +33,9 @@ absl::StatusOr<Forecast> DatabasePredictor::Predict(const core::MarkerMotion& pa
   for (std::size_t h = 0; h < horizons.size(); ++h) {
     const core::PredictedFrame& frame = prediction.horizons[h];
     forecast.positions_m.row(static_cast<Eigen::Index>(h)) = frame.marker_positions_m.transpose();
-    forecast.confidence.push_back(frame.confidence);
+    if (setting_.options.method == core::Method::kBest) {
+      forecast.confidence.push_back(frame.confidence);
+    }
   }
   return forecast;
 }

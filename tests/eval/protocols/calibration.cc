@@ -82,7 +82,7 @@ absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
     for (std::size_t h = 0; h < kHorizonSeconds.size(); ++h) {
       std::vector<Claim> claims;
       for (const ScoredForecast& forecast : method.forecasts) {
-        claims.push_back({forecast.confidence[h], forecast.leg_lengths_off[h] <= kAgreement});
+        claims.push_back({forecast.confidence[h], forecast.error_mm[h] <= kRightMm});
       }
       row.figures.push_back(CalibrationError(Reliability(claims)));
       all.insert(all.end(), claims.begin(), claims.end());
@@ -91,10 +91,10 @@ absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
     reliability.push_back(
         ReliabilityTable(fmt::format("Reliability: {}, prediction", method.name), all));
   }
-  errors.notes.push_back(fmt::format(
-      "A prediction is right if its markers are within {:.1f} leg lengths (root mean square) of "
-      "where they came to be.",
-      kAgreement));
+  errors.notes.push_back(
+      fmt::format("A prediction is right if its markers are on average within {:.0f} mm of where "
+                  "they came to be.",
+                  kRightMm));
   tables.push_back(std::move(errors));
   std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
   return absl::OkStatus();

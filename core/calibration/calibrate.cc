@@ -9,8 +9,14 @@
 namespace motiondb::core {
 
 absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildProgress& progress) {
+  const BuildProgress first_half = [&](double fraction, std::string_view stage) {
+    return !progress || progress(fraction / 2, stage);
+  };
   MOTIONDB_ASSIGN_OR_RETURN(RecognitionCalibration recognition,
-                            CalibrateRecognition(model, parallel, progress));
+                            CalibrateRecognition(model, parallel, first_half));
+  if (!first_half(1, "confidence of predictions")) {
+    return absl::CancelledError("the calibration was cancelled");
+  }
   MOTIONDB_ASSIGN_OR_RETURN(PredictionConfidence confidence,
                             FitPredictionConfidence(model, parallel, {}));
   model.set_recognition(std::move(recognition));

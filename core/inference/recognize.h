@@ -17,7 +17,8 @@ enum class Generation { kExact, kTopPaths };
 struct RecognizeOptions {
   Method method = Method::kBest;
   double window_seconds = 0.4;
-  bool whole = false;  // one window over the whole observation
+  // One window over the whole observation, taken for a motion from its beginning on.
+  bool whole = false;
   double hop_seconds = 0.1;
   int layer = 0;  // 0 is the bottom layer
   double transition_floor = 1e-6;

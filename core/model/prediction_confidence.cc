@@ -86,6 +86,8 @@ ErrorLaw FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples) {
   law.deviation = std::max(kLeastDeviation, std::sqrt(squares / std::max(1.0, count - 4)));
   fitted[0] += mean - fitted.tail<3>().dot(middle.tail<3>());
   std::copy(fitted.begin(), fitted.end(), law.coefficients.begin());
+  // With every clip held back nothing is as well known as what is stored: there the law goes on.
+  if (fitted[1] > 0) law.lowest[0] = std::log(kLeast);
   return law;
 }
 

@@ -67,6 +67,16 @@ TEST_CASE("PredictionConfidence: between horizons it is interpolated, without la
   CHECK(unknown.probability == Approx(0.9));
 }
 
+TEST_CASE("FitErrorLaw: motion better known than any sample is expected nearer", "[core][model]") {
+  const core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, Samples(200, 1))}};
+  const double known = confidence.Judge({0.02, 0.05, 0.05}, 0.4, 0.01).mean;
+  const double stored = confidence.Judge({0.002, 0.05, 0.05}, 0.4, 0.01).mean;
+  CHECK(stored < 0.3 * known);
+  // No sample is as slow: that says nothing.
+  CHECK(confidence.Judge({0.02, 0.05, 1e-4}, 0.4, 0.01).mean ==
+        confidence.Judge({0.02, 0.05, 2e-4}, 0.4, 0.01).mean);
+}
+
 TEST_CASE("FitErrorLaw: evidence that never varies does no harm", "[core][model]") {
   const std::vector<core::ErrorSample> same(20, {{0.5, 0, 0}, 0.02});
   const core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, same)}};

@@ -24,9 +24,10 @@ absl::Status DatabaseRecognizer::Fit(const ClipSet& training, Extent) {
 }
 
 absl::StatusOr<Recognition> DatabaseRecognizer::Recognize(const core::StateSequence& observation,
-                                                          Extent) const {
+                                                          Extent extent) const {
   core::RecognizeOptions options = setting_.options;
-  options.whole = true;
+  options.whole = extent != Extent::kWindow;
+  options.window_seconds = observation.frame_count() / observation.frame_rate_hz;
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<core::RecognizedWindow> windows,
                             core::Recognize(*model_, observation, options));
   const core::RecognizedWindow& window = windows.front();

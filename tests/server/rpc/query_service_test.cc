@@ -54,8 +54,13 @@ TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
     CHECK(sum == Approx(1));
     REQUIRE(window.clips_size() == 3);
     CHECK(window.clips(0).clip() == "databases/db/clips/walk");
+  }
+  request.set_method(v1::PAPER);
+  for (const auto& window : Ask(*stub, &Stub::Recognize, request).response.windows()) {
+    REQUIRE(window.clips_size() == 3);
     CHECK(window.clips(0).log_probability() >= window.clips(1).log_probability());
   }
+  request.clear_method();
   request.set_whole(true);
   request.set_top_count(1);
   const auto whole = Ask(*stub, &Stub::Recognize, request);

@@ -56,7 +56,8 @@ TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
     CHECK(window.clips(0).clip() == "databases/db/clips/walk");
   }
   request.set_method(v1::PAPER);
-  for (const auto& window : Ask(*stub, &Stub::Recognize, request).response.windows()) {
+  const auto by_paper = Ask(*stub, &Stub::Recognize, request);
+  for (const v1::RecognitionWindow& window : by_paper.response.windows()) {
     REQUIRE(window.clips_size() == 3);
     CHECK(window.clips(0).log_probability() >= window.clips(1).log_probability());
   }

@@ -17,9 +17,14 @@ constexpr int kMoments = 192;
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
 
+constexpr double kAround = 1.0;    // s to each side of a moment
+constexpr double kLongEnough = 4;  // s of a clip that stays an example of itself
+constexpr int kAgainEvery = 2;     // moments that are predicted again from their own clip
+
 struct Moment {
   int clip = 0;
   int frame = 0;  // of the clip
+  FrameRange without;
 };
 
 std::vector<Moment> Moments(const Model& model) {
@@ -29,12 +34,21 @@ std::vector<Moment> Moments(const Model& model) {
   const auto clips = static_cast<int>(model.clips().size());
   const int tried = std::min(clips, kMoments);
   std::vector<Moment> moments;
+  int tries = 0;
   for (int i = 0; i < tried; ++i) {
     const int clip = static_cast<int>(static_cast<std::int64_t>(i) * clips / tried);
     const int usable = model.clips()[clip].frame_count - past - future;
     const int count = std::min(usable, std::max(1, kMoments / tried));
     for (int m = 0; m < count; ++m) {
-      moments.push_back({clip, past + static_cast<int>((m + 0.5) * usable / count)});
+      const ModelClip& stored = model.clips()[clip];
+      const int end = stored.first_frame + stored.frame_count;
+      const int frame = past + static_cast<int>((m + 0.5) * usable / count);
+      moments.push_back({clip, frame, {stored.first_frame, end}});
+      if (stored.frame_count < kLongEnough * rate || ++tries % kAgainEvery != 0) continue;
+      const int around = static_cast<int>(kAround * rate);
+      const int at = stored.first_frame + frame;
+      moments.push_back(
+          {clip, frame, {std::max(stored.first_frame, at - around), std::min(end, at + around)}});
     }
   }
   return moments;
@@ -64,7 +78,7 @@ absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Mo
   const auto history = static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz));
   const StateSequence past = PastAt(clip, moment.frame, history);
   MOTIONDB_ASSIGN_OR_RETURN(
-      auto moments, FindMoments(model, past, options.transition_floor, moment.clip, cancelled));
+      auto moments, FindMoments(model, past, options.transition_floor, moment.without, cancelled));
   Forecaster forecaster(model, past, std::move(moments), &prior);
   const Track truth(clip);
   Trial trial;

@@ -9,8 +9,10 @@
 namespace motiondb::core {
 
 // Predicts at some two hundred moments, spread evenly over the clips, each without the clip it is
-// of, and fits an error law to each horizon of a query by default. No laws where the database has
-// one clip or the clips are too short. The same for any number of threads. CANCELLED.
+// of, and at some of them again without the second around them alone, for motion is often like what
+// is stored of the same person; and fits an error law to each horizon of a query by default. No
+// laws where the database has one clip or the clips are too short. The same for any number of
+// threads. CANCELLED.
 absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
                                                              const ParallelFor& parallel,
                                                              const Cancelled& cancelled);

@@ -59,16 +59,14 @@ std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<N
 }
 
 std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
-                                    const float* state, int count, int without) {
-  const int left_out = without < 0 ? 0 : model.clips()[without].first_frame;
-  const int left_out_end = without < 0 ? 0 : left_out + model.clips()[without].frame_count;
+                                    const float* state, int count, FrameRange without) {
   const StateDistance distance(state, model.states().cols());
   std::vector<std::pair<double, int>> nearest;
   for (int b : branches) {
     const Branch& branch = model.tree().branches()[b];
     for (std::int32_t i = branch.begin; i < branch.end; ++i) {
       const int frame = model.tree().frame_order()[i];
-      if (frame >= left_out && frame < left_out_end) continue;
+      if (frame >= without.first && frame < without.end) continue;
       nearest.emplace_back(distance.To(model.states().row(frame)), frame);
     }
   }

@@ -8,6 +8,12 @@
 
 namespace motiondb::core {
 
+// Stored frames [first, end).
+struct FrameRange {
+  int first = 0;
+  int end = 0;
+};
+
 // A stored frame, and how much it counts.
 struct Exemplar {
   int frame = 0;
@@ -21,9 +27,9 @@ std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<N
 
 // The stored frames nearest to a scaled state (dimensions, NaN left out) among those under
 // `branches`, at most `count`, weighted by closeness. The mean squared difference a dimension is
-// the distance; the weight falls to exp(-1/2) at the distance of the median exemplar. Frames of
-// clip `without` are passed over (-1: none). O(frames under the branches).
+// the distance; the weight falls to exp(-1/2) at the distance of the median exemplar. Frames in
+// `without` are passed over. O(frames under the branches).
 std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
-                                    const float* state, int count, int without = -1);
+                                    const float* state, int count, FrameRange without = {});
 
 }  // namespace motiondb::core

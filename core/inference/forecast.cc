@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/inference/exemplars.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "core/model/pose_history.h"
@@ -125,7 +124,7 @@ Forecast Forecaster::At(double seconds) {
 }
 
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
-                                                      double transition_floor, int without,
+                                                      double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled) {
   std::vector<StoredMoment> moments;
   const auto find = [&](const StateSequence& seen, bool mirrored) -> absl::Status {

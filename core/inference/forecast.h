@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/exemplar_process.h"
+#include "core/inference/exemplars.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 
@@ -57,10 +58,10 @@ class Forecaster {
 };
 
 // Stored moments to forecast from: those most like the last frame of `past` among the frames that
-// the tree takes it to, and the same of its mirror image where the markers have sides. Frames of
-// clip `without` are passed over (-1: none). Errors as FindNodePaths.
+// the tree takes it to, and the same of its mirror image where the markers have sides. Frames in
+// `without` are passed over. Errors as FindNodePaths.
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
-                                                      double transition_floor, int without,
+                                                      double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled);
 
 }  // namespace motiondb::core

@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/estimate.h"
+#include "core/inference/exemplars.h"
 #include "core/inference/method.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
@@ -19,7 +20,7 @@ struct PredictOptions {
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
   int layer = 0;
   double transition_floor = 1e-6;
-  int without = -1;  // clip whose frames are no examples, to try the method on it; -1: none
+  FrameRange without;  // stored frames that are no examples, to try the method on them
 };
 
 struct NextNode {

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/calibration/held_out.h"
 #include "core/inference/forecast.h"
 #include "core/inference/past.h"
 #include "core/inference/predict.h"
@@ -31,18 +32,15 @@ std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
   const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
-  const auto clips = static_cast<int>(model.clips().size());
-  const int tried = std::min(clips, kMoments);
+  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMoments);
+  const int each = kMoments / static_cast<int>(clips.size());
   std::vector<Moment> moments;
   int tries = 0;
-  for (int i = 0; i < tried; ++i) {
-    const int clip = static_cast<int>(static_cast<std::int64_t>(i) * clips / tried);
-    const int usable = model.clips()[clip].frame_count - past - future;
-    const int count = std::min(usable, std::max(1, kMoments / tried));
-    for (int m = 0; m < count; ++m) {
-      const ModelClip& stored = model.clips()[clip];
-      const int end = stored.first_frame + stored.frame_count;
-      const int frame = past + static_cast<int>((m + 0.5) * usable / count);
+  for (const int clip : clips) {
+    const ModelClip& stored = model.clips()[clip];
+    const int end = stored.first_frame + stored.frame_count;
+    for (const int usable : SpreadEvenly(stored.frame_count - past - future, each)) {
+      const int frame = past + usable;
       moments.push_back({clip, frame, {stored.first_frame, end}});
       if (stored.frame_count < kLongEnough * rate || ++tries % kAgainEvery != 0) continue;
       const int around = static_cast<int>(kAround * rate);
@@ -52,16 +50,6 @@ std::vector<Moment> Moments(const Model& model) {
     }
   }
   return moments;
-}
-
-// A stored clip as it would be observed.
-StateSequence ClipStates(const Model& model, int clip) {
-  const ModelClip& stored = model.clips()[clip];
-  StateSequence states{model.settings().frame_rate_hz, stored.leg_length_m,
-                       model.states().middleRows(stored.first_frame, stored.frame_count),
-                       model.root_path().middleRows(stored.first_frame, stored.frame_count)};
-  model.scale().Revert(states.states);
-  return states;
 }
 
 double MeanDistance(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
@@ -74,7 +62,7 @@ using Trial = std::vector<std::optional<ErrorSample>>;
 absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Moment& moment,
                           const std::vector<double>& horizons, const Cancelled& cancelled) {
   const PredictOptions options;
-  const StateSequence clip = ClipStates(model, moment.clip);
+  const StateSequence clip = StoredMotion(model, moment.clip);
   const auto history = static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz));
   const StateSequence past = PastAt(clip, moment.frame, history);
   MOTIONDB_ASSIGN_OR_RETURN(

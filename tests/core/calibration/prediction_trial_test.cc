@@ -1,0 +1,71 @@
+#include "core/calibration/prediction_trial.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/inference/forecast.h"
+#include "core/inference/past.h"
+#include "core/inference/predict.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr int kMarkers = 4;
+
+void Backwards(int count, const std::function<void(int)>& body) {
+  for (int i = count; i-- > 0;) body(i);
+}
+
+}  // namespace
+
+TEST_CASE("FitPredictionConfidence: expected errors are those of motion held back",
+          "[core][calibration]") {
+  const core::Model model = SmallModel(6, 300, kMarkers, 8, 11);
+  const auto fitted = core::FitPredictionConfidence(model, core::Serially, {});
+  REQUIRE(fitted.ok());
+  REQUIRE(fitted->laws.size() == 6);
+
+  const core::StateSequence unseen =
+      WanderingClips(8, 300, model.marker_set(), 11)[7].states;  // of a seed's places, not stored
+  const core::FrameMatrix world = core::WorldPositions(unseen);
+  double expected = 0;
+  double measured = 0;
+  core::Model calibrated = model;
+  calibrated.set_confidence(*fitted);
+  for (int frame = 40; frame < 220; frame += 9) {
+    core::PredictOptions options;
+    options.at_seconds = frame / 60.0;
+    options.horizon_seconds = {0.4};
+    const auto prediction = core::Predict(calibrated, unseen, options);
+    REQUIRE(prediction.ok());
+    expected += prediction->horizons[0].expected_error_m;
+    for (int m = 0; m < kMarkers; ++m) {
+      measured += (prediction->horizons[0].marker_positions_m.segment<3>(3 * m).transpose() -
+                   world.row(frame + 24).segment<3>(3 * m))
+                      .norm() /
+                  kMarkers;
+    }
+  }
+  CHECK(expected > 0.6 * measured);
+  CHECK(expected < 1.7 * measured);
+}
+
+TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one clip or short ones",
+          "[core][calibration]") {
+  const core::Model model = SmallModel(3, 200, kMarkers, 8, 11);
+  const auto once = core::FitPredictionConfidence(model, core::Serially, {});
+  const auto again = core::FitPredictionConfidence(model, Backwards, {});
+  REQUIRE(once->laws.size() == again->laws.size());
+  for (std::size_t h = 0; h < once->laws.size(); ++h) {
+    CHECK(once->laws[h].coefficients == again->laws[h].coefficients);
+    CHECK(once->laws[h].deviation == again->laws[h].deviation);
+  }
+  const core::Model single = SmallModel(1, 200, kMarkers, 8, 11);
+  CHECK(core::FitPredictionConfidence(single, core::Serially, {})->laws.empty());
+  const core::Model brief = SmallModel(4, 20, kMarkers, 8, 11);
+  CHECK(core::FitPredictionConfidence(brief, core::Serially, {})->laws.empty());
+  CHECK(core::FitPredictionConfidence(model, core::Serially, [] { return true; }).status().code() ==
+        absl::StatusCode::kCancelled);
+}
+
+}  // namespace motiondb::tests

@@ -101,6 +101,7 @@ class Filler {
 
   // Where `markers` are, from all others that are seen in the frame.
   std::vector<Guess> Regression(int frame, const std::vector<int>& markers) {
+    if (markers.empty()) return {};
     std::vector<int> seen;
     for (int m = 0; m < marker_count(); ++m) {
       if (Sees(frame, m) && !std::binary_search(markers.begin(), markers.end(), m)) {

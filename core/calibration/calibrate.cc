@@ -3,22 +3,21 @@
 #include <utility>
 
 #include "core/calibration/prediction_trial.h"
-#include "core/calibration/recognition.h"
+#include "core/calibration/recognition_trial.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {
 
 absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildProgress& progress) {
-  const BuildProgress first_half = [&](double fraction, std::string_view stage) {
-    return !progress || progress(fraction / 2, stage);
+  const auto half = [&](double from) -> BuildProgress {
+    return [&progress, from](double fraction, std::string_view stage) {
+      return !progress || progress(from + fraction / 2, stage);
+    };
   };
   MOTIONDB_ASSIGN_OR_RETURN(RecognitionCalibration recognition,
-                            CalibrateRecognition(model, parallel, first_half));
-  if (!first_half(1, "confidence of predictions")) {
-    return absl::CancelledError("the calibration was cancelled");
-  }
+                            CalibrateRecognition(model, parallel, half(0)));
   MOTIONDB_ASSIGN_OR_RETURN(PredictionConfidence confidence,
-                            FitPredictionConfidence(model, parallel, {}));
+                            FitPredictionConfidence(model, parallel, half(0.5)));
   model.set_recognition(std::move(recognition));
   model.set_confidence(std::move(confidence));
   return absl::OkStatus();

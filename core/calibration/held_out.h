@@ -9,13 +9,9 @@
 
 namespace motiondb::core {
 
-// At most `most` of `count` indices, spread evenly, ascending.
-std::vector<int> SpreadEvenly(int count, int most);
-
-// The clips that are left when a stored clip is held out: without all that its subject did, where
-// the subject is known and others did the same, so that labels are not known by who moves; else
-// without the clip alone.
-std::vector<int> ClipsLeft(const Model& model, int held_out);
+// Which clips are left out with a stored clip: all that its subject did, where the subject is known
+// and others did the same, so that labels are not known by who moves; else the clip alone.
+std::vector<bool> LeftOutWith(const Model& model, int held_out);
 
 // A stored clip as it was given (not scaled).
 StateSequence StoredMotion(const Model& model, int clip);

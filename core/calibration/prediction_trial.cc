@@ -6,15 +6,18 @@
 #include <utility>
 
 #include "core/calibration/held_out.h"
-#include "core/inference/forecast.h"
-#include "core/inference/past.h"
-#include "core/inference/predict.h"
+#include "core/calibration/trials.h"
+#include "core/model/even_spread.h"
 #include "core/motion/error.h"
+#include "core/motion/past.h"
+#include "core/prediction/forecast.h"
+#include "core/prediction/predict.h"
 
 namespace motiondb::core {
 namespace {
 
 constexpr int kMoments = 192;
+constexpr double kApart = 0.2;         // s from moment to moment: what is nearer says little more
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
 
@@ -39,7 +42,9 @@ std::vector<Moment> Moments(const Model& model) {
   for (const int clip : clips) {
     const ModelClip& stored = model.clips()[clip];
     const int end = stored.first_frame + stored.frame_count;
-    for (const int usable : SpreadEvenly(stored.frame_count - past - future, each)) {
+    const int usable_frames = stored.frame_count - past - future;
+    const int apart = static_cast<int>(std::ceil(usable_frames / (kApart * rate)));
+    for (const int usable : SpreadEvenly(usable_frames, std::min(each, apart))) {
       const int frame = past + usable;
       moments.push_back({clip, frame, {stored.first_frame, end}});
       if (stored.frame_count < kLongEnough * rate || ++tries % kAgainEvery != 0) continue;
@@ -60,13 +65,13 @@ double MeanDistance(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
 using Trial = std::vector<std::optional<ErrorSample>>;
 
 absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Moment& moment,
-                          const std::vector<double>& horizons, const Cancelled& cancelled) {
+                          const std::vector<double>& horizons) {
   const PredictOptions options;
   const StateSequence clip = StoredMotion(model, moment.clip);
   const auto history = static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz));
   const StateSequence past = PastAt(clip, moment.frame, history);
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto moments, FindMoments(model, past, options.transition_floor, moment.without, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments,
+                            FindMoments(model, past, options.transition_floor, moment.without, {}));
   Forecaster forecaster(model, past, std::move(moments), &prior);
   const Track truth(clip);
   Trial trial;
@@ -87,7 +92,7 @@ absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Mo
 
 absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
                                                              const ParallelFor& parallel,
-                                                             const Cancelled& cancelled) {
+                                                             const BuildProgress& progress) {
   PredictionConfidence confidence;
   if (model.clips().size() < 2) return confidence;
   const std::vector<double> horizons = PredictOptions().horizon_seconds;
@@ -97,10 +102,12 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
   std::vector<MotionPrior> priors(MotionSums::kParts);
   parallel(MotionSums::kParts, [&](int part) { priors[part] = sums.Fit(part); });
   std::vector<absl::StatusOr<Trial>> trials(moments.size(), Trial());
-  parallel(static_cast<int>(moments.size()), [&](int i) {
-    const MotionPrior& prior = priors[sums.part_of_clip(moments[i].clip)];
-    trials[i] = Try(model, prior, moments[i], horizons, cancelled);
-  });
+  MOTIONDB_RETURN_IF_ERROR(RunTrials(static_cast<int>(moments.size()), "calibration of predictions",
+                                     parallel, progress, [&](int i) {
+                                       const MotionPrior& prior =
+                                           priors[sums.part_of_clip(moments[i].clip)];
+                                       trials[i] = Try(model, prior, moments[i], horizons);
+                                     }));
   for (std::size_t h = 0; h < horizons.size(); ++h) {
     std::vector<ErrorSample> samples;
     for (const absl::StatusOr<Trial>& trial : trials) {

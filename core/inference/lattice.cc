@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/inference/log_sum.h"
+
 namespace motiondb::core {
 namespace {
 
@@ -24,11 +26,6 @@ void LogTransitions(const TransitionGraph& graph, std::int32_t from,
       log_transition[static_cast<Eigen::Index>(j)] = std::log(edge->count) - log_leaving;
     }
   }
-}
-
-double LogSumExp(const Eigen::RowVectorXd& logs) {
-  const double peak = logs.maxCoeff();
-  return peak == kNever ? kNever : peak + std::log((logs.array() - peak).exp().sum());
 }
 
 // One step of a path that ends at a candidate.
@@ -160,18 +157,17 @@ Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGra
         LogTransitions(graph, lattice[t - 1].nodes[i], lattice[t].nodes, log_floor, log_transition);
         through.col(i) = log_transition.array() + forward[i];
       }
-      for (Eigen::Index j = 0; j < arriving.size(); ++j) arriving[j] = LogSumExp(through.row(j));
+      for (Eigen::Index j = 0; j < arriving.size(); ++j) arriving[j] = LogSum(through.row(j));
     }
     forward = arriving + lattice[t].log_emission;
   }
-  const double sum = LogSumExp(forward.transpose());
+  const double sum = LogSum(forward);
   if (sum == kNever) return Eigen::VectorXd::Zero(forward.size());
   return (forward.array() - sum).exp();
 }
 
 void NormalizeEmission(Eigen::VectorXd& log_emission) {
-  const double peak = log_emission.maxCoeff();
-  log_emission.array() -= peak + std::log((log_emission.array() - peak).exp().sum());
+  log_emission.array() -= LogSum(log_emission);
 }
 
 }  // namespace motiondb::core

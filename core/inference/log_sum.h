@@ -1,19 +1,23 @@
 // Sums of probabilities that are kept as logarithms. Pure.
 #pragma once
 
-#include <algorithm>
+#include <Eigen/Core>
 #include <cmath>
 #include <vector>
 
 namespace motiondb::core {
 
 // log of the sum of exp(logs), which are not empty; -infinity where all are.
-inline double LogSum(const std::vector<double>& logs) {
-  const double peak = *std::max_element(logs.begin(), logs.end());
+template <typename Derived>
+double LogSum(const Eigen::DenseBase<Derived>& logs) {
+  const double peak = logs.maxCoeff();
   if (!std::isfinite(peak)) return peak;
-  double sum = 0;
-  for (double log : logs) sum += std::exp(log - peak);
-  return peak + std::log(sum);
+  return peak + std::log((logs.derived().array() - peak).exp().sum());
+}
+
+inline double LogSum(const std::vector<double>& logs) {
+  return LogSum(
+      Eigen::Map<const Eigen::ArrayXd>(logs.data(), static_cast<Eigen::Index>(logs.size())));
 }
 
 }  // namespace motiondb::core

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/model/even_spread.h"
+
 namespace motiondb::core {
 namespace {
 
@@ -16,9 +18,8 @@ std::vector<FrameRun> Windows(const std::vector<FrameRun>& clips, int window_fra
       all.push_back({clip.first + start, std::min(window_frames, clip.count)});
     }
   }
-  const auto wanted = std::min<std::size_t>(kMaxWindows, all.size());
   std::vector<FrameRun> spread;
-  for (std::size_t i = 0; i < wanted; ++i) spread.push_back(all[i * all.size() / wanted]);
+  for (const int i : SpreadEvenly(std::ssize(all), kMaxWindows)) spread.push_back(all[i]);
   return spread;
 }
 

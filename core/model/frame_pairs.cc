@@ -6,25 +6,20 @@
 #include <map>
 #include <string>
 
+#include "core/model/even_spread.h"
 #include "core/model/model.h"
+#include "core/model/squared_distances.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr std::size_t kMostClips = 256;
-constexpr std::size_t kMostReferences = 8;
+constexpr int kMostClips = 256;
+constexpr int kMostReferences = 8;
 constexpr Eigen::Index kMostFrames = 512;  // 17 s
 constexpr int kStarts = 4;
 constexpr float kLateStart = 0.05F;  // a dimension and frame
 constexpr int kSteps = 3;            // 0, 1 or 2 reference frames on
 constexpr float kNever = std::numeric_limits<float>::infinity();
-
-FrameMatrix SquaredDistances(const FrameMatrix& a, const FrameMatrix& b) {
-  FrameMatrix squared = -2 * a * b.transpose();
-  squared.colwise() += a.rowwise().squaredNorm();
-  squared.rowwise() += b.rowwise().squaredNorm().transpose();
-  return squared.cwiseMax(0);
-}
 
 }  // namespace
 
@@ -40,15 +35,12 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips) {
   for (std::size_t c = 0; c < clips.size(); ++c) {
     if (of_label[clips[c].label].size() > 1) with_others.push_back(static_cast<int>(c));
   }
-  const std::size_t observed = std::min(kMostClips, with_others.size());
   std::vector<IndexPair> pairs;
-  for (std::size_t i = 0; i < observed; ++i) {
-    const int clip = with_others[i * with_others.size() / observed];
+  for (const int i : SpreadEvenly(std::ssize(with_others), kMostClips)) {
+    const int clip = with_others[i];
     const auto& same = of_label[clips[clip].label];
-    const std::size_t others = same.size() - 1;
-    const std::size_t references = std::min(kMostReferences, others);
-    for (std::size_t k = 0; k < references; ++k) {
-      pairs.push_back({clip, same[(place[clip] + 1 + k * others / references) % same.size()]});
+    for (const int k : SpreadEvenly(std::ssize(same) - 1, kMostReferences)) {
+      pairs.push_back({clip, same[(place[clip] + 1 + k) % same.size()]});
     }
   }
   return pairs;
@@ -57,7 +49,9 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips) {
 std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference) {
   const Eigen::Index frames = std::min(observed.rows(), kMostFrames);
   const Eigen::Index places = std::min(reference.rows(), (kSteps - 1) * frames + kStarts);
-  const FrameMatrix cost = SquaredDistances(observed.topRows(frames), reference.topRows(places));
+  const auto compared = reference.topRows(places);
+  const FrameMatrix cost =
+      SquaredDistances(observed.topRows(frames), compared, compared.rowwise().squaredNorm());
   const float late = kLateStart * static_cast<float>(observed.cols());
 
   Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> step(frames, places);

@@ -94,6 +94,7 @@ absl::Status CheckLayers(const ModelParts& parts) {
 Model::Model(ModelParts parts)
     : parts_(std::move(parts)),
       metric_frames_(ProjectStored(parts_)),
+      clip_index_(ClipIndex::Of(parts_)),
       rigid_tree_(FindRigidTree(parts_)),
       other_sides_(OtherSides(parts_.marker_set.markers)) {}
 

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
+#include "core/model/clip_index.h"
 #include "core/model/familiarity.h"
 #include "core/model/metric_frames.h"
 #include "core/model/motion_metric.h"
@@ -80,6 +81,7 @@ class Model {
   const MotionPrior& prior() const { return parts_.prior; }
   const MotionMetric& metric() const { return parts_.metric; }
   const MetricFrames& metric_frames() const { return metric_frames_; }
+  const ClipIndex& clip_index() const { return clip_index_; }
   const RecognitionCalibration& recognition() const { return parts_.recognition; }
   // For the calibration, before the model is shared.
   void set_recognition(RecognitionCalibration recognition) {
@@ -109,6 +111,7 @@ class Model {
   explicit Model(ModelParts parts);
   ModelParts parts_;
   MetricFrames metric_frames_;
+  ClipIndex clip_index_;
   RigidTree rigid_tree_;
   std::vector<int> other_sides_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/model/even_spread.h"
 #include "core/model/model.h"
 #include "core/motion/mirror.h"
 
@@ -13,7 +14,8 @@ namespace {
 
 constexpr double kHorizons[] = {0.08, 0.16, 0.32,
                                 0.4,  0.56, 1.0};  // s, those of a query by default
-constexpr std::size_t kMostMoments = 2500;
+constexpr int kMostMoments = 2500;
+constexpr double kApart = 0.04;  // s from moment to moment, at least: nearer ones say little more
 constexpr Eigen::Index kRows = 128;  // of features that are summed at a time
 // Leg lengths squared. A prior, so it does not grow with what is stored; flat from 1 to 10.
 constexpr double kRidge = 2.8;
@@ -28,16 +30,17 @@ std::vector<Moment> Moments(const ModelParts& parts) {
   const double rate = parts.settings.frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate - 1e-6));
   const auto future = static_cast<int>(std::ceil(std::end(kHorizons)[-1] * rate - 1e-6));
+  const int step = std::max(1, static_cast<int>(std::lround(kApart * rate)));
   std::vector<Moment> all;
   for (std::size_t c = 0; c < parts.clips.size(); ++c) {
     const ModelClip& clip = parts.clips[c];
-    for (int f = clip.first_frame + past; f + future < clip.first_frame + clip.frame_count; ++f) {
+    for (int f = clip.first_frame + past; f + future < clip.first_frame + clip.frame_count;
+         f += step) {
       all.push_back({static_cast<int>(c), f});
     }
   }
-  const std::size_t kept = std::min(kMostMoments, all.size());
   std::vector<Moment> spread;
-  for (std::size_t i = 0; i < kept; ++i) spread.push_back(all[i * all.size() / kept]);
+  for (const int i : SpreadEvenly(std::ssize(all), kMostMoments)) spread.push_back(all[i]);
   return spread;
 }
 

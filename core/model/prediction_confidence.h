@@ -7,7 +7,7 @@
 
 namespace motiondb::core {
 
-// What is known of a prediction when it is made (core/inference/forecast.h).
+// What is known of a prediction when it is made (core/prediction/forecast.h).
 struct PredictionEvidence {
   double variance = 1;
   double spread = 0;  // leg lengths

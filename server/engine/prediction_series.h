@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "absl/status/statusor.h"
-#include "core/inference/predict.h"
+#include "core/prediction/predict.h"
 #include "server/engine/live_database.h"
 
 namespace motiondb::server {

@@ -5,9 +5,9 @@
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "core/inference/estimate.h"
-#include "core/inference/predict.h"
-#include "core/inference/recognize.h"
+#include "core/estimation/estimate.h"
+#include "core/prediction/predict.h"
+#include "core/recognition/recognize.h"
 
 namespace motiondb::v1 {
 class RecognizeRequest;

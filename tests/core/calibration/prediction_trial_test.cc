@@ -2,9 +2,9 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/inference/forecast.h"
-#include "core/inference/past.h"
-#include "core/inference/predict.h"
+#include "core/motion/past.h"
+#include "core/prediction/forecast.h"
+#include "core/prediction/predict.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests {
@@ -64,8 +64,10 @@ TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one c
   CHECK(core::FitPredictionConfidence(single, core::Serially, {})->laws.empty());
   const core::Model brief = SmallModel(4, 20, kMarkers, 8, 11);
   CHECK(core::FitPredictionConfidence(brief, core::Serially, {})->laws.empty());
-  CHECK(core::FitPredictionConfidence(model, core::Serially, [] { return true; }).status().code() ==
-        absl::StatusCode::kCancelled);
+  CHECK(core::FitPredictionConfidence(model, core::Serially,
+                                      [](double, std::string_view) { return false; })
+            .status()
+            .code() == absl::StatusCode::kCancelled);
 }
 
 }  // namespace motiondb::tests

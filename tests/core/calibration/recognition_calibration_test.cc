@@ -6,7 +6,7 @@
 
 #include "core/calibration/calibrate.h"
 #include "core/calibration/held_out.h"
-#include "core/inference/recognize.h"
+#include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests {
@@ -157,8 +157,7 @@ TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][c
   CHECK(two.recognition().whole.weight.power == core::RecognitionCalibration{}.whole.weight.power);
 }
 
-TEST_CASE("ClipsLeft: without the subject, unless nobody else did the same",
-          "[core][calibration]") {
+TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   std::vector<core::BuildInput> inputs = WanderingClips(5, 30, set, 1);
   const char* const labels[] = {"a", "a", "b", "b", "a"};
@@ -168,11 +167,12 @@ TEST_CASE("ClipsLeft: without the subject, unless nobody else did the same",
     inputs[c].subject = subjects[c];
   }
   const core::Model model = ModelOf(inputs, set);
-  CHECK(core::ClipsLeft(model, 0) == std::vector<int>{4});
-  CHECK(core::ClipsLeft(model, 2) == std::vector<int>{0, 1, 3, 4});
-  CHECK(core::ClipsLeft(model, 4) == std::vector<int>{0, 1, 2, 3});
+  CHECK(core::LeftOutWith(model, 0) == std::vector<bool>{true, true, true, true, false});
+  CHECK(core::LeftOutWith(model, 2) == std::vector<bool>{false, false, true, false, false});
+  CHECK(core::LeftOutWith(model, 4) == std::vector<bool>{false, false, false, false, true});
   for (core::BuildInput& input : inputs) input.subject.clear();
-  CHECK(core::ClipsLeft(ModelOf(inputs, set), 0) == std::vector<int>{1, 2, 3, 4});
+  CHECK(core::LeftOutWith(ModelOf(inputs, set), 0) ==
+        std::vector<bool>{true, false, false, false, false});
 }
 
 TEST_CASE("StoredMotion: a clip comes back as it was given", "[core][calibration]") {

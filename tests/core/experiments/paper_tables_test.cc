@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <map>
 
-#include "core/inference/recognize.h"
+#include "core/recognition/recognize.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 

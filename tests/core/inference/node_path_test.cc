@@ -2,32 +2,15 @@
 
 #include <catch2/catch.hpp>
 
-#include "core/inference/estimate.h"
 #include "core/inference/observation.h"
 #include "tests/core/inference/exhaustive_paths.h"
+#include "tests/core/inference/full_lattice.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests {
 namespace {
-
-// Every node of a layer for every frame, with eq. 8 over all of them.
-core::Lattice FullLattice(const core::Model& model, int layer, const core::FrameMatrix& scaled) {
-  core::Lattice lattice;
-  for (Eigen::Index t = 0; t < scaled.rows(); ++t) {
-    core::LatticeFrame& frame = lattice.emplace_back();
-    const int nodes = model.tree().node_count(layer);
-    frame.log_emission.resize(nodes);
-    for (int node = 0; node < nodes; ++node) {
-      frame.nodes.push_back(node);
-      frame.log_emission[node] =
-          model.gaussians().LogDensity(model.tree().branch(layer, node), scaled.row(t).data());
-    }
-    core::NormalizeEmission(frame.log_emission);
-  }
-  return lattice;
-}
 
 core::FrameMatrix Scaled(const core::Model& model, const core::StateSequence& observation) {
   auto scaled = core::ScaledObservation(model, observation);
@@ -104,7 +87,7 @@ TEST_CASE("FindNodePaths: bad options are refused by name", "[core][inference]")
   const core::Model model = SmallModel(2, 60, 2, 10, 1);
   const auto clip = WanderingClips(1, 10, model.marker_set(), 1)[0].states;
   const auto message = [&](const core::NodePathOptions& options) {
-    const auto result = core::Estimate(model, clip, {.search = options});
+    const auto result = core::FindNodePaths(model, Scaled(model, clip), options);
     CHECK_FALSE(result.ok());
     return std::string(result.status().message());
   };
@@ -115,33 +98,8 @@ TEST_CASE("FindNodePaths: bad options are refused by name", "[core][inference]")
   CHECK_THAT(message({0, 1, std::nan(""), 16}), Contains("transition_floor"));
   CHECK_THAT(message({0, 1, 1e-6, -1}), Contains("max_candidates"));
   CHECK_THAT(message({99, 1, 1e-6, 16}), Contains("layer"));
-  CHECK(core::Estimate(model, clip, {}, [] { return true; }).status().code() ==
+  CHECK(core::FindNodePaths(model, Scaled(model, clip), {}, [] { return true; }).status().code() ==
         absl::StatusCode::kCancelled);
-}
-
-TEST_CASE("Estimate: the state is the last node of the best path, with its posterior",
-          "[core][inference]") {
-  const core::Model model = SmallModel(4, 150, 3, 6, 21);
-  const auto clip = WanderingClips(4, 150, model.marker_set(), 21)[2].states;
-  const auto estimation = core::Estimate(model, clip, {.search = {0, 5, 1e-6, 0}});
-  REQUIRE(estimation.ok());
-  CHECK(estimation->layer == model.layer_count());
-  REQUIRE(estimation->paths.size() == 5);
-  CHECK(estimation->paths[0].nodes.size() == 150);
-  CHECK(estimation->state.node == estimation->paths[0].nodes.back());
-  const auto last =
-      core::LastNodeDistribution(FullLattice(model, model.layer_count(), Scaled(model, clip)),
-                                 model.global_graph(model.layer_count()), 1e-6);
-  CHECK(estimation->state.probability == Approx(last[estimation->state.node]));
-  // The clip was stored: near the root, where nodes are far apart, its frames lie where the tree
-  // has them.
-  const auto coarse = core::Estimate(model, clip, {.search = {3, 1, 1e-6, 0}});
-  REQUIRE(coarse.ok());
-  int same = 0;
-  for (int t = 0; t < 150; ++t) {
-    same += coarse->paths[0].nodes[t] == model.tree().node_of_frame(3, 300 + t);
-  }
-  CHECK(same > 110);
 }
 
 }  // namespace motiondb::tests

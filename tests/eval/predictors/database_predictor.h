@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "core/inference/predict.h"
 #include "core/model/model.h"
+#include "core/prediction/predict.h"
 #include "tests/eval/predictors/predictor.h"
 
 namespace motiondb::tests {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/inference/estimate.h"
+#include "core/estimation/estimate.h"
 #include "core/motion/error.h"
 #include "tests/eval/database_model.h"
 #include "tests/eval/peers/filling.h"

@@ -3,8 +3,8 @@
 
 #include <optional>
 
-#include "core/inference/recognize.h"
 #include "core/model/model.h"
+#include "core/recognition/recognize.h"
 #include "tests/eval/recognizers/recognizer.h"
 
 namespace motiondb::tests {

@@ -1,0 +1,135 @@
+#include "core/calibration/recognition_trial.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/calibration/evidence_weight.h"
+#include "core/calibration/held_out.h"
+#include "core/calibration/trials.h"
+#include "core/model/even_spread.h"
+#include "core/motion/error.h"
+#include "core/motion/past.h"
+#include "core/recognition/label_evidence.h"
+#include "core/recognition/metric_observation.h"
+#include "core/recognition/window_alignment.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr int kMostClips = 128;
+constexpr int kMostWindows = 512;
+constexpr double kWindowSeconds = 0.4;
+constexpr double kApart = 0.2;  // s from window to window: what overlaps more says little more
+constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
+constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
+
+// What held-out observations gave.
+struct Judged {
+  std::vector<JudgedSample> samples;  // of labels that other clips have
+  std::vector<float> familiarity;
+
+  void Append(const Judged& more) {
+    samples.insert(samples.end(), more.samples.begin(), more.samples.end());
+    familiarity.insert(familiarity.end(), more.familiarity.begin(), more.familiarity.end());
+  }
+};
+
+// Asks a model without one of its clips about that clip.
+class HeldOutClip {
+ public:
+  HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip)
+      : model_(model), labels_(labels), left_out_(LeftOutWith(model, clip)) {
+    const std::string& label = model.clips()[clip].label;
+    label_ = static_cast<std::size_t>(std::lower_bound(labels.begin(), labels.end(), label) -
+                                      labels.begin());
+    for (std::size_t c = 0; c < left_out_.size(); ++c) {
+      if (left_out_[c]) continue;
+      any_left_ = true;
+      comparable_ = comparable_ || model.clips()[c].label == label;
+    }
+  }
+
+  // Windows of `width` frames of scaled states, from the given frames on (ascending).
+  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width,
+                 bool whole) const {
+    Judged judged;
+    if (!any_left_) return judged;
+    const int stride = FrameStride(model_.settings().frame_rate_hz);
+    const auto observation = MetricObservation::Create(model_, scaled);
+    for (const int first : firsts) {
+      const auto alignment =  // nobody cancels
+          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, whole), left_out_,
+                      whole, {});
+      judged.familiarity.push_back(static_cast<float>(alignment->familiarity_score));
+      if (!comparable_) continue;
+      judged.samples.push_back(
+          {LabelEvidence(model_, labels_, alignment->clips), label_, alignment->frames});
+    }
+    return judged;
+  }
+
+ private:
+  const Model& model_;
+  const std::vector<std::string>& labels_;
+  const std::vector<bool> left_out_;
+  std::size_t label_ = 0;
+  bool any_left_ = false;
+  bool comparable_ = false;
+};
+
+// Fits what there are samples for.
+void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& calibration) {
+  if (!judged.samples.empty()) {
+    calibration.weight = FitEvidenceWeight(judged.samples, powers);
+  }
+  std::sort(judged.familiarity.begin(), judged.familiarity.end());
+  calibration.familiarity = std::move(judged.familiarity);
+}
+
+}  // namespace
+
+absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
+                                                            const ParallelFor& parallel,
+                                                            const BuildProgress& progress) {
+  RecognitionCalibration calibration;
+  if (model.metric().empty()) return calibration;
+  const std::vector<std::string> labels = Labels(model);
+  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMostClips);
+  const auto count = static_cast<int>(clips.size());
+  const int windows_each = std::max(1, kMostWindows / count);
+  const double rate = model.settings().frame_rate_hz;
+  const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
+
+  std::vector<Judged> windows(clips.size());
+  std::vector<Judged> whole(clips.size());
+  const auto judge = [&](int i) {
+    const HeldOutClip held_out(model, labels, clips[i]);
+    const StateSequence motion = StoredMotion(model, clips[i]);
+    const int frames = motion.frame_count();
+    const int width = std::min(frames, full_width);
+    const ModelClip& clip = model.clips()[clips[i]];
+    const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kApart * rate)));
+    windows[i] = held_out.Windows(model.states().middleRows(clip.first_frame, frames),
+                                  SpreadEvenly(frames - width + 1, std::min(windows_each, apart)),
+                                  width, false);
+    for (const double share : kBeginnings) {
+      const int seen =
+          std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
+      StateSequence beginning = PastAt(motion, seen - 1, seen);
+      model.scale().Apply(beginning.states);
+      whole[i].Append(held_out.Windows(beginning.states, {0}, seen, true));
+    }
+  };
+  MOTIONDB_RETURN_IF_ERROR(RunTrials(count, "calibration of labels", parallel, progress, judge));
+  for (int i = 1; i < count; ++i) {
+    windows[0].Append(windows[i]);
+    whole[0].Append(whole[i]);
+  }
+  Fit(std::move(windows[0]), {1}, calibration.window);
+  Fit(std::move(whole[0]), {std::begin(kPowers), std::end(kPowers)}, calibration.whole);
+  return calibration;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,45 @@
+#include "core/model/clip_index.h"
+
+#include "core/model/metric_frames.h"
+#include "core/model/model.h"
+
+namespace motiondb::core {
+namespace {
+
+// All are compared with each observed frame, however large the database.
+constexpr int kMostNodes = 2048;
+
+int IndexedLayer(const Tree& tree) {
+  int layer = tree.layer_count();
+  while (layer > 1 && tree.node_count(layer) > kMostNodes) --layer;
+  return layer;
+}
+
+}  // namespace
+
+ClipIndex ClipIndex::Of(const ModelParts& parts) {
+  ClipIndex index;
+  if (parts.metric.empty()) return index;
+  const int layer = IndexedLayer(parts.tree);
+  const int nodes = parts.tree.node_count(layer);
+  FrameMatrix means(nodes, parts.states.cols());
+  for (int node = 0; node < nodes; ++node) {
+    means.row(node) = parts.gaussians.means().row(parts.tree.branch(layer, node));
+  }
+  index.means_ = Project(parts.metric, means);
+  index.squared_norms_ = index.means_.rowwise().squaredNorm();
+
+  std::vector<std::vector<int>> of_node(nodes);
+  const std::vector<ClipGraph>& graphs = parts.clip_graphs[layer - 1];
+  for (std::size_t clip = 0; clip < graphs.size(); ++clip) {
+    for (const int node : graphs[clip].nodes) of_node[node].push_back(static_cast<int>(clip));
+  }
+  for (const std::vector<int>& clips : of_node) {
+    index.begin_.push_back(static_cast<int>(index.clips_.size()));
+    index.clips_.insert(index.clips_.end(), clips.begin(), clips.end());
+  }
+  index.begin_.push_back(static_cast<int>(index.clips_.size()));
+  return index;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,151 @@
+#include "core/prediction/forecast.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <utility>
+
+#include "core/inference/node_path.h"
+#include "core/inference/observation.h"
+#include "core/model/pose_history.h"
+#include "core/motion/error.h"
+#include "core/motion/mirror.h"
+
+namespace motiondb::core {
+namespace {
+
+// Chosen as the constants of pose_history.cc were; flat around these.
+constexpr std::size_t kExamples = 64;
+constexpr int kMoments = 256;   // of each side, compared by their history
+constexpr int kMinPool = 2048;  // stored frames that they are chosen from, if there are as many
+constexpr double kKernelLength = 0.59;  // leg lengths of a typical marker's key
+constexpr double kNoise = 0.03;
+constexpr int kSpeedLags = 3;
+
+Track TrackOf(const Model& model, int frame) {
+  return Track(model.parts(), model.clip_of_frame(frame));
+}
+
+// Rows of a key or of features, 3 N_v numbers each, in a mirror.
+Eigen::RowVectorXf MirrorRows(const Model& model, const Eigen::RowVectorXf& rows) {
+  const Eigen::Index numbers = 3 * model.marker_set().marker_count();
+  const FrameMatrix matrix = rows.reshaped<Eigen::RowMajor>(rows.size() / numbers, numbers);
+  return MirrorPositions(model.other_sides(), matrix).reshaped<Eigen::RowMajor>().transpose();
+}
+
+double MeanLength(const Eigen::RowVectorXf& vectors) {
+  return vectors.reshaped<Eigen::RowMajor>(vectors.size() / 3, 3).rowwise().norm().mean();
+}
+
+}  // namespace
+
+Forecaster::Forecaster(const Model& model, const StateSequence& past,
+                       std::vector<StoredMoment> moments, const MotionPrior* prior)
+    : model_(model),
+      prior_(prior == nullptr ? model.prior() : *prior),
+      history_(HistoryAt(Track(past), past.frame_count() - 1)),
+      key_(HistoryKey(history_)),
+      features_(MotionFeatures(history_)),
+      speed_(MeanLength(history_.row(0) - history_.row(kSpeedLags))) {
+  std::vector<Eigen::RowVectorXf> keys;
+  std::vector<float> distances;
+  for (const StoredMoment& moment : moments) {
+    Eigen::RowVectorXf key = HistoryKeyAt(TrackOf(model_, moment.frame), moment.frame);
+    if (moment.mirrored) key = MirrorRows(model_, key);
+    distances.push_back((key - key_).squaredNorm());
+    keys.push_back(std::move(key));
+  }
+  std::vector<std::size_t> order(moments.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return distances[a] < distances[b]; });
+  for (const std::size_t i : order) {
+    moments_.push_back(moments[i]);
+    keys_.push_back(std::move(keys[i]));
+  }
+}
+
+void Forecaster::Weigh(double seconds) {
+  std::vector<std::size_t> chosen;
+  const double frames = seconds * model_.settings().frame_rate_hz;
+  for (std::size_t i = 0; i < moments_.size() && chosen.size() < kExamples; ++i) {
+    const int frame = moments_[i].frame;
+    if (frame + frames <= TrackOf(model_, frame).end() - 1 + 1e-6) chosen.push_back(i);
+  }
+  if (chosen == chosen_) return;
+  chosen_ = std::move(chosen);
+  example_features_.clear();
+  FrameMatrix keys(static_cast<Eigen::Index>(chosen_.size()), key_.size());
+  for (std::size_t e = 0; e < chosen_.size(); ++e) {
+    keys.row(static_cast<Eigen::Index>(e)) = keys_[chosen_[e]];
+    const StoredMoment& moment = moments_[chosen_[e]];
+    const Eigen::RowVectorXf features =
+        MotionFeatures(HistoryAt(TrackOf(model_, moment.frame), moment.frame));
+    example_features_.push_back(moment.mirrored ? MirrorRows(model_, features) : features);
+  }
+  weights_ =
+      chosen_.empty() ? ExemplarWeights() : WeighExemplars(keys, key_, kKernelLength, kNoise);
+}
+
+Eigen::RowVectorXf Forecaster::Future(const StoredMoment& moment, double seconds) const {
+  const Track track = TrackOf(model_, moment.frame);
+  const Eigen::RowVectorXf moved = track.SeenFrom(moment.frame, seconds * track.frame_rate_hz()) -
+                                   track.SeenFrom(moment.frame, 0);
+  return moment.mirrored ? MirrorRows(model_, moved) : moved;
+}
+
+Forecast Forecaster::At(double seconds) {
+  Weigh(seconds);
+  // The process is over what the prior misses: an example's future, less what the prior makes of
+  // its own past, is added to what the prior makes of this one.
+  Eigen::RowVectorXf displacement = Eigen::RowVectorXf::Zero(history_.cols());
+  Eigen::RowVectorXf features = features_;
+  std::vector<Eigen::RowVectorXf> futures;
+  for (std::size_t e = 0; e < chosen_.size(); ++e) {
+    const auto weight = static_cast<float>(weights_.weights[static_cast<Eigen::Index>(e)]);
+    futures.push_back(Future(moments_[chosen_[e]], seconds));
+    displacement += weight * futures.back();
+    features -= weight * example_features_[e];
+  }
+  displacement += prior_.Displacement(features, seconds);
+
+  Forecast forecast;
+  forecast.evidence = {.variance = weights_.variance, .speed = speed_};
+  double counted = 0;
+  for (std::size_t e = 0; e < chosen_.size(); ++e) {
+    const double weight = weights_.weights[static_cast<Eigen::Index>(e)];
+    if (weight <= 0) continue;
+    counted += weight;
+    forecast.evidence.spread += weight * MeanLength(futures[e] - displacement);
+  }
+  if (counted > 0) forecast.evidence.spread /= counted;
+  forecast.positions = model_.rigid_tree().Restore(history_.row(0) + displacement, history_.row(0));
+  return forecast;
+}
+
+absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
+                                                      double transition_floor, FrameRange without,
+                                                      const Cancelled& cancelled) {
+  std::vector<StoredMoment> moments;
+  const auto find = [&](const StateSequence& seen, bool mirrored) -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, seen));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const PathSearch search,
+        FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
+    const std::vector<NodeState> now = LastNodes(model, search, transition_floor);
+    const std::vector<int> pool = ExemplarPool(model, search.layer, now, kMinPool);
+    for (const Exemplar& exemplar :
+         NearestFrames(model, pool, scaled.row(scaled.rows() - 1).data(), kMoments, without)) {
+      moments.push_back({exemplar.frame, mirrored});
+    }
+    return absl::OkStatus();
+  };
+  MOTIONDB_RETURN_IF_ERROR(find(past, false));
+  if (model.other_sides().empty()) return moments;
+  StateSequence mirrored = past;
+  mirrored.states = MirrorStates(model.other_sides(), past.states);
+  MOTIONDB_RETURN_IF_ERROR(find(mirrored, true));
+  return moments;
+}
+
+}  // namespace motiondb::core

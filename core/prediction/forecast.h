@@ -1,0 +1,67 @@
+// Where the markers will be: stored motion like the last moments observed, weighed by a local
+// Gaussian process around a linear prior, on the observed body's own bones. Safe to call from any
+// thread.
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/inference/exemplars.h"
+#include "core/model/model.h"
+#include "core/motion/cancellation.h"
+#include "core/prediction/exemplar_process.h"
+
+namespace motiondb::core {
+
+// A moment of stored motion, as it was or in a mirror.
+struct StoredMoment {
+  int frame = 0;
+  bool mirrored = false;
+};
+
+struct Forecast {
+  Eigen::RowVectorXf positions;  // 3 N_v, leg lengths, in the reference frame of the moment
+  // What tells how good it is: the variance of the process (1 where no example is like the moment),
+  // how much the examples' futures differ from it on average, and how far a marker moved over the
+  // last 0.12 s.
+  PredictionEvidence evidence;
+};
+
+class Forecaster {
+ public:
+  // `past` ends at the moment and lacks no marker; the model and it must outlive the forecaster.
+  // `moments` are stored moments to choose examples from. `prior`: another than the model's.
+  Forecaster(const Model& model, const StateSequence& past, std::vector<StoredMoment> moments,
+             const MotionPrior* prior = nullptr);
+
+  // Of the examples, those whose clips go on so long count. `seconds` >= 0.
+  Forecast At(double seconds);
+
+ private:
+  // Picks and weighs the nearest moments that are followed by so many seconds.
+  void Weigh(double seconds);
+  // How an example's markers move on (3 N_v, leg lengths).
+  Eigen::RowVectorXf Future(const StoredMoment& moment, double seconds) const;
+
+  const Model& model_;
+  const MotionPrior& prior_;
+  FrameMatrix history_;
+  Eigen::RowVectorXf key_;
+  Eigen::RowVectorXf features_;
+  double speed_ = 0;
+  std::vector<StoredMoment> moments_;                 // nearest first
+  std::vector<Eigen::RowVectorXf> keys_;              // of each
+  std::vector<std::size_t> chosen_;                   // of moments_, those weighed last
+  ExemplarWeights weights_;                           // of these
+  std::vector<Eigen::RowVectorXf> example_features_;  // of these
+};
+
+// Stored moments to forecast from: those most like the last frame of `past` among the frames that
+// the tree takes it to, and the same of its mirror image where the markers have sides. Frames in
+// `without` are passed over. Errors as FindNodePaths.
+absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
+                                                      double transition_floor, FrameRange without,
+                                                      const Cancelled& cancelled);
+
+}  // namespace motiondb::core

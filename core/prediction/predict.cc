@@ -1,0 +1,179 @@
+#include "core/prediction/predict.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "core/estimation/missing_markers.h"
+#include "core/inference/node_path.h"
+#include "core/inference/observation.h"
+#include "core/motion/error.h"
+#include "core/motion/past.h"
+#include "core/prediction/forecast.h"
+#include "core/prediction/node_forecast.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kLikelyNext = 1e-3;  // next nodes less probable than this are left out
+constexpr double kNearM = 0.05;       // that confidence is about
+
+absl::Status CheckOptions(const PredictOptions& options) {
+  if (!(options.history_seconds > 0 && std::isfinite(options.history_seconds))) {
+    return InvalidArgument("history_seconds: expected more than 0, got {}",
+                           options.history_seconds);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+  }
+  for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
+    const double seconds = options.horizon_seconds[h];
+    if (!(seconds >= 0 && seconds <= 3600)) {
+      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
+    }
+  }
+  return absl::OkStatus();
+}
+
+// The next different node: where the graph goes from each node the motion may be in now, staying
+// left out, weighted by how probable that node is.
+std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector<NodeState>& now) {
+  const TransitionGraph& graph = model.global_graph(layer);
+  std::map<int, double> probability;
+  double total = 0;
+  for (const NodeState& state : now) {
+    const double leaving =
+        static_cast<double>(graph.row_sum(state.node)) - graph.count(state.node, state.node);
+    if (leaving <= 0) continue;
+    total += state.probability;
+    for (const Edge& edge : graph.row(state.node)) {
+      if (edge.to != state.node) {
+        probability[edge.to] += state.probability * edge.count / leaving;
+      }
+    }
+  }
+  std::vector<NextNode> next;
+  for (const auto& [node, p] : probability) {
+    if (p / total >= kLikelyNext) next.push_back({node, p / total, {}});
+  }
+  std::stable_sort(next.begin(), next.end(), [](const NextNode& a, const NextNode& b) {
+    return a.probability > b.probability;
+  });
+  const auto& clips = model.clip_graphs(layer);
+  for (int c = 0; c < static_cast<int>(clips.size()); ++c) {
+    const auto state_of = [&](int node) {
+      const auto& nodes = clips[c].nodes;
+      const auto at = std::lower_bound(nodes.begin(), nodes.end(), node);
+      return at != nodes.end() && *at == node ? static_cast<int>(at - nodes.begin()) : -1;
+    };
+    for (NextNode& candidate : next) {
+      const int to = state_of(candidate.node);
+      if (to < 0) continue;
+      const bool makes = std::any_of(now.begin(), now.end(), [&](const NodeState& state) {
+        const int from = state.node == candidate.node ? -1 : state_of(state.node);
+        return from >= 0 && clips[c].transitions.count(from, to) > 0;
+      });
+      if (makes) candidate.clips.push_back(c);
+    }
+  }
+  return next;
+}
+
+// The past with its missing markers filled in.
+absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& search,
+                                       const StateSequence& past, const FrameMatrix& scaled,
+                                       const Cancelled& cancelled) {
+  StateSequence complete = past;
+  if (past.states.hasNaN()) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto filled, FillMissing(model, past, scaled, search.layer,
+                                       search.paths.front().nodes, Fill::kEveryFrame, cancelled));
+    PutFilled(filled, complete);
+  }
+  return complete;
+}
+
+// Positions (3 N_v, leg lengths) in the reference frame of the last frame of `past`, in its world.
+PredictedFrame InWorld(const StateSequence& past, double seconds,
+                       const Eigen::RowVectorXf& positions) {
+  StateSequence pose{past.frame_rate_hz, past.leg_length_m,
+                     FrameMatrix::Zero(1, 2 * positions.size()), past.root_path.bottomRows(1)};
+  for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {
+    pose.states.row(0).segment<3>(6 * m) = positions.segment<3>(3 * m);
+  }
+  return {.seconds = seconds, .marker_positions_m = WorldPositions(pose).row(0)};
+}
+
+// By the graph alone; how sure it is follows from nothing that was measured, so it is left out.
+void PredictByNodes(const Model& model, const StateSequence& past,
+                    const std::vector<NodeState>& now, const std::vector<double>& horizon_seconds,
+                    Prediction& prediction) {
+  std::vector<std::size_t> order(horizon_seconds.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return horizon_seconds[a] < horizon_seconds[b];
+  });
+  prediction.horizons.resize(horizon_seconds.size());
+  NodeForecaster forecaster(model, prediction.layer, now);
+  for (const std::size_t h : order) {
+    prediction.horizons[h] = InWorld(past, horizon_seconds[h], forecaster.At(horizon_seconds[h]));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
+                                   const PredictOptions& options, const Cancelled& cancelled) {
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  if (observation.frame_count() == 0) return InvalidArgument("observation: it has no frames");
+  const double rate = observation.frame_rate_hz;
+  const double end = (observation.frame_count() - 1) / rate;
+  const double at = options.at_seconds.value_or(end);
+  if (!(at >= 0 && at <= end + 1 / rate)) {
+    return InvalidArgument("at_seconds: expected 0 to {:.3f}, the observation's length, got {}",
+                           end, at);
+  }
+  const int frame =
+      std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
+  const int history =
+      static_cast<int>(std::clamp(std::round(options.history_seconds * rate), 1.0, frame + 1.0));
+  const StateSequence past = PastAt(observation, frame, history);
+  MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, past));
+
+  NodePathOptions search_options;
+  search_options.layer = options.layer;
+  search_options.transition_floor = options.transition_floor;
+  MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search,
+                            FindNodePaths(model, scaled, search_options, cancelled));
+  const std::vector<NodeState> now = LastNodes(model, search, options.transition_floor);
+
+  Prediction prediction;
+  prediction.at_seconds = frame / rate;
+  prediction.layer = search.layer;
+  prediction.state = now.front();
+  prediction.next_nodes = NextNodes(model, search.layer, now);
+  if (options.method == Method::kPaper) {
+    PredictByNodes(model, past, now, options.horizon_seconds, prediction);
+    return prediction;
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
+                            Complete(model, search, past, scaled, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, complete, options.transition_floor,
+                                                      options.without, cancelled));
+  Forecaster forecaster(model, complete, std::move(moments));
+  for (const double seconds : options.horizon_seconds) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    const Forecast forecast = forecaster.At(seconds);
+    PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
+    const ExpectedError error =
+        model.confidence().Judge(forecast.evidence, seconds, kNearM / past.leg_length_m);
+    predicted.confidence = error.probability;
+    predicted.expected_error_m = error.mean * past.leg_length_m;
+    prediction.horizons.push_back(std::move(predicted));
+  }
+  return prediction;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,60 @@
+#include "core/recognition/clip_generation.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "core/graph/generation.h"
+#include "core/inference/lattice.h"
+#include "core/inference/log_sum.h"
+
+namespace motiondb::core {
+namespace {
+
+// log of the probability that a clip's graph generates the window, by eq. 7 with P_o for P_s.
+double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_density,
+                         const RecognizeOptions& options) {
+  const auto states = static_cast<Eigen::Index>(graph.nodes.size());
+  EmissionMatrix emission(log_density.rows(), states);
+  for (Eigen::Index s = 0; s < states; ++s) emission.col(s) = log_density.col(graph.nodes[s]);
+  if (options.generation == Generation::kExact) {
+    return LogGeneration(graph.transitions, emission, options.transition_floor);
+  }
+  Lattice lattice;
+  for (Eigen::Index t = 0; t < emission.rows(); ++t) {
+    LatticeFrame& frame = lattice.emplace_back();
+    for (Eigen::Index s = 0; s < states; ++s) frame.nodes.push_back(static_cast<std::int32_t>(s));
+    frame.log_emission = emission.row(t);
+  }
+  std::vector<double> logs{-std::numeric_limits<double>::infinity()};
+  for (const NodePath& path :
+       BestPaths(lattice, graph.transitions, options.transition_floor, options.path_count)) {
+    logs.push_back(path.log_probability);
+  }
+  return LogSum(logs);
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int layer,
+                                                       const WindowEmission& emission,
+                                                       const std::vector<int>& clips,
+                                                       const RecognizeOptions& options,
+                                                       const Cancelled& cancelled) {
+  const double evidence = emission.LogEvidence();
+  const auto& graphs = model.clip_graphs(layer);
+  std::vector<ClipScore> scores;
+  for (const int clip : clips) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    scores.push_back(
+        {clip, ClipLogGeneration(graphs[clip], emission.log_density(), options) - evidence});
+  }
+  return scores;
+}
+
+void SortByGeneration(std::vector<ClipScore>& scores) {
+  std::stable_sort(scores.begin(), scores.end(), [](const ClipScore& a, const ClipScore& b) {
+    return a.log_probability > b.log_probability;
+  });
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,136 @@
+#include "core/recognition/recognize.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "core/inference/observation.h"
+#include "core/motion/error.h"
+#include "core/recognition/clip_generation.h"
+#include "core/recognition/label_evidence.h"
+#include "core/recognition/metric_observation.h"
+#include "core/recognition/window_alignment.h"
+#include "core/recognition/window_emission.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr Eigen::Index kMaxCells = 1
+                                   << 26;  // frames of a window x nodes of the layer, 8 bytes each
+
+absl::Status CheckOptions(const RecognizeOptions& options) {
+  if (!(options.window_seconds > 0 && std::isfinite(options.window_seconds))) {
+    return InvalidArgument("window_seconds: expected more than 0, got {}", options.window_seconds);
+  }
+  if (!(options.hop_seconds > 0 && std::isfinite(options.hop_seconds))) {
+    return InvalidArgument("hop_seconds: expected more than 0, got {}", options.hop_seconds);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+  }
+  if (options.path_count < 1 || options.path_count > 100) {
+    return InvalidArgument("path_count: expected 1 to 100, got {}", options.path_count);
+  }
+  return absl::OkStatus();
+}
+
+// Brings the aligned clips to the front, those with most evidence first.
+void PutAlignedFirst(const std::vector<ClipEvidence>& aligned, std::vector<ClipScore>& clips) {
+  std::map<int, std::size_t> place;
+  for (const ClipEvidence& clip : aligned) place.emplace(clip.clip, place.size());
+  std::stable_sort(clips.begin(), clips.end(), [&](const ClipScore& a, const ClipScore& b) {
+    const auto of = [&](const ClipScore& score) {
+      const auto found = place.find(score.clip);
+      return found == place.end() ? place.size() : found->second;
+    };
+    return of(a) < of(b);
+  });
+}
+
+double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& emission) {
+  return model.familiarity().Rank(
+      layer, FamiliarityScore(model.global_graph(layer), emission.log_density()));
+}
+
+// Labels and familiarity by the graphs alone; `window.clips` are in the order of the model's.
+void JudgeByPaper(const Model& model, const WindowEmission& emission, RecognizedWindow& window) {
+  window.labels = LabelsByGeneration(model, window.clips);
+  SortByGeneration(window.clips);
+  window.familiarity = FamiliarityByGraph(model, window.layer, emission);
+}
+
+// By the frames of the clips on the window's shortlist.
+absl::Status JudgeByAlignment(const Model& model, const WindowEmission& emission,
+                              const MetricObservation& observation,
+                              const std::vector<int>& compared, bool whole,
+                              const Cancelled& cancelled, RecognizedWindow& window) {
+  SortByGeneration(window.clips);
+  MOTIONDB_ASSIGN_OR_RETURN(const WindowAlignment alignment,
+                            AlignWindow(model, observation, compared, {}, whole, cancelled));
+  PutAlignedFirst(alignment.clips, window.clips);
+  const AnswerCalibration& calibration = model.recognition().Of(whole);
+  window.labels = LabelsByAlignment(model, alignment, calibration.weight);
+  window.familiarity = calibration.familiarity.empty()
+                           ? FamiliarityByGraph(model, window.layer, emission)
+                           : calibration.FamiliarityRank(alignment.familiarity_score);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
+                                                        const StateSequence& observation,
+                                                        const RecognizeOptions& options,
+                                                        const Cancelled& cancelled) {
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
+  MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
+
+  const double rate = observation.frame_rate_hz;
+  const int frames = observation.frame_count();
+  const auto in_frames = [&](double seconds) {
+    return static_cast<int>(
+        std::clamp(std::round(seconds * rate), 1.0, static_cast<double>(frames)));
+  };
+  const int width = options.whole ? frames : in_frames(options.window_seconds);
+  const int hop = in_frames(options.hop_seconds);
+  if (static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
+    return InvalidArgument(
+        "window_seconds: a window of {} frames over the {} nodes of layer {} would take too much "
+        "memory; ask for shorter windows or a higher layer",
+        width, model.tree().node_count(layer), layer);
+  }
+
+  const bool align = options.method == Method::kBest && !model.metric().empty();
+  MetricObservation in_metric;
+  if (align) {
+    MOTIONDB_ASSIGN_OR_RETURN(in_metric, MetricObservation::Create(model, scaled, cancelled));
+  }
+  std::vector<int> all_clips(model.clips().size());
+  std::iota(all_clips.begin(), all_clips.end(), 0);
+  const int stride = FrameStride(rate);
+
+  WindowEmission emission(model, layer, scaled, width);
+  std::vector<RecognizedWindow> windows;
+  for (int first = 0; first + width <= frames; first += hop) {
+    emission.MoveTo(first);
+    RecognizedWindow& window = windows.emplace_back();
+    window.start_seconds = first / rate;
+    window.end_seconds = (first + width) / rate;
+    window.layer = layer;
+    MOTIONDB_ASSIGN_OR_RETURN(
+        window.clips, ScoreGeneration(model, layer, emission, all_clips, options, cancelled));
+    if (align) {
+      MOTIONDB_RETURN_IF_ERROR(JudgeByAlignment(model, emission, in_metric,
+                                                ComparedFrames(first, width, stride, options.whole),
+                                                options.whole, cancelled, window));
+    } else {
+      JudgeByPaper(model, emission, window);
+    }
+  }
+  return windows;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,57 @@
+#include "core/recognition/window_alignment.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/recognition/clip_alignment.h"
+#include "core/recognition/shortlist.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kLeastDifference = 1e-12;  // a stored frame compared with itself
+
+double FamiliarityScore(const Model& model, const MetricObservation& observation,
+                        const std::vector<int>& compared,
+                        const std::vector<NearestFrame>& nearest) {
+  FrameMatrix differences(static_cast<Eigen::Index>(compared.size()), observation.states.cols());
+  for (std::size_t i = 0; i < compared.size(); ++i) {
+    differences.row(static_cast<Eigen::Index>(i)) =
+        observation.states.row(compared[i]) - model.states().row(nearest[i].frame);
+  }
+  const FrameMatrix whitened = differences * model.metric().whitening;
+  const double mean =
+      static_cast<double>(whitened.squaredNorm()) / static_cast<double>(whitened.size());
+  return -std::log(std::max(mean, kLeastDifference));
+}
+
+}  // namespace
+
+absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
+                                            const MetricObservation& observation,
+                                            const std::vector<int>& compared,
+                                            const std::vector<bool>& left_out, bool anchored,
+                                            const Cancelled& cancelled) {
+  const FrameMatrix observed = observation.projected(compared, Eigen::all);
+  std::vector<NearestFrame> nearest(compared.size(), {std::numeric_limits<float>::infinity(), 0});
+  WindowAlignment window;
+  window.frames = static_cast<int>(compared.size());
+  for (const int clip : ShortlistClips(model, observed, left_out)) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    const ClipAlignment alignment = AlignToClip(model.metric_frames(), clip, observed, anchored);
+    window.clips.push_back({clip, alignment.log_evidence});
+    for (std::size_t i = 0; i < nearest.size(); ++i) {
+      if (alignment.nearest[i].squared_distance < nearest[i].squared_distance) {
+        nearest[i] = alignment.nearest[i];
+      }
+    }
+  }
+  std::stable_sort(
+      window.clips.begin(), window.clips.end(),
+      [](const ClipEvidence& a, const ClipEvidence& b) { return a.log_evidence > b.log_evidence; });
+  window.familiarity_score = FamiliarityScore(model, observation, compared, nearest);
+  return window;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,35 @@
+// What stored clips, compared frame by frame, say about one window. Safe to call from any thread.
+#pragma once
+
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/model/model.h"
+#include "core/motion/cancellation.h"
+#include "core/recognition/metric_observation.h"
+
+namespace motiondb::core {
+
+struct ClipEvidence {
+  int clip = 0;             // index into Model::clips()
+  double log_evidence = 0;  // natural, summed over the frames
+};
+
+struct WindowAlignment {
+  std::vector<ClipEvidence> clips;  // most evidence first
+  int frames = 0;                   // of the observation that were compared
+  // How like the stored clips the window is: the negative log of the mean, over frames and
+  // dimensions, of the squared whitened difference to the nearest stored frame.
+  double familiarity_score = 0;
+};
+
+// Aligns the observation's frames `compared` (ComparedFrames) with each clip that is on its
+// shortlist, among those that are not left out (one at least is not). `anchored` as for
+// AlignToClip. CANCELLED, asked once a clip.
+absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
+                                            const MetricObservation& observation,
+                                            const std::vector<int>& compared,
+                                            const std::vector<bool>& left_out, bool anchored,
+                                            const Cancelled& cancelled);
+
+}  // namespace motiondb::core

@@ -1,0 +1,223 @@
+#include "core/prediction/predict.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/prediction/forecast.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+core::StateSequence Cut(const core::StateSequence& clip, int first, int count) {
+  core::StateSequence cut = clip;
+  cut.states = clip.states.middleRows(first, count).eval();
+  cut.root_path = clip.root_path.middleRows(first, count).eval();
+  return cut;
+}
+
+// One clip that repeats itself every second: 10 s of four markers on circles of their own.
+std::vector<core::BuildInput> PeriodicClip(const core::MarkerSet& set) {
+  auto inputs = WanderingClips(1, 600, set, 43);
+  core::StateSequence& clip = inputs[0].states;
+  for (Eigen::Index t = 0; t < 600; ++t) {
+    for (Eigen::Index d = 0; d < clip.states.cols(); ++d) {
+      const double phase = 2 * M_PI * (static_cast<double>(t) / 60 + 0.13 * static_cast<double>(d));
+      const bool velocity = d % 6 >= 3;
+      clip.states(t, d) =
+          static_cast<float>(velocity ? 2 * M_PI * std::cos(phase) : std::sin(phase));
+    }
+  }
+  return inputs;
+}
+
+}  // namespace
+
+TEST_CASE("Predict: nothing after the moment is used", "[core][prediction]") {
+  const core::Model model = SmallModel(4, 200, 4, 8, 41);
+  core::StateSequence clip = WanderingClips(4, 200, model.marker_set(), 41)[1].states;
+  core::PredictOptions options;
+  options.at_seconds = 1.0;
+  const auto before = core::Predict(model, clip, options);
+  REQUIRE(before.ok());
+  clip.states.bottomRows(139).setConstant(7);
+  clip.root_path.bottomRows(139).setConstant(3);
+  const auto after = core::Predict(model, clip, options);
+  REQUIRE(after.ok());
+  CHECK(before->state.node == after->state.node);
+  for (std::size_t h = 0; h < before->horizons.size(); ++h) {
+    CHECK(before->horizons[h].marker_positions_m == after->horizons[h].marker_positions_m);
+  }
+}
+
+TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips that go there",
+          "[core][prediction]") {
+  const core::Model model = SmallModel(4, 200, 4, 8, 41);
+  const auto clip = WanderingClips(4, 200, model.marker_set(), 41)[0].states;
+  for (const double at : {0.5, 1.0, 2.0, 3.0}) {
+    core::PredictOptions options;
+    options.at_seconds = at;
+    const auto prediction = core::Predict(model, clip, options);
+    REQUIRE(prediction.ok());
+    CHECK(prediction->at_seconds == Approx(at));
+    double sum = 0;
+    for (const core::NextNode& next : prediction->next_nodes) {
+      CHECK(next.node != prediction->state.node);
+      CHECK(next.probability > 0);
+      CHECK_FALSE(next.clips.empty());
+      sum += next.probability;
+    }
+    CHECK(sum <= 1 + 1e-9);
+    CHECK(sum > 0.9);
+    if (prediction->state.probability < 0.999) continue;
+    // One node for certain: eq. 6 without the transition to itself.
+    const auto& graph = model.global_graph(prediction->layer);
+    const int from = prediction->state.node;
+    for (const core::NextNode& next : prediction->next_nodes) {
+      const double expected = graph.count(from, next.node) /
+                              (static_cast<double>(graph.row_sum(from)) - graph.count(from, from));
+      CHECK(next.probability == Approx(expected).margin(0.01));
+    }
+  }
+}
+
+TEST_CASE("Predict: a stored clip's future is found, in the observation's world and size",
+          "[core][prediction]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::Model& model = *built;
+  const core::StateSequence clip = PeriodicClip(set)[0].states;
+  const core::FrameMatrix world = core::WorldPositions(clip);
+  core::PredictOptions options;
+  options.horizon_seconds = {0, 0.1, 0.2};
+  const auto prediction = core::Predict(model, Cut(clip, 0, 151), options);
+  REQUIRE(prediction.ok());
+  CHECK(prediction->at_seconds == Approx(2.5));
+  CHECK((prediction->horizons[0].marker_positions_m.transpose() - world.row(150)).norm() < 1e-4);
+  for (const int h : {1, 2}) {
+    const auto& predicted = prediction->horizons[h].marker_positions_m;
+    const double error = (predicted.transpose() - world.row(150 + 6 * h)).norm();
+    const double still = (world.row(150) - world.row(150 + 6 * h)).norm();
+    CHECK(error < 0.1 * still);
+    CHECK(prediction->horizons[h].confidence >= 0);
+    CHECK(prediction->horizons[h].confidence <= 1);
+  }
+
+  // The same observation elsewhere in the world, turned and larger: so is the prediction.
+  core::StateSequence moved = Cut(clip, 0, 151);
+  const double turn = 1.2;
+  const double c = std::cos(turn);
+  const double s = std::sin(turn);
+  moved.leg_length_m *= 1.5;
+  for (Eigen::Index t = 0; t < moved.root_path.rows(); ++t) {
+    const double x = 1.5 * moved.root_path(t, 0);
+    const double y = 1.5 * moved.root_path(t, 1);
+    moved.root_path.row(t) << 4 + c * x - s * y, -2 + s * x + c * y, moved.root_path(t, 2) + turn;
+  }
+  const auto elsewhere = core::Predict(model, moved, options);
+  REQUIRE(elsewhere.ok());
+  for (std::size_t h = 0; h < 3; ++h) {
+    const auto& from = prediction->horizons[h].marker_positions_m;
+    const auto& to = elsewhere->horizons[h].marker_positions_m;
+    for (Eigen::Index m = 0; m < from.size() / 3; ++m) {
+      const double x = 1.5 * from[3 * m];
+      const double y = 1.5 * from[3 * m + 1];
+      CHECK(to[3 * m] == Approx(4 + c * x - s * y).margin(1e-3));
+      CHECK(to[3 * m + 1] == Approx(-2 + s * x + c * y).margin(1e-3));
+      CHECK(to[3 * m + 2] == Approx(1.5 * from[3 * m + 2]).margin(1e-3));
+    }
+  }
+}
+
+TEST_CASE("Predict: missing markers are filled in the prediction", "[core][prediction]") {
+  const core::Model model = SmallModel(2, 200, 4, 8, 41);
+  core::StateSequence clip = WanderingClips(2, 200, model.marker_set(), 41)[0].states;
+  clip.states.middleCols<6>(12).setConstant(std::nanf(""));
+  const auto prediction = core::Predict(model, clip, {});
+  REQUIRE(prediction.ok());
+  for (const auto& horizon : prediction->horizons) {
+    CHECK(horizon.marker_positions_m.allFinite());
+  }
+}
+
+TEST_CASE("Predict: by the paper's method the nodes' means follow the graph",
+          "[core][prediction]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence clip = PeriodicClip(set)[0].states;
+  core::PredictOptions options;
+  options.method = core::Method::kPaper;
+  options.horizon_seconds = {0.5, 0.1, 0};  // in any order
+  const auto prediction = core::Predict(*built, Cut(clip, 0, 151), options);
+  REQUIRE(prediction.ok());
+  REQUIRE(prediction->horizons.size() == 3);
+  const core::FrameMatrix world = core::WorldPositions(clip);
+  for (int h = 0; h < 3; ++h) {
+    CHECK(prediction->horizons[h].seconds == options.horizon_seconds[h]);
+    CHECK(prediction->horizons[h].confidence == 0);
+  }
+  // Means of nodes are no more than near.
+  const auto& now = prediction->horizons[2].marker_positions_m;
+  CHECK((now.transpose() - world.row(150)).norm() < 1);
+}
+
+TEST_CASE("Predict: a clip that is left out is no example", "[core][prediction]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  auto inputs = PeriodicClip(set);
+  inputs.push_back(WanderingClips(2, 300, set, 4)[1]);
+  const auto built = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence clip = Cut(PeriodicClip(set)[0].states, 0, 151);
+  const auto error = [&](core::FrameRange without) {
+    core::PredictOptions options;
+    options.horizon_seconds = {0.3};
+    options.without = without;
+    const auto prediction = core::Predict(*built, clip, options);
+    REQUIRE(prediction.ok());
+    return (prediction->horizons[0].marker_positions_m.transpose() -
+            core::WorldPositions(PeriodicClip(set)[0].states).row(168))
+        .norm();
+  };
+  CHECK(error({0, 600}) > 3 * error({}));
+}
+
+TEST_CASE("Forecaster: an example counts where its clip goes on for so long",
+          "[core][prediction]") {
+  const core::MarkerSet set = SmallMarkerSet(4);
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  REQUIRE(built.ok());
+  const core::StateSequence past = Cut(PeriodicClip(set)[0].states, 100, 51);
+  core::Forecaster at_end(*built, past, {{599, false}, {595, false}});
+  CHECK(at_end.At(0.05).evidence.variance < 1);
+  CHECK(at_end.At(0.2).evidence.variance == 1);
+  core::Forecaster nothing(*built, past, {});
+  const core::Forecast forecast = nothing.At(0.5);
+  CHECK(forecast.evidence.variance == 1);
+  CHECK(forecast.positions.allFinite());
+}
+
+TEST_CASE("Predict: bad settings are refused by name", "[core][prediction]") {
+  const core::Model model = SmallModel(2, 100, 2, 8, 41);
+  const auto clip = WanderingClips(1, 60, model.marker_set(), 41)[0].states;
+  const auto message = [&](const std::function<void(core::PredictOptions&)>& change) {
+    core::PredictOptions options;
+    change(options);
+    const auto result = core::Predict(model, clip, options);
+    CHECK_FALSE(result.ok());
+    return std::string(result.status().message());
+  };
+  using Catch::Matchers::Contains;
+  CHECK_THAT(message([](auto& o) { o.at_seconds = -0.1; }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.at_seconds = 9; }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.at_seconds = std::nan(""); }), Contains("at_seconds"));
+  CHECK_THAT(message([](auto& o) { o.history_seconds = 0; }), Contains("history_seconds"));
+  CHECK_THAT(message([](auto& o) {
+               o.horizon_seconds = {0.1, -1};
+             }),
+             Contains("horizon_seconds[1]"));
+  CHECK_THAT(message([](auto& o) { o.transition_floor = -1; }), Contains("transition_floor"));
+}
+
+}  // namespace motiondb::tests

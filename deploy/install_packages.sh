@@ -14,6 +14,8 @@ test=(
   dart-doc           # two C3D captures
   libassimp-dev      # an importer that the BVH we write must please
   libbenchmark-dev   # Google Benchmark: what tests/bench measures speed with
+  libfaiss-dev       # nearest neighbours: what recognition is measured against
+  libopenblas0-pthread # FAISS at its own speed: the reference BLAS is many times slower
   nlohmann-json3-dev # the figures that motiondb_eval writes
   python3-numpy      # opens what `motiondb dump` writes
 )

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+#include <vector>
 
 #include "core/motion/error.h"
 
@@ -13,24 +15,48 @@ constexpr double kShrinkFrames = 16;     // a node of this many frames is half s
 constexpr double kTowards = 0.3;         // of the database's variance
 constexpr double kRelativeFloor = 1e-3;  // of the mean variance
 
-struct MeanVariance {
+// Of the frames of a branch: in all `count`, their mean, and the sum of squared differences from
+// it.
+struct Moments {
+  double count = 0;
   Eigen::RowVectorXd mean;
-  Eigen::RowVectorXd variance;
+  Eigen::RowVectorXd squares;
 };
 
-MeanVariance Moments(const Branch& branch, const Tree& tree, const FrameMatrix& states) {
-  const auto count = static_cast<double>(branch.end - branch.begin);
-  MeanVariance moments{Eigen::RowVectorXd::Zero(states.cols()),
-                       Eigen::RowVectorXd::Zero(states.cols())};
-  for (std::int32_t i = branch.begin; i < branch.end; ++i) {
+Moments MomentsOfLeaf(const Branch& leaf, const Tree& tree, const FrameMatrix& states) {
+  Moments moments{static_cast<double>(leaf.end - leaf.begin),
+                  Eigen::RowVectorXd::Zero(states.cols()), Eigen::RowVectorXd::Zero(states.cols())};
+  for (std::int32_t i = leaf.begin; i < leaf.end; ++i) {
     moments.mean += states.row(tree.frame_order()[i]).cast<double>();
   }
-  moments.mean /= count;
-  for (std::int32_t i = branch.begin; i < branch.end; ++i) {
-    moments.variance +=
+  moments.mean /= moments.count;
+  for (std::int32_t i = leaf.begin; i < leaf.end; ++i) {
+    moments.squares +=
         (states.row(tree.frame_order()[i]).cast<double>() - moments.mean).cwiseAbs2();
   }
-  moments.variance /= count;
+  return moments;
+}
+
+// Of two groups together, from those of each.
+Moments Together(const Moments& a, const Moments& b) {
+  const double count = a.count + b.count;
+  const Eigen::RowVectorXd apart = b.mean - a.mean;
+  return {count, a.mean + (b.count / count) * apart,
+          a.squares + b.squares + (a.count * b.count / count) * apart.cwiseAbs2()};
+}
+
+// Of every branch: leaves from their frames, the others from their children.
+std::vector<Moments> MomentsOfBranches(const Tree& tree, const FrameMatrix& states,
+                                       const ParallelFor& parallel) {
+  const auto& branches = tree.branches();
+  std::vector<Moments> moments(branches.size());
+  parallel(static_cast<int>(branches.size()), [&](int b) {
+    if (branches[b].left < 0) moments[b] = MomentsOfLeaf(branches[b], tree, states);
+  });
+  for (auto b = static_cast<int>(branches.size()) - 1; b >= 0; --b) {  // children follow parents
+    if (branches[b].left < 0) continue;
+    moments[b] = Together(moments[branches[b].left], moments[branches[b].right]);
+  }
   return moments;
 }
 
@@ -55,15 +81,17 @@ NodeGaussians NodeGaussians::Fit(const Tree& tree, const FrameMatrix& states,
   const auto& branches = tree.branches();
   FrameMatrix means(branches.size(), states.cols());
   FrameMatrix variances(branches.size(), states.cols());
-  const Eigen::RowVectorXd all = Moments(branches[0], tree, states).variance;
+  const std::vector<Moments> moments = MomentsOfBranches(tree, states, parallel);
+  const Eigen::RowVectorXd all = moments[0].squares / moments[0].count;
   // Where nothing varies at all, any positive number serves.
   const double floor = all.mean() > 0 ? kRelativeFloor * all.mean() : 1.0;
   parallel(static_cast<int>(branches.size()), [&](int b) {
-    const MeanVariance node = Moments(branches[b], tree, states);
-    const double shrink = kShrinkFrames / (branches[b].end - branches[b].begin + kShrinkFrames);
+    const Moments& node = moments[b];
+    const double shrink = kShrinkFrames / (node.count + kShrinkFrames);
     means.row(b) = node.mean.cast<float>();
-    variances.row(b) =
-        ((1 - shrink) * node.variance + shrink * kTowards * all).cwiseMax(floor).cast<float>();
+    variances.row(b) = ((1 - shrink) / node.count * node.squares + shrink * kTowards * all)
+                           .cwiseMax(floor)
+                           .cast<float>();
   });
   return *Create(std::move(means), std::move(variances));
 }

@@ -1,15 +1,20 @@
 #include "core/tree/principal_axis.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/tree/tridiagonal.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr double kTolerance = 1e-9;
-constexpr int kMaxSteps = 60;    // past this a full decomposition costs no more
-constexpr int kCheckEvery = 10;  // steps between looks at the residual
+constexpr Eigen::Index kBasisGrowth = 16;
+// Below this part of the largest eigenvalue a new direction is rounding: the space is exhausted.
+constexpr double kExhausted = 1e-14;
+// A direction that loses more than this to the basis is made orthogonal to it a second time.
+constexpr double kSecondPass = 0.1;
 
 void FixSign(Eigen::VectorXd& axis) {
   Eigen::Index largest = 0;
@@ -17,55 +22,48 @@ void FixSign(Eigen::VectorXd& axis) {
   if (axis[largest] < 0) axis = -axis;
 }
 
-// Lanczos: an orthonormal basis Q of the Krylov space in which C is the tridiagonal (alpha, beta).
-// Returns an empty vector where it has not converged.
-Eigen::VectorXd Lanczos(const Eigen::MatrixXd& covariance, Eigen::Index start) {
-  const Eigen::Index dimensions = covariance.rows();
-  const auto steps = static_cast<int>(std::min<Eigen::Index>(kMaxSteps, dimensions));
-  const auto symmetric = covariance.selfadjointView<Eigen::Lower>();
-  Eigen::MatrixXd basis(dimensions, steps);
-  Eigen::VectorXd alpha(steps);
-  Eigen::VectorXd beta(steps);
-
-  // The column of the largest variance leans towards the leading axis.
-  Eigen::VectorXd q = symmetric * Eigen::VectorXd::Unit(dimensions, start);
-  q.normalize();
-  for (int k = 0; k < steps; ++k) {
-    basis.col(k) = q;
-    Eigen::VectorXd w = symmetric * q;
-    alpha[k] = q.dot(w);
-    for (int pass = 0; pass < 2; ++pass) {
-      w -= basis.leftCols(k + 1) * (basis.leftCols(k + 1).transpose() * w);
-    }
-    beta[k] = w.norm();
-    const bool exhausted = beta[k] <= 1e-14 * alpha.head(k + 1).cwiseAbs().maxCoeff();
-    if (exhausted || (k + 1) % kCheckEvery == 0 || k + 1 == steps) {
-      Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> small;
-      small.computeFromTridiagonal(alpha.head(k + 1), beta.head(k));
-      const double residual = beta[k] * std::abs(small.eigenvectors()(k, k));
-      if (residual <= kTolerance * small.eigenvalues()[k]) {
-        return (basis.leftCols(k + 1) * small.eigenvectors().col(k)).normalized();
-      }
-      if (exhausted) break;
-    }
-    q = w / beta[k];
-  }
-  return {};
-}
-
 }  // namespace
 
-Eigen::VectorXd PrincipalAxis(const Eigen::MatrixXd& covariance) {
-  Eigen::Index widest = 0;
-  const double variance = covariance.diagonal().maxCoeff(&widest);
-  if (!(variance > 0)) return Eigen::VectorXd::Unit(covariance.rows(), 0);
-  Eigen::VectorXd axis = Lanczos(covariance, widest);
-  if (axis.size() == 0) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> full(covariance);
-    axis = full.eigenvectors().rightCols<1>();
+PrincipalAxis FindPrincipalAxis(const SymmetricProduct& product, const Eigen::VectorXd& start,
+                                double tolerance) {
+  const Eigen::Index dimensions = start.size();
+  // An orthonormal basis of the Krylov space, in which C is the tridiagonal (alpha, beta).
+  Eigen::MatrixXd basis(dimensions, std::min(kBasisGrowth, dimensions));
+  std::vector<double> alpha;
+  std::vector<double> beta;
+  PrincipalAxis found;
+  Eigen::VectorXd q = start.normalized();
+  Eigen::VectorXd w(dimensions);
+  Eigen::VectorXd overlap;
+  for (Eigen::Index k = 0;; ++k) {
+    if (k == basis.cols()) {
+      basis.conservativeResize(Eigen::NoChange, std::min(2 * basis.cols(), dimensions));
+    }
+    basis.col(k) = q;
+    product(q, w);
+    alpha.push_back(q.dot(w));
+    double length = w.norm();
+    const auto so_far = basis.leftCols(k + 1);
+    for (int pass = 0; pass < 2; ++pass) {
+      overlap.noalias() = so_far.transpose() * w;
+      w.noalias() -= so_far * overlap;
+      const double before = std::exchange(length, w.norm());
+      if (length > kSecondPass * before) break;
+    }
+    beta.push_back(length);
+
+    const TridiagonalTop top = TopOfTridiagonal(alpha, beta);
+    found.variance = top.value;
+    found.residual = top.value > 0 ? length * std::abs(top.vector[k]) / top.value : 0;
+    const bool exhausted = length <= kExhausted * top.value || k + 1 == dimensions;
+    if (exhausted || found.residual <= tolerance) {
+      found.products = static_cast<int>(k) + 1;
+      found.axis = (so_far * top.vector).normalized();
+      FixSign(found.axis);
+      return found;
+    }
+    q = w / length;
   }
-  FixSign(axis);
-  return axis;
 }
 
 }  // namespace motiondb::core

@@ -17,6 +17,12 @@ Eigen::MatrixXd RandomData(int dimensions, int frames, unsigned seed, double dec
   return data;
 }
 
+core::PrincipalAxis Find(const Eigen::MatrixXd& matrix, const Eigen::VectorXd& start,
+                         double tolerance) {
+  return core::FindPrincipalAxis(
+      [&](const Eigen::VectorXd& x, Eigen::VectorXd& y) { y = matrix * x; }, start, tolerance);
+}
+
 }  // namespace
 
 TEST_CASE("PrincipalAxis: is the first left singular vector of the centred data", "[core][tree]") {
@@ -24,7 +30,8 @@ TEST_CASE("PrincipalAxis: is the first left singular vector of the centred data"
     for (const int dimensions : {2, 6, 40, 204}) {
       for (const int frames : {3, 16, 300}) {
         const Eigen::MatrixXd data = RandomData(dimensions, frames, 7, decay);
-        const Eigen::VectorXd axis = core::PrincipalAxis(data * data.transpose());
+        const Eigen::VectorXd start = Eigen::VectorXd::Ones(dimensions);
+        const Eigen::VectorXd axis = Find(data * data.transpose(), start, 1e-6).axis;
         const Eigen::JacobiSVD<Eigen::MatrixXd> svd(data, Eigen::ComputeThinU);
         CAPTURE(decay, dimensions, frames);
         CHECK(axis.norm() == Approx(1));
@@ -37,15 +44,63 @@ TEST_CASE("PrincipalAxis: is the first left singular vector of the centred data"
   }
 }
 
+TEST_CASE("PrincipalAxis: its residual, variance and angle are within what it states",
+          "[core][tree]") {
+  for (const double decay : {0.3, 0.8, 0.97}) {
+    for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-6}) {
+      for (unsigned seed = 0; seed < 20; ++seed) {
+        const Eigen::MatrixXd data = RandomData(50, 200, seed, decay);
+        const Eigen::MatrixXd matrix = data * data.transpose();
+        const Eigen::JacobiSVD<Eigen::MatrixXd> svd(data, Eigen::ComputeThinU);
+        const Eigen::VectorXd values = svd.singularValues().cwiseAbs2();
+        const core::PrincipalAxis found = Find(matrix, matrix.col(0), tolerance);
+        CAPTURE(decay, tolerance, seed);
+        CHECK(found.residual <= tolerance);
+        CHECK((matrix * found.axis - found.variance * found.axis).norm() <=
+              tolerance * found.variance * (1 + 1e-6));
+        CHECK(found.axis.dot(matrix * found.axis) == Approx(found.variance));
+        CHECK((values.array() - found.variance).abs().minCoeff() <= tolerance * found.variance);
+        const Eigen::VectorXd axis = svd.matrixU().col(0);
+        const double sine = (found.axis - axis * axis.dot(found.axis)).norm();
+        if (found.variance > values[1]) {
+          CHECK(sine <= found.residual * found.variance / (found.variance - values[1]) + 1e-7);
+        }
+      }
+    }
+  }
+}
+
+TEST_CASE("PrincipalAxis: a start near the axis needs fewer products", "[core][tree]") {
+  const Eigen::MatrixXd data = RandomData(60, 300, 3, 0.95);
+  const Eigen::MatrixXd matrix = data * data.transpose();
+  const core::PrincipalAxis cold = Find(matrix, Eigen::VectorXd::Ones(60), 1e-4);
+  const core::PrincipalAxis warm = Find(matrix, cold.axis, 1e-3);
+  CHECK(cold.products > 3);
+  CHECK(warm.products == 1);
+}
+
 TEST_CASE("PrincipalAxis: a zero matrix has an axis too", "[core][tree]") {
-  CHECK(core::PrincipalAxis(Eigen::MatrixXd::Zero(5, 5)) == Eigen::VectorXd::Unit(5, 0));
+  const core::PrincipalAxis found =
+      Find(Eigen::MatrixXd::Zero(5, 5), Eigen::VectorXd::Unit(5, 0), 1e-6);
+  CHECK(found.axis == Eigen::VectorXd::Unit(5, 0));
+  CHECK(found.variance == 0);
+  CHECK(found.residual == 0);
 }
 
 TEST_CASE("PrincipalAxis: two axes of equal length give one of their plane", "[core][tree]") {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(4, 4);
   covariance(0, 0) = covariance(1, 1) = 5;
-  const Eigen::VectorXd axis = core::PrincipalAxis(covariance);
+  const Eigen::VectorXd axis = Find(covariance, Eigen::VectorXd::Ones(4), 1e-9).axis;
   CHECK(axis.head<2>().norm() == Approx(1));
+}
+
+TEST_CASE("PrincipalAxis: a matrix of rank 1 takes two products", "[core][tree]") {
+  const Eigen::VectorXd axis = Eigen::VectorXd::LinSpaced(30, 1, 5).normalized();
+  const core::PrincipalAxis found =
+      Find(3 * axis * axis.transpose(), Eigen::VectorXd::Unit(30, 4), 1e-6);
+  CHECK(found.products <= 2);
+  CHECK(found.axis.isApprox(axis));
+  CHECK(found.variance == Approx(3));
 }
 
 }  // namespace motiondb::tests

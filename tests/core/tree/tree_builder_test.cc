@@ -1,26 +1,15 @@
 #include "core/tree/tree_builder.h"
 
-#include <atomic>
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
-#include <thread>
 
+#include "tests/core/tree/exact_split.h"
+#include "tests/core/tree/threads.h"
 #include "tests/support/synthetic_states.h"
 
 namespace motiondb::tests {
 namespace {
-
-// Runs the body's indices on four threads in an order of their own.
-void OnFourThreads(int count, const std::function<void(int)>& body) {
-  std::atomic<int> next = count;
-  std::vector<std::thread> threads;
-  for (int i = 0; i < 4; ++i) {
-    threads.emplace_back([&] {
-      for (int at = --next; at >= 0; at = --next) body(at);
-    });
-  }
-  for (std::thread& thread : threads) thread.join();
-}
 
 core::Tree Build(const core::FrameMatrix& states, int min_frames,
                  const core::ParallelFor& parallel = core::Serially) {
@@ -92,6 +81,59 @@ TEST_CASE("BuildTree: the tree does not depend on threads, and comes out the sam
       CHECK(other.branches()[b].begin == once.branches()[b].begin);
       CHECK(other.branches()[b].left == once.branches()[b].left);
     }
+  }
+}
+
+TEST_CASE("BuildTree: large nodes, whose frames all threads divide, do not depend on them either",
+          "[core][tree]") {
+  const core::FrameMatrix states = WanderingStates(70'000, 12, 23);
+  const core::Tree once = Build(states, 16);
+  const core::Tree other = Build(states, 16, OnFourThreads);
+  CHECK(other.frame_order() == once.frame_order());
+  CHECK(other.branches().size() == once.branches().size());
+}
+
+TEST_CASE("BuildTree: nodes are those of exact covariance, decomposition and sort",
+          "[core][tree]") {
+  for (const int frames : {200, 3000, 6000}) {
+    core::FrameMatrix states = WanderingStates(frames, 24, static_cast<unsigned>(frames));
+    states.row(7) = states.row(150);  // frames that project alike go by their numbers
+    states.row(8) = states.row(150);
+    const core::Tree tree = Build(states, 8);
+    const auto exact = ExactNodes(states, 8);
+    REQUIRE(tree.branches().size() == exact.size());
+    for (std::size_t b = 0; b < exact.size(); ++b) {
+      const core::Branch& branch = tree.branches()[b];
+      std::vector<std::int32_t> got(tree.frame_order().begin() + branch.begin,
+                                    tree.frame_order().begin() + branch.end);
+      std::sort(got.begin(), got.end());
+      CHECK(got == exact[b]);
+    }
+  }
+}
+
+TEST_CASE("BuildTree: frames of a leaf are in order", "[core][tree]") {
+  const core::Tree tree = Build(WanderingStates(2000, 12, 29), 8);
+  for (const core::Branch& branch : tree.branches()) {
+    if (branch.left >= 0) continue;
+    CHECK(std::is_sorted(tree.frame_order().begin() + branch.begin,
+                         tree.frame_order().begin() + branch.end));
+  }
+}
+
+TEST_CASE("BuildTree: many frames alike are divided by their numbers", "[core][tree]") {
+  core::FrameMatrix states = core::FrameMatrix::Zero(400, 6);
+  for (int f = 0; f < 400; ++f) states(f, 0) = static_cast<float>(f % 5);
+  const core::Tree tree = Build(states, 16);
+  REQUIRE(tree.branches().size() > 1);
+  const auto exact = ExactNodes(states, 16);
+  REQUIRE(exact.size() == tree.branches().size());
+  for (std::size_t b = 0; b < exact.size(); ++b) {
+    const core::Branch& branch = tree.branches()[b];
+    std::vector<std::int32_t> got(tree.frame_order().begin() + branch.begin,
+                                  tree.frame_order().begin() + branch.end);
+    std::sort(got.begin(), got.end());
+    CHECK(got == exact[b]);
   }
 }
 

@@ -1,0 +1,45 @@
+// The states in the order of the tree as it is being built: every node's frames one after the other
+// in memory. Different nodes may be worked on by different threads.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/motion/matrix.h"
+#include "core/tree/node_axis.h"
+#include "core/tree/parallel.h"
+
+namespace motiondb::core {
+
+class PermutedStates {
+ public:
+  // A working copy of states (frames x dimensions), in their own order.
+  PermutedStates(const FrameMatrix& states, const ParallelFor& parallel);
+
+  // Divides the frames [begin, end) along their principal axis (eqs. 3-5): those left of the
+  // minimum-error threshold come to stand before the others; frames that project alike are divided
+  // by their numbers. Returns how many are on the left; 0, and changes nothing, if either side
+  // would have fewer than min_frames. `centred` is scratch. The order within a side is not that of
+  // the frames, but the same on any number of threads.
+  int Divide(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
+             const ParallelFor& parallel);
+
+  // The frame at each place.
+  std::vector<std::int32_t>& order() { return order_; }
+
+ private:
+  void Project(std::int32_t begin, std::int32_t end, const NodeAxis& node,
+               const ParallelFor& parallel);
+  void MoveLeft(std::int32_t begin, std::int32_t end, int left, const ParallelFor& parallel);
+
+  FrameMatrix rows_;
+  std::vector<std::int32_t> order_;
+  // Of each place, valid during Divide.
+  std::vector<double> projections_;
+  std::vector<double> sorted_;
+  std::vector<double> scratch_;
+  std::vector<std::int32_t> misplaced_;
+};
+
+}  // namespace motiondb::core

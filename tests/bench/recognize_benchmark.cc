@@ -1,0 +1,207 @@
+// How long it takes to recognize 0.4 s of motion in a large database, in process, beside FAISS's
+// exact windowed search over the same frames and recognition in 20 clips of the same kind. Windows
+// are from varied clips of another seed, which the database does not hold. All take turns, each on
+// one thread; figures are medians of processor time.
+#include <fmt/format.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/calibration/recognition_trial.h"
+#include "core/format/marker_set_file.h"
+#include "core/recognition/recognize.h"
+#include "tests/bench/bench_table.h"
+#include "tests/bench/varied_motion.h"
+#include "tests/bench/window_search.h"
+#include "tests/eval/threads.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr double kWindowSeconds = 0.4;
+constexpr int kFewClips = 20;
+constexpr std::uint64_t kStoredSeed = 1;
+constexpr std::uint64_t kObservedSeed = 2;
+
+struct Options {
+  VariedSize size;
+  int windows = 64;
+  int searches = 9;  // windows that FAISS searches, too
+  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::string json;
+};
+
+// Processor time of all threads: what others do on the machine does not count.
+double ProcessorSeconds(const auto& work) {
+  const std::clock_t begin = std::clock();
+  work();
+  return static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+}
+
+double Median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+absl::StatusOr<core::Model> Build(const VariedSize& size, const core::ParallelFor& parallel) {
+  auto clips = VariedClips(DataDir(), size, kStoredSeed, parallel);
+  if (!clips.ok()) return clips.status();
+  core::BuildSettings settings;
+  settings.frame_rate_hz = size.frame_rate_hz;
+  auto model =
+      core::BuildModel(settings, core::StandardScheme().set, *std::move(clips), parallel, {});
+  if (!model.ok()) return model;
+  // As a server's models are: the familiarity of one that is not costs a look at every node.
+  auto calibration = core::CalibrateRecognition(*model, parallel, {});
+  if (!calibration.ok()) return calibration.status();
+  model->set_recognition(*std::move(calibration));
+  return model;
+}
+
+struct Window {
+  core::StateSequence states;
+  std::string label;
+};
+
+absl::StatusOr<std::vector<Window>> Windows(const VariedSize& stored, int count,
+                                            const core::ParallelFor& parallel) {
+  VariedSize size = stored;
+  size.clips = count;
+  size.frames = 120 * count;
+  auto clips = VariedClips(DataDir(), size, kObservedSeed, parallel);
+  if (!clips.ok()) return clips.status();
+  const auto length = static_cast<int>(kWindowSeconds * size.frame_rate_hz + 0.5);
+  std::vector<Window> windows;
+  for (const core::BuildInput& clip : *clips) {
+    const int first = clip.states.frame_count() / 4;
+    windows.push_back({{clip.states.frame_rate_hz, clip.states.leg_length_m,
+                        clip.states.states.middleRows(first, length),
+                        clip.states.root_path.middleRows(first, length)},
+                       clip.label});
+  }
+  return windows;
+}
+
+// Milliseconds of each window's recognition, and how many labels were right.
+struct Answers {
+  std::vector<double> ms;
+  int right = 0;
+};
+
+absl::Status Recognize(const core::Model& model, core::Method method, const Window& window,
+                       Answers& answers) {
+  core::RecognizeOptions options;
+  options.method = method;
+  options.window_seconds = kWindowSeconds;
+  absl::StatusOr<std::vector<core::RecognizedWindow>> recognized;
+  answers.ms.push_back(
+      1e3 * ProcessorSeconds([&] { recognized = core::Recognize(model, window.states, options); }));
+  if (!recognized.ok()) return recognized.status();
+  answers.right += recognized->front().labels.front().label == window.label;
+  return absl::OkStatus();
+}
+
+void Search(const core::Model& model, const Window& window, Answers& answers) {
+  core::FrameMatrix frames = window.states.states;
+  model.scale().Apply(frames);
+  NearestWindow nearest;
+  answers.ms.push_back(1e3 * ProcessorSeconds([&] {
+                         nearest = FindNearestWindow(model.states(), model.clips(), frames,
+                                                     core::Serially);
+                       }));
+  answers.right += model.clips()[nearest.clip].label == window.label;
+}
+
+absl::StatusOr<BenchTable> Run(const Options& options) {
+  const core::ParallelFor parallel = OnThreads(options.jobs);
+  VariedSize few_size = options.size;
+  few_size.clips = kFewClips;
+  few_size.frames = options.size.frames / options.size.clips * kFewClips;
+  const auto few = Build(few_size, parallel);
+  if (!few.ok()) return few.status();
+  absl::StatusOr<core::Model> many;
+  const double build_seconds = ProcessorSeconds([&] { many = Build(options.size, parallel); });
+  if (!many.ok()) return many.status();
+  fmt::print(stderr, "{} clips, {} frames: generated and built in {:.1f} s of processor time\n",
+             options.size.clips, options.size.frames, build_seconds);
+  const auto windows = Windows(options.size, options.windows, parallel);
+  if (!windows.ok()) return windows.status();
+
+  constexpr core::Method kMethods[] = {core::Method::kBest, core::Method::kPaper};
+  Answers in_many[2], in_few[2], searched;
+  for (int w = 0; w < options.windows; ++w) {
+    const Window& window = (*windows)[w];
+    for (int m = 0; m < 2; ++m) {
+      absl::Status status = Recognize(*many, kMethods[m], window, in_many[m]);
+      status.Update(Recognize(*few, kMethods[m], window, in_few[m]));
+      if (!status.ok()) return status;
+    }
+    if (w < options.searches) Search(*many, window, searched);
+  }
+
+  BenchTable table{"recognition", {}, {}};
+  const std::string size = fmt::format("{} clips", options.size.clips);
+  for (int m = 0; m < 2; ++m) {
+    const std::string what =
+        fmt::format("recognize 0.4 s in {}, {}", size, m == 0 ? "best" : "paper");
+    const double ours = Median(in_many[m].ms);
+    table.rows.push_back(TimesFaster(what, ours, "FAISS exact windowed search", Median(searched.ms),
+                                     "ms", AtLeast(50)));
+    table.rows.push_back(TimesTheirs(what, ours, fmt::format("the same in {} clips", kFewClips),
+                                     Median(in_few[m].ms), "ms", AtMost(5)));
+  }
+  table.notes.push_back(fmt::format(
+      "recognition: {}, {} frames of {} numbers in {} ({} frames in {} clips); {} windows of clips "
+      "that are not stored, medians of processor time, all on one thread",
+      kVariedMotion, many->frame_count(), many->states().cols(), size, few->frame_count(),
+      kFewClips, options.windows));
+  table.notes.push_back(
+      fmt::format("recognition: FAISS's distances of all stored frames to all of the window's "
+                  "(pairwise_L2sqr), summed along the diagonals; {} windows",
+                  searched.ms.size()));
+  table.notes.push_back(fmt::format(
+      "recognition: right labels: best {}/{}, paper {}/{}, FAISS {}/{}", in_many[0].right,
+      options.windows, in_many[1].right, options.windows, searched.right, searched.ms.size()));
+  return table;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures recognition in a large database.", "motiondb_bench_recognize");
+  Options options;
+  app.add_option("--clips", options.size.clips, "Stored clips")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--frames", options.size.frames, "Stored frames")
+      ->check(CLI::Range(1000, 100'000'000))
+      ->capture_default_str();
+  app.add_option("--windows", options.windows, "Windows to recognize")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_option("--jobs", options.jobs, "Threads of the build")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
+    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    return 0;
+  }
+  const absl::StatusOr<BenchTable> table = Run(options);
+  if (table.ok()) return Finish(*table, options.json);
+  fmt::print(stderr, "motiondb_bench_recognize: {}\n", std::string(table.status().message()));
+  return 1;
+}
+
+}  // namespace
+}  // namespace motiondb::tests
+
+int main(int argc, char** argv) { return motiondb::tests::Main(argc, argv); }

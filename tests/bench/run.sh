@@ -1,0 +1,54 @@
+#!/usr/bin/env bash
+# Installs what is missing, builds the release benchmarks and runs them: one table on stdout, each
+# row beside a peer or a limit of the same run, then what has no row yet as it comes. Bars that are
+# missed fail nothing. Run it on a machine that does nothing else.
+#   tests/bench/run.sh [--quick] [--json FILE]     --quick: small databases, few rounds
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+quick=0
+json=
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --quick) quick=1 ;;
+    --json) json=$(realpath -m "${2:?--json: expected a file}"); shift ;;
+    *) echo "run.sh: expected --quick or --json FILE, got '$1'" >&2; exit 2 ;;
+  esac
+  shift
+done
+
+# Programs that write rows, in the table's order, with their options for --quick.
+declare -A quick_options=(
+  [parse]="--rounds 3"
+  [recognize]="--clips 200 --frames 100000"
+  [tree]="--frames 10000,30000"
+)
+with_rows=(tree recognize parse)
+plain=(kinematics plan)
+
+./deploy/install_packages.sh build test >&2
+cmake --preset release >&2
+cmake --build --preset release --target motiondb_bench_summary \
+  "${with_rows[@]/#/motiondb_bench_}" "${plain[@]/#/motiondb_bench_}" >&2
+programs=build/release/tests/bench
+
+results=$(mktemp -d)
+trap 'rm -rf "$results"' EXIT
+tables=()
+for name in "${with_rows[@]}"; do
+  options=()
+  [ "$quick" = 0 ] || read -ra options <<<"${quick_options[$name]}"
+  echo "motiondb_bench_$name ${options[*]}" >&2
+  "$programs/motiondb_bench_$name" "${options[@]}" --json "$results/$name.json" >&2
+  # A program without its data says so and writes nothing.
+  [ ! -f "$results/$name.json" ] || tables+=("$results/$name.json")
+done
+if [ ${#tables[@]} -gt 0 ]; then
+  "$programs/motiondb_bench_summary" "${tables[@]}" ${json:+--json "$json"}
+fi
+for name in "${plain[@]}"; do
+  if [ "$quick" = 0 ] || [ "$name" = kinematics ]; then
+    printf '### %s\n\n' "$name"
+    "$programs/motiondb_bench_$name"
+  fi
+done

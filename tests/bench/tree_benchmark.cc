@@ -1,0 +1,199 @@
+// How long the tree of 10,000, 100,000 and 1,000,000 frames takes to build, beside what the memory
+// allows: one streaming read of every node that is tested for a split, at the bandwidth that all
+// threads together reach in the same run. And beside FAISS's k-means into as many clusters as the
+// tree has leaves. Figures are wall time; bandwidth is measured before and after each build.
+#include <faiss/Clustering.h>
+#include <faiss/IndexFlat.h>
+#include <fmt/format.h>
+#include <omp.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/tree/node_gaussians.h"
+#include "core/tree/tree_builder.h"
+#include "tests/bench/bench_table.h"
+#include "tests/bench/varied_motion.h"
+#include "tests/eval/threads.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+constexpr int kFramesPerClip = 500;
+constexpr int kMinFrames = 16;
+constexpr double kStreamedBytes = 1 << 28;  // far more than any cache holds
+
+struct Options {
+  std::vector<int> frames = {10'000, 100'000, 1'000'000};
+  int builds = 3;                // of which the median counts
+  int most_clustered = 100'000;  // frames; k-means takes time with frames times clusters
+  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::string json;
+};
+
+double Seconds(const auto& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+// Bytes a second that all threads together read of a matrix, each its own part.
+class Bandwidth {
+ public:
+  Bandwidth(int jobs, const core::ParallelFor& parallel)
+      : jobs_(jobs),
+        parallel_(parallel),
+        numbers_(
+            core::FrameMatrix::Ones(jobs, static_cast<Eigen::Index>(kStreamedBytes) / 4 / jobs)),
+        sums_(static_cast<std::size_t>(jobs)) {}
+
+  void Measure() {
+    const double seconds =
+        Seconds([&] { parallel_(jobs_, [&](int j) { sums_[j] = numbers_.row(j).sum(); }); });
+    rates_.push_back(static_cast<double>(numbers_.size()) * sizeof(float) / seconds);
+  }
+  double median() const { return Median(rates_); }
+  // So that no compiler leaves the reading out.
+  float sum() const { return *std::max_element(sums_.begin(), sums_.end()); }
+
+ private:
+  int jobs_;
+  const core::ParallelFor& parallel_;
+  core::FrameMatrix numbers_;
+  std::vector<float> sums_;
+  std::vector<double> rates_;
+};
+
+struct Built {
+  core::Tree tree;
+  double seconds = 0;
+  double fit_seconds = 0;  // of the nodes' Gaussians
+  double frames_read = 0;  // of all nodes tested for a split
+  int leaves = 0;
+};
+
+Built Build(const core::FrameMatrix& states, int builds, Bandwidth& bandwidth,
+            const core::ParallelFor& parallel) {
+  Built built;
+  std::vector<double> seconds;
+  for (int b = 0; b < builds; ++b) {
+    for (int i = 0; i < 3; ++i) bandwidth.Measure();
+    seconds.push_back(
+        Seconds([&] { built.tree = *core::BuildTree(states, kMinFrames, parallel); }));
+    for (int i = 0; i < 3; ++i) bandwidth.Measure();
+  }
+  built.seconds = Median(seconds);
+  built.fit_seconds = Seconds([&] { core::NodeGaussians::Fit(built.tree, states, parallel); });
+  for (const core::Branch& branch : built.tree.branches()) {
+    const int frames = branch.end - branch.begin;
+    if (frames >= 2 * kMinFrames) built.frames_read += frames;
+    built.leaves += branch.left < 0;
+  }
+  return built;
+}
+
+double ClusterSeconds(const core::FrameMatrix& states, int clusters) {
+  faiss::ClusteringParameters parameters;
+  parameters.max_points_per_centroid = static_cast<int>(states.rows());  // all frames
+  parameters.min_points_per_centroid = 1;
+  faiss::Clustering clustering(static_cast<int>(states.cols()), clusters, parameters);
+  faiss::IndexFlatL2 index(states.cols());
+  return Seconds([&] { clustering.train(states.rows(), states.data(), index); });
+}
+
+std::string Thousands(int frames) { return fmt::format("{}k frames", frames / 1000); }
+
+absl::StatusOr<BenchTable> Run(const Options& options) {
+  const core::ParallelFor parallel = OnThreads(options.jobs);
+  omp_set_num_threads(options.jobs);
+  Bandwidth bandwidth(options.jobs, parallel);
+  BenchTable table{"tree build", {}, {}};
+  std::vector<double> read_nanoseconds;
+  for (const int frames : options.frames) {
+    VariedSize size;
+    size.frames = frames;
+    size.clips = std::max(1, frames / kFramesPerClip);
+    const auto states = VariedStates(DataDir(), size, kSeed, parallel);
+    if (!states.ok()) return states.status();
+    const Built built = Build(*states, options.builds, bandwidth, parallel);
+    const double bytes = built.frames_read * static_cast<double>(states->cols()) * sizeof(float);
+    table.rows.push_back(TimesTheirs(fmt::format("tree build, {}", Thousands(frames)),
+                                     1e3 * built.seconds, "one streaming read of each tested node",
+                                     1e3 * bytes / bandwidth.median(), "ms", AtMost(15)));
+    read_nanoseconds.push_back(1e9 * built.seconds / built.frames_read);
+    table.notes.push_back(fmt::format(
+        "tree build, {}: {} layers, {} leaves; frames are tested {:.1f} times each, {:.0f} ns a "
+        "frame and test; node statistics {:.0f} ms",
+        Thousands(frames), built.tree.layer_count(), built.leaves, built.frames_read / frames,
+        read_nanoseconds.back(), 1e3 * built.fit_seconds));
+    fmt::print(stderr, "{}\n", table.notes.back());
+    if (frames > options.most_clustered) continue;
+    table.rows.push_back(
+        TimesFaster(fmt::format("tree build, {}", Thousands(frames)), 1e3 * built.seconds,
+                    fmt::format("FAISS k-means, {} clusters", built.leaves),
+                    1e3 * ClusterSeconds(*states, built.leaves), "ms", AtLeast(20)));
+  }
+  for (std::size_t i = 1; i < options.frames.size(); ++i) {
+    table.rows.push_back(
+        TimesTheirs(fmt::format("frame and test, {}", Thousands(options.frames[i])),
+                    read_nanoseconds[i], Thousands(options.frames[i - 1]), read_nanoseconds[i - 1],
+                    "ns", options.frames[i] == 1'000'000 ? AtMost(1.3) : Reported()));
+  }
+  table.notes.push_back(fmt::format(
+      "tree build: {}, {} numbers a frame, at least {} frames a node; {} threads, median of {} "
+      "builds; streaming read: {:.1f} GB/s (median over the run, checksum {:.0f})",
+      kVariedMotion, 204, kMinFrames, options.jobs, options.builds, bandwidth.median() / 1e9,
+      bandwidth.sum()));
+  table.notes.push_back(fmt::format(
+      "tree build: k-means runs FAISS's own 25 iterations over all frames; beyond {} frames it is "
+      "left out, for it grows with frames times clusters",
+      options.most_clustered));
+  return table;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures the build of the tree.", "motiondb_bench_tree");
+  Options options;
+  app.add_option("--frames", options.frames, "Frames of the trees, ascending")
+      ->delimiter(',')
+      ->check(CLI::Range(1000, 100'000'000))
+      ->capture_default_str();
+  app.add_option("--builds", options.builds, "Builds of each tree")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--most-clustered", options.most_clustered, "Frames up to which k-means runs")
+      ->capture_default_str();
+  app.add_option("--jobs", options.jobs, "Threads")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
+    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    return 0;
+  }
+  const absl::StatusOr<BenchTable> table = Run(options);
+  if (table.ok()) return Finish(*table, options.json);
+  fmt::print(stderr, "motiondb_bench_tree: {}\n", std::string(table.status().message()));
+  return 1;
+}
+
+}  // namespace
+}  // namespace motiondb::tests
+
+int main(int argc, char** argv) { return motiondb::tests::Main(argc, argv); }

@@ -1,0 +1,150 @@
+#include "core/tree/node_axis.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/format/marker_set_file.h"
+#include "core/motion/states.h"
+#include "core/tree/feature_scale.h"
+#include "core/tree/row_kernels.h"
+#include "core/tree/tree_builder.h"
+#include "tests/core/tree/exact_split.h"
+#include "tests/core/tree/threads.h"
+#include "tests/support/motion_source.h"
+#include "tests/support/real_data.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr int kDimensions = 48;
+constexpr double kRounding = 3e-6;  // of single precision, as part of the largest scatter
+
+core::NodeAxis AxisOf(const core::FrameMatrix& states,
+                      const core::ParallelFor& parallel = core::Serially) {
+  core::FrameMatrix padded(states.rows() + core::kRowLanes, states.cols());
+  padded.topRows(states.rows()) = states;
+  padded.bottomRows(core::kRowLanes).setConstant(1e6);  // is read, and must not matter
+  std::vector<float> scratch;
+  return core::FindNodeAxis(
+      {padded.data(), static_cast<int>(states.rows()), static_cast<int>(states.cols())}, scratch,
+      parallel);
+}
+
+// That the axis is within its stated bounds, and that its best cut is as good as the exact axis's.
+void CheckSplit(const core::FrameMatrix& states) {
+  const bool tight = states.rows() <= core::kTightFrames;
+  const double tolerance = tight ? core::kTightTolerance : core::kLooseTolerance;
+  const ExactAxes exact = FindExactAxes(states);
+  const double most = exact.scatters.tail<1>()[0];
+  const double second = exact.scatters[exact.scatters.size() - 2];
+  const core::NodeAxis node = AxisOf(states);
+  const Eigen::VectorXd& axis = node.principal.axis;
+  CAPTURE(states.rows(), most / exact.total(), second / most, node.principal.residual);
+
+  CHECK((node.mean.transpose() - exact.mean).norm() <=
+        1e-6 * (exact.mean.norm() + std::sqrt(most / static_cast<double>(states.rows()))));
+  CHECK(node.principal.residual <= tolerance);
+  const Eigen::VectorXd product =
+      exact.axes * (exact.scatters.asDiagonal() * (exact.axes.transpose() * axis));
+  const double scatter = axis.dot(product);
+  CHECK((product - scatter * axis).norm() <= (tolerance + kRounding) * scatter);
+  const Eigen::VectorXd true_axis = exact.axes.rightCols<1>();
+  const double sine = (axis - true_axis * true_axis.dot(axis)).norm();
+  CHECK(sine * (scatter - second) <= (tolerance + kRounding) * scatter);
+  CHECK(scatter >= most * (1 - (tight ? 1e-9 : tolerance)));
+
+  const double cost = LeastCutCost(SortedProjections(states, exact.mean, axis));
+  const double exact_cost = LeastCutCost(SortedProjections(states, exact.mean, true_axis));
+  CHECK(cost <= exact_cost + (tight ? 1e-6 : 1e-3) * static_cast<double>(states.rows()));
+}
+
+}  // namespace
+
+TEST_CASE("NodeAxis: axis and split are as good as the exact ones", "[core][tree]") {
+  for (const int frames : {4, 33, 500, 4096, 4097, 9000, 20'000, 40'000}) {
+    CheckSplit(WanderingStates(frames, kDimensions, static_cast<unsigned>(frames)));
+  }
+}
+
+TEST_CASE("NodeAxis: also far from the origin", "[core][tree]") {
+  for (const int frames : {300, 6000, 20'000}) {
+    core::FrameMatrix states = WanderingStates(frames, kDimensions, 8);
+    states.rowwise() += Eigen::RowVectorXf::LinSpaced(kDimensions, -5, 5);
+    CheckSplit(states);
+  }
+}
+
+TEST_CASE("NodeAxis: two axes of almost the same scatter", "[core][tree]") {
+  for (const int frames : {1000, 30'000}) {
+    core::FrameMatrix states = core::FrameMatrix::Random(frames, kDimensions);
+    states.col(3) *= 3;
+    states.col(17) *= 3.01f;
+    CheckSplit(states);
+  }
+}
+
+TEST_CASE("NodeAxis: does not depend on threads", "[core][tree]") {
+  for (const int frames : {1000, 10'000, 50'000}) {
+    const core::FrameMatrix states = WanderingStates(frames, kDimensions, 4);
+    const core::NodeAxis one = AxisOf(states);
+    const core::NodeAxis four = AxisOf(states, OnFourThreads);
+    CHECK(one.mean == four.mean);
+    CHECK(one.principal.axis == four.principal.axis);
+  }
+}
+
+TEST_CASE("NodeAxis: frames that are all alike have an axis", "[core][tree]") {
+  for (const int frames : {1, 100, 5000}) {
+    const core::NodeAxis node = AxisOf(core::FrameMatrix::Constant(frames, kDimensions, 0.5f));
+    CHECK(node.mean == Eigen::VectorXd::Constant(kDimensions, 0.5));
+    CHECK(node.principal.axis.norm() == Approx(1));
+  }
+}
+
+TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree][data]") {
+  MOTIONDB_REQUIRE_DATA();
+  struct Set {
+    const char* list;
+    double frame_rate_hz;
+    const char* folder;  // of which clips are taken
+  };
+  for (const Set& set : {Set{"sets/database1.train.tsv", 60, ""},
+                         Set{"sets/database2.tsv", 240, ""}, Set{"index.tsv", 120, "hdm05"}}) {
+    const auto listed = ReadClipList(DataDir() / set.list);
+    REQUIRE(listed.ok());
+    std::vector<core::FrameMatrix> clips;
+    Eigen::Index frames = 0;
+    for (const ListedClip& clip : *listed) {
+      if (clip.path.string().find(set.folder) == std::string::npos) continue;
+      const auto file = ReadMotion(clip.path);
+      REQUIRE(file.ok());
+      const auto sequence = core::Represent(core::StandardScheme(), file->motion, set.frame_rate_hz,
+                                            core::Gaps::kFill);
+      REQUIRE(sequence.ok());
+      clips.push_back(sequence->states);
+      frames += clips.back().rows();
+    }
+    core::FrameMatrix states(frames, clips[0].cols());
+    Eigen::Index at = 0;
+    for (const core::FrameMatrix& clip : clips) {
+      states.middleRows(at, clip.rows()) = clip;
+      at += clip.rows();
+    }
+    core::MakeFeatureScale(core::Scaling::kKind, states).Apply(states);
+
+    const auto tree = core::BuildTree(states, 16, core::Serially);
+    REQUIRE(tree.ok());
+    int checked = 0;
+    for (const core::Branch& branch : tree->branches()) {
+      if (branch.left < 0 || checked++ >= 40) continue;  // the large ones come first
+      core::FrameMatrix rows(branch.end - branch.begin, states.cols());
+      for (int i = branch.begin; i < branch.end; ++i) {
+        rows.row(i - branch.begin) = states.row(tree->frame_order()[i]);
+      }
+      CheckSplit(rows);
+    }
+  }
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,76 @@
+#include "core/tree/row_kernels.h"
+
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "core/motion/matrix.h"
+
+namespace motiondb::tests {
+namespace {
+
+// Rows of which whole steps can be read, also from the last.
+struct Rows {
+  core::FrameMatrix all;
+  int count;
+
+  Rows(int rows, int dimensions)
+      : all(core::FrameMatrix::Random(rows + core::kRowLanes, dimensions)), count(rows) {}
+  Eigen::MatrixXd exact() const { return all.topRows(count).cast<double>(); }
+  int dimensions() const { return static_cast<int>(all.cols()); }
+};
+
+}  // namespace
+
+TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]") {
+  for (const int dimensions : {1, 3, 4, 15, 16, 17, 50, 204, 600}) {
+    for (const int count : {1, 2, 7, 8, 31, 32, 33, 100}) {
+      CAPTURE(dimensions, count);
+      const Rows rows(count, dimensions);
+      const Eigen::MatrixXd exact = rows.exact();
+      const int padded = core::PaddedDimensions(dimensions);
+
+      Eigen::VectorXd sum = Eigen::VectorXd::Ones(dimensions);  // it is added to
+      core::AddRows(rows.all.data(), count, dimensions, sum.data());
+      const Eigen::VectorXd exact_sum = exact.colwise().sum().transpose();
+      CHECK((sum - exact_sum - Eigen::VectorXd::Ones(dimensions)).norm() <=
+            1e-6 * exact.norm() + 1e-6);
+
+      const Eigen::VectorXf mean = Eigen::VectorXf::Random(dimensions);
+      core::FrameMatrix centred = core::FrameMatrix::Constant(count, padded, 9);
+      core::CentreRows(rows.all.data(), count, dimensions, mean.data(), centred.data());
+      CHECK(centred.leftCols(dimensions) == rows.all.topRows(count).rowwise() - mean.transpose());
+      CHECK((centred.rightCols(padded - dimensions).array() == 0).all());
+
+      Eigen::VectorXf q = Eigen::VectorXf::Zero(padded);
+      q.head(dimensions).setRandom();
+      const Eigen::VectorXd factors = (exact * q.head(dimensions).cast<double>()).array() - 0.25;
+      Eigen::VectorXd product = Eigen::VectorXd::Ones(padded);
+      const double total = core::AddScatterProduct(rows.all.data(), count, dimensions, padded,
+                                                   q.data(), 0.25f, product.data());
+      const double error = 1e-6 * exact.squaredNorm() * (1 + q.norm());
+      CHECK(std::abs(total - factors.sum()) <= error);
+      CHECK((product.head(dimensions) - exact.transpose() * factors -
+             Eigen::VectorXd::Ones(dimensions))
+                .norm() <= error);
+
+      Eigen::VectorXd axis = Eigen::VectorXd::Zero(padded);
+      axis.head(dimensions).setRandom();
+      Eigen::VectorXd projections(count);
+      core::ProjectRows(rows.all.data(), count, dimensions, axis.data(), projections.data());
+      CHECK(projections.isApprox(exact * axis.head(dimensions), 1e-12));
+    }
+  }
+}
+
+TEST_CASE("Row kernels: alike rows project alike wherever they stand", "[core][tree]") {
+  const int dimensions = 21;
+  core::FrameMatrix rows = core::FrameMatrix::Random(50, dimensions);
+  rows.rowwise() = rows.row(0).eval();
+  Eigen::VectorXd axis = Eigen::VectorXd::Zero(core::PaddedDimensions(dimensions));
+  axis.head(dimensions).setRandom();
+  Eigen::VectorXd projections(50);
+  core::ProjectRows(rows.data(), 50, dimensions, axis.data(), projections.data());
+  CHECK((projections.array() == projections[0]).all());
+}
+
+}  // namespace motiondb::tests

@@ -22,12 +22,12 @@ absl::Status Check(const ClientOptions& options) {
 
 absl::StatusOr<Client> Client::Connect(ClientOptions options) {
   if (const absl::Status status = Check(options); !status.ok()) return status;
-  auto connection = std::make_unique<const Connection>(std::move(options));
+  auto connection = std::make_shared<const Connection>(std::move(options));
   if (const absl::Status status = connection->WaitUntilConnected(); !status.ok()) return status;
   return Client(std::move(connection));
 }
 
-Client::Client(std::unique_ptr<const Connection> connection) : connection_(std::move(connection)) {}
+Client::Client(std::shared_ptr<const Connection> connection) : connection_(std::move(connection)) {}
 Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;

@@ -34,6 +34,7 @@ Client::Connection::Connection(ClientOptions options)
       clips(v1::ClipService::NewStub(channel_)),
       models(v1::ModelService::NewStub(channel_)),
       queries(v1::QueryService::NewStub(channel_)),
+      observations(v1::ObserveService::NewStub(channel_)),
       operations(v1::OperationService::NewStub(channel_)) {}
 
 absl::Status Client::Connection::WaitUntilConnected() const {

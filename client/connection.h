@@ -8,6 +8,7 @@
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
+#include <motiondb/v1/observe.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
 
@@ -98,6 +99,7 @@ class Client::Connection {
   const std::unique_ptr<v1::ClipService::Stub> clips;
   const std::unique_ptr<v1::ModelService::Stub> models;
   const std::unique_ptr<v1::QueryService::Stub> queries;
+  const std::unique_ptr<v1::ObserveService::Stub> observations;
   const std::unique_ptr<v1::OperationService::Stub> operations;
 };
 

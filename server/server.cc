@@ -26,9 +26,9 @@ void EnablePlugins() {
 // How long clients have to close their connections before they are cut.
 constexpr std::chrono::milliseconds kFarewell{100};
 
-constexpr const char* kServiceNames[] = {"motiondb.v1.DatabaseService", "motiondb.v1.ClipService",
-                                         "motiondb.v1.ModelService", "motiondb.v1.OperationService",
-                                         "motiondb.v1.QueryService"};
+constexpr const char* kServiceNames[] = {
+    "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
+    "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService"};
 
 }  // namespace
 
@@ -47,6 +47,7 @@ Server::Server(std::unique_ptr<Engine> engine)
   services_.push_back(MakeModelService(*host_));
   services_.push_back(MakeOperationService(*host_));
   services_.push_back(MakeQueryService(*host_));
+  services_.push_back(MakeObserveService(*host_));
 }
 
 Server::~Server() { Drain(std::chrono::milliseconds(0)); }

@@ -55,6 +55,7 @@ void AddEstimateCommand(CommandLine line);
 void AddExportCommand(CommandLine line);
 void AddIngestCommand(CommandLine line);
 void AddListCommand(CommandLine line);
+void AddObserveCommand(CommandLine line);
 void AddOperationsCommand(CommandLine line);
 void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);

@@ -59,6 +59,7 @@ int Run(int argc, char** argv) {
   AddRecognizeCommand(line);
   AddEstimateCommand(line);
   AddPredictCommand(line);
+  AddObserveCommand(line);
   AddPlanCommand(line);
   AddDumpCommand(line);
   AddExportCommand(line);

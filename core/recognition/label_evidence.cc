@@ -65,9 +65,10 @@ std::vector<double> LabelEvidence(const Model& model, const std::vector<std::str
   return evidence;
 }
 
-std::vector<LabelScore> LabelsByAlignment(const Model& model, const WindowAlignment& alignment,
+std::vector<LabelScore> LabelsByAlignment(const Model& model,
+                                          const std::vector<std::string>& labels,
+                                          const WindowAlignment& alignment,
                                           const EvidenceWeight& weight) {
-  const std::vector<std::string> labels = Labels(model);
   std::vector<double> logs = LabelEvidence(model, labels, alignment.clips);
   for (double& log : logs) log *= weight.At(alignment.frames);
   return Normalized(labels, logs);

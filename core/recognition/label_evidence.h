@@ -22,8 +22,11 @@ std::vector<std::string> Labels(const Model& model);
 std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
                                   const std::vector<ClipEvidence>& clips);
 
-// P(label | window) by alignment: proportional to exp(weight * evidence). Most probable first.
-std::vector<LabelScore> LabelsByAlignment(const Model& model, const WindowAlignment& alignment,
+// P(label | window) by alignment: proportional to exp(weight * evidence). `labels`: Labels(model).
+// Most probable first.
+std::vector<LabelScore> LabelsByAlignment(const Model& model,
+                                          const std::vector<std::string>& labels,
+                                          const WindowAlignment& alignment,
                                           const EvidenceWeight& weight);
 
 }  // namespace motiondb::core

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -36,45 +35,38 @@ absl::Status CheckOptions(const RecognizeOptions& options) {
   return absl::OkStatus();
 }
 
-// Brings the aligned clips to the front, those with most evidence first.
-void PutAlignedFirst(const std::vector<ClipEvidence>& aligned, std::vector<ClipScore>& clips) {
-  std::map<int, std::size_t> place;
-  for (const ClipEvidence& clip : aligned) place.emplace(clip.clip, place.size());
-  std::stable_sort(clips.begin(), clips.end(), [&](const ClipScore& a, const ClipScore& b) {
-    const auto of = [&](const ClipScore& score) {
-      const auto found = place.find(score.clip);
-      return found == place.end() ? place.size() : found->second;
-    };
-    return of(a) < of(b);
-  });
-}
-
 double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& emission) {
   return model.familiarity().Rank(
       layer, FamiliarityScore(model.global_graph(layer), emission.log_density()));
 }
 
-// Labels and familiarity by the graphs alone; `window.clips` are in the order of the model's.
-void JudgeByPaper(const Model& model, const WindowEmission& emission, RecognizedWindow& window) {
+// By the graphs alone.
+absl::Status JudgeByPaper(const Model& model, const WindowEmission& emission,
+                          const RecognizeOptions& options, const Cancelled& cancelled,
+                          RecognizedWindow& window) {
+  std::vector<int> clips(model.clips().size());
+  std::iota(clips.begin(), clips.end(), 0);
+  MOTIONDB_ASSIGN_OR_RETURN(
+      window.clips, ScoreGeneration(model, window.layer, emission, clips, options, cancelled));
   window.labels = LabelsByGeneration(model, window.clips);
   SortByGeneration(window.clips);
   window.familiarity = FamiliarityByGraph(model, window.layer, emission);
+  return absl::OkStatus();
 }
 
-// By the frames of the clips on the window's shortlist.
-absl::Status JudgeByAlignment(const Model& model, const WindowEmission& emission,
-                              const MetricObservation& observation,
+// By the frames of the clips on the window's shortlist; all but a familiarity that is not
+// calibrated.
+absl::Status JudgeByAlignment(const Model& model, const MetricObservation& observation,
                               const std::vector<int>& compared, bool whole,
                               const Cancelled& cancelled, RecognizedWindow& window) {
-  SortByGeneration(window.clips);
   MOTIONDB_ASSIGN_OR_RETURN(const WindowAlignment alignment,
                             AlignWindow(model, observation, compared, {}, whole, cancelled));
-  PutAlignedFirst(alignment.clips, window.clips);
+  for (const ClipEvidence& clip : alignment.clips) {
+    window.clips.push_back({clip.clip, clip.log_evidence});
+  }
   const AnswerCalibration& calibration = model.recognition().Of(whole);
-  window.labels = LabelsByAlignment(model, alignment, calibration.weight);
-  window.familiarity = calibration.familiarity.empty()
-                           ? FamiliarityByGraph(model, window.layer, emission)
-                           : calibration.FamiliarityRank(alignment.familiarity_score);
+  window.labels = LabelsByAlignment(model, Labels(model), alignment, calibration.weight);
+  window.familiarity = calibration.FamiliarityRank(alignment.familiarity_score);
   return absl::OkStatus();
 }
 
@@ -96,38 +88,35 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   };
   const int width = options.whole ? frames : in_frames(options.window_seconds);
   const int hop = in_frames(options.hop_seconds);
-  if (static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
+  const bool align = options.method == Method::kBest && !model.metric().empty();
+  const bool by_graph = !align || model.recognition().Of(options.whole).familiarity.empty();
+  if (by_graph && static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
     return InvalidArgument(
         "window_seconds: a window of {} frames over the {} nodes of layer {} would take too much "
         "memory; ask for shorter windows or a higher layer",
         width, model.tree().node_count(layer), layer);
   }
 
-  const bool align = options.method == Method::kBest && !model.metric().empty();
   MetricObservation in_metric;
   if (align) {
     MOTIONDB_ASSIGN_OR_RETURN(in_metric, MetricObservation::Create(model, scaled, cancelled));
   }
-  std::vector<int> all_clips(model.clips().size());
-  std::iota(all_clips.begin(), all_clips.end(), 0);
   const int stride = FrameStride(rate);
-
-  WindowEmission emission(model, layer, scaled, width);
+  WindowEmission emission(model, layer, scaled, by_graph ? width : 0);
   std::vector<RecognizedWindow> windows;
   for (int first = 0; first + width <= frames; first += hop) {
-    emission.MoveTo(first);
     RecognizedWindow& window = windows.emplace_back();
     window.start_seconds = first / rate;
     window.end_seconds = (first + width) / rate;
     window.layer = layer;
-    MOTIONDB_ASSIGN_OR_RETURN(
-        window.clips, ScoreGeneration(model, layer, emission, all_clips, options, cancelled));
+    if (by_graph) emission.MoveTo(first);
     if (align) {
-      MOTIONDB_RETURN_IF_ERROR(JudgeByAlignment(model, emission, in_metric,
+      MOTIONDB_RETURN_IF_ERROR(JudgeByAlignment(model, in_metric,
                                                 ComparedFrames(first, width, stride, options.whole),
                                                 options.whole, cancelled, window));
+      if (by_graph) window.familiarity = FamiliarityByGraph(model, layer, emission);
     } else {
-      JudgeByPaper(model, emission, window);
+      MOTIONDB_RETURN_IF_ERROR(JudgeByPaper(model, emission, options, cancelled, window));
     }
   }
   return windows;

@@ -20,6 +20,7 @@ struct RecognizeOptions {
   // One window over the whole observation, taken for a motion from its beginning on.
   bool whole = false;
   double hop_seconds = 0.1;
+  // The rest is for kPaper.
   int layer = 0;  // 0 is the bottom layer
   double transition_floor = 1e-6;
   Generation generation = Generation::kExact;
@@ -28,8 +29,9 @@ struct RecognizeOptions {
 
 struct ClipScore {
   int clip = 0;  // index into Model::clips()
-  // That the clip's graph generates the window; natural, -infinity where the strict rule allows no
-  // path.
+  // That the clip generates the window; natural. kPaper: its graph, -infinity where the strict rule
+  // allows no path. kBest: its own course of frames, up to a term that all clips of the window
+  // share.
   double log_probability = 0;
 };
 
@@ -42,8 +44,8 @@ struct RecognizedWindow {
   double start_seconds = 0;
   double end_seconds = 0;
   int layer = 0;
-  // All clips. With kPaper the most probable first; with kBest those compared frame by frame in the
-  // order of how well their frames explain the window, then the others, most probable first.
+  // Most probable first. kPaper: all clips; kBest: those that were compared frame by frame, which
+  // are all of at most 64.
   std::vector<ClipScore> clips;
   std::vector<LabelScore> labels;  // most probable first; they sum to 1
   // Fraction of windows like this one that are less like the stored motion. kPaper: of the stored

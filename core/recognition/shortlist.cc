@@ -16,44 +16,77 @@ constexpr int kNearNodes = 64;
 
 }  // namespace
 
+std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMostFrames); }
+
+NearClipFinder::NearClipFinder(const ClipIndex& index, int clip_count)
+    : index_(index), nodes_(index.node_count()), found_by_(clip_count, -1) {
+  std::iota(nodes_.begin(), nodes_.end(), 0);
+}
+
+void NearClipFinder::Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_distances,
+                          std::vector<NearClip>& near) {
+  near.clear();
+  const auto& to = squared_distances;
+  const int nodes = std::min(kNearNodes, index_.node_count());
+  std::partial_sort(nodes_.begin(), nodes_.begin() + nodes, nodes_.end(),
+                    [&](int a, int b) { return std::pair(to[a], a) < std::pair(to[b], b); });
+  const float furthest = to[nodes_[nodes - 1]];
+  for (int n = 0; n < nodes; ++n) {
+    for (const int clip : index_.clips(nodes_[n])) {
+      if (found_by_[clip] == frame_) continue;  // a nearer node has it
+      found_by_[clip] = frame_;
+      near.push_back({clip, furthest - to[nodes_[n]]});
+    }
+  }
+  ++frame_;
+}
+
+void ClipRanking::Add(const std::vector<NearClip>& near) {
+  for (const auto& [clip, nearer] : near) {
+    if (!is_found_[clip]) found_.push_back(clip);
+    is_found_[clip] = true;
+    nearer_[clip] += nearer;
+  }
+}
+
+std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
+  std::vector<int> shortlist;
+  for (const int clip : found_) {
+    if (left_out.empty() || !left_out[clip]) shortlist.push_back(clip);
+  }
+  const auto kept = std::min(kMostClips, shortlist.size());
+  std::partial_sort(
+      shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
+      [&](int a, int b) { return std::pair(-nearer_[a], a) < std::pair(-nearer_[b], b); });
+  shortlist.resize(kept);
+  // Where few were found nothing is lost by comparing some more.
+  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMostClips;
+       ++clip) {
+    if (!is_found_[clip] && (left_out.empty() || !left_out[clip])) shortlist.push_back(clip);
+  }
+  for (const int clip : found_) {
+    nearer_[clip] = 0;
+    is_found_[clip] = false;
+  }
+  found_.clear();
+  return shortlist;
+}
+
 std::vector<int> ShortlistClips(const Model& model, const FrameMatrix& observed,
                                 const std::vector<bool>& left_out) {
   const ClipIndex& index = model.clip_index();
-  const int near = std::min(kNearNodes, index.node_count());
-  const FrameMatrix frames = observed(SpreadEvenly(observed.rows(), kMostFrames), Eigen::all);
+  const auto clip_count = static_cast<int>(model.clips().size());
+  const FrameMatrix frames =
+      observed(ShortlistFrames(static_cast<int>(observed.rows())), Eigen::all);
   const FrameMatrix distances = SquaredDistances(frames, index.means(), index.squared_norms());
-
-  // How much nearer than the 64th node of each frame, summed over the frames.
-  std::vector<float> nearer(model.clips().size(), 0.0F);
-  std::vector<int> found;
-  std::vector<int> found_at(model.clips().size(), -1);  // the frame that found a clip last
-  std::vector<int> nodes(index.node_count());
-  for (int t = 0; t < static_cast<int>(frames.rows()); ++t) {
-    const auto to = distances.row(t);
-    std::iota(nodes.begin(), nodes.end(), 0);
-    std::partial_sort(nodes.begin(), nodes.begin() + near, nodes.end(),
-                      [&](int a, int b) { return std::pair(to[a], a) < std::pair(to[b], b); });
-    const float furthest = to[nodes[near - 1]];
-    for (int n = 0; n < near; ++n) {
-      for (const int clip : index.clips(nodes[n])) {
-        if (found_at[clip] == t) continue;  // a nearer node has it
-        if (found_at[clip] < 0) found.push_back(clip);
-        found_at[clip] = t;
-        nearer[clip] += furthest - to[nodes[n]];
-      }
-    }
+  NearClipFinder finder(index, clip_count);
+  ClipRanking ranking(clip_count);
+  std::vector<NearClip> near;
+  for (Eigen::Index t = 0; t < distances.rows(); ++t) {
+    finder.Find(distances.row(t), near);
+    ranking.Add(near);
   }
-  if (!left_out.empty()) std::erase_if(found, [&](int clip) { return left_out[clip]; });
-  const auto kept = std::min(kMostClips, found.size());
-  std::partial_sort(
-      found.begin(), found.begin() + static_cast<std::ptrdiff_t>(kept), found.end(),
-      [&](int a, int b) { return std::pair(-nearer[a], a) < std::pair(-nearer[b], b); });
-  found.resize(kept);
-  // Where few were found nothing is lost by comparing some more.
-  for (int clip = 0; clip < static_cast<int>(nearer.size()) && found.size() < kMostClips; ++clip) {
-    if (found_at[clip] < 0 && (left_out.empty() || !left_out[clip])) found.push_back(clip);
-  }
-  return found;
+  return ranking.TakeShortlist(left_out);
 }
 
 }  // namespace motiondb::core

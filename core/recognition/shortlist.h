@@ -1,7 +1,8 @@
-// Which clips are worth aligning with a window: those whose nodes it comes near. Safe to call from
-// any thread.
+// Which clips are worth aligning with a window: those whose nodes it comes near. The functions are
+// safe to call from any thread, the classes are scratch of one caller.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/model/model.h"
@@ -17,5 +18,46 @@ namespace motiondb::core {
 // for those found in these nodes.
 std::vector<int> ShortlistClips(const Model& model, const FrameMatrix& observed,
                                 const std::vector<bool>& left_out = {});
+
+// The same in parts, for windows that share frames.
+
+// How much nearer a clip's nearest node is to a frame than the 64th node is.
+struct NearClip {
+  int clip = 0;  // index into Model::clips()
+  float nearer = 0;
+};
+
+// Which of `frames` frames are looked at, ascending.
+std::vector<int> ShortlistFrames(int frames);
+
+class NearClipFinder {
+ public:
+  // What it is made of must outlive it.
+  NearClipFinder(const ClipIndex& index, int clip_count);
+  // `squared_distances`: of a frame to the index's nodes. Replaces `near` by the clips of the
+  // nearest.
+  void Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_distances,
+            std::vector<NearClip>& near);
+
+ private:
+  const ClipIndex& index_;
+  std::vector<int> nodes_;
+  std::vector<std::int64_t> found_by_;  // the frame that found a clip last
+  std::int64_t frame_ = 0;
+};
+
+class ClipRanking {
+ public:
+  explicit ClipRanking(int clip_count) : nearer_(clip_count), is_found_(clip_count) {}
+  // Takes one frame's clips.
+  void Add(const std::vector<NearClip>& near);
+  // The shortlist of the frames taken, and forgets them.
+  std::vector<int> TakeShortlist(const std::vector<bool>& left_out);
+
+ private:
+  std::vector<float> nearer_;  // summed over the frames
+  std::vector<bool> is_found_;
+  std::vector<int> found_;
+};
 
 }  // namespace motiondb::core

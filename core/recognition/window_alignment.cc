@@ -21,12 +21,15 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
         observation.states.row(compared[i]) - model.states().row(nearest[i].frame);
   }
   const FrameMatrix whitened = differences * model.metric().whitening;
-  const double mean =
-      static_cast<double>(whitened.squaredNorm()) / static_cast<double>(whitened.size());
-  return -std::log(std::max(mean, kLeastDifference));
+  return FamiliarityOfDifference(static_cast<double>(whitened.squaredNorm()) /
+                                 static_cast<double>(whitened.size()));
 }
 
 }  // namespace
+
+double FamiliarityOfDifference(double mean_square) {
+  return -std::log(std::max(mean_square, kLeastDifference));
+}
 
 absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
                                             const MetricObservation& observation,

@@ -23,6 +23,9 @@ struct WindowAlignment {
   double familiarity_score = 0;
 };
 
+// A familiarity score from the mean of the squared whitened differences.
+double FamiliarityOfDifference(double mean_square);
+
 // Aligns the observation's frames `compared` (ComparedFrames) with each clip that is on its
 // shortlist, among those that are not left out (one at least is not). `anchored` as for
 // AlignToClip. CANCELLED, asked once a clip.

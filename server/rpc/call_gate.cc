@@ -3,25 +3,30 @@
 namespace motiondb::server {
 
 void CallGate::Close() {
+  // Under the lock, which a ticket must take to leave: no call ends before it was told.
   const std::lock_guard lock(mutex_);
   closed_ = true;
+  for (const Ticket* const ticket : calls_) {
+    if (ticket->on_close_) ticket->on_close_();
+  }
 }
 
 void CallGate::AwaitEmpty(std::chrono::steady_clock::time_point latest) {
   std::unique_lock lock(mutex_);
-  empty_.wait_until(lock, latest, [this] { return calls_ == 0; });
+  empty_.wait_until(lock, latest, [this] { return calls_.empty(); });
 }
 
-bool CallGate::Enter() {
+bool CallGate::Enter(const Ticket& ticket) {
   const std::lock_guard lock(mutex_);
   if (closed_) return false;
-  ++calls_;
+  calls_.insert(&ticket);
   return true;
 }
 
-void CallGate::Leave() {
+void CallGate::Leave(const Ticket& ticket) {
   const std::lock_guard lock(mutex_);
-  if (--calls_ == 0) empty_.notify_all();
+  calls_.erase(&ticket);
+  if (calls_.empty()) empty_.notify_all();
 }
 
 }  // namespace motiondb::server

@@ -5,7 +5,10 @@
 
 #include <chrono>
 #include <condition_variable>
+#include <functional>
 #include <mutex>
+#include <unordered_set>
+#include <utility>
 
 namespace motiondb::server {
 
@@ -14,9 +17,12 @@ class CallGate {
   // A call's stay. Held by its reactor from its first moment to its last.
   class Ticket {
    public:
-    explicit Ticket(CallGate& gate) : gate_(gate), admitted_(gate.Enter()) {}
+    // `on_close` is called when the gate closes while the call is in: for a call that would stay as
+    // long as its client likes. It must not wait for a call to end.
+    explicit Ticket(CallGate& gate, std::function<void()> on_close = {})
+        : gate_(gate), on_close_(std::move(on_close)), admitted_(gate.Enter(*this)) {}
     ~Ticket() {
-      if (admitted_) gate_.Leave();
+      if (admitted_) gate_.Leave(*this);
     }
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
@@ -25,22 +31,24 @@ class CallGate {
     bool admitted() const { return admitted_; }
 
    private:
+    friend class CallGate;
     CallGate& gate_;
+    const std::function<void()> on_close_;
     const bool admitted_;
   };
 
-  // Admits nobody any more.
+  // Admits nobody any more, and tells those who are in.
   void Close();
   // Returns when nobody is in, or the time has come.
   void AwaitEmpty(std::chrono::steady_clock::time_point latest);
 
  private:
-  bool Enter();
-  void Leave();
+  bool Enter(const Ticket& ticket);
+  void Leave(const Ticket& ticket);
 
   std::mutex mutex_;
   std::condition_variable empty_;
-  int calls_ = 0;
+  std::unordered_set<const Ticket*> calls_;
   bool closed_ = false;
 };
 

@@ -4,6 +4,7 @@
 #include "server/engine/prediction_series.h"
 #include "server/engine/search_clock.h"
 #include "server/rpc/call.h"
+#include "server/rpc/query_subject.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
 #include "server/translate/numbers.h"
@@ -13,30 +14,14 @@
 #include "server/translate/plan_options.h"
 #include "server/translate/query_message.h"
 #include "server/translate/query_options.h"
-#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
 
-// What a query is asked of: the model that is current when it begins, to its end.
-struct Subject {
-  std::shared_ptr<LiveDatabase> database;
-  std::shared_ptr<const Snapshot> snapshot;
-};
-
-absl::StatusOr<Subject> FindSubject(const Call& call, std::string_view field,
-                                    const std::string& name) {
-  Subject subject;
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName(field, name));
-  MOTIONDB_ASSIGN_OR_RETURN(subject.database, call.engine.FindDatabase(id));
-  MOTIONDB_ASSIGN_OR_RETURN(subject.snapshot, call.engine.CurrentModel(*subject.database));
-  return subject;
-}
-
 absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                        v1::RecognizeResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
-                            FindSubject(call, "database", request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
+                            FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
@@ -49,8 +34,8 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
 
 absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
                       v1::EstimateResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
-                            FindSubject(call, "database", request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
+                            FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
@@ -63,8 +48,8 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
 
 absl::Status Predict(const Call& call, const v1::PredictRequest& request,
                      v1::PredictResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
-                            FindSubject(call, "database", request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
+                            FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("", request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
@@ -78,8 +63,8 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
 absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
     const Call& call, const v1::PredictSeriesRequest& request) {
   const v1::PredictRequest& first = request.prediction();
-  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
-                            FindSubject(call, "prediction.database", first.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
+                            FindSubject(call.engine, "prediction.database", first.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("prediction.", first, model));
   MOTIONDB_ASSIGN_OR_RETURN(const double every, Positive("every_seconds", request.every_seconds()));
@@ -97,8 +82,8 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
 }
 
 absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const Subject subject,
-                            FindSubject(call, "database", request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
+                            FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(auto options,
                             OptionsFrom(request, model, call.engine, *subject.database));

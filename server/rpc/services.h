@@ -16,5 +16,6 @@ std::unique_ptr<grpc::Service> MakeClipService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeModelService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
 
 }  // namespace motiondb::server

@@ -32,16 +32,16 @@ absl::Status CheckFinite(std::string_view field, const core::FrameMatrix& frames
   return absl::OkStatus();
 }
 
-absl::Status CheckMarkers(std::string_view field, const core::MarkerMotion& motion) {
-  const core::FrameMatrix& positions = motion.positions_m;
+absl::Status CheckMarkers(std::string_view field, const std::vector<std::string>& names,
+                          const core::FrameMatrix& positions) {
   for (Eigen::Index frame = 0; frame < positions.rows(); ++frame) {
-    for (std::size_t marker = 0; marker < motion.names.size(); ++marker) {
+    for (std::size_t marker = 0; marker < names.size(); ++marker) {
       const auto position = positions.row(frame).segment<3>(static_cast<Eigen::Index>(3 * marker));
       if (position.allFinite() || position.array().isNaN().all()) continue;
       return FieldViolation(field,
                             "frame {}, marker '{}': expected three finite numbers, or three NaN "
                             "where it is missing",
-                            frame, motion.names[marker]);
+                            frame, names[marker]);
     }
   }
   return absl::OkStatus();

@@ -21,8 +21,9 @@ absl::StatusOr<core::FrameMatrix> FramesFrom(std::string_view field, std::string
                                              const FrameShape& shape, const std::string& bytes);
 
 absl::Status CheckFinite(std::string_view field, const core::FrameMatrix& frames);
-// Each marker is finite, or NaN in all three: missing.
-absl::Status CheckMarkers(std::string_view field, const core::MarkerMotion& motion);
+// Each marker (frames x 3 names) is finite, or NaN in all three: missing.
+absl::Status CheckMarkers(std::string_view field, const std::vector<std::string>& names,
+                          const core::FrameMatrix& positions_m);
 absl::Status CheckUnique(std::string_view field, const std::vector<std::string>& names);
 
 }  // namespace motiondb::server

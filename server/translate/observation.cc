@@ -15,6 +15,7 @@ namespace {
 struct ObservedMotion {
   core::Motion motion;
   std::optional<double> leg_length_m;
+  std::string form_field;
 };
 
 std::string Below(std::string_view field, std::string_view name) {
@@ -36,7 +37,7 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
   auto read =
       core::ReadMotionFile(format, {file.file_name(), file.data()}, skeleton, conventions.read);
   if (!read.ok()) return AtField(Below(field, "data"), read.status());
-  return ObservedMotion{std::move(read->motion), conventions.leg_length_m};
+  return ObservedMotion{std::move(read->motion), conventions.leg_length_m, {}};
 }
 
 absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
@@ -51,10 +52,11 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
   const FrameShape shape{markers.frame_count(), 3 * static_cast<int>(motion.names.size())};
   MOTIONDB_ASSIGN_OR_RETURN(motion.positions_m,
                             FramesFrom(field, "positions", shape, markers.positions()));
-  MOTIONDB_RETURN_IF_ERROR(CheckMarkers(Below(field, "positions"), motion));
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckMarkers(Below(field, "positions"), motion.names, motion.positions_m));
   MOTIONDB_ASSIGN_OR_RETURN(const auto leg_length,
                             OptionalPositive(Below(field, "leg_length_m"), markers.leg_length_m()));
-  return ObservedMotion{std::move(motion), leg_length};
+  return ObservedMotion{std::move(motion), leg_length, {}};
 }
 
 absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
@@ -76,15 +78,12 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
                             FramesFrom(field, "angles", shape, joints.angles()));
   MOTIONDB_RETURN_IF_ERROR(CheckFinite(Below(field, "angles"), angles));
   motion.angles = angles.cast<double>();
-  return ObservedMotion{std::move(motion), std::nullopt};
+  return ObservedMotion{std::move(motion), std::nullopt, {}};
 }
 
-}  // namespace
-
-absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
-                                               const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+absl::StatusOr<ObservedMotion> Read(std::string_view field, const v1::Observation& observation,
+                                    Engine& engine, const LiveDatabase& database,
+                                    const core::MarkerSet& set) {
   std::string form_field;
   absl::StatusOr<ObservedMotion> observed;
   switch (observation.form_case()) {
@@ -94,7 +93,7 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
       break;
     case v1::Observation::kMarkers:
       form_field = Below(field, "markers");
-      observed = MotionFrom(form_field, observation.markers(), scheme->set);
+      observed = MotionFrom(form_field, observation.markers(), set);
       break;
     case v1::Observation::kJoints:
       form_field = Below(field, "joints");
@@ -103,12 +102,34 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
     case v1::Observation::FORM_NOT_SET:
       return FieldViolation(field, "expected one of file, markers, joints");
   }
-  if (!observed.ok()) return observed.status();
+  if (observed.ok()) observed->form_field = std::move(form_field);
+  return observed;
+}
+
+}  // namespace
+
+absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
+                                               const v1::Observation& observation, Engine& engine,
+                                               const LiveDatabase& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
+                            Read(field, observation, engine, database, scheme->set));
   const RepresentationLimits limits{database.settings().frame_rate_hz, engine.options().max_frames};
   auto states =
-      RepresentWithin(limits, *scheme, observed->motion, core::Gaps::kKeep, observed->leg_length_m);
-  if (!states.ok()) return AtField(form_field, states.status());
+      RepresentWithin(limits, *scheme, observed.motion, core::Gaps::kKeep, observed.leg_length_m);
+  if (!states.ok()) return AtField(observed.form_field, states.status());
   return states;
+}
+
+absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
+                                               const v1::Observation& observation, Engine& engine,
+                                               const LiveDatabase& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
+                            Read(field, observation, engine, database, scheme->set));
+  auto markers = core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m);
+  if (!markers.ok()) return AtField(observed.form_field, markers.status());
+  return markers;
 }
 
 }  // namespace motiondb::server

@@ -20,4 +20,9 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
                                                const v1::Observation& observation, Engine& engine,
                                                const LiveDatabase& database);
 
+// The database's markers, at the observation's own frame rate.
+absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
+                                               const v1::Observation& observation, Engine& engine,
+                                               const LiveDatabase& database);
+
 }  // namespace motiondb::server

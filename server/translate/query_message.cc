@@ -8,12 +8,37 @@
 namespace motiondb::server {
 namespace {
 
+std::size_t Count(std::size_t all, int top_count) {
+  return top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
+}
+
+}  // namespace
+
 void SetState(const core::NodeState& state, v1::NodeState& message) {
   message.set_node_id(state.node);
   message.set_probability(state.probability);
 }
 
-}  // namespace
+void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
+               google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages) {
+  for (std::size_t i = 0; i < Count(labels.size(), top_count); ++i) {
+    v1::LabelProbability& to = *messages.Add();
+    to.set_label(labels[i].label);
+    to.set_probability(labels[i].probability);
+  }
+}
+
+void SetHorizons(const std::vector<core::PredictedFrame>& frames,
+                 google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages) {
+  for (const core::PredictedFrame& frame : frames) {
+    v1::PredictedFrame& to = *messages.Add();
+    to.set_seconds(frame.seconds);
+    const auto& positions = frame.marker_positions_m;
+    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
+    to.set_confidence(frame.confidence);
+    to.set_expected_error_m(frame.expected_error_m);
+  }
+}
 
 void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
                     const core::Model& model, int top_count, v1::RecognizeResponse& message) {
@@ -23,21 +48,14 @@ void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const st
     to.set_end_seconds(window.end_seconds);
     to.set_layer(window.layer);
     to.set_familiarity(window.familiarity);
-    const std::size_t all = window.clips.size();
-    const std::size_t count =
-        top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
-    for (std::size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < Count(window.clips.size(), top_count); ++i) {
       const core::ModelClip& clip = model.clips()[window.clips[i].clip];
       v1::ClipProbability& ranked = *to.add_clips();
       ranked.set_clip(ClipName(database, clip.id));
       ranked.set_label(clip.label);
       ranked.set_log_probability(window.clips[i].log_probability);
     }
-    for (const core::LabelScore& label : window.labels) {
-      v1::LabelProbability& ranked = *to.add_labels();
-      ranked.set_label(label.label);
-      ranked.set_probability(label.probability);
-    }
+    SetLabels(window.labels, 0, *to.mutable_labels());
   }
 }
 
@@ -74,14 +92,7 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
     to.set_probability(next.probability);
     for (const int clip : next.clips) to.add_clips(ClipName(database, model.clips()[clip].id));
   }
-  for (const core::PredictedFrame& frame : prediction.horizons) {
-    v1::PredictedFrame& to = *message.add_horizons();
-    to.set_seconds(frame.seconds);
-    const auto& positions = frame.marker_positions_m;
-    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
-    to.set_confidence(frame.confidence);
-    to.set_expected_error_m(frame.expected_error_m);
-  }
+  SetHorizons(prediction.horizons, *message.mutable_horizons());
 }
 
 }  // namespace motiondb::server

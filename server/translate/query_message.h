@@ -1,6 +1,8 @@
 // Answers of core as messages. Safe to call from any thread.
 #pragma once
 
+#include <google/protobuf/repeated_ptr_field.h>
+
 #include <string>
 #include <vector>
 
@@ -9,9 +11,12 @@
 #include "core/recognition/recognize.h"
 
 namespace motiondb::v1 {
-class RecognizeResponse;
 class EstimateResponse;
+class LabelProbability;
+class NodeState;
+class PredictedFrame;
 class PredictResponse;
+class RecognizeResponse;
 }  // namespace motiondb::v1
 
 namespace motiondb::server {
@@ -25,5 +30,12 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
 
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
                    const core::Model& model, v1::PredictResponse& message);
+
+// The parts that answers share. `top_count` labels; 0 means all.
+void SetState(const core::NodeState& state, v1::NodeState& message);
+void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
+               google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages);
+void SetHorizons(const std::vector<core::PredictedFrame>& frames,
+                 google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
 
 }  // namespace motiondb::server

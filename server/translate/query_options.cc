@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/motion/error.h"
+#include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/numbers.h"
@@ -27,6 +28,20 @@ absl::StatusOr<double> FloorFrom(const std::string& field, const Message& messag
                                  double fallback) {
   if (!message.has_transition_floor()) return fallback;
   return Probability(field, message.transition_floor());
+}
+
+// None where the message has none.
+absl::StatusOr<std::vector<double>> HorizonsFrom(
+    const std::string& field, const google::protobuf::RepeatedField<double>& seconds) {
+  if (seconds.size() > kMostHorizons) {
+    return FieldViolation(field, "expected at most {}, got {}", kMostHorizons, seconds.size());
+  }
+  std::vector<double> horizons;
+  for (const double horizon : seconds) {
+    MOTIONDB_ASSIGN_OR_RETURN(const double checked, NotNegative(field, horizon));
+    horizons.push_back(checked);
+  }
+  return horizons;
 }
 
 absl::StatusOr<core::Method> MethodFrom(const std::string& field, v1::Method method) {
@@ -109,18 +124,34 @@ absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
   MOTIONDB_ASSIGN_OR_RETURN(
       options.history_seconds,
       PositiveOr(field("history_seconds"), request.history_seconds(), options.history_seconds));
-  if (request.horizon_seconds_size() > kMostHorizons) {
-    return FieldViolation(field("horizon_seconds"), "expected at most {}, got {}", kMostHorizons,
-                          request.horizon_seconds_size());
-  }
-  if (!request.horizon_seconds().empty()) options.horizon_seconds.clear();
-  for (const double horizon : request.horizon_seconds()) {
-    MOTIONDB_ASSIGN_OR_RETURN(const double checked, NotNegative(field("horizon_seconds"), horizon));
-    options.horizon_seconds.push_back(checked);
+  if (!request.horizon_seconds().empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(options.horizon_seconds,
+                              HorizonsFrom(field("horizon_seconds"), request.horizon_seconds()));
   }
   MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(field("layer"), request.layer(), model));
   MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor, FloorFrom(field("transition_floor"), request,
                                                                 options.transition_floor));
+  return options;
+}
+
+absl::StatusOr<core::ObserverOptions> OptionsFrom(std::string_view prefix,
+                                                  const v1::ObserveStart& start,
+                                                  const core::Model& model) {
+  const auto field = [&](std::string_view name) { return fmt::format("{}{}", prefix, name); };
+  core::ObserverOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      options.window_seconds,
+      PositiveOr(field("window_seconds"), start.window_seconds(), options.window_seconds));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      options.history_seconds,
+      PositiveOr(field("history_seconds"), start.history_seconds(), options.history_seconds));
+  MOTIONDB_ASSIGN_OR_RETURN(options.horizon_seconds,
+                            HorizonsFrom(field("horizon_seconds"), start.horizon_seconds()));
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(field("layer"), start.layer(), model));
+  MOTIONDB_ASSIGN_OR_RETURN(options.transition_floor,
+                            FloorFrom(field("transition_floor"), start, options.transition_floor));
+  MOTIONDB_RETURN_IF_ERROR(
+      IntegerBetween(field("top_count"), start.top_count(), 0, kMostOfAnything).status());
   return options;
 }
 

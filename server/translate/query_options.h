@@ -6,12 +6,14 @@
 
 #include "absl/status/statusor.h"
 #include "core/estimation/estimate.h"
+#include "core/observe/observer.h"
 #include "core/prediction/predict.h"
 #include "core/recognition/recognize.h"
 
 namespace motiondb::v1 {
 class RecognizeRequest;
 class EstimateRequest;
+class ObserveStart;
 class PredictRequest;
 }  // namespace motiondb::v1
 
@@ -25,5 +27,9 @@ absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& req
 absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
                                                  const v1::PredictRequest& request,
                                                  const core::Model& model);
+
+absl::StatusOr<core::ObserverOptions> OptionsFrom(std::string_view prefix,
+                                                  const v1::ObserveStart& start,
+                                                  const core::Model& model);
 
 }  // namespace motiondb::server

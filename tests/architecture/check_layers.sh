@@ -15,6 +15,7 @@ declare -A may_include=(
   [core/recognition]="core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/estimation]="core/estimation core/inference core/model core/graph core/tree core/motion"
   [core/prediction]="core/prediction core/estimation core/inference core/model core/graph core/tree core/motion"
+  [core/observe]="core/observe core/prediction core/estimation core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/calibration]="core/calibration core/prediction core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/planning]="core/planning core/kinematics core/inference core/model core/graph core/tree core/motion"
   [storage]="storage core"

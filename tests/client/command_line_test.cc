@@ -21,8 +21,9 @@ TEST_CASE("motiondb: help and version succeed on standard output", "[client][cli
   const auto help = RunMotiondb("", {"--help"});
   CHECK(help.exit_code == 0);
   CHECK(help.err == "");
-  for (const char* command : {"create", "ingest", "list", "describe", "recognize", "estimate",
-                              "predict", "plan", "dump", "export", "delete", "operations"}) {
+  for (const char* command :
+       {"create", "ingest", "list", "describe", "recognize", "estimate", "predict", "observe",
+        "plan", "dump", "export", "delete", "operations"}) {
     CHECK_THAT(help.out, Contains(command));
     CHECK(RunMotiondb("", {command, "--help"}).exit_code == 0);
   }

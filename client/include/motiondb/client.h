@@ -16,6 +16,7 @@
 #include <motiondb/client_options.h>
 #include <motiondb/field_violation.h>
 #include <motiondb/messages.h>
+#include <motiondb/observe_stream.h>
 
 #include <filesystem>
 #include <functional>
@@ -128,6 +129,13 @@ class Client {
   absl::StatusOr<v1::PlanResponse> Plan(const v1::PlanRequest& request,
                                         CallOptions options = {}) const;
 
+  // Opens a stream of frames (<motiondb/observe_stream.h>). Errors, of the start too, come with the
+  // stream's end. Without a timeout it lasts as long as it likes.
+  ObserveStream Observe(const v1::ObserveStart& start, CallOptions options = {}) const;
+  // A motion as frames of the database's markers, at its own frame rate: what a stream would send.
+  absl::StatusOr<v1::RepresentResponse> Represent(const v1::RepresentRequest& request,
+                                                  CallOptions options = {}) const;
+
   // ---- Operations ------------------------------------------------------------------------------
   absl::StatusOr<v1::GetOperationResponse> GetOperation(const v1::GetOperationRequest& request,
                                                         CallOptions options = {}) const;
@@ -159,10 +167,11 @@ class Client {
                                                            CallOptions options = {}) const;
 
  private:
+  friend class ObserveStream;
   class Connection;
-  explicit Client(std::unique_ptr<const Connection> connection);
+  explicit Client(std::shared_ptr<const Connection> connection);
 
-  std::unique_ptr<const Connection> connection_;
+  std::shared_ptr<const Connection> connection_;
 };
 
 // How an operation ended: OK, CANCELLED, or its error. FAILED_PRECONDITION if it has not ended.

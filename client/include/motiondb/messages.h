@@ -63,6 +63,12 @@ class Operation;
 class WaitOperationRequest;
 class WaitOperationResponse;
 
+// observe.proto
+class ObserveResponse;
+class ObserveStart;
+class RepresentRequest;
+class RepresentResponse;
+
 // plan.proto
 class PlanRequest;
 class PlanResponse;

@@ -33,7 +33,7 @@ TEST_CASE("Recognize: names a stored clip's label and ranks its clips high",
         double sum = 0;
         for (const core::LabelScore& label : window.labels) sum += label.probability;
         CHECK(sum == Approx(1));
-        for (std::size_t i = 1; i < window.clips.size() && method == core::Method::kPaper; ++i) {
+        for (std::size_t i = 1; i < window.clips.size(); ++i) {
           CHECK(window.clips[i - 1].log_probability >= window.clips[i].log_probability);
         }
         CHECK(model.clips()[window.clips.front().clip].label == window.labels.front().label);
@@ -121,7 +121,7 @@ TEST_CASE("Recognize: windows slide by the hop, and each answers as if it were a
     for (std::size_t c = 0; c < window.clips.size(); ++c) {
       CHECK(window.clips[c].clip == single->front().clips[c].clip);
       CHECK(window.clips[c].log_probability ==
-            Approx(single->front().clips[c].log_probability).epsilon(1e-9));
+            Approx(single->front().clips[c].log_probability).epsilon(1e-5).margin(0.01));
     }
   }
 }
@@ -148,6 +148,7 @@ TEST_CASE("Recognize: log probabilities are eq. 7 summed, on every layer", "[cor
   REQUIRE(scaled.ok());
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     core::RecognizeOptions options;
+    options.method = core::Method::kPaper;
     options.layer = layer;
     options.whole = true;
     const auto windows = core::Recognize(model, clip, options);
@@ -178,6 +179,7 @@ TEST_CASE("Recognize: the best paths' sum rises to the exact one as paths are ad
   const core::Model model = SmallModel(2, 80, 2, 8, 31);
   const core::StateSequence clip = Clip(model, 0, 6);
   core::RecognizeOptions options;
+  options.method = core::Method::kPaper;
   options.whole = true;
   const auto exact = core::Recognize(model, clip, options);
   REQUIRE(exact.ok());

@@ -81,7 +81,8 @@ TEST_CASE("Reflection: lists the services", "[server][rpc]") {
   const auto names = ListServices(server);
   for (const char* service :
        {"motiondb.v1.DatabaseService", "motiondb.v1.ClipService", "motiondb.v1.ModelService",
-        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "grpc.health.v1.Health"}) {
+        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
+        "grpc.health.v1.Health"}) {
     INFO(service);
     CHECK(std::ranges::count(names, service) == 1);
   }

@@ -1,0 +1,138 @@
+// motiondb observe DB FILE: sends a motion frame by frame, as a robot would, and shows what the
+// server makes of it while it comes in.
+#include <fmt/format.h>
+#include <motiondb/v1/observe.pb.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <optional>
+
+#include "client/cli/command.h"
+#include "client/cli/json_output.h"
+#include "client/cli/observe_replay.h"
+#include "client/cli/observe_text.h"
+#include "client/cli/query_options.h"
+
+namespace motiondb::client {
+namespace {
+
+constexpr double kLineEvery = 0.1;  // seconds of motion, where lines scroll
+
+struct ObserveOptions {
+  QueryOptions query;
+  bool realtime = false;
+  double rate_multiplier = 1;
+  int frames_per_message = 1;
+  double window_seconds = 0.4;
+  std::vector<double> horizon_seconds;
+};
+
+void Declare(CLI::App& command, ObserveOptions& options) {
+  AddQueryOptions(command, options.query);
+  CLI::Option* realtime =
+      command.add_flag("--realtime", options.realtime,
+                       "Send at the motion's own rate; else as fast as answers come");
+  command
+      .add_option("--rate-multiplier", options.rate_multiplier,
+                  "Send so many times as fast as the motion's own rate")
+      ->type_name("X")
+      ->check(PositiveNumber())
+      ->needs(realtime)
+      ->capture_default_str();
+  command.add_option("--frames-per-message", options.frames_per_message, "Frames sent at a time")
+      ->type_name("N")
+      ->check(CLI::Range(1, 10000))
+      ->capture_default_str();
+  command.add_option("--window", options.window_seconds, "What labels and familiarity are about")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command
+      .add_option("--horizon", options.horizon_seconds,
+                  "How far ahead to predict; else there is no prediction")
+      ->type_name("SECONDS,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(PositiveNumber());
+}
+
+v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest& request,
+                       const v1::MarkerObservation& motion) {
+  v1::ObserveStart start;
+  start.set_database(request.database());
+  *start.mutable_marker_names() = motion.marker_names();
+  start.set_frame_rate_hz(motion.frame_rate_hz());
+  start.set_leg_length_m(options.query.source.leg_length_m);
+  start.set_window_seconds(options.window_seconds);
+  for (const double horizon : options.horizon_seconds) start.add_horizon_seconds(horizon);
+  start.set_layer(options.query.layer);
+  if (options.query.floor) start.set_transition_floor(*options.query.floor);
+  return start;
+}
+
+// Shows answers as they come: one line that changes on a terminal, lines apart in a file.
+class LiveLine {
+ public:
+  explicit LiveLine(double frame_rate_hz)
+      : frame_rate_hz_(frame_rate_hz), terminal_(isatty(STDOUT_FILENO) == 1) {}
+
+  void Show(const v1::ObserveResponse& answer, double latency_ms) {
+    const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
+    if (terminal_) {
+      fmt::print("\r\033[K{}", ObservedLine(answer, seconds, latency_ms));
+      std::fflush(stdout);
+    } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
+      fmt::print("{}\n", ObservedLine(answer, seconds, latency_ms));
+      shown_ = seconds;
+    }
+  }
+  void End() const {
+    if (terminal_) fmt::print("\n");
+  }
+
+ private:
+  const double frame_rate_hz_;
+  const bool terminal_;
+  std::optional<double> shown_;
+};
+
+absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
+  v1::RepresentRequest request;
+  auto observation = ObservationFromFile(options.query.file, options.query.source);
+  if (!observation.ok()) return observation.status();
+  request.set_database(DatabaseName(options.query.database));
+  *request.mutable_observation() = *std::move(observation);
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto represented = client->Represent(request);
+  if (!represented.ok()) return represented.status();
+  const v1::MarkerObservation& motion = represented->markers();
+
+  ReplayOptions replay{.frames_per_message = options.frames_per_message};
+  if (options.realtime) replay.frames_per_second = options.rate_multiplier * motion.frame_rate_hz();
+  LiveLine line(motion.frame_rate_hz());
+  v1::ObserveResponse last;
+  const auto figures = Replay(*client, Start(options, request, motion), motion, replay,
+                              [&](const v1::ObserveResponse& answer, double latency_ms) {
+                                if (global.json) {
+                                  PrintJson(answer);
+                                } else {
+                                  line.Show(answer, latency_ms);
+                                }
+                                last = answer;
+                              });
+  if (!global.json) line.End();
+  if (!figures.ok()) return figures.status();
+  if (!global.json) fmt::print("{}", ReplayText(*figures, last));
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddObserveCommand(CommandLine line) {
+  AddCommand<ObserveOptions>(line, "observe",
+                             "Send a motion frame by frame, and show what the server makes of it",
+                             Declare, Run);
+}
+
+}  // namespace motiondb::client

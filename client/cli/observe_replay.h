@@ -1,0 +1,33 @@
+// Sends a motion as a robot would, a few frames a message at a set pace, and takes the answers.
+#pragma once
+
+#include <motiondb/client.h>
+#include <motiondb/v1/observe.pb.h>
+
+#include <functional>
+#include <vector>
+
+#include "absl/status/statusor.h"
+
+namespace motiondb::client {
+
+struct ReplayOptions {
+  int frames_per_message = 1;
+  double frames_per_second = 0;  // 0: as fast as the server answers
+};
+
+// What a replay came to.
+struct ReplayFigures {
+  int frames = 0;
+  double seconds = 0;                // from the first message to the last answer
+  std::vector<double> latencies_ms;  // of each message, in their order
+};
+
+// `on_answer` is called with each answer and how long it took (ms), on the calling thread. The
+// status is the stream's.
+absl::StatusOr<ReplayFigures> Replay(
+    const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
+    const ReplayOptions& options,
+    const std::function<void(const v1::ObserveResponse&, double latency_ms)>& on_answer);
+
+}  // namespace motiondb::client

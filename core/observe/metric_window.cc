@@ -1,0 +1,54 @@
+#include "core/observe/metric_window.h"
+
+#include "core/recognition/unseen_dimensions.h"
+
+namespace motiondb::core {
+
+MetricWindow::MetricWindow(const Model& model, int window_frames)
+    : model_(model),
+      finder_(model.clip_index(), static_cast<int>(model.clips().size())),
+      frames_(window_frames) {}
+
+void MetricWindow::Restart() {
+  for (MetricFrame& frame : frames_) frame.version = -1;
+}
+
+void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, MetricFrame& made) {
+  const MotionMetric& metric = model_.metric();
+  const ClipIndex& index = model_.clip_index();
+  made.state = states.state(frame);
+  model_.scale().Apply(made.state);
+  if (made.state.hasNaN()) FillUnseen(metric, made.state.row(0));
+  difference_ = made.state.row(0) - metric.mean;
+  made.projected.noalias() = metric.projection.transpose() * difference_.transpose();
+  made.squared_norm = made.projected.squaredNorm();
+  distances_.noalias() = made.projected.transpose() * index.means().transpose();
+  distances_ =
+      (made.squared_norm - 2 * distances_.array() + index.squared_norms().transpose().array())
+          .max(0.0F);
+  finder_.Find(distances_, made.near);
+  made.nearest = -1;
+}
+
+const MetricFrame& MetricWindow::At(const ObservedStates& states, std::int64_t frame) {
+  MetricFrame& kept = frames_[Place(frame)];
+  const std::int64_t version = 2 * frame + (frame + 1 < states.next() ? 1 : 0);
+  if (kept.version != version) {
+    Make(states, frame, kept);
+    kept.version = version;
+  }
+  return kept;
+}
+
+double MetricWindow::SquaredDifference(std::int64_t frame, int stored_frame) {
+  MetricFrame& kept = frames_[Place(frame)];
+  if (kept.nearest != stored_frame) {
+    difference_ = kept.state.row(0) - model_.states().row(stored_frame);
+    whitened_.noalias() = difference_ * model_.metric().whitening;
+    kept.squared_difference = whitened_.squaredNorm();
+    kept.nearest = stored_frame;
+  }
+  return kept.squared_difference;
+}
+
+}  // namespace motiondb::core

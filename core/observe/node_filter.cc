@@ -1,0 +1,164 @@
+#include "core/observe/node_filter.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <numeric>
+#include <span>
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kNever = -std::numeric_limits<double>::infinity();
+
+bool SeesNothing(const float* state, Eigen::Index dimensions) {
+  return std::all_of(state, state + dimensions, [](float x) { return std::isnan(x); });
+}
+
+}  // namespace
+
+NodeFilter::NodeFilter(const Model& model, int layer, double transition_floor, int max_candidates)
+    : model_(model), layer_(layer), floor_(transition_floor), max_candidates_(max_candidates) {}
+
+void NodeFilter::Advance(const float* state) {
+  Step(state, next_);
+  std::swap(now_, next_);
+}
+
+NodeState NodeFilter::Peek(const float* state) {
+  Step(state, next_);
+  const auto best = std::ranges::max_element(next_.probability);
+  return {next_.nodes[static_cast<std::size_t>(best - next_.probability.begin())], *best};
+}
+
+void NodeFilter::KeepBest() {
+  const auto limit = static_cast<std::size_t>(max_candidates_);
+  if (limit == 0 || candidates_.nodes.size() <= limit) return;
+  order_.resize(candidates_.nodes.size());
+  std::iota(order_.begin(), order_.end(), 0);
+  const auto& density = candidates_.log_density;
+  std::nth_element(
+      order_.begin(), order_.begin() + max_candidates_, order_.end(),
+      [&](int a, int b) { return std::pair(-density[a], a) < std::pair(-density[b], b); });
+  order_.resize(limit);
+  std::sort(order_.begin(), order_.end());
+  for (std::size_t i = 0; i < limit; ++i) {  // ascending, so none is written over before it is read
+    candidates_.nodes[i] = candidates_.nodes[order_[i]];
+    candidates_.log_density[i] = candidates_.log_density[order_[i]];
+  }
+  candidates_.nodes.resize(limit);
+  candidates_.log_density.resize(limit);
+}
+
+void NodeFilter::Descend(const float* state) {
+  const Tree& tree = model_.tree();
+  candidates_.nodes.assign(1, 0);
+  candidates_.log_density.assign(1, model_.gaussians().LogDensity(0, state));
+  for (int layer = 1; layer < layer_; ++layer) {
+    KeepBest();
+    std::swap(above_, candidates_);
+    candidates_.nodes.clear();
+    candidates_.log_density.clear();
+    for (std::size_t i = 0; i < above_.nodes.size(); ++i) {
+      const int first = tree.first_child(layer, above_.nodes[i]);
+      const int count = tree.child_count(layer, above_.nodes[i]);
+      for (int c = first; c < first + count; ++c) {
+        candidates_.nodes.push_back(c);
+        // A copy of a leaf keeps the density already known.
+        candidates_.log_density.push_back(
+            count == 1 ? above_.log_density[i]
+                       : model_.gaussians().LogDensity(tree.branch(layer + 1, c), state));
+      }
+    }
+  }
+}
+
+void NodeFilter::Follow() {
+  const TransitionGraph& graph = model_.global_graph(layer_);
+  leads_.clear();
+  for (std::size_t i = 0; i < now_.nodes.size(); ++i) {
+    const int from = now_.nodes[i];
+    const double probability = now_.probability[i];
+    leads_.emplace_back(floor_ * probability, from);
+    const double share = probability / static_cast<double>(graph.row_sum(from));
+    for (const Edge& edge : graph.row(from)) leads_.emplace_back(share * edge.count, edge.to);
+  }
+  // One entry a node, then the most probable of them, then in order of node.
+  const auto by_node = [](const auto& a, const auto& b) { return a.second < b.second; };
+  std::sort(leads_.begin(), leads_.end(), by_node);
+  std::size_t kept = 0;
+  for (const auto& lead : leads_) {
+    if (kept > 0 && leads_[kept - 1].second == lead.second) {
+      leads_[kept - 1].first += lead.first;
+    } else {
+      leads_[kept++] = lead;
+    }
+  }
+  leads_.resize(kept);
+  const auto limit = std::min(kept, 2 * static_cast<std::size_t>(max_candidates_));
+  std::nth_element(leads_.begin(), leads_.begin() + static_cast<std::ptrdiff_t>(limit),
+                   leads_.end(), std::greater<>());
+  leads_.resize(limit);
+  std::sort(leads_.begin(), leads_.end(), by_node);
+  candidates_.nodes.clear();
+  for (const auto& lead : leads_) candidates_.nodes.push_back(lead.second);
+  candidates_.log_density.assign(limit, 0.0);
+}
+
+void NodeFilter::Arrive() {
+  const TransitionGraph& graph = model_.global_graph(layer_);
+  const auto& to = candidates_.nodes;
+  arriving_.assign(to.size(), 0.0);
+  double sum = 0;
+  for (std::size_t i = 0; i < now_.nodes.size(); ++i) {
+    const double here = now_.probability[i];
+    if (here <= 0) continue;
+    sum += here;
+    const std::span<const Edge> row = graph.row(now_.nodes[i]);
+    const double share = here / static_cast<double>(graph.row_sum(now_.nodes[i]));
+    auto edge = row.begin();
+    for (std::size_t j = 0; j < to.size() && edge != row.end(); ++j) {
+      edge = std::lower_bound(edge, row.end(), to[j],
+                              [](const Edge& e, std::int32_t node) { return e.to < node; });
+      if (edge != row.end() && edge->to == to[j]) {
+        arriving_[j] += share * edge->count - floor_ * here;
+      }
+    }
+  }
+  // Every pair has the floor; what was seen replaces it.
+  for (double& arriving : arriving_) arriving = std::max(arriving + floor_ * sum, 0.0);
+}
+
+void NodeFilter::Step(const float* state, Distribution& next) {
+  const bool is_first = now_.nodes.empty();
+  const Eigen::Index dimensions = model_.gaussians().dimension_count();
+  if (!is_first && max_candidates_ > 0 && SeesNothing(state, dimensions)) {
+    Follow();
+  } else {
+    Descend(state);
+  }
+  if (is_first) {
+    arriving_.assign(candidates_.nodes.size(), 1.0);
+  } else {
+    Arrive();
+  }
+  if (!(*std::ranges::max_element(arriving_) > 0)) arriving_.assign(arriving_.size(), 1.0);
+  // Densities relative to the greatest of those that can be arrived at: one is left.
+  const auto& density = candidates_.log_density;
+  double peak = kNever;
+  for (std::size_t j = 0; j < density.size(); ++j) {
+    if (arriving_[j] > 0) peak = std::max(peak, density[j]);
+  }
+  next.nodes.assign(candidates_.nodes.begin(), candidates_.nodes.end());
+  next.probability.assign(arriving_.begin(), arriving_.end());
+  double sum = 0;
+  for (std::size_t j = 0; j < density.size(); ++j) {
+    // So far off that every density is 0, no node tells more than another.
+    if (std::isfinite(peak)) next.probability[j] *= std::exp(std::min(density[j] - peak, 0.0));
+    sum += next.probability[j];
+  }
+  for (double& probability : next.probability) probability /= sum;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,253 @@
+#include "core/observe/observer.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr double kLeastKeptSeconds = 1;  // a leg is measured over them
+constexpr double kMostSeconds = 60;
+constexpr float kFurthest_m = 1e5F;
+constexpr double kShortestLeg_m = 0.01;
+constexpr double kLongestLeg_m = 100;
+constexpr double kOtherLeg = 0.01;  // while it is measured: a change by so much is taken over
+
+bool IsLegLength(double length_m) {
+  return length_m >= kShortestLeg_m && length_m <= kLongestLeg_m;
+}
+
+int InFrames(double seconds, double rate) {
+  return std::max(1, static_cast<int>(std::round(seconds * rate)));
+}
+
+int KeptFrames(const ObserverOptions& options, double rate) {
+  return InFrames(std::max({options.window_seconds, options.history_seconds, kLeastKeptSeconds}),
+                  rate);
+}
+
+absl::Status CheckOptions(const ObserverOptions& options) {
+  if (!(options.window_seconds > 0 && options.window_seconds <= kMostSeconds)) {
+    return InvalidArgument("window_seconds: expected more than 0, at most {}, got {}", kMostSeconds,
+                           options.window_seconds);
+  }
+  if (!(options.history_seconds > 0 && options.history_seconds <= kMostSeconds)) {
+    return InvalidArgument("history_seconds: expected more than 0, at most {}, got {}",
+                           kMostSeconds, options.history_seconds);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+  }
+  for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
+    const double seconds = options.horizon_seconds[h];
+    if (!(seconds >= 0 && seconds <= 3600)) {
+      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
+    }
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+Observer::Observer(const Model& model, MarkerSet set, MarkerStream stream, double frame_rate_hz,
+                   std::optional<double> leg_length_m, const ObserverOptions& options, int layer)
+    : model_(&model),
+      options_(options),
+      frame_rate_hz_(frame_rate_hz),
+      set_(std::move(set)),
+      stream_(std::move(stream)),
+      states_(set_, model.settings().frame_rate_hz,
+              KeptFrames(options, model.settings().frame_rate_hz)),
+      has_leg_length_(leg_length_m.has_value()),
+      is_measuring_(!has_leg_length_) {
+  if (leg_length_m) states_.set_leg_length_m(*leg_length_m);
+  Under(model, layer);
+}
+
+absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
+    const Model& model, const MarkerScheme& scheme, std::vector<std::string> marker_names,
+    double frame_rate_hz, std::optional<double> leg_length_m, const ObserverOptions& options) {
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  if (leg_length_m && !IsLegLength(*leg_length_m)) {
+    return InvalidArgument("leg_length_m: expected {} to {}, got {}", kShortestLeg_m, kLongestLeg_m,
+                           *leg_length_m);
+  }
+  if (scheme.set.markers != model.marker_set().markers) {
+    return InvalidArgument("marker set: expected that of the model, '{}', got '{}'",
+                           model.marker_set().name, scheme.set.name);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      MarkerStream stream,
+      MarkerStream::Create(scheme, marker_names, frame_rate_hz, model.settings().frame_rate_hz));
+  return std::unique_ptr<Observer>(new Observer(model, scheme.set, std::move(stream), frame_rate_hz,
+                                                leg_length_m, options, layer));
+}
+
+void Observer::Under(const Model& model, int layer) {
+  model_ = &model;
+  filter_ = std::make_unique<NodeFilter>(model, layer, options_.transition_floor);
+  recognizer_ = std::make_unique<WindowRecognizer>(
+      model, InFrames(options_.window_seconds, model.settings().frame_rate_hz),
+      options_.transition_floor);
+}
+
+absl::Status Observer::Replace(const Model& model) {
+  if (model.marker_set().markers != model_->marker_set().markers ||
+      model.settings().frame_rate_hz != model_->settings().frame_rate_hz) {
+    return InvalidArgument("the other model is of {} Hz and markers '{}', expected {} Hz and '{}'",
+                           model.settings().frame_rate_hz, model.marker_set().name,
+                           model_->settings().frame_rate_hz, model_->marker_set().name);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options_.layer));
+  Under(model, layer);
+  GoOverKept();
+  return absl::OkStatus();
+}
+
+std::optional<double> Observer::leg_length_m() const {
+  return has_leg_length_ ? std::optional(states_.leg_length_m()) : std::nullopt;
+}
+
+absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& positions_m) {
+  if (positions_m.rows() == 0) return absl::OkStatus();
+  MOTIONDB_RETURN_IF_ERROR(Check(first_frame, positions_m));
+  for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
+    const std::int64_t number = first_frame + row;
+    if (has_newest_ && number <= newest_) {
+      ++late_frames_;
+      continue;
+    }
+    if (has_newest_) PassGap(number);
+    has_newest_ = true;
+    newest_ = number;
+    stream_.Push(positions_m.row(row));
+    TakeReady();
+    if (is_fresh_) newest_told_ = number;
+    is_fresh_ = false;
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Observer::Check(std::int64_t first_frame, const FrameMatrix& positions_m) const {
+  if (positions_m.cols() != stream_.source_width()) {
+    return InvalidArgument("frame {}: expected {} numbers, three a marker, got {}", first_frame,
+                           stream_.source_width(), positions_m.cols());
+  }
+  if (first_frame > std::numeric_limits<std::int64_t>::max() - (positions_m.rows() - 1)) {
+    return InvalidArgument("frame {}: no numbers are left for {} frames", first_frame,
+                           positions_m.rows());
+  }
+  for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
+    for (const float x : positions_m.row(row)) {
+      if (std::abs(x) > kFurthest_m) {
+        return InvalidArgument("frame {}: expected positions up to {} m, got {}", first_frame + row,
+                               kFurthest_m, x);
+      }
+    }
+  }
+  return absl::OkStatus();
+}
+
+void Observer::PassGap(std::int64_t number) {
+  // Frames may be numbered from the least to the greatest: unsigned, the difference is there.
+  const std::uint64_t left_out =
+      static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(newest_) - 1;
+  if (left_out == 0) return;
+  const auto countable =
+      static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() - missing_frames_);
+  missing_frames_ += static_cast<std::int64_t>(std::min(left_out, countable));
+  if (static_cast<double>(left_out) > options_.window_seconds * frame_rate_hz_) {
+    StartAnew();
+    return;
+  }
+  for (std::uint64_t i = 0; i < left_out; ++i) {
+    stream_.PushMissing();
+    TakeReady();
+  }
+}
+
+void Observer::StartAnew() {
+  stream_.Restart();
+  Forget();
+}
+
+void Observer::Forget() {
+  states_.Restart();
+  filter_->Restart();
+  recognizer_->Restart();
+}
+
+void Observer::TakeReady() {
+  while (const Eigen::RowVectorXf* frame = stream_.Next()) {
+    Follow(*frame);
+    if (is_measuring_) MeasureLeg();
+    is_fresh_ = true;
+  }
+}
+
+const float* Observer::Scaled(std::int64_t frame) {
+  scaled_ = states_.state(frame);
+  model_->scale().Apply(scaled_);
+  return scaled_.data();
+}
+
+void Observer::Follow(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m) {
+  if (!states_.Push(positions_m) || !has_leg_length_) return;
+  // The frame before is finished now.
+  if (states_.next() > 1) filter_->Advance(Scaled(states_.next() - 2));
+}
+
+void Observer::GoOverKept() {
+  const FrameMatrix kept = states_.LastPositions(states_.kept()).positions_m;
+  Forget();
+  for (Eigen::Index t = 0; t < kept.rows(); ++t) Follow(kept.row(t));
+}
+
+void Observer::MeasureLeg() {
+  const int kept = states_.kept();
+  if (kept == 0) return;
+  const auto measured = EstimateLegLength(set_, states_.LastPositions(kept));
+  if (!measured.ok() || !IsLegLength(*measured)) return;
+  is_measuring_ = kept < InFrames(kLeastKeptSeconds, model_->settings().frame_rate_hz);
+  const double change = std::abs(*measured / states_.leg_length_m() - 1);
+  if (has_leg_length_ && change <= (is_measuring_ ? kOtherLeg : 0)) return;
+  has_leg_length_ = true;
+  states_.set_leg_length_m(*measured);
+  GoOverKept();
+}
+
+absl::StatusOr<std::optional<Observed>> Observer::Answer(const Cancelled& cancelled) {
+  if (states_.kept() == 0 || !has_leg_length_) return std::nullopt;
+  Observed observed;
+  observed.frame = newest_told_;
+  observed.layer = filter_->layer();
+  observed.state = filter_->Peek(Scaled(states_.next() - 1));
+  MOTIONDB_ASSIGN_OR_RETURN(auto recognized, recognizer_->Recognize(states_, cancelled));
+  observed.labels = std::move(recognized.labels);
+  observed.familiarity = recognized.familiarity;
+  if (!options_.horizon_seconds.empty()) {
+    MOTIONDB_RETURN_IF_ERROR(PredictInto(cancelled, observed));
+  }
+  return observed;
+}
+
+absl::Status Observer::PredictInto(const Cancelled& cancelled, Observed& observed) const {
+  PredictOptions options;
+  options.history_seconds = options_.history_seconds;
+  options.horizon_seconds = options_.horizon_seconds;
+  options.transition_floor = options_.transition_floor;
+  options.layer = options_.layer;
+  const int history = std::min(
+      states_.kept(), InFrames(options_.history_seconds, model_->settings().frame_rate_hz));
+  MOTIONDB_ASSIGN_OR_RETURN(auto prediction,
+                            Predict(*model_, states_.Last(history), options, cancelled));
+  observed.horizons = std::move(prediction.horizons);
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::core

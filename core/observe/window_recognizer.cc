@@ -1,0 +1,173 @@
+#include "core/observe/window_recognizer.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+#include "core/model/familiarity.h"
+#include "core/model/frame_stride.h"
+#include "core/motion/error.h"
+#include "core/recognition/clip_alignment.h"
+#include "core/recognition/label_evidence.h"
+#include "core/recognition/metric_observation.h"
+#include "core/recognition/window_emission.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr std::size_t kKeptClips = 80;
+constexpr double kNone = -std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+WindowRecognizer::WindowRecognizer(const Model& model, int window_frames, double transition_floor)
+    : model_(model),
+      window_frames_(window_frames),
+      transition_floor_(transition_floor),
+      labels_(Labels(model)),
+      ranking_(static_cast<int>(model.clips().size())) {
+  for (const ModelClip& clip : model.clips()) {
+    const auto at = std::lower_bound(labels_.begin(), labels_.end(), clip.label);
+    label_of_clip_.push_back(static_cast<int>(at - labels_.begin()));
+  }
+  if (!model.metric().empty()) window_.emplace(model, window_frames);
+  clips_.reserve(kKeptClips);
+}
+
+void WindowRecognizer::Restart() {
+  if (window_) window_->Restart();
+  clips_.clear();
+}
+
+int WindowRecognizer::Width(const ObservedStates& states) const {
+  return std::min(window_frames_, states.kept());
+}
+
+absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::ByPaper(
+    const ObservedStates& states, const Cancelled& cancelled) const {
+  RecognizeOptions options;
+  options.method = Method::kPaper;
+  options.whole = true;
+  options.transition_floor = transition_floor_;
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto windows, core::Recognize(model_, states.Last(Width(states)), options, cancelled));
+  return Answer{std::move(windows.front().labels), windows.front().familiarity};
+}
+
+double WindowRecognizer::FamiliarityByGraph(const ObservedStates& states) const {
+  FrameMatrix scaled = states.Last(Width(states)).states;
+  model_.scale().Apply(scaled);
+  const int layer = model_.layer_count();
+  WindowEmission emission(model_, layer, scaled, static_cast<int>(scaled.rows()));
+  emission.MoveTo(0);
+  return model_.familiarity().Rank(
+      layer, core::FamiliarityScore(model_.global_graph(layer), emission.log_density()));
+}
+
+void WindowRecognizer::ChooseFrames(const ObservedStates& states) {
+  const int width = Width(states);
+  const int stride = FrameStride(model_.settings().frame_rate_hz);
+  frames_.clear();
+  rings_.clear();
+  for (const int frame : ComparedFrames(0, width, stride, false)) {
+    frames_.push_back(states.next() - width + frame);
+    rings_.push_back(static_cast<std::size_t>(frames_.back() % window_frames_));
+  }
+}
+
+KeptClip& WindowRecognizer::Keep(int clip) {
+  auto kept = std::ranges::find(clips_, clip, &KeptClip::clip);
+  if (kept == clips_.end()) {
+    if (clips_.size() < kKeptClips) {
+      clips_.emplace_back();
+      kept = clips_.end() - 1;
+    } else {
+      kept = std::ranges::min_element(clips_, {}, &KeptClip::last_asked);
+    }
+    kept->Take(model_, clip, window_frames_);
+  }
+  kept->last_asked = answers_;
+  return *kept;
+}
+
+absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
+                                            const Cancelled& cancelled) {
+  for (const int i : ShortlistFrames(static_cast<int>(frames_.size()))) {
+    ranking_.Add(window_->At(states, frames_[i]).near);
+  }
+  shortlist_ = ranking_.TakeShortlist({});
+  nearest_.assign(frames_.size(), {std::numeric_limits<float>::infinity(), 0});
+  listed_.clear();
+  for (const int clip : shortlist_) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    KeptClip& kept = Keep(clip);
+    for (std::size_t i = 0; i < frames_.size(); ++i) {
+      const NearestFrame& near = kept.See(model_, rings_[i], window_->At(states, frames_[i]));
+      if (near.squared_distance < nearest_[i].squared_distance) nearest_[i] = near;
+    }
+    listed_.push_back(&kept);
+  }
+  return absl::OkStatus();
+}
+
+double WindowRecognizer::LogEvidence(const KeptClip& clip) {
+  double log_evidence = 0;
+  if (clip.LogEvidence(rings_, paths_, log_evidence)) return log_evidence;
+  FrameMatrix observed(frames_.size(), model_.metric().projection.cols());
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    observed.row(static_cast<Eigen::Index>(i)) = window_->Kept(frames_[i]).projected.transpose();
+  }
+  return AlignToClip(model_.metric_frames(), clip.clip(), observed, false).log_evidence;
+}
+
+std::vector<ClipEvidence> WindowRecognizer::DecisiveClips() {
+  struct Bounded {
+    double most;
+    std::size_t place;  // on the shortlist
+  };
+  std::vector<Bounded> order;
+  std::vector<double> best(labels_.size(), kNone);
+  std::vector<bool> is_listed(labels_.size());
+  for (std::size_t place = 0; place < listed_.size(); ++place) {
+    order.push_back({listed_[place]->LogEvidenceAtMost(rings_), place});
+    is_listed[label_of_clip_[shortlist_[place]]] = true;
+  }
+  std::ranges::sort(order, std::ranges::greater(), &Bounded::most);
+  // A label without a clip on the list is held to be like the poorest, so that one counts, too.
+  const bool all_listed = std::ranges::find(is_listed, false) == is_listed.end();
+  std::vector<ClipEvidence> decisive;
+  for (const auto& [most, place] : order) {
+    double& of_label = best[label_of_clip_[shortlist_[place]]];
+    if (all_listed && most <= of_label) continue;
+    decisive.push_back({shortlist_[place], LogEvidence(*listed_[place])});
+    of_label = std::max(of_label, decisive.back().log_evidence);
+  }
+  return decisive;
+}
+
+double WindowRecognizer::FamiliarityScore() {
+  double sum = 0;
+  for (std::size_t i = 0; i < frames_.size(); ++i) {
+    sum += window_->SquaredDifference(frames_[i], nearest_[i].frame);
+  }
+  return FamiliarityOfDifference(
+      sum / static_cast<double>(frames_.size() * static_cast<std::size_t>(model_.states().cols())));
+}
+
+absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const ObservedStates& states,
+                                                                     const Cancelled& cancelled) {
+  if (!window_) return ByPaper(states, cancelled);
+  ++answers_;
+  ChooseFrames(states);
+  MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));
+  const AnswerCalibration& calibration = model_.recognition().window;
+  Answer answer;
+  answer.labels = LabelsByAlignment(
+      model_, labels_, {DecisiveClips(), static_cast<int>(frames_.size()), 0}, calibration.weight);
+  answer.familiarity = calibration.familiarity.empty()
+                           ? FamiliarityByGraph(states)
+                           : calibration.FamiliarityRank(FamiliarityScore());
+  return answer;
+}
+
+}  // namespace motiondb::core

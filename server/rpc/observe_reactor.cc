@@ -1,0 +1,145 @@
+#include "server/rpc/observe_reactor.h"
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+
+#include "core/motion/error.h"
+#include "motiondb/v1/observe.pb.h"
+#include "server/rpc/query_subject.h"
+#include "server/translate/field_violation.h"
+#include "server/translate/observe_message.h"
+
+namespace motiondb::server {
+namespace {
+
+class ObserveReactor final
+    : public grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse> {
+ public:
+  ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
+      : engine_(host.engine),
+        cancelled_(CancellationOf(context)),
+        ticket_(host.gate, [this] { Stop(); }) {
+    if (ticket_.admitted()) {
+      Read();
+    } else {
+      End(Stopping());
+    }
+  }
+
+  void OnReadDone(bool ok) override {
+    // Half-closed; where the call was cancelled instead, nobody reads the status.
+    if (!ok) return End(grpc::Status::OK);
+    Do(Turn::kServer, [this] { engine_.workers().Post([this] { Work(); }); });
+  }
+  void OnWriteDone(bool ok) override {
+    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
+    Read();
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  // Who has something to do before the call goes on.
+  enum class Turn { kClient, kServer, kNobody };
+
+  // Starts what comes next, unless the call has ended. Under the lock, so that nobody ends the
+  // call, which deletes this, in between.
+  template <typename Start>
+  void Do(Turn turn, Start start) {
+    const std::lock_guard lock(mutex_);
+    if (turn_ == Turn::kNobody) return;
+    turn_ = turn;
+    start();
+  }
+
+  void Work() {
+    const grpc::Status status = RunHandler(cancelled_, [this] { return Take(); });
+    if (!status.ok()) return End(status);
+    if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
+    Do(Turn::kClient, [this] { StartWrite(&response_); });
+  }
+
+  void Read() {
+    if (stopping_) return End(Stopping());
+    Do(Turn::kClient, [this] { StartRead(&request_); });
+  }
+
+  // Once, whoever comes first; the last thing that its thread does here.
+  void End(grpc::Status status) {
+    bool first = false;
+    Do(Turn::kNobody, [&] { first = true; });
+    if (first) Finish(std::move(status));
+  }
+
+  // The server stops. A call that waits for its client ends at once, one that works when it has
+  // answered.
+  void Stop() {
+    stopping_ = true;
+    {
+      const std::lock_guard lock(mutex_);
+      if (turn_ == Turn::kServer) return;
+    }
+    End(Stopping());
+  }
+
+  absl::Status Take() {
+    switch (request_.part_case()) {
+      case v1::ObserveRequest::kStart:
+        return Open();
+      case v1::ObserveRequest::kFrames:
+        return Answer();
+      case v1::ObserveRequest::PART_NOT_SET:
+        return FieldViolation("part", "expected one of start, frames");
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Open() {
+    if (session_ != nullptr) return FieldViolation("start", "expected once, at the beginning");
+    const v1::ObserveStart& start = request_.start();
+    MOTIONDB_ASSIGN_OR_RETURN(QuerySubject subject,
+                              FindSubject(engine_, "start.database", start.database()));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, subject.database->scheme());
+    MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup,
+                              SetupFrom(start, subject.snapshot->model, scheme->set));
+    marker_names_ = setup.marker_names;
+    top_count_ = start.top_count();
+    auto session = ObserveSession::Open(engine_, std::move(subject.database),
+                                        std::move(subject.snapshot), std::move(setup));
+    if (!session.ok()) return AtField("start", session.status());
+    session_ = *std::move(session);
+    return absl::OkStatus();
+  }
+
+  absl::Status Answer() {
+    if (session_ == nullptr) return FieldViolation("part", "expected a start first");
+    const v1::ObservedFrames& frames = request_.frames();
+    MOTIONDB_ASSIGN_OR_RETURN(const core::FrameMatrix positions, FramesFrom(frames, marker_names_));
+    auto step = session_->Take(frames.first_frame(), positions, cancelled_);
+    if (!step.ok()) return AtField("frames", step.status());
+    response_.Clear();
+    SetStep(*step, top_count_, response_);
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  const core::Cancelled cancelled_;
+  v1::ObserveRequest request_;
+  v1::ObserveResponse response_;
+  std::vector<std::string> marker_names_;
+  int top_count_ = 0;
+  std::unique_ptr<ObserveSession> session_;
+  std::atomic<bool> stopping_ = false;
+  std::mutex mutex_;
+  Turn turn_ = Turn::kClient;
+  const CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* NewObserveReactor(
+    CallHost& host, grpc::CallbackServerContext& context) {
+  return new ObserveReactor(host, context);
+}
+
+}  // namespace motiondb::server

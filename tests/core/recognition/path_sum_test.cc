@@ -1,0 +1,53 @@
+#include "core/recognition/path_sum.h"
+
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <random>
+
+namespace motiondb::tests {
+namespace {
+
+// Squared distances of observed frames (columns) to a clip's (rows).
+Eigen::ArrayXXf Distances(int clip_frames, int frames, float scale, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<float> uniform(0, scale);
+  Eigen::ArrayXXf distances(clip_frames, frames);
+  for (Eigen::Index i = 0; i < distances.size(); ++i) distances.data()[i] = uniform(random);
+  return distances;
+}
+
+}  // namespace
+
+TEST_CASE("PathSum: from roots it is what it is from distances, or says that it is not",
+          "[core][recognition]") {
+  int exact = 0;
+  for (const float scale : {1.0F, 50.0F, 500.0F, 5000.0F, 1e6F}) {
+    for (unsigned seed = 0; seed < 20; ++seed) {
+      const Eigen::ArrayXXf distances = Distances(40, 12, scale, seed);
+      core::PathSum paths;
+      paths.Begin(40, false);
+      for (Eigen::Index t = 0; t < 12; ++t) paths.See(distances.col(t));
+      const double expected = paths.LogEvidence();
+
+      core::PathSum from_roots;
+      from_roots.Begin(40, false);
+      double nearest_sum = 0;
+      Eigen::ArrayXf roots(40);
+      for (Eigen::Index t = 0; t < 12; ++t) {
+        const float nearest = distances.col(t).minCoeff();
+        core::PathSum::Roots(distances.col(t), nearest, roots);
+        from_roots.SeeRoots(roots, nearest);
+        nearest_sum += nearest;
+      }
+      CAPTURE(scale, seed);
+      CHECK(expected <= core::PathSum::LogEvidenceAtMost(40, nearest_sum) + 1e-9);
+      if (!from_roots.IsExact()) continue;
+      ++exact;
+      CHECK(from_roots.LogEvidence() == Approx(expected).epsilon(1e-6).margin(1e-4));
+    }
+  }
+  CHECK(exact >= 40);  // of 100; where distances are far apart only See can tell
+  CHECK(exact < 100);
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,262 @@
+// Streams of frames, against a server on a socket.
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
+
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/operation.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Stub = v1::ObserveService::Stub;
+using Reader = grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>;
+
+// A walk as the frames of the database's markers.
+v1::MarkerObservation WalkingMarkers(TestServer& server) {
+  const auto stub = server.NewStub<v1::ObserveService>();
+  v1::RepresentRequest request;
+  request.set_database("databases/db");
+  *request.mutable_observation() = ObservedWalk();
+  const auto answer = Ask(*stub, &Stub::Represent, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  return answer.response.markers();
+}
+
+v1::ObserveRequest Start(const v1::MarkerObservation& motion) {
+  v1::ObserveRequest request;
+  v1::ObserveStart& start = *request.mutable_start();
+  start.set_database("databases/db");
+  *start.mutable_marker_names() = motion.marker_names();
+  start.set_frame_rate_hz(motion.frame_rate_hz());
+  return request;
+}
+
+// Frames [first, first + count) of a motion, numbered from `number` on.
+v1::ObserveRequest Frames(const v1::MarkerObservation& motion, int first, int count,
+                          std::int64_t number) {
+  const std::size_t width = motion.positions().size() / motion.frame_count();
+  v1::ObserveRequest request;
+  v1::ObservedFrames& frames = *request.mutable_frames();
+  frames.set_first_frame(number);
+  frames.set_frame_count(count);
+  frames.set_positions(motion.positions().substr(first * width, count * width));
+  return request;
+}
+
+// A stream that was opened, one message out and one back at a time.
+class Stream {
+ public:
+  explicit Stream(TestServer& server)
+      : stub_(server.NewStub<v1::ObserveService>()), call_(stub_->Observe(&context_)) {}
+
+  bool Send(const v1::ObserveRequest& request) { return call_->Write(request); }
+  bool Receive(v1::ObserveResponse& response) { return call_->Read(&response); }
+  v1::ObserveResponse Ask(const v1::ObserveRequest& request) {
+    v1::ObserveResponse response;
+    REQUIRE(Send(request));
+    REQUIRE(Receive(response));
+    return response;
+  }
+  void Close() { call_->WritesDone(); }
+  grpc::Status Finish() { return call_->Finish(); }
+  void Cancel() { context_.TryCancel(); }
+
+ private:
+  grpc::ClientContext context_;
+  std::unique_ptr<Stub> stub_;
+  std::unique_ptr<Reader> call_;
+};
+
+}  // namespace
+
+TEST_CASE("Observe: each message is answered, in order, with what the frames so far say",
+          "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream stream(server);
+  v1::ObserveRequest start = Start(motion);
+  start.mutable_start()->add_horizon_seconds(0.2);
+  start.mutable_start()->add_horizon_seconds(0.1);
+  REQUIRE(stream.Send(start));
+  constexpr int kEach = 4;
+  v1::ObserveResponse last;
+  for (int first = 0; first + kEach <= motion.frame_count(); first += kEach) {
+    last = stream.Ask(Frames(motion, first, kEach, 1000 + first));
+    CHECK(last.frame() == 1000 + first + kEach - 1);
+    CHECK(last.model_version() == 1);
+    CHECK_FALSE(last.model_replaced());
+    REQUIRE(last.has_state());
+    CHECK(last.layer() > 0);
+    CHECK(last.state().probability() > 0);
+    REQUIRE(last.horizons_size() == 2);
+    CHECK(last.horizons(0).seconds() == 0.2);
+    CHECK(last.horizons(1).seconds() == 0.1);
+    CHECK(last.horizons(0).marker_positions_size() == 3 * motion.marker_names_size());
+  }
+  REQUIRE(last.labels_size() == 3);
+  CHECK(last.labels(0).label() == "walk");
+  CHECK(last.late_frames() == 0);
+  CHECK(last.missing_frames() == 0);
+  stream.Close();
+  v1::ObserveResponse none;
+  CHECK_FALSE(stream.Receive(none));
+  CHECK(stream.Finish().ok());
+}
+
+TEST_CASE("Observe: late frames are passed over, frames that never come are missing",
+          "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream stream(server);
+  REQUIRE(stream.Send(Start(motion)));
+  stream.Ask(Frames(motion, 0, 10, 0));
+  const auto repeated = stream.Ask(Frames(motion, 8, 4, 8));
+  CHECK(repeated.late_frames() == 2);
+  CHECK(repeated.frame() == 11);
+  const auto skipped = stream.Ask(Frames(motion, 14, 2, 14));
+  CHECK(skipped.missing_frames() == 2);
+  CHECK(skipped.frame() == 15);
+  const auto late = stream.Ask(Frames(motion, 0, 4, 0));
+  CHECK(late.late_frames() == 6);
+  CHECK(late.frame() == 15);
+  stream.Close();
+  CHECK(stream.Finish().ok());
+}
+
+TEST_CASE("Observe: wrong messages are refused by name", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  const auto refused = [&](const std::vector<v1::ObserveRequest>& requests) {
+    Stream stream(server);
+    for (const auto& request : requests) stream.Send(request);
+    v1::ObserveResponse response;
+    while (stream.Receive(response)) {
+    }
+    return stream.Finish();
+  };
+  const v1::ObserveRequest good = Start(motion);
+  const auto started = [&](const std::function<void(v1::ObserveStart&)>& change) {
+    v1::ObserveRequest request = good;
+    change(*request.mutable_start());
+    return refused({request});
+  };
+  CHECK(ViolatedFields(refused({v1::ObserveRequest()})) == "part");
+  CHECK(ViolatedFields(refused({Frames(motion, 0, 1, 0)})) == "part");
+  CHECK(ViolatedFields(refused({good, good})) == "start");
+  CHECK(started([](auto& start) { start.set_database("databases/none"); }).error_code() ==
+        grpc::StatusCode::NOT_FOUND);
+  CHECK(ViolatedFields(started([](auto& start) { start.set_database("db"); })) == "start.database");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_frame_rate_hz(0); })) ==
+        "start.frame_rate_hz");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_leg_length_m(-1); })) ==
+        "start.leg_length_m");
+  CHECK(ViolatedFields(started([](auto& start) { start.add_horizon_seconds(-1); })) ==
+        "start.horizon_seconds");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_layer(99); })) == "start.layer");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_transition_floor(2); })) ==
+        "start.transition_floor");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_top_count(-1); })) == "start.top_count");
+  CHECK(ViolatedFields(started([](auto& start) {
+          start.clear_marker_names();
+          start.add_marker_names("nothing");
+        })) == "start");
+  v1::ObserveRequest wide = Frames(motion, 0, 2, 0);
+  wide.mutable_frames()->set_frame_count(3);
+  CHECK(ViolatedFields(refused({good, wide})) == "frames.positions");
+  wide.mutable_frames()->set_frame_count(0);
+  CHECK(ViolatedFields(refused({good, wide})) == "frames.frame_count");
+  v1::ObserveRequest infinite = Frames(motion, 0, 1, 0);
+  infinite.mutable_frames()->mutable_positions()->replace(0, 4, "\x00\x00\x80\x7f", 4);
+  CHECK(ViolatedFields(refused({good, infinite})) == "frames.positions");
+  v1::ObserveRequest beyond = Frames(motion, 0, 2, std::numeric_limits<std::int64_t>::max());
+  CHECK(ViolatedFields(refused({good, beyond})) == "frames");
+}
+
+TEST_CASE("Observe: a model that is replaced is taken over and announced once", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream stream(server);
+  REQUIRE(stream.Send(Start(motion)));
+  CHECK(stream.Ask(Frames(motion, 0, 8, 0)).model_version() == 1);
+  const auto ingested = server.IngestFigure("db", "more", "stroll", {.phase = 2});
+  server.Wait(ingested.operation().name());
+  const auto first = stream.Ask(Frames(motion, 8, 8, 8));
+  CHECK(first.model_version() == 2);
+  CHECK(first.model_replaced());
+  CHECK(first.labels_size() == 4);
+  CHECK_FALSE(stream.Ask(Frames(motion, 16, 8, 16)).model_replaced());
+
+  v1::DeleteDatabaseRequest deletion;
+  deletion.set_name("databases/db");
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  REQUIRE(Ask(*databases, &v1::DatabaseService::Stub::DeleteDatabase, deletion).status.ok());
+  stream.Send(Frames(motion, 24, 8, 24));
+  v1::ObserveResponse none;
+  CHECK_FALSE(stream.Receive(none));
+  CHECK(stream.Finish().error_code() == grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_CASE("Observe: a client that does not read is not read from", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream stream(server);
+  v1::ObserveRequest start = Start(motion);
+  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
+  REQUIRE(stream.Send(start));
+  // Far more than the windows of flow control hold, both ways.
+  constexpr int kMessages = 3000;
+  std::atomic<int> sent = 0;
+  std::thread sender([&] {
+    while (sent < kMessages && stream.Send(Frames(motion, 0, motion.frame_count(),
+                                                  std::int64_t{sent} * motion.frame_count()))) {
+      ++sent;
+    }
+  });
+  const auto settled = [&] {
+    int before = -1;
+    for (int tries = 0; tries < 100 && before != sent; ++tries) {
+      before = sent;
+      std::this_thread::sleep_for(std::chrono::milliseconds(300));
+    }
+    return sent.load();
+  };
+  CHECK(settled() < kMessages);
+  v1::ObserveResponse response;
+  for (int i = 0; i < 50; ++i) {
+    REQUIRE(stream.Receive(response));
+    CHECK(response.frame() == (i + 1) * motion.frame_count() - 1);
+  }
+  stream.Cancel();
+  sender.join();
+  CHECK(stream.Finish().error_code() == grpc::StatusCode::CANCELLED);
+}
+
+TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream idle(server);
+  REQUIRE(idle.Send(Start(motion)));
+  idle.Ask(Frames(motion, 0, 4, 0));
+  Stream silent(server);  // has not even started
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
+  v1::ObserveResponse none;
+  CHECK_FALSE(idle.Receive(none));
+  CHECK(idle.Finish().error_code() == grpc::StatusCode::UNAVAILABLE);
+  CHECK_FALSE(silent.Receive(none));
+  CHECK(silent.Finish().error_code() == grpc::StatusCode::UNAVAILABLE);
+  draining.join();
+}
+
+}  // namespace motiondb::tests

@@ -76,13 +76,13 @@ class LiveLine {
   explicit LiveLine(double frame_rate_hz)
       : frame_rate_hz_(frame_rate_hz), terminal_(isatty(STDOUT_FILENO) == 1) {}
 
-  void Show(const v1::ObserveResponse& answer, double latency_ms) {
+  void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
     if (terminal_) {
-      fmt::print("\r\033[K{}", ObservedLine(answer, seconds, latency_ms));
+      fmt::print("\r\033[K{}", ObservedLine(answer, seconds));
       std::fflush(stdout);
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
-      fmt::print("{}\n", ObservedLine(answer, seconds, latency_ms));
+      fmt::print("{}\n", ObservedLine(answer, seconds));
       shown_ = seconds;
     }
   }
@@ -113,17 +113,17 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
   LiveLine line(motion.frame_rate_hz());
   v1::ObserveResponse last;
   const auto figures = Replay(*client, Start(options, request, motion), motion, replay,
-                              [&](const v1::ObserveResponse& answer, double latency_ms) {
+                              [&](const v1::ObserveResponse& answer) {
                                 if (global.json) {
                                   PrintJson(answer);
                                 } else {
-                                  line.Show(answer, latency_ms);
+                                  line.Show(answer);
                                 }
                                 last = answer;
                               });
   if (!global.json) line.End();
   if (!figures.ok()) return figures.status();
-  if (!global.json) fmt::print("{}", ReplayText(*figures, last));
+  if (!global.json) fmt::print("{}", ReplayText(*figures, last, options.realtime));
   return absl::OkStatus();
 }
 

@@ -57,7 +57,7 @@ void SendAll(const std::vector<float>& positions, int frame_count, const ReplayO
 absl::StatusOr<ReplayFigures> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
     const ReplayOptions& options,
-    const std::function<void(const v1::ObserveResponse&, double latency_ms)>& on_answer) {
+    const std::function<void(const v1::ObserveResponse&)>& on_answer) {
   if (motion.frame_count() < 1) return absl::InvalidArgumentError("the motion has no frames");
   std::vector<float> positions(motion.positions().size() / sizeof(float));
   std::memcpy(positions.data(), motion.positions().data(), positions.size() * sizeof(float));
@@ -71,7 +71,7 @@ absl::StatusOr<ReplayFigures> Replay(
   v1::ObserveResponse answer;
   while (stream.Receive(answer)) {
     figures.latencies_ms.push_back(MillisecondsSince(times.Of(figures.latencies_ms.size())));
-    on_answer(answer, figures.latencies_ms.back());
+    on_answer(answer);
   }
   figures.seconds = MillisecondsSince(begin) / 1000;
   sender.join();

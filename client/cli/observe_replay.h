@@ -19,15 +19,14 @@ struct ReplayOptions {
 // What a replay came to.
 struct ReplayFigures {
   int frames = 0;
-  double seconds = 0;                // from the first message to the last answer
-  std::vector<double> latencies_ms;  // of each message, in their order
+  double seconds = 0;  // from the first message to the last answer
+  // From sending each message to its answer, in their order.
+  std::vector<double> latencies_ms;
 };
 
-// `on_answer` is called with each answer and how long it took (ms), on the calling thread. The
-// status is the stream's.
+// `on_answer` is called with each answer, on the calling thread. The status is the stream's.
 absl::StatusOr<ReplayFigures> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
-    const ReplayOptions& options,
-    const std::function<void(const v1::ObserveResponse&, double latency_ms)>& on_answer);
+    const ReplayOptions& options, const std::function<void(const v1::ObserveResponse&)>& on_answer);
 
 }  // namespace motiondb::client

@@ -29,7 +29,7 @@ std::string LabelsText(const v1::ObserveResponse& answer) {
 
 }  // namespace
 
-std::string ObservedLine(const v1::ObserveResponse& answer, double seconds, double latency_ms) {
+std::string ObservedLine(const v1::ObserveResponse& answer, double seconds) {
   std::string line = fmt::format("{:7.2f} s  ", seconds);
   if (!answer.has_state()) {
     line += "no frame with both hips yet";
@@ -43,18 +43,17 @@ std::string ObservedLine(const v1::ObserveResponse& answer, double seconds, doub
                           100 * ahead.expected_error_m());
     }
   }
-  line += fmt::format("  {:5.1f} ms", latency_ms);
   if (answer.model_replaced()) line += fmt::format("  (model {} now)", answer.model_version());
   return line;
 }
 
-std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last) {
+std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last, bool paced) {
   std::vector<double> sorted = figures.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
   std::string text = fmt::format(
       "{} frames in {:.2f} s, {:.0f} a second; model {}\n", figures.frames, figures.seconds,
       figures.frames / std::max(figures.seconds, 1e-9), last.model_version());
-  if (!sorted.empty()) {
+  if (paced && !sorted.empty()) {
     text +=
         fmt::format("{} answers after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
                     sorted.size(), Quantile(sorted, 0.5), Quantile(sorted, 0.99), sorted.back());

@@ -8,8 +8,9 @@
 namespace motiondb::client {
 
 // One line, without its end. `seconds`: where in the motion its newest frame is.
-std::string ObservedLine(const v1::ObserveResponse& answer, double seconds, double latency_ms);
+std::string ObservedLine(const v1::ObserveResponse& answer, double seconds);
 
-std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last);
+// `paced`: messages were sent at a rate of their own, so that how long answers took says something.
+std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last, bool paced);
 
 }  // namespace motiondb::client

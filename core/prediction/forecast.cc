@@ -5,7 +5,6 @@
 #include <numeric>
 #include <utility>
 
-#include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "core/model/pose_history.h"
 #include "core/motion/error.h"
@@ -125,15 +124,20 @@ Forecast Forecaster::At(double seconds) {
 
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
                                                       double transition_floor, FrameRange without,
-                                                      const Cancelled& cancelled) {
+                                                      const Cancelled& cancelled,
+                                                      const PathSearch* search) {
   std::vector<StoredMoment> moments;
   const auto find = [&](const StateSequence& seen, bool mirrored) -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, seen));
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const PathSearch search,
-        FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
-    const std::vector<NodeState> now = LastNodes(model, search, transition_floor);
-    const std::vector<int> pool = ExemplarPool(model, search.layer, now, kMinPool);
+    PathSearch own;
+    const bool known = search != nullptr && !mirrored;
+    if (!known) {
+      MOTIONDB_ASSIGN_OR_RETURN(
+          own, FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
+    }
+    const PathSearch& found = known ? *search : own;
+    const std::vector<NodeState> now = LastNodes(model, found, transition_floor);
+    const std::vector<int> pool = ExemplarPool(model, found.layer, now, kMinPool);
     for (const Exemplar& exemplar :
          NearestFrames(model, pool, scaled.row(scaled.rows() - 1).data(), kMoments, without)) {
       moments.push_back({exemplar.frame, mirrored});

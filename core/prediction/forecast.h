@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/exemplars.h"
+#include "core/inference/node_path.h"
 #include "core/model/model.h"
 #include "core/motion/cancellation.h"
 #include "core/prediction/exemplar_process.h"
@@ -59,9 +60,11 @@ class Forecaster {
 
 // Stored moments to forecast from: those most like the last frame of `past` among the frames that
 // the tree takes it to, and the same of its mirror image where the markers have sides. Frames in
-// `without` are passed over. Errors as FindNodePaths.
+// `without` are passed over. `search`, where given, is that of `past` on the bottom layer, so that
+// it is not made again. Errors as FindNodePaths.
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
                                                       double transition_floor, FrameRange without,
-                                                      const Cancelled& cancelled);
+                                                      const Cancelled& cancelled,
+                                                      const PathSearch* search = nullptr);
 
 }  // namespace motiondb::core

@@ -160,8 +160,10 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   }
   MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
                             Complete(model, search, past, scaled, cancelled));
-  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, complete, options.transition_floor,
-                                                      options.without, cancelled));
+  const bool as_searched = search.layer == model.layer_count() && !past.states.hasNaN();
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments,
+                            FindMoments(model, complete, options.transition_floor, options.without,
+                                        cancelled, as_searched ? &search : nullptr));
   Forecaster forecaster(model, complete, std::move(moments));
   for (const double seconds : options.horizon_seconds) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");

@@ -10,6 +10,7 @@ import csv
 import json
 import os
 import signal
+import time
 import xml.etree.ElementTree
 
 import numpy
@@ -66,6 +67,28 @@ class AnyMachine(WithServer):
         self.assertGreater(len(series), 15)
         times = [p["at_seconds"] for p in series]
         self.assertEqual(times, sorted(times))
+
+    def test_observe_replays_a_motion(self):
+        self.ingest("01_01", "01_03", "Boxing_Toes")
+        boxing = f"{MODELS}/Boxing_Toes.bvh"
+        answers = self.server.ask("observe", "demo", boxing, "--frames-per-message", "4",
+                                  "--horizon", "0.1")
+        frames = [int(answer["frame"]) for answer in answers]
+        self.assertAlmostEqual(frames[-1], 4 * len(answers), delta=6, msg="4 frames a message")
+        self.assertEqual(frames, sorted(frames))
+        named = [answer["labels"][0]["label"] for answer in answers]
+        self.assertEqual(len(set(named)), 1)
+        for answer in answers:
+            self.assertEqual(answer["model_version"], 1)
+            self.assertGreater(answer["state"]["probability"], 0)
+            self.assertEqual(len(answer["horizons"][0]["marker_positions"]), 3 * 34)
+
+        began = time.monotonic()
+        said = self.server.run("observe", "demo", boxing, "--realtime", "--rate-multiplier", "20")
+        took = time.monotonic() - began
+        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertGreater(took, frames[-1] / 100 / 20, "twenty times its own rate")
+        self.assertIn("(longest)", said.stdout)
 
     def test_a_restart_reads_the_stored_model(self):
         self.ingest("01_01", "Boxing_Toes")

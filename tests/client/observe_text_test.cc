@@ -1,0 +1,50 @@
+#include "client/cli/observe_text.h"
+
+#include <catch2/catch.hpp>
+
+namespace motiondb::tests {
+
+using namespace client;  // NOLINT: the functions under test
+
+TEST_CASE("ObservedLine: what the frames so far say", "[client][cli]") {
+  v1::ObserveResponse answer;
+  CHECK(ObservedLine(answer, 0.1) == "   0.10 s  no frame with both hips yet");
+  answer.mutable_state()->set_node_id(37);
+  answer.mutable_state()->set_probability(0.875);
+  answer.set_familiarity(0.5);
+  for (const auto& [label, probability] : {std::pair("walk", 0.9), {"jog", 0.09}, {"kick", 0.01}}) {
+    v1::LabelProbability& to = *answer.add_labels();
+    to.set_label(label);
+    to.set_probability(probability);
+  }
+  const std::string line = ObservedLine(answer, 12.5);
+  CHECK_THAT(line, Catch::StartsWith("  12.50 s  walk 0.90, jog 0.09"));
+  CHECK_THAT(line, Catch::Contains("familiarity 0.50") && Catch::Contains("node   37 0.88") &&
+                       !Catch::Contains("kick") && !Catch::Contains("ahead") &&
+                       !Catch::Contains("model"));
+  v1::PredictedFrame& ahead = *answer.add_horizons();
+  ahead.set_seconds(0.4);
+  ahead.set_expected_error_m(0.036);
+  answer.set_model_replaced(true);
+  answer.set_model_version(2);
+  CHECK_THAT(ObservedLine(answer, 1),
+             Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(model 2 now)"));
+}
+
+TEST_CASE("ReplayText: rates, and how long answers took where messages had a pace",
+          "[client][cli]") {
+  v1::ObserveResponse last;
+  last.set_model_version(3);
+  ReplayFigures figures{.frames = 200, .seconds = 2, .latencies_ms = {}};
+  for (int i = 100; i > 0; --i) figures.latencies_ms.push_back(i);
+  CHECK(ReplayText(figures, last, false) == "200 frames in 2.00 s, 100 a second; model 3\n");
+  CHECK_THAT(
+      ReplayText(figures, last, true),
+      Catch::EndsWith("100 answers after 50.00 ms (median), 99.00 (99 %), 100.00 (longest)\n"));
+  last.set_late_frames(1);
+  last.set_missing_frames(2);
+  CHECK_THAT(ReplayText(figures, last, false),
+             Catch::EndsWith("1 frames came late, 2 never came\n"));
+}
+
+}  // namespace motiondb::tests

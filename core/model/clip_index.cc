@@ -22,11 +22,10 @@ ClipIndex ClipIndex::Of(const ModelParts& parts) {
   if (parts.metric.empty()) return index;
   const int layer = IndexedLayer(parts.tree);
   const int nodes = parts.tree.node_count(layer);
-  FrameMatrix means(nodes, parts.states.cols());
   for (int node = 0; node < nodes; ++node) {
-    means.row(node) = parts.gaussians.means().row(parts.tree.branch(layer, node));
+    index.branches_.push_back(parts.tree.branch(layer, node));
   }
-  index.means_ = Project(parts.metric, means);
+  index.means_ = index.MeansIn(parts.metric, parts.gaussians);
   index.squared_norms_ = index.means_.rowwise().squaredNorm();
 
   std::vector<std::vector<int>> of_node(nodes);
@@ -40,6 +39,10 @@ ClipIndex ClipIndex::Of(const ModelParts& parts) {
   }
   index.begin_.push_back(static_cast<int>(index.clips_.size()));
   return index;
+}
+
+FrameMatrix ClipIndex::MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const {
+  return Project(metric, gaussians.means()(branches_, Eigen::all));
 }
 
 }  // namespace motiondb::core

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "core/motion/matrix.h"
+#include "core/tree/node_gaussians.h"
 
 namespace motiondb::core {
 
 struct ModelParts;
+struct MotionMetric;
 
 class ClipIndex {
  public:
@@ -22,12 +24,15 @@ class ClipIndex {
   // Means of the indexed nodes in the metric, nodes x K, and their squared norms.
   const FrameMatrix& means() const { return means_; }
   const Eigen::VectorXf& squared_norms() const { return squared_norms_; }
+  // The same means in another metric; `gaussians` are the model's.
+  FrameMatrix MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const;
   // Clips with frames in a node, ascending.
   std::span<const int> clips(int node) const {
     return std::span(clips_).subspan(begin_[node], begin_[node + 1] - begin_[node]);
   }
 
  private:
+  std::vector<int> branches_;  // of the tree, one a node
   FrameMatrix means_;
   Eigen::VectorXf squared_norms_;
   std::vector<int> begin_;  // of each node's clips, and the end

@@ -1,6 +1,7 @@
 #include "core/observe/window_recognizer.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -43,15 +44,27 @@ int WindowRecognizer::Width(const ObservedStates& states) const {
   return std::min(window_frames_, states.kept());
 }
 
-absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::ByPaper(
-    const ObservedStates& states, const Cancelled& cancelled) const {
+absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Whole(const ObservedStates& states,
+                                                                 const Cancelled& cancelled) const {
   RecognizeOptions options;
-  options.method = Method::kPaper;
-  options.whole = true;
+  options.window_seconds = Width(states) / model_.settings().frame_rate_hz;
   options.transition_floor = transition_floor_;
   MOTIONDB_ASSIGN_OR_RETURN(
       auto windows, core::Recognize(model_, states.Last(Width(states)), options, cancelled));
   return Answer{std::move(windows.front().labels), windows.front().familiarity};
+}
+
+bool WindowRecognizer::ShowsAll(const ObservedStates& states) const {
+  const std::int64_t newest = states.next() - 1;
+  const auto is_missing = [&](std::int64_t frame, Eigen::Index d) {
+    return std::isnan(states.state(frame)[d]);
+  };
+  for (Eigen::Index d = 0; d < states.state(newest).size(); ++d) {
+    std::int64_t frame = newest;
+    while (frame > newest - Width(states) && is_missing(frame, d)) --frame;
+    if (frame == newest - Width(states)) return false;
+  }
+  return true;
 }
 
 double WindowRecognizer::FamiliarityByGraph(const ObservedStates& states) const {
@@ -156,7 +169,8 @@ double WindowRecognizer::FamiliarityScore() {
 
 absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Recognize(const ObservedStates& states,
                                                                      const Cancelled& cancelled) {
-  if (!window_) return ByPaper(states, cancelled);
+  shortlist_.clear();
+  if (!window_ || !ShowsAll(states)) return Whole(states, cancelled);
   ++answers_;
   ChooseFrames(states);
   MOTIONDB_RETURN_IF_ERROR(CompareClips(states, cancelled));

@@ -21,9 +21,9 @@ namespace motiondb::core {
 // A frame is brought into the metric and compared with the index's nodes and the shortlisted clips
 // once, when an answer first needs it, and once more when it is finished. What is left for an
 // answer is to add up what its frames say: the ranking of clips, and for a clip the sum over paths,
-// which is passed over where the clip cannot be the best of its label. A model without a metric
-// answers by the paper, whose windows are computed whole; so is familiarity in a model that was not
-// calibrated.
+// which is passed over where the clip cannot be the best of its label. Computed whole are windows
+// that never show some marker, which is then left out, those by the paper, for a model without a
+// metric, and familiarity in a model that was not calibrated.
 class WindowRecognizer {
  public:
   // The model must outlive it.
@@ -36,14 +36,15 @@ class WindowRecognizer {
   };
   // `states` has a frame at least. CANCELLED, asked once a clip.
   absl::StatusOr<Answer> Recognize(const ObservedStates& states, const Cancelled& cancelled);
-  // Of the last answer; empty if it was by the paper.
+  // Of the last answer; empty if its window was computed whole.
   const std::vector<int>& shortlist() const { return shortlist_; }
 
   // Frames are numbered anew.
   void Restart();
 
  private:
-  absl::StatusOr<Answer> ByPaper(const ObservedStates& states, const Cancelled& cancelled) const;
+  absl::StatusOr<Answer> Whole(const ObservedStates& states, const Cancelled& cancelled) const;
+  bool ShowsAll(const ObservedStates& states) const;
   double FamiliarityByGraph(const ObservedStates& states) const;
   // Which frames of the window are compared, and where they are in the rings.
   void ChooseFrames(const ObservedStates& states);

@@ -72,13 +72,17 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
   return shortlist;
 }
 
-std::vector<int> ShortlistClips(const Model& model, const FrameMatrix& observed,
-                                const std::vector<bool>& left_out) {
+std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
+                                const FrameMatrix& observed, const std::vector<bool>& left_out) {
   const ClipIndex& index = model.clip_index();
   const auto clip_count = static_cast<int>(model.clips().size());
   const FrameMatrix frames =
       observed(ShortlistFrames(static_cast<int>(observed.rows())), Eigen::all);
-  const FrameMatrix distances = SquaredDistances(frames, index.means(), index.squared_norms());
+  const FrameMatrix own_means =
+      own == nullptr ? FrameMatrix() : index.MeansIn(*own, model.gaussians());
+  const FrameMatrix distances =
+      own == nullptr ? SquaredDistances(frames, index.means(), index.squared_norms())
+                     : SquaredDistances(frames, own_means, own_means.rowwise().squaredNorm());
   NearClipFinder finder(index, clip_count);
   ClipRanking ranking(clip_count);
   std::vector<NearClip> near;

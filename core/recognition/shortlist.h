@@ -16,7 +16,9 @@ namespace motiondb::core {
 // order stays. Clips with `left_out[clip]` are passed over; it may be empty. Of the rest there is
 // none that a database of 64 clips leaves out. The cost does not grow with the number of clips but
 // for those found in these nodes.
-std::vector<int> ShortlistClips(const Model& model, const FrameMatrix& observed,
+// `own`: the metric, if it is not the model's.
+std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
+                                const FrameMatrix& observed,
                                 const std::vector<bool>& left_out = {});
 
 // The same in parts, for windows that share frames.

@@ -20,9 +20,21 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
     differences.row(static_cast<Eigen::Index>(i)) =
         observation.states.row(compared[i]) - model.states().row(nearest[i].frame);
   }
-  const FrameMatrix whitened = differences * model.metric().whitening;
+  const FrameMatrix whitened = differences * observation.MetricFor(model).whitening;
   return FamiliarityOfDifference(static_cast<double>(whitened.squaredNorm()) /
                                  static_cast<double>(whitened.size()));
+}
+
+// A clip's strided frames in another metric than the model's, as the only ones.
+MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int clip) {
+  const StridedFrames& all = model.metric_frames().rows;
+  MetricFrames frames;
+  frames.rows.frame.assign(all.frame.begin() + all.begin[clip],
+                           all.frame.begin() + all.begin[clip + 1]);
+  frames.rows.begin = {0, all.count(clip)};
+  frames.projected = Project(metric, model.states()(frames.rows.frame, Eigen::all));
+  frames.squared_norms = frames.projected.rowwise().squaredNorm();
+  return frames;
 }
 
 }  // namespace
@@ -40,9 +52,12 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
   std::vector<NearestFrame> nearest(compared.size(), {std::numeric_limits<float>::infinity(), 0});
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
-  for (const int clip : ShortlistClips(model, observed, left_out)) {
+  for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    const ClipAlignment alignment = AlignToClip(model.metric_frames(), clip, observed, anchored);
+    const ClipAlignment alignment =
+        observation.own == nullptr
+            ? AlignToClip(model.metric_frames(), clip, observed, anchored)
+            : AlignToClip(ProjectClip(model, *observation.own, clip), 0, observed, anchored);
     window.clips.push_back({clip, alignment.log_evidence});
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       if (alignment.nearest[i].squared_distance < nearest[i].squared_distance) {

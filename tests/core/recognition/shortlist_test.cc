@@ -53,13 +53,13 @@ TEST_CASE("ShortlistClips: has the clip that a part of it is taken from, in nois
   int first_of_all = 0;
   for (int clip = 0; clip < kClips; ++clip) {
     core::FrameMatrix part = InMetric(model, clip, 20, 24);
-    const auto clean = core::ShortlistClips(model, part);
+    const auto clean = core::ShortlistClips(model, nullptr, part);
     CHECK(clean.size() == 64);
     CHECK(std::set<int>(clean.begin(), clean.end()).size() == 64);
     CHECK(std::ranges::count(clean, clip) == 1);
     first_of_all += clean.front() == clip;
     for (float& number : part.reshaped()) number += noise(random);
-    CHECK(std::ranges::count(core::ShortlistClips(model, part), clip) == 1);
+    CHECK(std::ranges::count(core::ShortlistClips(model, nullptr, part), clip) == 1);
   }
   CHECK(first_of_all > kClips / 2);
 }
@@ -69,12 +69,12 @@ TEST_CASE("ShortlistClips: leaves out what it is told to, and nothing where clip
   const core::Model many = SmallModel(kClips, kFrames, 3, 4, 3);
   std::vector<bool> left_out(kClips, true);
   left_out[7] = left_out[50] = false;
-  auto left = core::ShortlistClips(many, InMetric(many, 0, 0, 10), left_out);
+  auto left = core::ShortlistClips(many, nullptr, InMetric(many, 0, 0, 10), left_out);
   std::ranges::sort(left);
   CHECK(left == std::vector<int>{7, 50});
 
   const core::Model few = SmallModel(9, kFrames, 3, 4, 3);
-  CHECK(core::ShortlistClips(few, InMetric(few, 4, 0, 1)).size() == 9);
+  CHECK(core::ShortlistClips(few, nullptr, InMetric(few, 4, 0, 1)).size() == 9);
 }
 
 }  // namespace motiondb::tests

@@ -39,16 +39,9 @@ absl::Status CheckOptions(const ObserverOptions& options) {
     return InvalidArgument("history_seconds: expected more than 0, at most {}, got {}",
                            kMostSeconds, options.history_seconds);
   }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
-  }
-  for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
-    const double seconds = options.horizon_seconds[h];
-    if (!(seconds >= 0 && seconds <= 3600)) {
-      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
-    }
-  }
-  return absl::OkStatus();
+  return CheckOptions(PredictOptions{.history_seconds = options.history_seconds,
+                                     .horizon_seconds = options.horizon_seconds,
+                                     .transition_floor = options.transition_floor});
 }
 
 }  // namespace

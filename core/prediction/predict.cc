@@ -20,23 +20,6 @@ namespace {
 constexpr double kLikelyNext = 1e-3;  // next nodes less probable than this are left out
 constexpr double kNearM = 0.05;       // that confidence is about
 
-absl::Status CheckOptions(const PredictOptions& options) {
-  if (!(options.history_seconds > 0 && std::isfinite(options.history_seconds))) {
-    return InvalidArgument("history_seconds: expected more than 0, got {}",
-                           options.history_seconds);
-  }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
-  }
-  for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
-    const double seconds = options.horizon_seconds[h];
-    if (!(seconds >= 0 && seconds <= 3600)) {
-      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
-    }
-  }
-  return absl::OkStatus();
-}
-
 // The next different node: where the graph goes from each node the motion may be in now, staying
 // left out, weighted by how probable that node is.
 std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector<NodeState>& now) {
@@ -123,6 +106,23 @@ void PredictByNodes(const Model& model, const StateSequence& past,
 }
 
 }  // namespace
+
+absl::Status CheckOptions(const PredictOptions& options) {
+  if (!(options.history_seconds > 0 && std::isfinite(options.history_seconds))) {
+    return InvalidArgument("history_seconds: expected more than 0, got {}",
+                           options.history_seconds);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+  }
+  for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
+    const double seconds = options.horizon_seconds[h];
+    if (!(seconds >= 0 && seconds <= 3600)) {
+      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
+    }
+  }
+  return absl::OkStatus();
+}
 
 absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
                                    const PredictOptions& options, const Cancelled& cancelled) {

@@ -23,6 +23,9 @@ struct PredictOptions {
   FrameRange without;  // stored frames that are no examples, to try the method on them
 };
 
+// INVALID_ARGUMENT naming the field if an option is out of range.
+absl::Status CheckOptions(const PredictOptions& options);
+
 struct NextNode {
   int node = 0;
   double probability = 0;

@@ -1,0 +1,66 @@
+// A motiondb server in the benchmark's own process, with the recorded clips of database 1 in it,
+// and what its clients send. Not thread-safe, except through the client and the address.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "motiondb/client.h"
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/observation.pb.h"
+#include "server/server.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+
+// A motion file in memory, as it is ingested.
+struct MotionBytes {
+  v1::IngestClipHeader header;  // without its parent
+  std::string file;
+  std::string skeleton;  // empty where it needs none
+
+  std::size_t size() const { return file.size() + skeleton.size(); }
+};
+
+// The clips of a list in the recorded data: "database1.train".
+absl::StatusOr<std::vector<MotionBytes>> ReadClips(const std::string& list);
+
+class ServedMotion {
+ public:
+  // A server with its default options and a store in a temporary directory.
+  static absl::StatusOr<std::unique_ptr<ServedMotion>> Start();
+
+  const std::string& address() const { return server_->address(); }
+  // A file of this name in the directory of the store.
+  std::string File(const std::string& name) const { return directory_ / name; }
+
+  absl::Status Create(const std::string& database);
+  // Returns when the clip is acknowledged.
+  absl::StatusOr<v1::IngestClipResponse> Ingest(const std::string& database,
+                                                const MotionBytes& clip);
+  // Ingests clips and waits for the model that knows them.
+  absl::Status Fill(const std::string& database, const std::vector<MotionBytes>& clips);
+  // Waits until an operation has succeeded.
+  absl::Status Await(const std::string& operation);
+  // Version of the current model.
+  absl::StatusOr<int> ModelVersion(const std::string& database);
+  // A clip as frames of the database's markers at `frame_rate_hz`, which goes into the clip's own.
+  // Without names: the markers stand in the database's order.
+  absl::StatusOr<v1::MarkerObservation> Represent(const std::string& database,
+                                                  const MotionBytes& clip, int frame_rate_hz);
+
+ private:
+  ServedMotion() = default;
+
+  TemporaryDirectory directory_;
+  std::unique_ptr<server::Server> server_;
+  std::optional<client::Client> client_;
+};
+
+// Frames [first, first + count) of markers.
+v1::MarkerObservation Cut(const v1::MarkerObservation& markers, int first, int count);
+
+}  // namespace motiondb::tests

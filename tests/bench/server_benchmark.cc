@@ -1,0 +1,367 @@
+// What a server makes of one machine that its clients load, too: questions and streams of frames
+// beside a gRPC server that answers the same bytes at once, ingestion beside SQLite, and how long
+// questions take while the model is built anew. Server, peer and clients are one process, so both
+// sides pay for the same clients; they take turns. Wall time.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <filesystem>
+#include <functional>
+#include <span>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/store_file.h"
+#include "storage/sqlite/transaction.h"
+#include "tests/bench/bench_table.h"
+#include "tests/bench/client_load.h"
+#include "tests/bench/empty_peer.h"
+#include "tests/bench/served_motion.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+using Clock = std::chrono::steady_clock;
+
+constexpr char kDatabase[] = "database1";
+constexpr int kFrameRateHz = 60;
+constexpr int kWindowFrames = 24;
+constexpr int kRecognizeClients = 32;
+constexpr int kStreams = 100;
+constexpr int kFramesAMessage = 4;
+// Fills the window of every stream.
+constexpr int kWarmUp = kWindowFrames / kFramesAMessage + 2;
+constexpr Seconds kQuestionPeriod{0.005};
+// A little more than the rest that the server waits for before it builds.
+constexpr Seconds kIngestPeriod{0.4};
+
+struct Options {
+  bool quick = false;
+  std::string json;
+
+  int rounds() const { return quick ? 1 : 5; }
+  Seconds round() const { return Seconds(quick ? 0.5 : 2); }
+};
+
+struct Bench {
+  Options options;
+  std::vector<MotionBytes> train, test;
+  std::unique_ptr<ServedMotion> served;
+  std::vector<v1::MarkerObservation> observed;  // the test clips
+  BenchTable table{"server", {}, {}};
+};
+
+using Clients = std::vector<std::unique_ptr<LoadClient>>;
+
+// Makes client number c of a server.
+using NewClient =
+    std::function<std::unique_ptr<LoadClient>(const std::string& address, bool peer, int c)>;
+
+Clients Make(const NewClient& make, int count, const std::string& address, bool peer) {
+  Clients clients;
+  for (int c = 0; c < count; ++c) clients.push_back(make(address, peer, c));
+  return clients;
+}
+
+// The answer of median size of some.
+absl::StatusOr<std::string> TypicalReply(LoadClient& client) {
+  std::vector<std::string> replies;
+  for (int i = 0; i < 10 * kWarmUp; ++i) {
+    MOTIONDB_RETURN_IF_ERROR(client.Ask());
+    if (i >= kWarmUp) replies.push_back(client.Reply());
+  }
+  const auto middle = replies.begin() + static_cast<std::ptrdiff_t>(replies.size() / 2);
+  std::nth_element(replies.begin(), middle, replies.end(),
+                   [](const auto& a, const auto& b) { return a.size() < b.size(); });
+  return *middle;
+}
+
+struct Sides {
+  Load ours, theirs;
+  std::size_t reply_bytes = 0;
+};
+
+// The same clients, `count` of them, on the server and on an empty peer, in turns.
+absl::StatusOr<Sides> BesidePeer(const Bench& bench, const std::string& method,
+                                 EmptyPeer::Shape shape, int count, const NewClient& make) {
+  const std::string& address = bench.served->address();
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string reply, TypicalReply(*make(address, false, 0)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto peer, EmptyPeer::Start({{method, {shape, reply}}}));
+  const Clients on_ours = Make(make, count, address, false);
+  const Clients on_theirs = Make(make, count, peer->address(), true);
+  Sides sides{{}, {}, reply.size()};
+  for (int round = 0; round < bench.options.rounds(); ++round) {
+    MOTIONDB_ASSIGN_OR_RETURN(const Load ours, AskAll(on_ours, kWarmUp, bench.options.round()));
+    MOTIONDB_ASSIGN_OR_RETURN(const Load theirs, AskAll(on_theirs, kWarmUp, bench.options.round()));
+    sides.ours.Add(ours);
+    sides.theirs.Add(theirs);
+  }
+  return sides;
+}
+
+// "processor time an answer 1 ms, p50 1 ms, p99 2 ms (peer 1 ms, 1 ms, 2 ms)"
+std::string Costs(const Sides& sides) {
+  return fmt::format(
+      "processor time an answer {:.3f} ms, p50 {:.2f} ms, p99 {:.2f} ms (peer {:.3f} ms, {:.2f} "
+      "ms, "
+      "{:.2f} ms)",
+      sides.ours.processor_ms(), sides.ours.Within(0.5), sides.ours.Within(0.99),
+      sides.theirs.processor_ms(), sides.theirs.Within(0.5), sides.theirs.Within(0.99));
+}
+
+std::vector<v1::RecognizeRequest> Questions(const Bench& bench, v1::Method method) {
+  std::vector<v1::RecognizeRequest> requests;
+  for (const v1::MarkerObservation& clip : bench.observed) {
+    for (int f = 0; f + kWindowFrames <= clip.frame_count(); f += kWindowFrames) {
+      v1::RecognizeRequest& request = requests.emplace_back();
+      request.set_database(fmt::format("databases/{}", kDatabase));
+      *request.mutable_observation()->mutable_markers() = Cut(clip, f, kWindowFrames);
+      request.set_top_count(5);
+      request.set_method(method);
+    }
+  }
+  return requests;
+}
+
+absl::Status RecognizeRow(Bench& bench, v1::Method method, Bar bar) {
+  const auto requests = Questions(bench, method);
+  const NewClient make = [&](const std::string& address, bool, int c) {
+    return NewRecognizeClient(address, requests, 7 * static_cast<std::size_t>(c));
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(const Sides sides,
+                            BesidePeer(bench, "/motiondb.v1.QueryService/Recognize",
+                                       EmptyPeer::Shape::kUnary, kRecognizeClients, make));
+  BenchRow row = TimesTheirs(fmt::format("recognize over gRPC, {} clients{}", kRecognizeClients,
+                                         method == v1::PAPER ? ", PAPER" : ""),
+                             sides.ours.rate(), "empty handler, same sizes", sides.theirs.rate(),
+                             "calls/s", bar);
+  row.note = fmt::format(
+      "one window of 0.4 s a call ({} bytes), 5 clips and all labels back ({} bytes); {}",
+      requests.front().ByteSizeLong(), sides.reply_bytes, Costs(sides));
+  bench.table.rows.push_back(std::move(row));
+  return absl::OkStatus();
+}
+
+v1::ObserveRequest StreamStart(const std::vector<double>& horizons_s) {
+  v1::ObserveRequest request;
+  v1::ObserveStart& start = *request.mutable_start();
+  start.set_database(fmt::format("databases/{}", kDatabase));
+  start.set_frame_rate_hz(kFrameRateHz);
+  for (const double seconds : horizons_s) start.add_horizon_seconds(seconds);
+  return request;
+}
+
+std::vector<v1::ObserveRequest> Messages(const v1::MarkerObservation& clip) {
+  std::vector<v1::ObserveRequest> messages;
+  for (int f = 0; f + kFramesAMessage <= clip.frame_count(); f += kFramesAMessage) {
+    v1::ObservedFrames& frames = *messages.emplace_back().mutable_frames();
+    frames.set_frame_count(kFramesAMessage);
+    frames.set_positions(Cut(clip, f, kFramesAMessage).positions());
+  }
+  return messages;
+}
+
+absl::Status ObserveRows(Bench& bench, const std::vector<double>& horizons_s, Bar rate_bar,
+                         Bar late_bar) {
+  const v1::ObserveRequest start = StreamStart(horizons_s);
+  const NewClient make = [&](const std::string& address, bool peer, int c) {
+    return NewObserveClient(address, peer ? nullptr : &start,
+                            Messages(bench.observed[c % bench.observed.size()]));
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(const Sides sides,
+                            BesidePeer(bench, "/motiondb.v1.ObserveService/Observe",
+                                       EmptyPeer::Shape::kStream, kStreams, make));
+  const std::string name =
+      fmt::format("observe, 204 floats a frame, {} frames a message, {} streams{}", kFramesAMessage,
+                  kStreams, horizons_s.empty() ? "" : ", one horizon");
+  BenchRow rate = TimesTheirs(name, sides.ours.rate(), "echo stream, same messages",
+                              sides.theirs.rate(), "messages/s", rate_bar);
+  rate.note = fmt::format("answers of {} bytes; {}; at {} frames a second {:.0f} streams' worth",
+                          sides.reply_bytes, Costs(sides), kFrameRateHz,
+                          sides.ours.rate() * kFramesAMessage / kFrameRateHz);
+  bench.table.rows.push_back(std::move(rate));
+  bench.table.rows.push_back(TimesTheirs(name + ", p99", sides.ours.Within(0.99),
+                                         "echo stream, same messages", sides.theirs.Within(0.99),
+                                         "ms", late_bar));
+  return absl::OkStatus();
+}
+
+std::span<const std::byte> Bytes(const std::string& text) {
+  return std::as_bytes(std::span(text.data(), text.size()));
+}
+
+// Inserts each clip's bytes as they are, durably before the next.
+absl::Status InsertRaw(storage::Connection& connection, const std::vector<MotionBytes>& clips) {
+  for (const MotionBytes& clip : clips) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        auto transaction,
+        storage::Transaction::Begin(connection, storage::Transaction::Kind::kWrite));
+    MOTIONDB_RETURN_IF_ERROR(connection
+                                 .Query("INSERT INTO raw (file, skeleton) VALUES (?, ?)",
+                                        Bytes(clip.file), Bytes(clip.skeleton))
+                                 .Run());
+    MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  }
+  return absl::OkStatus();
+}
+
+absl::StatusOr<double> TimeOf(const std::function<absl::Status()>& work) {
+  const auto begin = Clock::now();
+  MOTIONDB_RETURN_IF_ERROR(work());
+  return Seconds(Clock::now() - begin).count();
+}
+
+absl::Status IngestRow(Bench& bench) {
+  std::vector<MotionBytes> clips = bench.train;
+  clips.insert(clips.end(), bench.test.begin(), bench.test.end());
+  double megabytes = 0;
+  for (const MotionBytes& clip : clips) megabytes += static_cast<double>(clip.size()) / 1e6;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto raw, storage::OpenWriter(bench.served->File("raw.db"), ""));
+  MOTIONDB_RETURN_IF_ERROR(
+      raw->Execute("CREATE TABLE raw (key INTEGER PRIMARY KEY, file BLOB, skeleton BLOB) STRICT"));
+  double ours = 0, theirs = 0;
+  for (int round = 0; round < bench.options.rounds(); ++round) {
+    const std::string database = fmt::format("ingest{}", round);
+    MOTIONDB_RETURN_IF_ERROR(bench.served->Create(database));
+    v1::IngestClipResponse last;
+    MOTIONDB_ASSIGN_OR_RETURN(const double ingested, TimeOf([&]() -> absl::Status {
+                                for (const MotionBytes& clip : clips) {
+                                  MOTIONDB_ASSIGN_OR_RETURN(last,
+                                                            bench.served->Ingest(database, clip));
+                                }
+                                return absl::OkStatus();
+                              }));
+    // Its model is built before the peer's turn.
+    MOTIONDB_RETURN_IF_ERROR(bench.served->Await(last.operation().name()));
+    MOTIONDB_ASSIGN_OR_RETURN(const double inserted,
+                              TimeOf([&] { return InsertRaw(*raw, clips); }));
+    ours += ingested;
+    theirs += inserted;
+  }
+  megabytes *= bench.options.rounds();
+  BenchRow row = TimesTheirs("ingest to acknowledged", megabytes / ours,
+                             "the same bytes inserted raw into SQLite, same settings",
+                             megabytes / theirs, "MB/s", AtLeast(0.5));
+  row.note = fmt::format(
+      "{} clips, each its motion file and its skeleton file, one after another over one "
+      "connection; parsed, brought to the markers, stored as sent and as states; each in a "
+      "transaction of its own, synced, on both sides; {:.1f} ms a clip (peer {:.1f} ms)",
+      clips.size(), 1e3 * ours / static_cast<double>(clips.size() * bench.options.rounds()),
+      1e3 * theirs / static_cast<double>(clips.size() * bench.options.rounds()));
+  bench.table.rows.push_back(std::move(row));
+  return absl::OkStatus();
+}
+
+// Ingests the clips, one every period, and waits for the model that knows the last.
+absl::Status IngestSlowly(ServedMotion& served, std::span<const MotionBytes> clips) {
+  v1::IngestClipResponse last;
+  const auto begin = Clock::now();
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    std::this_thread::sleep_until(begin + std::chrono::duration_cast<Clock::duration>(
+                                              static_cast<double>(i) * kIngestPeriod));
+    MOTIONDB_ASSIGN_OR_RETURN(last, served.Ingest(kDatabase, clips[i]));
+  }
+  return served.Await(last.operation().name());
+}
+
+absl::Status RebuildRow(Bench& bench) {
+  ServedMotion& served = *bench.served;
+  const auto requests = Questions(bench, v1::BEST);
+  const auto client = NewRecognizeClient(served.address(), requests, 0);
+  const auto clips = std::span(bench.test).first(bench.options.quick ? 6 : bench.test.size());
+  const auto ask_for = [&](Seconds time) {
+    const auto end = Clock::now() + time;
+    return AskEvery(*client, kQuestionPeriod, [end] { return Clock::now() < end; });
+  };
+  MOTIONDB_RETURN_IF_ERROR(ask_for(Seconds(0.5)).status());
+  // The database grows meanwhile: half of the idle time is before that, half after.
+  const Seconds half = static_cast<double>(clips.size()) * kIngestPeriod / 2;
+  MOTIONDB_ASSIGN_OR_RETURN(Load idle, ask_for(half));
+  MOTIONDB_ASSIGN_OR_RETURN(const int first, served.ModelVersion(kDatabase));
+  absl::Status ingested;
+  std::atomic<bool> built = false;
+  std::thread ingester([&] {
+    ingested = IngestSlowly(served, clips);
+    built = true;
+  });
+  const auto busy = AskEvery(*client, kQuestionPeriod, [&] { return !built; });
+  ingester.join();
+  MOTIONDB_RETURN_IF_ERROR(ingested);
+  MOTIONDB_RETURN_IF_ERROR(busy.status());
+  MOTIONDB_ASSIGN_OR_RETURN(const int last, served.ModelVersion(kDatabase));
+  MOTIONDB_ASSIGN_OR_RETURN(const Load after, ask_for(half));
+  idle.Add(after);
+  BenchRow row = TimesTheirs("query p99 during rebuild and ingest", busy->Within(0.99), "idle p99",
+                             idle.Within(0.99), "ms", AtMost(1.5));
+  row.note = fmt::format(
+      "one client with a question every {:g} ms, its time from when it was due, for {:.1f} s in "
+      "which {} clips come in, one every {:g} s, and {} models are built; p50 {:.2f} ms, worst "
+      "{:.1f} ms (idle {:.2f} ms, {:.1f} ms)",
+      1e3 * kQuestionPeriod.count(), busy->seconds, clips.size(), kIngestPeriod.count(),
+      last - first, busy->Within(0.5), busy->Within(1), idle.Within(0.5), idle.Within(1));
+  bench.table.rows.push_back(std::move(row));
+  return absl::OkStatus();
+}
+
+absl::Status SetUp(Bench& bench) {
+  MOTIONDB_ASSIGN_OR_RETURN(bench.train, ReadClips("database1.train"));
+  MOTIONDB_ASSIGN_OR_RETURN(bench.test, ReadClips("database1.test"));
+  MOTIONDB_ASSIGN_OR_RETURN(bench.served, ServedMotion::Start());
+  MOTIONDB_RETURN_IF_ERROR(bench.served->Create(kDatabase));
+  MOTIONDB_RETURN_IF_ERROR(bench.served->Fill(kDatabase, bench.train));
+  for (const MotionBytes& clip : bench.test) {
+    MOTIONDB_ASSIGN_OR_RETURN(bench.observed.emplace_back(),
+                              bench.served->Represent(kDatabase, clip, kFrameRateHz));
+  }
+  bench.table.notes.push_back(fmt::format(
+      "server: the {} clips of database 1, questions from {} others, default options, {} hardware "
+      "threads; server, peer and clients in one process, {} in turns of {:g} s; every client a "
+      "thread and a connection of its own, asking again when it has its answer",
+      bench.train.size(), bench.test.size(), std::thread::hardware_concurrency(),
+      bench.options.rounds(), bench.options.round().count()));
+  bench.table.notes.push_back(
+      "observe: a frame's 34 markers are 102 floats on the wire; the server makes the 204 of a "
+      "state, positions and velocities, from them");
+  return absl::OkStatus();
+}
+
+absl::Status Run(Bench& bench) {
+  MOTIONDB_RETURN_IF_ERROR(SetUp(bench));
+  MOTIONDB_RETURN_IF_ERROR(RecognizeRow(bench, v1::BEST, AtLeast(0.5)));
+  MOTIONDB_RETURN_IF_ERROR(RecognizeRow(bench, v1::PAPER, Reported()));
+  MOTIONDB_RETURN_IF_ERROR(ObserveRows(bench, {}, AtLeast(0.5), AtMost(2)));
+  MOTIONDB_RETURN_IF_ERROR(ObserveRows(bench, {0.4}, Reported(), Reported()));
+  MOTIONDB_RETURN_IF_ERROR(IngestRow(bench));
+  return RebuildRow(bench);  // last: it adds to the database
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures a server under load.", "motiondb_bench_server");
+  Bench bench;
+  app.add_flag("--quick", bench.options.quick, "One short round of each");
+  app.add_option("--json", bench.options.json, "Write the table to this file too")
+      ->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
+    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    return 0;
+  }
+  spdlog::set_level(spdlog::level::warn);
+  if (const absl::Status status = Run(bench); !status.ok()) {
+    fmt::print(stderr, "{}\n", status.ToString());
+    return 1;
+  }
+  return Finish(bench.table, bench.options.json);
+}
+
+}  // namespace
+}  // namespace motiondb::tests
+
+int main(int argc, char** argv) { return motiondb::tests::Main(argc, argv); }

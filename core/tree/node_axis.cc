@@ -105,16 +105,18 @@ class ScatterOfLarge {
     ToPadded(q, padded_q_);
     const auto offset = static_cast<float>(mean_.dot(q));
     // The sum of s x, then that of s, then that of x where it is not known yet.
-    const Eigen::VectorXd sums =
-        SumOverRuns(rows_, padded + 1 + (mean_known_ ? 0 : dimensions), parallel_,
-                    [&](const NodeRows& run, double* sum) {
-                      for (int r = 0; r < run.count; r += kBlockRows) {
-                        const int block = std::min(kBlockRows, run.count - r);
-                        sum[padded] += AddScatterProduct(run.row(r), block, dimensions, padded,
-                                                         padded_q_.data(), offset, sum);
-                        if (!mean_known_) AddRows(run.row(r), block, dimensions, sum + padded + 1);
-                      }
-                    });
+    const Eigen::VectorXd sums = SumOverRuns(
+        rows_, padded + 1 + (mean_known_ ? 0 : dimensions), parallel_,
+        [&](const NodeRows& run, double* sum) {
+          for (int r = 0; r < run.count; r += kBlockRows) {
+            const int block = std::min(kBlockRows, run.count - r);
+            sum[padded] += r + block < run.count
+                               ? AddScatterProduct(run.row(r), block, dimensions, padded,
+                                                   padded_q_.data(), offset, sum)
+                               : AddLastBlock(run.row(r), block, offset, sum);
+            if (!mean_known_) AddRows(run.row(r), block, dimensions, sum + padded + 1);
+          }
+        });
     if (!mean_known_) mean_ = sums.tail(dimensions) / rows_.count;
     mean_known_ = true;
     product = sums.head(dimensions) - sums[padded] * mean_;
@@ -123,6 +125,16 @@ class ScatterOfLarge {
   const Eigen::VectorXd& mean() const { return mean_; }
 
  private:
+  // AddScatterProduct of the last rows of a run, from a copy: steps over a row's end read what is
+  // behind it, where other threads may be moving the rows of another node.
+  double AddLastBlock(const float* rows, int count, float offset, double* sum) const {
+    const int padded = PaddedDimensions(rows_.dimensions);
+    const std::vector<float> zeros(static_cast<std::size_t>(rows_.dimensions));
+    std::vector<float> copy(static_cast<std::size_t>(count) * padded);
+    CentreRows(rows, count, rows_.dimensions, zeros.data(), copy.data());
+    return AddScatterProduct(copy.data(), count, padded, padded, padded_q_.data(), offset, sum);
+  }
+
   const NodeRows& rows_;
   Eigen::VectorXd mean_;
   bool mean_known_ = false;

@@ -10,8 +10,7 @@
 
 namespace motiondb::core {
 
-// A node's states, one after the other: `data` is followed by enough numbers that PaddedDimensions
-// of them (core/tree/row_kernels.h) can be read from the last row too. Not owned.
+// A node's states, one after the other. Not owned.
 struct NodeRows {
   const float* data = nullptr;
   int count = 0;  // at least 1

@@ -23,17 +23,11 @@ void InChunks(std::int32_t begin, std::int32_t end, const ParallelFor& parallel,
   });
 }
 
-// Rows behind the last, for the kernels read whole steps.
-Eigen::Index SpareRows(Eigen::Index dimensions) {
-  return (kRowLanes + dimensions - 1) / std::max<Eigen::Index>(dimensions, 1);
-}
-
 }  // namespace
 
 PermutedStates::PermutedStates(const FrameMatrix& states, const ParallelFor& parallel)
-    : rows_(states.rows() + SpareRows(states.cols()), states.cols()) {
+    : rows_(states.rows(), states.cols()) {
   const auto count = static_cast<std::int32_t>(states.rows());
-  rows_.bottomRows(rows_.rows() - count).setZero();
   InChunks(0, count, parallel, [&](std::int32_t begin, std::int32_t end) {
     rows_.middleRows(begin, end - begin) = states.middleRows(begin, end - begin);
   });

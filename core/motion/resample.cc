@@ -1,23 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/catmull_rom.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {
-namespace {
-
-// Catmull-Rom between p1 and p2; linear where the outer points are missing.
-float Interpolate(float p0, float p1, float p2, float p3, float u) {
-  const float linear = p1 + u * (p2 - p1);
-  const float cubic =
-      p1 +
-      0.5f * u * (p2 - p0 + u * (2 * p0 - 5 * p1 + 4 * p2 - p3 + u * (3 * (p1 - p2) + p3 - p0)));
-  return std::isnan(cubic) ? linear : cubic;
-}
-
-}  // namespace
-
 absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_rate_hz) {
   if (!(frame_rate_hz > 0 && std::isfinite(frame_rate_hz) && motion.frame_rate_hz > 0 &&
         std::isfinite(motion.frame_rate_hz))) {
@@ -52,8 +40,8 @@ absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_r
       continue;
     }
     for (Eigen::Index c = 0; c < motion.positions_m.cols(); ++c) {
-      resampled.positions_m(t, c) = Interpolate(row(before - 1)[c], row(before)[c],
-                                                row(before + 1)[c], row(before + 2)[c], u);
+      resampled.positions_m(t, c) =
+          CatmullRom(row(before - 1)[c], row(before)[c], row(before + 1)[c], row(before + 2)[c], u);
     }
   }
   return resampled;

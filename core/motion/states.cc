@@ -5,13 +5,12 @@
 #include <numbers>
 
 #include "core/motion/error.h"
+#include "core/motion/frame_state.h"
 
 namespace motiondb::core {
 namespace {
 
 constexpr double kMaxGapSeconds = 0.5;
-// Below this part of its length on the floor, the line between the hips no longer tells the front.
-constexpr double kMinFloorShare = 0.2;
 
 using MarkerRow = Eigen::Matrix<float, 1, 3>;
 
@@ -98,17 +97,13 @@ absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotio
   bool any = false;
   double heading = 0;
   for (Eigen::Index t = 0; t < frames; ++t) {
-    const Eigen::Vector3d left = At(motion, t, landmarks.left_hip).cast<double>();
-    const Eigen::Vector3d right = At(motion, t, landmarks.right_hip).cast<double>();
-    const Eigen::Vector3d across = left - right;
-    placed[t] = across.allFinite();
-    if (!placed[t]) continue;
-    path.row(t).head<2>() = (0.5 * (left + right)).head<2>();
-    const double on_floor = across.head<2>().norm();
-    turned[t] = on_floor > 0 && on_floor >= kMinFloorShare * across.norm();
+    const HipLine hips = ReadHips(At(motion, t, landmarks.left_hip).cast<double>().transpose(),
+                                  At(motion, t, landmarks.right_hip).cast<double>().transpose());
+    placed[t] = hips.placed;
+    turned[t] = hips.turned;
+    if (placed[t]) path.row(t).head<2>() = hips.middle.transpose();
     if (!turned[t]) continue;
-    // Left is the frame's y axis; its x axis, the front, is a quarter turn to the right of it.
-    const double raw = std::atan2(across.y(), across.x()) - std::numbers::pi / 2;
+    const double raw = hips.heading;
     heading = any ? heading + std::remainder(raw - heading, 2 * std::numbers::pi)
                   : std::remainder(raw, 2 * std::numbers::pi);
     path(t, 2) = heading;
@@ -146,28 +141,13 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 
   sequence.states.resize(frames, set.dimension_count());
   for (Eigen::Index t = 0; t < frames; ++t) {
-    const Eigen::Matrix2d turn = FloorRotation(-sequence.root_path(t, 2));
-    const Eigen::Vector2d origin = sequence.root_path.row(t).head<2>();
-    const auto put = [&](Eigen::Index column, Eigen::Vector3d v) {
-      v.head<2>() = turn * v.head<2>();
-      sequence.states.row(t).segment<3>(column) =
-          (v / sequence.leg_length_m).cast<float>().transpose();
+    const auto marker_at = [&](int offset, Eigen::Index m) -> Eigen::Vector3d {
+      const Eigen::Index n = t + offset;
+      if (n < 0 || n >= frames) return Eigen::Vector3d::Constant(std::nan(""));
+      return At(motion, n, static_cast<int>(m)).cast<double>().transpose();
     };
-    for (int m = 0; m < set.marker_count(); ++m) {
-      const Eigen::Vector3d here = At(motion, t, m).cast<double>();
-      put(6 * m, here - Eigen::Vector3d(origin.x(), origin.y(), 0));
-      // The neighbours that are there; the frame itself stands in for one that is not.
-      const auto neighbour = [&](Eigen::Index n, double& span) -> Eigen::Vector3d {
-        if (n < 0 || n >= frames || At(motion, n, m).hasNaN()) return here;
-        span += 1;
-        return At(motion, n, m).cast<double>();
-      };
-      double span = 0;
-      const Eigen::Vector3d before = neighbour(t - 1, span);
-      const Eigen::Vector3d after = neighbour(t + 1, span);
-      put(6 * m + 3, span > 0 ? Eigen::Vector3d((after - before) * motion.frame_rate_hz / span)
-                              : Eigen::Vector3d::Constant(std::nan("")));
-    }
+    MakeFrameState(marker_at, sequence.root_path.row(t).transpose(), motion.frame_rate_hz,
+                   sequence.leg_length_m, sequence.states.row(t));
   }
   return sequence;
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "core/motion/catmull_rom.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {
@@ -13,13 +14,6 @@ namespace {
 constexpr double kMostRatio = 100;
 constexpr double kSameRate_hz = 1e-6;
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-
-// Catmull-Rom between b and c, as core's Resample: linear where the outer points are missing.
-float Interpolate(float a, float b, float c, float d, float u) {
-  const float cubic =
-      b + 0.5F * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));
-  return std::isnan(cubic) ? b + u * (c - b) : cubic;
-}
 
 }  // namespace
 
@@ -71,8 +65,8 @@ const Eigen::RowVectorXf* MarkerStream::Next() {
   } else {
     if (before + 2 >= taken_) return nullptr;
     for (Eigen::Index c = 0; c < made_.size(); ++c) {
-      made_[c] = Interpolate(Row(before - 1)[c], Row(before)[c], Row(before + 1)[c],
-                             Row(before + 2)[c], u);
+      made_[c] =
+          CatmullRom(Row(before - 1)[c], Row(before)[c], Row(before + 1)[c], Row(before + 2)[c], u);
     }
   }
   ++given_;

@@ -5,15 +5,9 @@
 #include <numbers>
 #include <utility>
 
+#include "core/motion/frame_state.h"
+
 namespace motiondb::core {
-namespace {
-
-// As ReferenceFrames: below this part of its length on the floor, the line between the hips does
-// not tell the front.
-constexpr double kMinFloorShare = 0.2;
-
-}  // namespace
-
 ObservedStates::ObservedStates(MarkerSet set, double frame_rate_hz, int capacity)
     : set_(std::move(set)), frame_rate_hz_(frame_rate_hz) {
   const int rows = std::max(capacity, 3);
@@ -27,50 +21,28 @@ int ObservedStates::kept() const {
 }
 
 bool ObservedStates::Place(std::int64_t frame) {
-  const Eigen::Vector3d left = Marker(frame, set_.landmarks.left_hip).cast<double>().transpose();
-  const Eigen::Vector3d right = Marker(frame, set_.landmarks.right_hip).cast<double>().transpose();
-  const Eigen::Vector3d across = left - right;
-  const double on_floor = across.head<2>().norm();
-  const bool turned = on_floor > 0 && on_floor >= kMinFloorShare * across.norm();
+  const HipLine hips = ReadHips(Marker(frame, set_.landmarks.left_hip).cast<double>().transpose(),
+                                Marker(frame, set_.landmarks.right_hip).cast<double>().transpose());
   auto root = root_path_.row(frame % root_path_.rows());
   if (frame == 0) {
-    if (!turned) return false;
+    if (!hips.turned) return false;
     root.setZero();
   } else {
     root = root_path_.row((frame - 1) % root_path_.rows());
   }
-  if (across.allFinite()) root.head<2>() = (0.5 * (left + right)).head<2>().transpose();
-  if (turned) {
-    const double raw = std::atan2(across.y(), across.x()) - std::numbers::pi / 2;
-    root[2] += std::remainder(raw - root[2], 2 * std::numbers::pi);
-  }
+  if (hips.placed) root.head<2>() = hips.middle.transpose();
+  if (hips.turned) root[2] += std::remainder(hips.heading - root[2], 2 * std::numbers::pi);
   return true;
 }
 
 void ObservedStates::MakeState(std::int64_t frame) {
-  const auto root = root_path_.row(frame % root_path_.rows());
-  const Eigen::Matrix2d turn = Eigen::Rotation2Dd(-root[2]).toRotationMatrix();
-  const Eigen::Vector3d origin(root[0], root[1], 0);
-  auto state = states_.row(frame % states_.rows());
-  const auto put = [&](Eigen::Index column, Eigen::Vector3d v) {
-    v.head<2>() = turn * v.head<2>();
-    state.segment<3>(column) = (v / leg_length_m_).cast<float>().transpose();
+  const auto marker_at = [&](int offset, Eigen::Index m) -> Eigen::Vector3d {
+    const std::int64_t n = frame + offset;
+    if (n < 0 || n > next_) return Eigen::Vector3d::Constant(std::nan(""));
+    return Marker(n, m).cast<double>().transpose();
   };
-  for (Eigen::Index m = 0; m < set_.marker_count(); ++m) {
-    const Eigen::Vector3d here = Marker(frame, m).cast<double>().transpose();
-    put(6 * m, here - origin);
-    // The neighbours that are there; the frame itself stands in for one that is not.
-    double span = 0;
-    const auto neighbour = [&](std::int64_t n) -> Eigen::Vector3d {
-      if (n < 0 || n > next_ || Marker(n, m).hasNaN()) return here;
-      span += 1;
-      return Marker(n, m).cast<double>().transpose();
-    };
-    const Eigen::Vector3d before = neighbour(frame - 1);
-    const Eigen::Vector3d after = neighbour(frame + 1);
-    put(6 * m + 3, span > 0 ? Eigen::Vector3d((after - before) * frame_rate_hz_ / span)
-                            : Eigen::Vector3d::Constant(std::nan("")));
-  }
+  MakeFrameState(marker_at, root_path_.row(frame % root_path_.rows()).transpose(), frame_rate_hz_,
+                 leg_length_m_, states_.row(frame % states_.rows()));
 }
 
 bool ObservedStates::Push(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m) {

@@ -62,12 +62,19 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
                                                                     const Page& page) = 0;
 
-  // Models. PutModel stores a model as the current one, under the version after the last, removes
+  // Models; the figures of the last thousand are kept. PutModel stores a model as the current one, under the version after the last, removes
   // what only its predecessor needed, and returns its record. The model's states are not written
   // again: they are those of its clips. NOT_FOUND also if one of its clips was deleted, or replaced
   // by another of the same id, since it was built.
   virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
                                                const core::Model& model) = 0;
+  // Stores a model that extends the current one by clips (core::ExtendModel) as the current one,
+  // under the next version. Only the names of its added clips are written: ReadModel extends the
+  // built model by them again. FAILED_PRECONDITION if it does not extend the current model;
+  // NOT_FOUND as PutModel, but of the added clips alone.
+  virtual absl::StatusOr<ModelRecord> PutExtension(const std::string& database,
+                                                   const core::Model& model,
+                                                   double stale_share) = 0;
   // The current model, whole. NOT_FOUND if there is none.
   virtual absl::StatusOr<core::Model> ReadModel(const std::string& database) = 0;
   virtual absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) = 0;

@@ -72,6 +72,10 @@ struct ModelRecord {
   std::int32_t clip_count = 0;
   std::int32_t dimension_count = 0;
   std::vector<std::int32_t> nodes_per_layer;  // layer 1 first
+  // Of the clips and frames, those that were added after the build.
+  std::int32_t added_clip_count = 0;
+  std::int32_t added_frame_count = 0;
+  double stale_share = 0;  // core::ModelDrift
 };
 
 enum class OperationState {

@@ -51,6 +51,29 @@ TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequ
   return FromPairs(std::move(pairs), node_count);
 }
 
+TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b) {
+  std::vector<std::int32_t> row_begin{0};
+  std::vector<Edge> edges;
+  edges.reserve(a.edges().size() + b.edges().size());
+  for (int from = 0; from < a.node_count(); ++from) {
+    const auto in_a = a.row(from);
+    const auto in_b = b.row(from);
+    auto i = in_a.begin();
+    auto j = in_b.begin();
+    while (i != in_a.end() || j != in_b.end()) {
+      const bool takes_a = j == in_b.end() || (i != in_a.end() && i->to <= j->to);
+      const bool takes_b = i == in_a.end() || (j != in_b.end() && j->to <= i->to);
+      edges.push_back(takes_a ? *i : *j);
+      if (takes_a && takes_b) edges.back().count += j->count;
+      if (takes_a) ++i;
+      if (takes_b) ++j;
+    }
+    row_begin.push_back(static_cast<std::int32_t>(edges.size()));
+  }
+  edges.shrink_to_fit();
+  return TransitionGraph(std::move(row_begin), std::move(edges));
+}
+
 ClipGraph CountClipTransitions(std::span<const std::int32_t> sequence) {
   ClipGraph graph;
   graph.nodes.assign(sequence.begin(), sequence.end());

@@ -50,6 +50,9 @@ class TransitionGraph {
 TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequences,
                                  int node_count);
 
+// The graph with the counts of both, which have as many nodes.
+TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b);
+
 // A clip's graph on the few nodes that it visits. Its states are numbered in order of node.
 struct ClipGraph {
   std::vector<std::int32_t> nodes;   // state -> node of the layer, ascending

@@ -29,9 +29,9 @@ ClipIndex ClipIndex::Of(const ModelParts& parts) {
   index.squared_norms_ = index.means_.rowwise().squaredNorm();
 
   std::vector<std::vector<int>> of_node(nodes);
-  const std::vector<ClipGraph>& graphs = parts.clip_graphs[layer - 1];
-  for (std::size_t clip = 0; clip < graphs.size(); ++clip) {
-    for (const int node : graphs[clip].nodes) of_node[node].push_back(static_cast<int>(clip));
+  for (std::size_t clip = 0; clip < parts.clip_graphs.size(); ++clip) {
+    for (const int node : (*parts.clip_graphs[clip])[layer - 1].nodes)
+      of_node[node].push_back(static_cast<int>(clip));
   }
   for (const std::vector<int>& clips : of_node) {
     index.begin_.push_back(static_cast<int>(index.clips_.size()));

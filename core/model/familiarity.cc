@@ -38,8 +38,8 @@ double FamiliarityScore(const TransitionGraph& graph,
 }
 
 FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips, int window_frames,
-                                              const FrameMatrix& states, const Tree& tree,
-                                              const NodeGaussians& gaussians,
+                                              const Eigen::Ref<const FrameMatrix>& states,
+                                              const Tree& tree, const NodeGaussians& gaussians,
                                               const std::vector<TransitionGraph>& global_graphs,
                                               const ParallelFor& parallel) {
   const std::vector<FrameRun> windows = Windows(clips, window_frames);

@@ -35,8 +35,8 @@ struct FrameRun {
 // Scores of windows of `window_frames` frames, spread evenly over the clips (at most 512 of them; a
 // clip shorter than a window is one), on every layer.
 FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips, int window_frames,
-                                              const FrameMatrix& states, const Tree& tree,
-                                              const NodeGaussians& gaussians,
+                                              const Eigen::Ref<const FrameMatrix>& states,
+                                              const Tree& tree, const NodeGaussians& gaussians,
                                               const std::vector<TransitionGraph>& global_graphs,
                                               const ParallelFor& parallel);
 

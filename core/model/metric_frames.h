@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "core/model/frame_stride.h"
+#include "core/model/shared_rows.h"
 #include "core/motion/matrix.h"
 
 namespace motiondb::core {
@@ -14,14 +15,15 @@ struct MotionMetric;
 
 struct MetricFrames {
   StridedFrames rows;
-  FrameMatrix projected;          // rows x K, about the metric's mean
+  SharedRows projected;           // rows x K, about the metric's mean
   Eigen::VectorXf squared_norms;  // of the rows
 };
 
 // Scaled states (frames x D, without NaN) in the metric: frames x K.
-FrameMatrix Project(const MotionMetric& metric, const FrameMatrix& states);
+FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states);
 
-// Empty where the model has no metric.
-MetricFrames ProjectStored(const ModelParts& parts);
+// Empty where the model has no metric. `known` are those of the model that this one extends, or
+// empty: they are shared.
+MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known);
 
 }  // namespace motiondb::core

@@ -17,6 +17,9 @@ absl::Status CheckFrames(const ModelParts& parts) {
     return DataLoss("model: {} states, {} root poses and a tree of {} frames do not fit", frames,
                     parts.root_path.rows(), parts.tree.frame_count());
   }
+  if (parts.built_clip_count > std::ssize(parts.clips)) {
+    return DataLoss("model: built from {} of {} clips", parts.built_clip_count, parts.clips.size());
+  }
   const int dimensions = parts.marker_set.dimension_count();
   if (parts.states.cols() != dimensions || parts.scale.divisor.size() != dimensions ||
       parts.gaussians.dimension_count() != dimensions || !(parts.scale.divisor.array() > 0).all()) {
@@ -73,36 +76,45 @@ absl::Status CheckLayers(const ModelParts& parts) {
     return DataLoss("model: statistics of {} nodes for a tree of {}",
                     parts.gaussians.branch_count(), parts.tree.branches().size());
   }
-  if (parts.global_graphs.size() != layers || parts.clip_graphs.size() != layers ||
+  if (parts.global_graphs.size() != layers || parts.clip_graphs.size() != parts.clips.size() ||
       parts.familiarity.scores.size() != layers) {
     return DataLoss("model: graphs or familiarity are not those of a tree of {} layers", layers);
   }
   for (std::size_t l = 0; l < layers; ++l) {
     const int nodes = parts.tree.node_count(static_cast<int>(l) + 1);
-    const auto& clips = parts.clip_graphs[l];
-    if (!Fits(parts.global_graphs[l], nodes) || clips.size() != parts.clips.size() ||
-        !std::all_of(clips.begin(), clips.end(),
-                     [&](const ClipGraph& graph) { return Fits(graph, nodes); })) {
+    const bool fit = std::ranges::all_of(parts.clip_graphs, [&](const auto& clip) {
+      return clip != nullptr && clip->size() == layers && Fits((*clip)[l], nodes);
+    });
+    if (!Fits(parts.global_graphs[l], nodes) || !fit) {
       return DataLoss("model: the graphs of layer {} do not fit its {} nodes", l + 1, nodes);
     }
   }
   return absl::OkStatus();
 }
 
+absl::Status Check(const ModelParts& parts) {
+  MOTIONDB_RETURN_IF_ERROR(CheckFrames(parts));
+  MOTIONDB_RETURN_IF_ERROR(CheckLayers(parts));
+  return CheckMetric(parts.metric, parts.states.cols());
+}
+
 }  // namespace
 
-Model::Model(ModelParts parts)
+Model::Model(ModelParts parts, const MetricFrames& known)
     : parts_(std::move(parts)),
-      metric_frames_(ProjectStored(parts_)),
+      metric_frames_(ProjectStored(parts_, known)),
       clip_index_(ClipIndex::Of(parts_)),
       rigid_tree_(FindRigidTree(parts_)),
       other_sides_(OtherSides(parts_.marker_set.markers)) {}
 
 absl::StatusOr<Model> Model::Create(ModelParts parts) {
-  MOTIONDB_RETURN_IF_ERROR(CheckFrames(parts));
-  MOTIONDB_RETURN_IF_ERROR(CheckLayers(parts));
-  MOTIONDB_RETURN_IF_ERROR(CheckMetric(parts.metric, parts.states.cols()));
-  return Model(std::move(parts));
+  MOTIONDB_RETURN_IF_ERROR(Check(parts));
+  return Model(std::move(parts), MetricFrames());
+}
+
+absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
+  MOTIONDB_RETURN_IF_ERROR(Check(parts));
+  return Model(std::move(parts), base.metric_frames_);
 }
 
 int Model::clip_of_frame(int frame) const {

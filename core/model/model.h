@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "core/model/prediction_confidence.h"
 #include "core/model/recognition_calibration.h"
 #include "core/model/rigid_tree.h"
+#include "core/model/shared_rows.h"
 #include "core/motion/states.h"
 #include "core/tree/feature_scale.h"
 #include "core/tree/node_gaussians.h"
@@ -40,18 +42,24 @@ struct ModelClip {
   std::string subject;  // empty where it is not known
 };
 
+// A clip's transition graph on each layer: [layer - 1].
+using ClipGraphs = std::vector<ClipGraph>;
+
 // Everything a model is made of, as a builder makes it and a store gives it back.
 struct ModelParts {
   BuildSettings settings;
   MarkerSet marker_set;
   std::vector<ModelClip> clips;  // in frame order, without gaps
-  FrameMatrix states;            // frames x 6 N_v, scaled
-  RootPath root_path;            // frames x 3
-  FeatureScale scale;            // what states were divided by
+  // The first so many clips are those that the model was built from, the others were added since
+  // (core/model/extend_model.h). -1: all.
+  std::int32_t built_clip_count = -1;
+  SharedRows states;   // frames x 6 N_v, scaled
+  RootPath root_path;  // frames x 3
+  FeatureScale scale;  // what states were divided by
   Tree tree;
-  NodeGaussians gaussians;                          // one for each branch of the tree
-  std::vector<TransitionGraph> global_graphs;       // [layer - 1]
-  std::vector<std::vector<ClipGraph>> clip_graphs;  // [layer - 1][clip]
+  NodeGaussians gaussians;                                     // one for each branch of the tree
+  std::vector<TransitionGraph> global_graphs;                  // [layer - 1]
+  std::vector<std::shared_ptr<const ClipGraphs>> clip_graphs;  // [clip]
   FamiliarityReference familiarity;
   MotionPrior prior;
   MotionMetric metric;
@@ -64,18 +72,21 @@ class Model {
  public:
   // DATA_LOSS if the parts do not fit each other.
   static absl::StatusOr<Model> Create(ModelParts parts);
+  // The same for a model that extends `base`: what was derived from base's frames is shared.
+  static absl::StatusOr<Model> Create(ModelParts parts, const Model& base);
 
   const BuildSettings& settings() const { return parts_.settings; }
   const MarkerSet& marker_set() const { return parts_.marker_set; }
   const std::vector<ModelClip>& clips() const { return parts_.clips; }
-  const FrameMatrix& states() const { return parts_.states; }
+  // Frames x 6 N_v, scaled.
+  Eigen::Map<const FrameMatrix> states() const { return parts_.states.view(); }
   const RootPath& root_path() const { return parts_.root_path; }
   const FeatureScale& scale() const { return parts_.scale; }
   const Tree& tree() const { return parts_.tree; }
   const NodeGaussians& gaussians() const { return parts_.gaussians; }
   const TransitionGraph& global_graph(int layer) const { return parts_.global_graphs[layer - 1]; }
-  const std::vector<ClipGraph>& clip_graphs(int layer) const {
-    return parts_.clip_graphs[layer - 1];
+  const ClipGraph& clip_graph(int layer, int clip) const {
+    return (*parts_.clip_graphs[clip])[layer - 1];
   }
   const FamiliarityReference& familiarity() const { return parts_.familiarity; }
   const MotionPrior& prior() const { return parts_.prior; }
@@ -101,6 +112,16 @@ class Model {
   const ModelParts& parts() const { return parts_; }
 
   int frame_count() const { return static_cast<int>(parts_.states.rows()); }
+  // Clips and frames that the model was built from; the others were added since.
+  int built_clip_count() const {
+    return parts_.built_clip_count < 0 ? static_cast<int>(parts_.clips.size())
+                                       : parts_.built_clip_count;
+  }
+  int built_frame_count() const {
+    return built_clip_count() == static_cast<int>(parts_.clips.size())
+               ? frame_count()
+               : parts_.clips[built_clip_count()].first_frame;
+  }
   int layer_count() const { return parts_.tree.layer_count(); }
   // Index into clips() of the clip that holds a frame. O(log clips).
   int clip_of_frame(int frame) const;
@@ -108,7 +129,7 @@ class Model {
   absl::StatusOr<int> ResolveLayer(int layer) const;
 
  private:
-  explicit Model(ModelParts parts);
+  Model(ModelParts parts, const MetricFrames& known);
   ModelParts parts_;
   MetricFrames metric_frames_;
   ClipIndex clip_index_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <utility>
 
+#include "core/model/clip_graphs.h"
 #include "core/motion/error.h"
 #include "core/tree/tree_builder.h"
 
@@ -12,62 +14,15 @@ namespace {
 
 constexpr double kFamiliarityWindowSeconds = 0.4;  // the default window of a query
 
-absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_set,
-                         const std::vector<BuildInput>& inputs) {
-  if (inputs.empty()) return InvalidArgument("a model needs at least one clip");
-  for (const BuildInput& input : inputs) {
-    const StateSequence& states = input.states;
-    if (states.frame_count() == 0 || states.root_path.rows() != states.frame_count()) {
-      return InvalidArgument("clip '{}' has no frames, or not a root pose for each", input.clip_id);
-    }
-    if (states.states.cols() != marker_set.dimension_count()) {
-      return InvalidArgument("clip '{}': expected {} dimensions, got {}", input.clip_id,
-                             marker_set.dimension_count(), states.states.cols());
-    }
-    if (std::abs(states.frame_rate_hz - settings.frame_rate_hz) > 1e-6) {
-      return InvalidArgument("clip '{}': expected {} frames a second, got {}", input.clip_id,
-                             settings.frame_rate_hz, states.frame_rate_hz);
-    }
-    if (!states.states.allFinite() || !states.root_path.allFinite()) {
-      return InvalidArgument("clip '{}' has a number that is not finite", input.clip_id);
-    }
-  }
-  return absl::OkStatus();
-}
-
-// Clips end to end, each input's memory given back as soon as it is copied.
-void Concatenate(std::vector<BuildInput>& inputs, ModelParts& parts) {
-  Eigen::Index frames = 0;
-  for (const BuildInput& input : inputs) frames += input.states.frame_count();
-  parts.states.resize(frames, parts.marker_set.dimension_count());
-  parts.root_path.resize(frames, 3);
-  std::int32_t first = 0;
-  for (BuildInput& input : inputs) {
-    const int count = input.states.frame_count();
-    parts.states.middleRows(first, count) = input.states.states;
-    parts.root_path.middleRows(first, count) = input.states.root_path;
-    parts.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
-                           input.states.leg_length_m, std::move(input.subject)});
-    input.states = {};
-    first += count;
-  }
-}
-
 void CountGraphs(const ParallelFor& parallel, ModelParts& parts) {
-  const int layers = parts.tree.layer_count();
-  parts.global_graphs.resize(layers);
-  parts.clip_graphs.resize(layers);
-  parallel(layers, [&](int l) {
-    std::vector<std::vector<std::int32_t>> sequences;
-    for (const ModelClip& clip : parts.clips) {
-      std::vector<std::int32_t>& sequence = sequences.emplace_back();
-      sequence.reserve(clip.frame_count);
-      for (int f = 0; f < clip.frame_count; ++f) {
-        sequence.push_back(parts.tree.node_of_frame(l + 1, clip.first_frame + f));
-      }
-      parts.clip_graphs[l].push_back(CountClipTransitions(sequence));
-    }
-    parts.global_graphs[l] = CountTransitions(sequences, parts.tree.node_count(l + 1));
+  parts.global_graphs.resize(parts.tree.layer_count());
+  parallel(parts.tree.layer_count(), [&](int l) {
+    parts.global_graphs[l] = CountGlobalGraph(parts.tree, l + 1, parts.clips);
+  });
+  parts.clip_graphs.resize(parts.clips.size());
+  parallel(static_cast<int>(parts.clips.size()), [&](int c) {
+    parts.clip_graphs[c] =
+        std::make_shared<const ClipGraphs>(CountClipGraphs(parts.tree, parts.clips[c]));
   });
 }
 
@@ -88,18 +43,22 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.settings = settings;
   parts.marker_set = marker_set;
   MOTIONDB_RETURN_IF_ERROR(report(0, "states"));
-  Concatenate(inputs, parts);
-  parts.scale = MakeFeatureScale(settings.scaling, parts.states);
-  parts.scale.Apply(parts.states);
+  ConcatenatedInputs together = Concatenate(std::move(inputs));
+  parts.scale = MakeFeatureScale(settings.scaling, together.states);
+  parts.scale.Apply(together.states);
+  parts.clips = std::move(together.clips);
+  parts.states = SharedRows(std::move(together.states));
+  parts.root_path = std::move(together.root_path);
+  const auto states = parts.states.view();
 
   // The depth is not known beforehand: progress closes half of what is left with each few layers.
   const auto layer_done = [&](int layer) {
     return report(0.8 * (1 - std::pow(0.85, layer)), fmt::format("tree, layer {}", layer)).ok();
   };
   MOTIONDB_ASSIGN_OR_RETURN(parts.tree,
-                            BuildTree(parts.states, settings.min_frames, parallel, layer_done));
+                            BuildTree(states, settings.min_frames, parallel, layer_done));
   MOTIONDB_RETURN_IF_ERROR(report(0.8, "node statistics"));
-  parts.gaussians = NodeGaussians::Fit(parts.tree, parts.states, parallel);
+  parts.gaussians = NodeGaussians::Fit(parts.tree, states, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(0.85, "transition graphs"));
   CountGraphs(parallel, parts);
   MOTIONDB_RETURN_IF_ERROR(report(0.9, "familiarity"));
@@ -107,8 +66,8 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   for (const ModelClip& clip : parts.clips) runs.push_back({clip.first_frame, clip.frame_count});
   const int window = std::max(
       1, static_cast<int>(std::lround(kFamiliarityWindowSeconds * settings.frame_rate_hz)));
-  parts.familiarity = MakeFamiliarityReference(runs, window, parts.states, parts.tree,
-                                               parts.gaussians, parts.global_graphs, parallel);
+  parts.familiarity = MakeFamiliarityReference(runs, window, states, parts.tree, parts.gaussians,
+                                               parts.global_graphs, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(0.93, "how motion goes on"));
   parts.prior = MotionSums::Over(parts, parallel).Fit();
   MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));

@@ -3,29 +3,22 @@
 #pragma once
 
 #include <functional>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/model/build_input.h"
 #include "core/model/model.h"
 #include "core/tree/parallel.h"
 
 namespace motiondb::core {
-
-struct BuildInput {
-  std::string clip_id;
-  std::string label;
-  StateSequence states;  // without NaN
-  std::string subject;   // who moves; may be empty. Calibration holds out all that one did
-};
 
 // Called now and then from the calling thread with progress in [0, 1] and what is being done.
 // Returns false to stop the build, which then ends as CANCELLED.
 using BuildProgress = std::function<bool(double fraction, std::string_view stage)>;
 
 // The same inputs in the same order give the same model, bit for bit, on any number of threads.
-// INVALID_ARGUMENT if there is no frame or states do not fit the marker set or the frame rate.
+// INVALID_ARGUMENT as CheckInputs.
 absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet& marker_set,
                                  std::vector<BuildInput> inputs, const ParallelFor& parallel,
                                  const BuildProgress& progress);

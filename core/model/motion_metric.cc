@@ -96,7 +96,7 @@ Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const StridedFrames& s
 
 MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& parallel) {
   const StridedFrames strided = StrideFrames(parts.clips, parts.settings.frame_rate_hz);
-  FrameMatrix frames = parts.states(strided.frame, Eigen::all);
+  FrameMatrix frames = parts.states.view()(strided.frame, Eigen::all);
   const Eigen::Index dimensions = frames.cols();
   MotionMetric metric;
   metric.mean =

@@ -8,7 +8,7 @@
 namespace motiondb::core {
 
 Track::Track(const ModelParts& model, int clip)
-    : states_(model.states),
+    : states_(model.states.view()),
       root_path_(model.root_path),
       divisor_(model.scale.divisor),
       leg_length_m_(model.clips[clip].leg_length_m),
@@ -17,7 +17,7 @@ Track::Track(const ModelParts& model, int clip)
       count_(model.clips[clip].frame_count) {}
 
 Track::Track(const StateSequence& observation)
-    : states_(observation.states),
+    : states_(observation.states.data(), observation.states.rows(), observation.states.cols()),
       root_path_(observation.root_path),
       divisor_(Eigen::RowVectorXf::Ones(observation.states.cols())),
       leg_length_m_(observation.leg_length_m),

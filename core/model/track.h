@@ -31,7 +31,7 @@ class Track {
   // Of one frame, by itself.
   Eigen::RowVectorXf Whole(int from, int frame) const;
 
-  const FrameMatrix& states_;
+  Eigen::Map<const FrameMatrix> states_;
   const RootPath& root_path_;
   Eigen::RowVectorXf divisor_;  // 6 N_v: what states were divided by
   double leg_length_m_;

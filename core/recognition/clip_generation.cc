@@ -41,12 +41,12 @@ absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int l
                                                        const RecognizeOptions& options,
                                                        const Cancelled& cancelled) {
   const double evidence = emission.LogEvidence();
-  const auto& graphs = model.clip_graphs(layer);
   std::vector<ClipScore> scores;
   for (const int clip : clips) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     scores.push_back(
-        {clip, ClipLogGeneration(graphs[clip], emission.log_density(), options) - evidence});
+        {clip, ClipLogGeneration(model.clip_graph(layer, clip), emission.log_density(), options) -
+                   evidence});
   }
   return scores;
 }

@@ -10,7 +10,7 @@ void FeatureScale::Revert(FrameMatrix& states) const {
   states.array().rowwise() *= divisor.array();
 }
 
-FeatureScale MakeFeatureScale(Scaling scaling, const FrameMatrix& states) {
+FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states) {
   const Eigen::Index dimensions = states.cols();
   FeatureScale scale{Eigen::RowVectorXf::Ones(dimensions)};
   if (scaling == Scaling::kNone || states.rows() == 0) return scale;

@@ -26,6 +26,6 @@ struct FeatureScale {
 // The scale for these states (frames x dimensions, six numbers a marker: position, velocity). The
 // pooled standard deviation is the root of the mean of the dimensions' variances, each about its
 // own mean. A dimension or kind that never varies is divided by 1.
-FeatureScale MakeFeatureScale(Scaling scaling, const FrameMatrix& states);
+FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states);
 
 }  // namespace motiondb::core

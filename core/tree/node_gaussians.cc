@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -23,18 +24,20 @@ struct Moments {
   Eigen::RowVectorXd squares;
 };
 
-Moments MomentsOfLeaf(const Branch& leaf, const Tree& tree, const FrameMatrix& states) {
-  Moments moments{static_cast<double>(leaf.end - leaf.begin),
-                  Eigen::RowVectorXd::Zero(states.cols()), Eigen::RowVectorXd::Zero(states.cols())};
-  for (std::int32_t i = leaf.begin; i < leaf.end; ++i) {
-    moments.mean += states.row(tree.frame_order()[i]).cast<double>();
-  }
+Moments MomentsOf(std::span<const std::int32_t> frames,
+                  const Eigen::Ref<const FrameMatrix>& states) {
+  Moments moments{static_cast<double>(frames.size()), Eigen::RowVectorXd::Zero(states.cols()),
+                  Eigen::RowVectorXd::Zero(states.cols())};
+  for (const std::int32_t f : frames) moments.mean += states.row(f).cast<double>();
   moments.mean /= moments.count;
-  for (std::int32_t i = leaf.begin; i < leaf.end; ++i) {
-    moments.squares +=
-        (states.row(tree.frame_order()[i]).cast<double>() - moments.mean).cwiseAbs2();
+  for (const std::int32_t f : frames) {
+    moments.squares += (states.row(f).cast<double>() - moments.mean).cwiseAbs2();
   }
   return moments;
+}
+
+std::span<const std::int32_t> FramesOf(const Tree& tree, const Branch& branch) {
+  return std::span(tree.frame_order()).subspan(branch.begin, branch.end - branch.begin);
 }
 
 // Of two groups together, from those of each.
@@ -46,12 +49,13 @@ Moments Together(const Moments& a, const Moments& b) {
 }
 
 // Of every branch: leaves from their frames, the others from their children.
-std::vector<Moments> MomentsOfBranches(const Tree& tree, const FrameMatrix& states,
+std::vector<Moments> MomentsOfBranches(const Tree& tree,
+                                       const Eigen::Ref<const FrameMatrix>& states,
                                        const ParallelFor& parallel) {
   const auto& branches = tree.branches();
   std::vector<Moments> moments(branches.size());
   parallel(static_cast<int>(branches.size()), [&](int b) {
-    if (branches[b].left < 0) moments[b] = MomentsOfLeaf(branches[b], tree, states);
+    if (branches[b].left < 0) moments[b] = MomentsOf(FramesOf(tree, branches[b]), states);
   });
   for (auto b = static_cast<int>(branches.size()) - 1; b >= 0; --b) {  // children follow parents
     if (branches[b].left < 0) continue;
@@ -59,6 +63,58 @@ std::vector<Moments> MomentsOfBranches(const Tree& tree, const FrameMatrix& stat
   }
   return moments;
 }
+
+// Of the frames from `first_added` on in each branch; with count 0 where there are none.
+std::vector<Moments> MomentsOfAdded(const Tree& tree, int first_added,
+                                    const Eigen::Ref<const FrameMatrix>& states) {
+  const auto& branches = tree.branches();
+  std::vector<Moments> added(branches.size());
+  for (auto b = static_cast<int>(branches.size()) - 1; b >= 0; --b) {  // children follow parents
+    const Branch& branch = branches[b];
+    if (branch.left >= 0) {
+      const Moments& left = added[branch.left];
+      const Moments& right = added[branch.right];
+      added[b] = left.count == 0 ? right : right.count == 0 ? left : Together(left, right);
+      continue;
+    }
+    const auto frames = FramesOf(tree, branch);  // ascending
+    const auto more = std::ranges::lower_bound(frames, first_added) - frames.begin();
+    if (more < std::ssize(frames)) added[b] = MomentsOf(frames.subspan(more), states);
+  }
+  return added;
+}
+
+double Shrink(double count) { return kShrinkFrames / (count + kShrinkFrames); }
+
+// How a branch's variances are made from its moments and the whole database's variances.
+class Shrinking {
+ public:
+  explicit Shrinking(Eigen::RowVectorXd all)
+      : all_(std::move(all)),
+        // Where nothing varies at all, any positive number serves.
+        floor_(all_.mean() > 0 ? kRelativeFloor * all_.mean() : 1.0) {}
+  // From the root's own variances: all = (1 - l) all + l * 0.3 * all, turned round.
+  static Shrinking OfRoot(const Eigen::RowVectorXf& variances, double count) {
+    const double shrink = Shrink(count);
+    return Shrinking(variances.cast<double>() / (1 - shrink + shrink * kTowards));
+  }
+
+  Eigen::RowVectorXf Variances(const Moments& node) const {
+    const double shrink = Shrink(node.count);
+    return ((1 - shrink) / node.count * node.squares + shrink * kTowards * all_)
+        .cwiseMax(floor_)
+        .cast<float>();
+  }
+  // The sum of squares that gave these variances.
+  Eigen::RowVectorXd Squares(const Eigen::RowVectorXf& variances, double count) const {
+    const double shrink = Shrink(count);
+    return (variances.cast<double>() - shrink * kTowards * all_).cwiseMax(0) * count / (1 - shrink);
+  }
+
+ private:
+  Eigen::RowVectorXd all_;
+  double floor_;
+};
 
 }  // namespace
 
@@ -76,22 +132,43 @@ absl::StatusOr<NodeGaussians> NodeGaussians::Create(FrameMatrix means, FrameMatr
   return gaussians;
 }
 
-NodeGaussians NodeGaussians::Fit(const Tree& tree, const FrameMatrix& states,
+NodeGaussians NodeGaussians::Fit(const Tree& tree, const Eigen::Ref<const FrameMatrix>& states,
                                  const ParallelFor& parallel) {
   const auto& branches = tree.branches();
   FrameMatrix means(branches.size(), states.cols());
   FrameMatrix variances(branches.size(), states.cols());
   const std::vector<Moments> moments = MomentsOfBranches(tree, states, parallel);
-  const Eigen::RowVectorXd all = moments[0].squares / moments[0].count;
-  // Where nothing varies at all, any positive number serves.
-  const double floor = all.mean() > 0 ? kRelativeFloor * all.mean() : 1.0;
+  const Shrinking shrinking(moments[0].squares / moments[0].count);
   parallel(static_cast<int>(branches.size()), [&](int b) {
-    const Moments& node = moments[b];
-    const double shrink = kShrinkFrames / (node.count + kShrinkFrames);
-    means.row(b) = node.mean.cast<float>();
-    variances.row(b) = ((1 - shrink) / node.count * node.squares + shrink * kTowards * all)
-                           .cwiseMax(floor)
-                           .cast<float>();
+    means.row(b) = moments[b].mean.cast<float>();
+    variances.row(b) = shrinking.Variances(moments[b]);
+  });
+  return *Create(std::move(means), std::move(variances));
+}
+
+NodeGaussians NodeGaussians::Grown(const Tree& tree, int first_added,
+                                   const Eigen::Ref<const FrameMatrix>& states,
+                                   const ParallelFor& parallel) const {
+  const auto& branches = tree.branches();
+  const std::vector<Moments> added = MomentsOfAdded(tree, first_added, states);
+  const Shrinking before = Shrinking::OfRoot(variances_.row(0), first_added);
+  const auto moments_of = [&](int b) -> Moments {
+    const double known = branches[b].end - branches[b].begin - added[b].count;
+    if (added[b].count > 0 && branches[b].left < 0) {
+      return MomentsOf(FramesOf(tree, branches[b]), states);
+    }
+    const Moments had{known, means_.row(b).cast<double>(),
+                      before.Squares(variances_.row(b), known)};
+    return added[b].count > 0 ? Together(had, added[b]) : had;
+  };
+  const Moments root = moments_of(0);
+  const Shrinking after(root.squares / root.count);
+  FrameMatrix means(means_.rows(), means_.cols());
+  FrameMatrix variances(means_.rows(), means_.cols());
+  parallel(static_cast<int>(branches.size()), [&](int b) {
+    const Moments moments = moments_of(b);
+    means.row(b) = moments.mean.cast<float>();
+    variances.row(b) = after.Variances(moments);
   });
   return *Create(std::move(means), std::move(variances));
 }

@@ -24,8 +24,17 @@ class NodeGaussians {
   // frames: (1 - l) var_k + l * 0.3 * var_all, l = 16 / (n_k + 16), at least 1e-3 of the mean of
   // var_all. Leaves are read once, and the other nodes put together from their children:
   // O(frames * dimensions + branches * dimensions), with 16 bytes a branch and dimension beside.
-  static NodeGaussians Fit(const Tree& tree, const FrameMatrix& states,
+  static NodeGaussians Fit(const Tree& tree, const Eigen::Ref<const FrameMatrix>& states,
                            const ParallelFor& parallel);
+
+  // Those of the tree with more frames (core/tree/grow_tree.h): `tree` and `states` (scaled) hold
+  // the frames that these are of, then, from `first_added` on, others. Leaves with added frames are
+  // read anew; of the other branches the moments that these statistics tell are put together with
+  // those of the added frames, so they follow Fit to single precision, and where a variance stood
+  // at its least, to that least. O(added * depth * dimensions + branches * dimensions).
+  NodeGaussians Grown(const Tree& tree, int first_added,
+                      const Eigen::Ref<const FrameMatrix>& states,
+                      const ParallelFor& parallel) const;
 
   int branch_count() const { return static_cast<int>(means_.rows()); }
   int dimension_count() const { return static_cast<int>(means_.cols()); }

@@ -25,7 +25,8 @@ void InChunks(std::int32_t begin, std::int32_t end, const ParallelFor& parallel,
 
 }  // namespace
 
-PermutedStates::PermutedStates(const FrameMatrix& states, const ParallelFor& parallel)
+PermutedStates::PermutedStates(const Eigen::Ref<const FrameMatrix>& states,
+                               const ParallelFor& parallel)
     : rows_(states.rows(), states.cols()) {
   const auto count = static_cast<std::int32_t>(states.rows());
   InChunks(0, count, parallel, [&](std::int32_t begin, std::int32_t end) {
@@ -94,14 +95,18 @@ void PermutedStates::MoveLeft(std::int32_t begin, std::int32_t end, int left,
 }
 
 int PermutedStates::Divide(std::int32_t begin, std::int32_t end, int min_frames,
-                           std::vector<float>& centred, const ParallelFor& parallel) {
+                           std::vector<float>& centred, const ParallelFor& parallel,
+                           SplitPlane& plane) {
   const NodeRows rows{rows_.row(begin).data(), end - begin, static_cast<int>(rows_.cols())};
-  Project(begin, end, FindNodeAxis(rows, centred, parallel), parallel);
+  const NodeAxis node = FindNodeAxis(rows, centred, parallel);
+  Project(begin, end, node, parallel);
   const auto count = static_cast<std::size_t>(end - begin);
   const std::span<double> sorted = std::span(sorted_).subspan(begin, count);
   SortValues(sorted, std::span(scratch_).subspan(begin, count), parallel);
   const int left = MinimumErrorThreshold(sorted);
   if (left < min_frames || end - begin - left < min_frames) return 0;
+  plane.axis = node.principal.axis.cast<float>();
+  plane.threshold = node.mean.dot(node.principal.axis) + (sorted[left - 1] + sorted[left]) / 2;
   MoveLeft(begin, end, left, parallel);
   return left;
 }

@@ -12,18 +12,25 @@
 
 namespace motiondb::core {
 
+// Where a node was divided: frames with an inner product of at most `threshold` with `axis` (1 x
+// dimensions, unit) are on the left; of those on the threshold itself only the first.
+struct SplitPlane {
+  Eigen::RowVectorXf axis;
+  double threshold = 0;
+};
+
 class PermutedStates {
  public:
   // A working copy of states (frames x dimensions), in their own order.
-  PermutedStates(const FrameMatrix& states, const ParallelFor& parallel);
+  PermutedStates(const Eigen::Ref<const FrameMatrix>& states, const ParallelFor& parallel);
 
   // Divides the frames [begin, end) along their principal axis (eqs. 3-5): those left of the
   // minimum-error threshold come to stand before the others; frames that project alike are divided
   // by their numbers. Returns how many are on the left; 0, and changes nothing, if either side
-  // would have fewer than min_frames. `centred` is scratch. The order within a side is not that of
-  // the frames, but the same on any number of threads.
+  // would have fewer than min_frames. Else `plane` says where. `centred` is scratch. The order
+  // within a side is not that of the frames, but the same on any number of threads.
   int Divide(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
-             const ParallelFor& parallel);
+             const ParallelFor& parallel, SplitPlane& plane);
 
   // The frame at each place.
   std::vector<std::int32_t>& order() { return order_; }

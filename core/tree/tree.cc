@@ -1,15 +1,24 @@
 #include "core/tree/tree.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/motion/error.h"
 
 namespace motiondb::core {
 
 absl::StatusOr<Tree> Tree::Create(std::vector<std::int32_t> frame_order,
-                                  std::vector<Branch> branches) {
+                                  std::vector<Branch> branches, SplitPlanes planes) {
   Tree tree;
   tree.frame_order_ = std::move(frame_order);
   tree.branches_ = std::move(branches);
+  tree.planes_ = std::move(planes);
   MOTIONDB_RETURN_IF_ERROR(tree.Check());
+  MOTIONDB_RETURN_IF_ERROR(tree.CheckPlanes());
+  std::int32_t divided = 0;
+  for (const Branch& branch : tree.branches_) {
+    tree.plane_of_branch_.push_back(branch.left < 0 ? -1 : divided++);
+  }
   tree.MakeLayers();
   return tree;
 }
@@ -47,6 +56,30 @@ absl::Status Tree::Check() const {
     reached[branch.left] = reached[branch.right] = true;
   }
   return absl::OkStatus();
+}
+
+absl::Status Tree::CheckPlanes() const {
+  if (planes_.empty() && planes_.axes.size() == 0) return absl::OkStatus();
+  const auto divided =
+      std::ranges::count_if(branches_, [](const Branch& b) { return b.left >= 0; });
+  const bool finite = planes_.axes.allFinite() &&
+                      std::ranges::all_of(planes_.thresholds, [](double t) { return t - t == 0; });
+  if (std::ssize(planes_.thresholds) == divided && planes_.axes.rows() == divided && finite) {
+    return absl::OkStatus();
+  }
+  return DataLoss("tree: {} thresholds on {} axes for {} divided branches",
+                  planes_.thresholds.size(), planes_.axes.rows(), divided);
+}
+
+int Tree::LeafOf(const float* state) const {
+  const Eigen::Map<const Eigen::RowVectorXf> x(state, planes_.axes.cols());
+  int b = 0;
+  while (branches_[b].left >= 0) {
+    const int plane = plane_of_branch_[b];
+    const double along = planes_.axes.row(plane).cast<double>().dot(x.cast<double>());
+    b = along <= planes_.thresholds[plane] ? branches_[b].left : branches_[b].right;
+  }
+  return b;
 }
 
 void Tree::MakeLayers() {

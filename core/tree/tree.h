@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/tree/split_planes.h"
 
 namespace motiondb::core {
 
@@ -27,9 +28,10 @@ struct Branch {
 class Tree {
  public:
   Tree() = default;
-  // DATA_LOSS if the branches are not a tree over a permutation of the frames (loading is parsing).
+  // DATA_LOSS if the branches are not a tree over a permutation of the frames, or the planes, if
+  // there are any, not one for each that is divided (loading is parsing).
   static absl::StatusOr<Tree> Create(std::vector<std::int32_t> frame_order,
-                                     std::vector<Branch> branches);
+                                     std::vector<Branch> branches, SplitPlanes planes = {});
 
   int frame_count() const { return static_cast<int>(frame_order_.size()); }
   int layer_count() const { return static_cast<int>(layers_.size()); }
@@ -40,6 +42,13 @@ class Tree {
 
   const std::vector<std::int32_t>& frame_order() const { return frame_order_; }
   const std::vector<Branch>& branches() const { return branches_; }
+  const SplitPlanes& planes() const { return planes_; }
+  // Whether LeafOf knows the way: a tree of one node always does.
+  bool has_planes() const { return branches_.size() == 1 || !planes_.empty(); }
+  // The leaf (a branch) that a scaled state (dimensions) comes to. REQUIRES: has_planes(). The
+  // frames that the tree was built from come to their own leaf, but for some that project onto the
+  // threshold itself within single precision. O(depth * dimensions).
+  int LeafOf(const float* state) const;
 
   // Branch that a layer's node stands for. A leaf's copies stand for the same branch.
   int branch(int layer, int node) const { return at(layer).branch[node]; }
@@ -64,10 +73,13 @@ class Tree {
   };
   const Layer& at(int layer) const { return layers_[static_cast<std::size_t>(layer) - 1]; }
   absl::Status Check() const;
+  absl::Status CheckPlanes() const;
   void MakeLayers();
 
   std::vector<std::int32_t> frame_order_;
   std::vector<Branch> branches_;
+  SplitPlanes planes_;
+  std::vector<std::int32_t> plane_of_branch_;  // -1 in a leaf
   std::vector<Layer> layers_;
   std::vector<std::int32_t> bottom_of_frame_;
 };

@@ -16,15 +16,25 @@ constexpr int kSharedFrames = 32768;
 // Lots that the smaller nodes are dealt out in, each with memory of its own that is used again.
 constexpr int kLots = 16;
 
+SplitPlanes Together(const std::vector<SplitPlane>& each, Eigen::Index dimensions) {
+  SplitPlanes planes{FrameMatrix(std::ssize(each), dimensions), {}};
+  for (const SplitPlane& plane : each) {
+    planes.axes.row(std::ssize(planes.thresholds)) = plane.axis;
+    planes.thresholds.push_back(plane.threshold);
+  }
+  return planes;
+}
+
 }  // namespace
 
-absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
+absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done) {
   if (states.rows() == 0) return InvalidArgument("a tree needs at least one frame");
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
   PermutedStates permuted(states, parallel);
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
+  std::vector<SplitPlane> planes;
   std::vector<std::vector<float>> scratch(kLots);
 
   std::vector<std::int32_t> open{0};  // branches of the lowest layer that may yet split
@@ -39,9 +49,11 @@ absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
       return frames(open[a]) > frames(open[b]);
     });
     std::vector<int> left_counts(open.size());
+    std::vector<SplitPlane> open_planes(open.size());
     const auto divide = [&](std::int32_t i, int lot, const ParallelFor& threads) {
       const Branch& branch = branches[open[i]];
-      left_counts[i] = permuted.Divide(branch.begin, branch.end, min_frames, scratch[lot], threads);
+      left_counts[i] = permuted.Divide(branch.begin, branch.end, min_frames, scratch[lot], threads,
+                                       open_planes[i]);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
@@ -55,6 +67,7 @@ absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
     std::vector<std::int32_t> children;
     for (std::size_t i = 0; i < open.size(); ++i) {
       if (left_counts[i] == 0) continue;
+      planes.push_back(std::move(open_planes[i]));
       const std::int32_t b = open[i];
       const auto left = static_cast<std::int32_t>(branches.size());
       branches[b].left = left;
@@ -74,7 +87,7 @@ absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
   for (const Branch& branch : branches) {
     if (branch.left < 0) std::sort(order.begin() + branch.begin, order.begin() + branch.end);
   }
-  return Tree::Create(std::move(order), std::move(branches));
+  return Tree::Create(std::move(order), std::move(branches), Together(planes, states.cols()));
 }
 
 }  // namespace motiondb::core

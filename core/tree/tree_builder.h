@@ -21,7 +21,7 @@ using LayerDone = std::function<bool(int layer)>;
 // Takes the memory of one copy of the states, and some readings of them a layer: axes are exact to
 // single precision in nodes of up to 16,384 frames, and to a stated bound in larger ones
 // (core/tree/node_axis.h).
-absl::StatusOr<Tree> BuildTree(const FrameMatrix& states, int min_frames,
+absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done = {});
 
 }  // namespace motiondb::core

@@ -100,6 +100,8 @@ void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
   }
   message.set_model_version(snapshot->record.version);
   message.set_build_seconds(model.build_seconds());
+  message.set_added_clip_count(snapshot->record.added_clip_count);
+  message.set_stale_share(snapshot->record.stale_share);
   message.set_dimension_count(model.marker_set().dimension_count());
 
   std::map<std::string, v1::LabelSummary> labels;

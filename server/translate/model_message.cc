@@ -23,6 +23,9 @@ void SetModel(const storage::ModelRecord& record, const core::BuildSettings& set
   message.mutable_nodes_per_layer()->Add(record.nodes_per_layer.begin(),
                                          record.nodes_per_layer.end());
   message.set_dimension_count(record.dimension_count);
+  message.set_added_clip_count(record.added_clip_count);
+  message.set_added_frame_count(record.added_frame_count);
+  message.set_stale_share(record.stale_share);
   message.set_scaling(ToProto(settings.scaling));
   if (!current) return;
   const auto& divisor = snapshot->model.scale().divisor;
@@ -49,7 +52,7 @@ void SetStates(const core::Model& model, int first_frame, int end_frame,
                v1::ReadStatesResponse& message) {
   message.set_first_frame(first_frame);
   message.set_frame_count(end_frame - first_frame);
-  const core::FrameMatrix& states = model.states();
+  const auto states = model.states();
   AppendPacked(states.row(first_frame).data(),
                static_cast<std::size_t>((end_frame - first_frame) * states.cols()),
                *message.mutable_states());
@@ -59,8 +62,8 @@ void SetStates(const core::Model& model, int first_frame, int end_frame,
 }
 
 TransitionList::TransitionList(const core::Model& model, int layer, int clip)
-    : graph_(clip < 0 ? model.global_graph(layer) : model.clip_graphs(layer)[clip].transitions),
-      nodes_(clip < 0 ? nullptr : &model.clip_graphs(layer)[clip].nodes) {}
+    : graph_(clip < 0 ? model.global_graph(layer) : model.clip_graph(layer, clip).transitions),
+      nodes_(clip < 0 ? nullptr : &model.clip_graph(layer, clip).nodes) {}
 
 void TransitionList::SetTransition(int edge, v1::Transition& message) const {
   const auto& row_begin = graph_.row_begin();

@@ -14,8 +14,9 @@ namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kVersion = 2;
+constexpr std::uint32_t kVersion = 3;
 constexpr std::uint32_t kPlainVersion = 1;  // knows nothing of subjects, metric, prior, calibration
+constexpr std::uint32_t kPlaneVersion = 3;  // the first that knows where the tree is divided
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
 constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
 
@@ -122,7 +123,19 @@ void PutTree(FieldWriter& writer, const core::Tree& tree) {
   writer.PutArray(tree.branches());
 }
 
-core::Tree GetTree(FieldReader& reader) {
+void PutPlanes(FieldWriter& writer, const core::SplitPlanes& planes) {
+  writer.PutArray(planes.thresholds);
+  PutMatrix(writer, planes.axes);
+}
+
+core::SplitPlanes GetPlanes(FieldReader& reader, Eigen::Index dimensions) {
+  core::SplitPlanes planes;
+  planes.thresholds = reader.GetArray<double>();
+  GetMatrix(reader, std::ssize(planes.thresholds), dimensions, planes.axes);
+  return planes;
+}
+
+core::Tree GetTree(FieldReader& reader, std::uint32_t version, Eigen::Index dimensions) {
   auto frame_order = reader.GetArray<std::int32_t>();
   auto branches = reader.GetArray<Branch>();
   const auto count = static_cast<std::int32_t>(branches.size());
@@ -132,8 +145,10 @@ core::Tree GetTree(FieldReader& reader) {
       reader.Fail(core::DataLoss("tree: a branch has relatives that there are not"));
     }
   }
+  core::SplitPlanes planes;
+  if (version >= kPlaneVersion) planes = GetPlanes(reader, dimensions);
   if (!reader.ok()) return {};
-  auto tree = core::Tree::Create(std::move(frame_order), std::move(branches));
+  auto tree = core::Tree::Create(std::move(frame_order), std::move(branches), std::move(planes));
   if (!tree.ok()) reader.Fail(tree.status());
   return tree.ok() ? *std::move(tree) : core::Tree();
 }
@@ -153,20 +168,28 @@ core::NodeGaussians GetGaussians(FieldReader& reader, Eigen::Index branches,
 void PutGraphs(FieldWriter& writer, const core::ModelParts& parts) {
   writer.PutCount(parts.global_graphs.size());
   for (const core::TransitionGraph& graph : parts.global_graphs) PutGraph(writer, graph);
-  writer.PutCount(parts.clip_graphs.size());
-  for (const auto& layer : parts.clip_graphs) {
-    writer.PutCount(layer.size());
-    for (const core::ClipGraph& graph : layer) PutClipGraph(writer, graph);
+  writer.PutCount(parts.global_graphs.size());
+  for (std::size_t layer = 0; layer < parts.global_graphs.size(); ++layer) {
+    writer.PutCount(parts.clip_graphs.size());
+    for (const auto& clip : parts.clip_graphs) PutClipGraph(writer, (*clip)[layer]);
   }
 }
 
 void GetGraphs(FieldReader& reader, core::ModelParts& parts) {
   parts.global_graphs.resize(reader.GetCount(kGraphBytes));
   for (core::TransitionGraph& graph : parts.global_graphs) graph = GetGraph(reader);
-  parts.clip_graphs.resize(reader.GetCount(sizeof(std::uint32_t)));
-  for (auto& layer : parts.clip_graphs) {
-    layer.resize(reader.GetCount(kClipGraphBytes));
-    for (core::ClipGraph& graph : layer) graph = GetClipGraph(reader);
+  std::vector<core::ClipGraphs> clips(parts.clips.size());
+  const std::size_t layers = reader.GetCount(sizeof(std::uint32_t));
+  for (std::size_t layer = 0; layer < layers && reader.ok(); ++layer) {
+    const std::size_t count = reader.GetCount(kClipGraphBytes);
+    if (reader.ok() && count != clips.size()) {
+      reader.Fail(core::DataLoss("graphs: those of {} clips for {} clips", count, clips.size()));
+    }
+    for (core::ClipGraphs& clip : clips) clip.push_back(GetClipGraph(reader));
+  }
+  for (core::ClipGraphs& clip : clips) {
+    clip.shrink_to_fit();
+    parts.clip_graphs.push_back(std::make_shared<const core::ClipGraphs>(std::move(clip)));
   }
 }
 
@@ -208,6 +231,8 @@ absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
   PutClips(writer, parts.clips);
   PutMatrix(writer, parts.scale.divisor);
   PutTree(writer, parts.tree);
+  PutPlanes(writer, parts.tree.planes());
+  writer.Put(parts.built_clip_count);
   PutMatrix(writer, parts.gaussians.means());
   PutMatrix(writer, parts.gaussians.variances());
   PutGraphs(writer, parts);
@@ -225,7 +250,7 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   FieldReader reader(source);
   const auto version = reader.Get<std::uint32_t>();
   if (reader.ok() && (version < kPlainVersion || version > kVersion)) {
-    return core::DataLoss("parts: expected version {} or {}, got {}", kPlainVersion, kVersion,
+    return core::DataLoss("parts: expected version {} to {}, got {}", kPlainVersion, kVersion,
                           version);
   }
   core::ModelParts parts;
@@ -234,7 +259,8 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   parts.clips = GetClips(reader);
   const Eigen::Index dimensions = 6 * static_cast<Eigen::Index>(parts.marker_set.markers.size());
   GetMatrix(reader, 1, dimensions, parts.scale.divisor);
-  parts.tree = GetTree(reader);
+  parts.tree = GetTree(reader, version, dimensions);
+  if (version >= kPlaneVersion) parts.built_clip_count = reader.Get<std::int32_t>();
   parts.gaussians =
       GetGaussians(reader, static_cast<Eigen::Index>(parts.tree.branches().size()), dimensions);
   GetGraphs(reader, parts);

@@ -1,8 +1,10 @@
 #include "storage/sqlite/model_table.h"
 
 #include <limits>
+#include <span>
 #include <utility>
 
+#include "core/model/extend_model.h"
 #include "core/motion/error.h"
 #include "storage/blob/model_codec.h"
 #include "storage/blob/states_codec.h"
@@ -13,13 +15,16 @@
 namespace motiondb::storage {
 namespace {
 
+constexpr int kModelsKept = 1000;  // figures of superseded models
+
 BlobOwner ModelOwner(std::int64_t model_key) { return {"model", model_key}; }
 
 // A query for models as ToRecord reads them; `rest` follows the database in the condition.
 std::string SelectWhere(std::string_view rest) {
   return fmt::format(
       "SELECT model_key, version, current, create_time_us, build_seconds, frame_count, clip_count, "
-      "dimension_count FROM model WHERE database_key = ? AND {}",
+      "dimension_count, added_clip_count, added_frame_count, stale_share FROM model "
+      "WHERE database_key = ? AND {}",
       rest);
 }
 
@@ -34,6 +39,9 @@ absl::StatusOr<ModelRecord> ToRecord(Connection& connection, const std::string& 
   record.frame_count = row.Integer<std::int32_t>(5);
   record.clip_count = row.Integer<std::int32_t>(6);
   record.dimension_count = row.Integer<std::int32_t>(7);
+  record.added_clip_count = row.Integer<std::int32_t>(8);
+  record.added_frame_count = row.Integer<std::int32_t>(9);
+  record.stale_share = row.Real(10);
   Statement layer = connection.Query(
       "SELECT node_count FROM model_layer WHERE model_key = ? ORDER BY layer", row.Integer(0));
   while (true) {
@@ -54,11 +62,12 @@ absl::StatusOr<int> NextVersion(Connection& connection, std::int64_t database_ke
   return version;
 }
 
+// Keys of the model's clips from number `first` on.
 absl::StatusOr<std::vector<std::int64_t>> FindModelClips(Connection& connection,
                                                          std::int64_t database_key,
-                                                         const core::Model& model) {
+                                                         const core::Model& model, int first) {
   std::vector<std::int64_t> keys;
-  for (const core::ModelClip& clip : model.clips()) {
+  for (const core::ModelClip& clip : std::span(model.clips()).subspan(first)) {
     const std::span root_path(model.root_path().row(clip.first_frame).data(),
                               3 * static_cast<std::size_t>(clip.frame_count));
     MOTIONDB_ASSIGN_OR_RETURN(keys.emplace_back(),
@@ -78,13 +87,79 @@ absl::Status InsertLayers(Connection& connection, std::int64_t model_key, const 
   return absl::OkStatus();
 }
 
-absl::Status InsertClips(Connection& connection, std::int64_t model_key,
+// Inserts the figures of a model as those of the current one; returns its key.
+absl::StatusOr<std::int64_t> InsertFigures(Connection& connection, std::int64_t database_key,
+                                           int version, const core::Model& model,
+                                           std::int64_t create_time_us) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("INSERT INTO model (database_key, version, current, create_time_us, "
+                 "build_seconds, frame_count, clip_count, dimension_count) "
+                 "VALUES (?, ?, 1, ?, ?, ?, ?, ?)",
+                 database_key, version, create_time_us, model.build_seconds(), model.frame_count(),
+                 model.clips().size(), model.states().cols())
+          .Run());
+  const std::int64_t model_key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(InsertLayers(connection, model_key, model.tree()));
+  return model_key;
+}
+
+// Deletes figures of models that were superseded long ago, but of the build that is extended.
+absl::Status ForgetOldFigures(Connection& connection, std::int64_t database_key, int version) {
+  return connection
+      .Query(
+          "DELETE FROM model WHERE database_key = ? AND current = 0 AND version <= ? AND "
+          "model_key NOT IN (SELECT base_key FROM model WHERE current = 1 AND base_key "
+          "IS NOT NULL)",
+          database_key, version - kModelsKept)
+      .Run();
+}
+
+// The current model as it is stored.
+struct CurrentModel {
+  std::int64_t model_key = 0;
+  std::int64_t built_key = 0;  // of the build that it is or extends
+  int version = 0;
+  int clip_count = 0;
+  int frame_count = 0;
+};
+
+// NOT_FOUND if there is none.
+absl::StatusOr<CurrentModel> FindCurrentModel(Connection& connection, const std::string& database,
+                                              std::int64_t database_key) {
+  Statement row = connection.Query(
+      "SELECT model_key, COALESCE(base_key, model_key), version, clip_count, frame_count "
+      "FROM model WHERE database_key = ? AND current = 1",
+      database_key);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return core::NotFound("database '{}' has no model", database);
+  return CurrentModel{row.Integer(0), row.Integer(1), row.Integer<int>(2), row.Integer<int>(3),
+                      row.Integer<int>(4)};
+}
+
+// Whether the first clips of `model` are those of the current model.
+absl::StatusOr<bool> Extends(Connection& connection, const core::Model& model,
+                             const CurrentModel& current) {
+  const auto& clips = model.clips();
+  const auto count = static_cast<std::size_t>(current.clip_count);
+  if (clips.size() <= count || clips[count].first_frame != current.frame_count) return false;
+  Statement row = connection.Query(
+      "SELECT id FROM model_clip JOIN clip USING (clip_key) WHERE model_key = ? ORDER BY position",
+      current.built_key);
+  for (std::size_t c = 0; c < count; ++c) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found || row.Text(0) != clips[c].id) return false;
+  }
+  return true;
+}
+
+absl::Status InsertClips(Connection& connection, std::int64_t built_key, std::int64_t first,
                          const std::vector<std::int64_t>& clip_keys) {
-  for (std::size_t position = 0; position < clip_keys.size(); ++position) {
+  for (std::size_t i = 0; i < clip_keys.size(); ++i) {
     MOTIONDB_RETURN_IF_ERROR(
         connection
             .Query("INSERT INTO model_clip (model_key, position, clip_key) VALUES (?, ?, ?)",
-                   model_key, position, clip_keys[position])
+                   built_key, first + static_cast<std::int64_t>(i), clip_keys[i])
             .Run());
   }
   return absl::OkStatus();
@@ -121,11 +196,12 @@ absl::Status CheckStoredStates(Connection& connection, const core::ModelParts& p
   return absl::OkStatus();
 }
 
+// With room for the states of clips that were added.
 absl::Status ReadStates(Connection& connection, const std::vector<std::int64_t>& clip_keys,
-                        core::ModelParts& parts) {
+                        int added_frames, core::ModelParts& parts) {
   MOTIONDB_RETURN_IF_ERROR(CheckStoredStates(connection, parts, clip_keys));
   const int dimensions = parts.marker_set.dimension_count();
-  parts.states.resize(parts.tree.frame_count(), dimensions);
+  core::FrameMatrix states(parts.tree.frame_count() + added_frames, dimensions);
   parts.root_path.resize(parts.tree.frame_count(), 3);
   for (std::size_t c = 0; c < clip_keys.size(); ++c) {
     const core::ModelClip& clip = parts.clips[c];
@@ -138,27 +214,63 @@ absl::Status ReadStates(Connection& connection, const std::vector<std::int64_t>&
       }
       const auto frames = static_cast<std::size_t>(clip.frame_count);
       return DecodeStatesFrames(
-          source, std::span(parts.states.row(clip.first_frame).data(), frames * dimensions),
+          source, std::span(states.row(clip.first_frame).data(), frames * dimensions),
           std::span(parts.root_path.row(clip.first_frame).data(), 3 * frames));
     };
     MOTIONDB_RETURN_IF_ERROR(
         In(fmt::format("clip '{}'", clip.id),
            ReadBlob(connection, ClipOwner(clip_keys[c]), BlobKind::kStates, decode)));
   }
-  parts.scale.Apply(parts.states);
+  parts.scale.Apply(states);
+  parts.states = core::SharedRows(std::move(states), added_frames);
   return absl::OkStatus();
 }
 
-absl::StatusOr<core::Model> ReadModelOf(Connection& connection, std::int64_t model_key) {
+// Clips that were added after the build, as they were given to the model.
+absl::StatusOr<std::vector<core::BuildInput>> ReadAddedClips(Connection& connection,
+                                                             std::span<const std::int64_t> keys) {
+  std::vector<core::BuildInput> inputs;
+  for (const std::int64_t key : keys) {
+    Statement row = connection.Query("SELECT id, label, subject FROM clip WHERE clip_key = ?", key);
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return core::DataLoss("an added clip is not there");
+    core::BuildInput& input = inputs.emplace_back();
+    input.clip_id = row.Text(0);
+    input.label = row.Text(1);
+    input.subject = row.Text(2);
+    const auto decode = [&](ByteSource& source) -> absl::Status {
+      MOTIONDB_ASSIGN_OR_RETURN(input.states, DecodeStates(source));
+      return absl::OkStatus();
+    };
+    MOTIONDB_RETURN_IF_ERROR(In(fmt::format("clip '{}'", input.clip_id),
+                                ReadBlob(connection, ClipOwner(key), BlobKind::kStates, decode)));
+  }
+  return inputs;
+}
+
+absl::StatusOr<core::Model> ReadModelOf(Connection& connection, const CurrentModel& current) {
   core::ModelParts parts;
-  MOTIONDB_RETURN_IF_ERROR(ReadBlob(connection, ModelOwner(model_key), BlobKind::kModel,
+  MOTIONDB_RETURN_IF_ERROR(ReadBlob(connection, ModelOwner(current.built_key), BlobKind::kModel,
                                     [&](ByteSource& source) -> absl::Status {
                                       MOTIONDB_ASSIGN_OR_RETURN(parts, DecodeModel(source));
                                       return absl::OkStatus();
                                     }));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys, SelectModelClips(connection, model_key));
-  MOTIONDB_RETURN_IF_ERROR(ReadStates(connection, clip_keys, parts));
-  return core::Model::Create(std::move(parts));
+  MOTIONDB_ASSIGN_OR_RETURN(auto clip_keys, SelectModelClips(connection, current.built_key));
+  if (std::ssize(clip_keys) != current.clip_count || clip_keys.size() < parts.clips.size()) {
+    return core::DataLoss("parts: expected {} clips, got {}", current.clip_count, clip_keys.size());
+  }
+  const std::vector<std::int64_t> added(
+      clip_keys.begin() + static_cast<std::ptrdiff_t>(parts.clips.size()), clip_keys.end());
+  clip_keys.resize(parts.clips.size());
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadAddedClips(connection, added));
+  int added_frames = 0;
+  for (const core::BuildInput& input : inputs) added_frames += input.states.frame_count();
+  MOTIONDB_RETURN_IF_ERROR(ReadStates(connection, clip_keys, added_frames, parts));
+  auto built = core::Model::Create(std::move(parts));
+  if (!built.ok() || inputs.empty()) return built;
+  auto model = core::ExtendModel(*built, std::move(inputs), core::Serially);
+  if (!model.ok()) return core::DataLoss("{}", std::string(model.status().message()));
+  return model;
 }
 
 }  // namespace
@@ -166,36 +278,65 @@ absl::StatusOr<core::Model> ReadModelOf(Connection& connection, std::int64_t mod
 absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::string& database,
                                         const core::Model& model, std::int64_t create_time_us) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys, FindModelClips(connection, database_key, model));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
+                            FindModelClips(connection, database_key, model, 0));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
   MOTIONDB_RETURN_IF_ERROR(RetireCurrentModel(connection, database_key));
-  MOTIONDB_RETURN_IF_ERROR(
-      connection
-          .Query("INSERT INTO model (database_key, version, current, create_time_us, "
-                 "build_seconds, frame_count, clip_count, dimension_count) "
-                 "VALUES (?, ?, 1, ?, ?, ?, ?, ?)",
-                 database_key, version, create_time_us, model.build_seconds(), model.frame_count(),
-                 model.clips().size(), model.states().cols())
-          .Run());
-  const std::int64_t model_key = connection.last_insert_key();
-  MOTIONDB_RETURN_IF_ERROR(InsertLayers(connection, model_key, model.tree()));
-  MOTIONDB_RETURN_IF_ERROR(InsertClips(connection, model_key, clip_keys));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::int64_t model_key,
+      InsertFigures(connection, database_key, version, model, create_time_us));
+  MOTIONDB_RETURN_IF_ERROR(InsertClips(connection, model_key, 0, clip_keys));
   MOTIONDB_RETURN_IF_ERROR(
       WriteBlob(connection, ModelOwner(model_key), BlobKind::kModel,
                 [&](ByteSink& sink) { return EncodeModel(model.parts(), sink); }));
+  MOTIONDB_RETURN_IF_ERROR(ForgetOldFigures(connection, database_key, version));
+  return SelectModel(connection, database, version);
+}
+
+absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
+                                            const core::Model& model, double stale_share,
+                                            std::int64_t create_time_us) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  const auto current = FindCurrentModel(connection, database, database_key);
+  if (!current.ok() && !absl::IsNotFound(current.status())) return current.status();
+  bool extends = current.ok();
+  if (extends) {
+    MOTIONDB_ASSIGN_OR_RETURN(extends, Extends(connection, model, *current));
+  }
+  if (!extends) {
+    return core::FailedPrecondition("the model does not extend the current one of database '{}'",
+                                    database);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
+                            FindModelClips(connection, database_key, model, current->clip_count));
+  MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE model SET current = 0 WHERE model_key = ?", current->model_key)
+          .Run());
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const std::int64_t model_key,
+      InsertFigures(connection, database_key, version, model, create_time_us));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE model SET base_key = ?, added_clip_count = ?, added_frame_count = ?, "
+                 "stale_share = ? WHERE model_key = ?",
+                 current->built_key, std::ssize(model.clips()) - model.built_clip_count(),
+                 model.frame_count() - model.built_frame_count(), stale_share, model_key)
+          .Run());
+  MOTIONDB_RETURN_IF_ERROR(
+      InsertClips(connection, current->built_key, current->clip_count, clip_keys));
+  MOTIONDB_RETURN_IF_ERROR(ForgetOldFigures(connection, database_key, version));
   return SelectModel(connection, database, version);
 }
 
 absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection,
                                                const std::string& database) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(
-      "SELECT model_key, version FROM model WHERE database_key = ? AND current = 1", database_key);
-  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return core::NotFound("database '{}' has no model", database);
-  auto model = ReadModelOf(connection, row.Integer(0));
+  MOTIONDB_ASSIGN_OR_RETURN(const CurrentModel current,
+                            FindCurrentModel(connection, database, database_key));
+  auto model = ReadModelOf(connection, current);
   if (!model.ok()) {
-    return In(fmt::format("database '{}', model {}", database, row.Integer(1)), model.status());
+    return In(fmt::format("database '{}', model {}", database, current.version), model.status());
   }
   return model;
 }
@@ -228,8 +369,8 @@ absl::Status RetireCurrentModel(Connection& connection, std::int64_t database_ke
   for (const char* table : {"model_chunk", "model_clip"}) {
     MOTIONDB_RETURN_IF_ERROR(
         connection
-            .Query(fmt::format("DELETE FROM {} WHERE model_key IN (SELECT model_key FROM model "
-                               "WHERE database_key = ? AND current = 1)",
+            .Query(fmt::format("DELETE FROM {} WHERE model_key IN (SELECT COALESCE(base_key, "
+                               "model_key) FROM model WHERE database_key = ? AND current = 1)",
                                table),
                    database_key)
             .Run());

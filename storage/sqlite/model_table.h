@@ -15,6 +15,10 @@ namespace motiondb::storage {
 // As MotionStore::PutModel, which also says what NOT_FOUND means.
 absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::string& database,
                                         const core::Model& model, std::int64_t create_time_us);
+// As MotionStore::PutExtension.
+absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
+                                            const core::Model& model, double stale_share,
+                                            std::int64_t create_time_us);
 absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection, const std::string& database);
 absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::string& database,
                                         int version);

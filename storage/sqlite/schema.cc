@@ -127,7 +127,16 @@ CREATE TABLE operation (
 CREATE INDEX operation_by_database ON operation (database_key, sequence);
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst};
+// A model may extend a built one by clips. Then it has the chunks and clips of the build, under the
+// build's key, and clips of its own behind those.
+constexpr char kExtensions[] = R"sql(
+ALTER TABLE model ADD COLUMN base_key INTEGER REFERENCES model;  -- NULL: it was built
+ALTER TABLE model ADD COLUMN added_clip_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE model ADD COLUMN added_frame_count INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE model ADD COLUMN stale_share REAL NOT NULL DEFAULT 0;
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst, kExtensions};
 
 }  // namespace
 

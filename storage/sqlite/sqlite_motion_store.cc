@@ -150,6 +150,14 @@ absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& datab
       [&](Connection& connection) { return InsertModel(connection, database, model, now_us_()); });
 }
 
+absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& database,
+                                                            const core::Model& model,
+                                                            double stale_share) {
+  return Write([&](Connection& connection) {
+    return InsertExtension(connection, database, model, stale_share, now_us_());
+  });
+}
+
 absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database) {
   return Read([&](Connection& connection) { return SelectCurrentModel(connection, database); });
 }

@@ -128,7 +128,7 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(parts.clips[1].first_frame == 60);
   REQUIRE(parts.marker_set.landmarks.legs.size() == 1);
   REQUIRE(parts.build_seconds == 0.25);
-  parts.states = model.states();
+  parts.states = model.parts().states;
   parts.root_path = model.root_path();
   const core::Model back = Require(core::Model::Create(std::move(parts)));
   REQUIRE(Same(back, model));
@@ -136,7 +136,7 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(back.familiarity().scores == model.familiarity().scores);
   REQUIRE(back.clips()[1].subject == "subject 1");
   REQUIRE(back.metric().projection == model.metric().projection);
-  REQUIRE(back.metric_frames().projected == model.metric_frames().projected);
+  REQUIRE(back.metric_frames().projected.view() == model.metric_frames().projected.view());
 }
 
 TEST_CASE("ModelCodec: the calibration comes back, and one that is none is refused",
@@ -174,11 +174,18 @@ TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[st
   plain.confidence = {};
   plain.metric = {};
   plain.recognition = {};
+  plain.tree = Require(core::Tree::Create(plain.tree.frame_order(), plain.tree.branches()));
   // What version 2 adds is then of a known size, and before the last field.
   std::string bytes = Encoded(plain);
   constexpr std::size_t kAnswerBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
   constexpr std::size_t kAdded = 4 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
   bytes.erase(bytes.size() - sizeof(double) - kAdded, kAdded);
+  // And what version 3 adds is a count of no thresholds and one of clips, behind the branches.
+  const auto& branches = plain.tree.branches();
+  const std::string_view branch_bytes(reinterpret_cast<const char*>(branches.data()),
+                                      branches.size() * sizeof(core::Branch));
+  bytes.erase(bytes.find(branch_bytes) + branch_bytes.size(),
+              sizeof(std::uint32_t) + sizeof(std::int32_t));
   bytes[0] = 1;
 
   auto source = SourceOf(bytes);
@@ -186,7 +193,7 @@ TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[st
   REQUIRE(parts.metric.empty());
   REQUIRE(parts.prior.seconds.empty());
   REQUIRE(parts.build_seconds == 0.25);
-  parts.states = model.states();
+  parts.states = model.parts().states;
   parts.root_path = model.root_path();
   const core::Model back = Require(core::Model::Create(std::move(parts)));
   REQUIRE(Encoded(back.parts()) == Encoded(plain));

@@ -1,6 +1,7 @@
 #include "tests/storage/in_memory_motion_store.h"
 
 #include <algorithm>
+#include <span>
 
 #include "core/motion/error.h"
 #include "tests/storage/samples.h"
@@ -180,22 +181,20 @@ absl::StatusOr<std::vector<SkeletonRecord>> InMemoryMotionStore::ListSkeletons(
   });
 }
 
-absl::StatusOr<ModelRecord> InMemoryMotionStore::PutModel(const std::string& database,
-                                                          const core::Model& model) {
-  const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
-  for (const core::ModelClip& clip : model.clips()) {
-    const auto stored = in->clips.find(clip.id);
-    if (stored == in->clips.end() || stored->second.record.frame_count != clip.frame_count ||
+absl::StatusOr<ModelRecord> InMemoryMotionStore::Put(Database& in, const core::Model& model,
+                                                     int first) {
+  for (const core::ModelClip& clip : std::span(model.clips()).subspan(first)) {
+    const auto stored = in.clips.find(clip.id);
+    if (stored == in.clips.end() || stored->second.record.frame_count != clip.frame_count ||
         stored->second.states.root_path !=
             model.root_path().middleRows(clip.first_frame, clip.frame_count)) {
       return core::NotFound("the model's clip '{}' is not stored any more", clip.id);
     }
   }
-  if (!in->models.empty()) in->models.back().current = false;
+  if (!in.models.empty()) in.models.back().current = false;
   ModelRecord record;
-  record.database = database;
-  record.version = static_cast<std::int32_t>(in->models.size()) + 1;
+  record.database = in.record.name;
+  record.version = static_cast<std::int32_t>(in.models.size()) + 1;
   record.current = true;
   record.create_time_us = put_time_us_;
   record.build_seconds = model.build_seconds();
@@ -205,8 +204,37 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::PutModel(const std::string& dat
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     record.nodes_per_layer.push_back(model.tree().node_count(layer));
   }
-  in->model = model;
-  return in->models.emplace_back(std::move(record));
+  in.model = model;
+  return in.models.emplace_back(std::move(record));
+}
+
+absl::StatusOr<ModelRecord> InMemoryMotionStore::PutModel(const std::string& database,
+                                                          const core::Model& model) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  return Put(*in, model, 0);
+}
+
+absl::StatusOr<ModelRecord> InMemoryMotionStore::PutExtension(const std::string& database,
+                                                              const core::Model& model,
+                                                              double stale_share) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  const auto same = [](const core::ModelClip& a, const core::ModelClip& b) {
+    return a.id == b.id && a.frame_count == b.frame_count;
+  };
+  if (!in->model || in->model->clips().size() >= model.clips().size() ||
+      !std::equal(in->model->clips().begin(), in->model->clips().end(), model.clips().begin(),
+                  same)) {
+    return core::FailedPrecondition("not an extension of the current model of '{}'", database);
+  }
+  const auto had = static_cast<int>(in->model->clips().size());
+  MOTIONDB_RETURN_IF_ERROR(Put(*in, model, had).status());
+  ModelRecord& record = in->models.back();
+  record.added_clip_count = static_cast<int>(model.clips().size()) - model.built_clip_count();
+  record.added_frame_count = model.frame_count() - model.built_frame_count();
+  record.stale_share = stale_share;
+  return record;
 }
 
 absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& database) {

@@ -42,6 +42,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
 
   absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
                                                 const core::Model& model) override;
+  absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
+                                                    const core::Model& model,
+                                                    double stale_share) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
@@ -63,6 +66,8 @@ class InMemoryMotionStore final : public storage::MotionStore {
     std::optional<core::Model> model;
   };
 
+  // Makes it the current model, if its clips from number `first` on are stored.
+  absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/model/extend_model.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 
@@ -249,6 +250,12 @@ void TestSkeletons(StoreUnderTest& store) {
   REQUIRE(Same(Require(store->GetSkeleton("d", first)), SampleSkeleton("human")));
 }
 
+core::Model Extended(const core::Model& model, const NewClip& clip) {
+  return Require(core::ExtendModel(
+      model, {{clip.record.id, clip.record.label, clip.states, clip.record.subject}},
+      core::Serially));
+}
+
 void TestModels(StoreUnderTest& store) {
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_ERROR(store->ReadModel("d"), StatusCode::kNotFound, "d");
@@ -320,6 +327,54 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_OK(store->AddClip(clips[0]));
     REQUIRE(Require(store->PutModel("d", model)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d")), model));
+  }
+  SECTION("an extended model is kept, with the build that it extends") {
+    const NewClip jump = SampleClip("d", "jump", 3);
+    const NewClip hop = SampleClip("d", "hop", 4);
+    const core::Model extended = Extended(model, jump);
+    REQUIRE_ERROR(store->PutExtension("d", extended, 0.25), StatusCode::kNotFound, "jump");
+    REQUIRE_OK(store->AddClip(jump));
+    REQUIRE_ERROR(store->PutExtension(kUnknown, extended, 0.25), StatusCode::kNotFound, kUnknown);
+    const auto second = Require(store->PutExtension("d", extended, 0.25));
+    REQUIRE(second.version == 2);
+    REQUIRE(second.current);
+    REQUIRE(second.clip_count == 3);
+    REQUIRE(second.added_clip_count == 1);
+    REQUIRE(second.added_frame_count == jump.record.frame_count);
+    REQUIRE(second.stale_share == 0.25);
+    REQUIRE(Same(Require(store->ReadModel("d")), extended));
+    first.current = false;
+    REQUIRE(Same(Require(store->GetModel("d", 1)), first));
+    // It is no extension of itself, nor of a build that it does not know.
+    REQUIRE_ERROR(store->PutExtension("d", extended, 0), StatusCode::kFailedPrecondition, "d");
+
+    REQUIRE_OK(store->AddClip(hop));
+    REQUIRE_ERROR(store->PutExtension("d", Extended(model, hop), 0),
+                  StatusCode::kFailedPrecondition, "d");
+    const core::Model again = Extended(extended, hop);
+    const auto third = Require(store->PutExtension("d", again, 0.5));
+    REQUIRE(third.added_clip_count == 2);
+    const core::Model read = Require(store->ReadModel("d"));
+    REQUIRE(read.clips().size() == 4);
+    REQUIRE(read.states() == again.states());
+    REQUIRE(read.tree().frame_order() == again.tree().frame_order());
+
+    // A clip of the build and an added one are deleted: both stay in the model.
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    REQUIRE_OK(store->DeleteClip("d", "hop"));
+    REQUIRE(Require(store->ReadModel("d")).clips().size() == 4);
+    const core::Model next = SampleModel({clips[1], jump});
+    REQUIRE(Require(store->PutModel("d", next)).version == 4);
+    REQUIRE(Same(Require(store->ReadModel("d")), next));
+    REQUIRE(Require(store->GetModel("d", 4)).added_clip_count == 0);
+    REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 4);
+  }
+  SECTION("only a current model can be extended") {
+    const NewClip jump = SampleClip("d", "jump", 3);
+    REQUIRE_OK(store->AddClip(jump));
+    REQUIRE_OK(store->DropModel("d"));
+    REQUIRE_ERROR(store->PutExtension("d", Extended(model, jump), 0),
+                  StatusCode::kFailedPrecondition, "d");
   }
   SECTION("a dropped model is gone, its record stays, versions go on") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));

@@ -35,7 +35,8 @@ auto Fields(const storage::DatabaseRecord& r) {
 
 auto Fields(const storage::ModelRecord& r) {
   return std::tie(r.database, r.version, r.current, r.create_time_us, r.build_seconds,
-                  r.frame_count, r.clip_count, r.dimension_count, r.nodes_per_layer);
+                  r.frame_count, r.clip_count, r.dimension_count, r.nodes_per_layer,
+                  r.added_clip_count, r.added_frame_count, r.stale_share);
 }
 
 auto Fields(const storage::OperationRecord& r) {

@@ -87,6 +87,11 @@ class GatedStore : public storage::MotionStore {
                                                 const core::Model& model) override {
     return store_->PutModel(database, model);
   }
+  absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
+                                                    const core::Model& model,
+                                                    double stale_share) override {
+    return store_->PutExtension(database, model, stale_share);
+  }
   absl::StatusOr<core::Model> ReadModel(const std::string& database) override {
     if (!model_fault_.ok()) return model_fault_;
     return store_->ReadModel(database);

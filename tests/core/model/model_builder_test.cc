@@ -39,7 +39,7 @@ TEST_CASE("BuildModel: the same clips give the same model, bit for bit, on any t
   REQUIRE((once.ok() && again.ok()));
   const core::ModelParts& a = once->parts();
   const core::ModelParts& b = again->parts();
-  CHECK(SameBytes(a.states, b.states));
+  CHECK(SameBytes(a.states.view(), b.states.view()));
   CHECK(SameBytes(a.gaussians.means(), b.gaussians.means()));
   CHECK(SameBytes(a.gaussians.variances(), b.gaussians.variances()));
   CHECK(a.tree.frame_order() == b.tree.frame_order());
@@ -55,7 +55,8 @@ TEST_CASE("BuildModel: transition rows sum to 1, and clip counts to the global o
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     const core::TransitionGraph& global = model.global_graph(layer);
     long clip_transitions = 0;
-    for (const core::ClipGraph& graph : model.clip_graphs(layer)) {
+    for (int clip = 0; clip < static_cast<int>(model.clips().size()); ++clip) {
+      const core::ClipGraph& graph = model.clip_graph(layer, clip);
       for (int from = 0; from < graph.transitions.node_count(); ++from) {
         double sum = 0;
         for (const core::Edge& edge : graph.transitions.row(from)) {
@@ -135,15 +136,22 @@ TEST_CASE("Model: refuses parts that do not fit each other", "[core][model]") {
     return core::Model::Create(std::move(parts)).status().code() == absl::StatusCode::kDataLoss;
   };
   CHECK_FALSE(refused([](core::ModelParts&) {}));
-  CHECK(
-      refused([](auto& p) { p.states.conservativeResize(p.states.rows() - 1, Eigen::NoChange); }));
+  CHECK(refused([](auto& p) {
+    p.states = core::SharedRows(p.states.middleRows(0, p.states.rows() - 1));
+  }));
   CHECK(refused([](auto& p) { p.clips.pop_back(); }));
   CHECK(refused([](auto& p) { p.clips[1].first_frame += 1; }));
   CHECK(refused([](auto& p) { p.scale.divisor[0] = 0; }));
   CHECK(refused([](auto& p) { p.global_graphs.pop_back(); }));
-  CHECK(refused([](auto& p) { p.clip_graphs.back().pop_back(); }));
+  CHECK(refused([](auto& p) { p.clip_graphs.pop_back(); }));
+  CHECK(refused([](auto& p) { p.clip_graphs.back() = nullptr; }));
   CHECK(refused([](auto& p) { p.familiarity.scores.pop_back(); }));
-  CHECK(refused([](auto& p) { p.clip_graphs.back()[0].nodes.back() = 10000; }));
+  CHECK(refused([](auto& p) {
+    core::ClipGraphs graphs = *p.clip_graphs.back();
+    graphs[0].nodes.back() = 10000;
+    p.clip_graphs.back() = std::make_shared<const core::ClipGraphs>(std::move(graphs));
+  }));
+  CHECK(refused([](auto& p) { p.built_clip_count = 4; }));
 }
 
 }  // namespace motiondb::tests

@@ -100,7 +100,7 @@ TEST_CASE("MotionMetric: behaviours are told apart where clips of one vary more 
     return count;
   };
   CHECK(right(model->states()) < 14);
-  CHECK(right(model->metric_frames().projected) == 16);
+  CHECK(right(model->metric_frames().projected.view()) == 16);
 }
 
 TEST_CASE("MotionMetric: the same for any order of the work", "[core][model]") {
@@ -126,7 +126,7 @@ TEST_CASE("MotionMetric: there is one of single clips, and of motion that stands
     CHECK(model->metric().projection.allFinite());
     CHECK(model->metric().whitening.allFinite());
     CHECK(model->metric().loadings.allFinite());
-    CHECK(model->metric_frames().projected.allFinite());
+    CHECK(model->metric_frames().projected.view().allFinite());
   };
   metric(60, false);
   metric(60, true);

@@ -13,9 +13,10 @@ namespace {
 // Two clips; the second is the one asked for.
 core::MetricFrames Stored(const core::FrameMatrix& clip) {
   core::MetricFrames stored;
-  stored.projected.resize(3 + clip.rows(), clip.cols());
-  stored.projected << core::FrameMatrix::Constant(3, clip.cols(), 100), clip;
-  stored.squared_norms = stored.projected.rowwise().squaredNorm();
+  core::FrameMatrix projected(3 + clip.rows(), clip.cols());
+  projected << core::FrameMatrix::Constant(3, clip.cols(), 100), clip;
+  stored.squared_norms = projected.rowwise().squaredNorm();
+  stored.projected = core::SharedRows(std::move(projected));
   stored.rows.begin = {0, 3, static_cast<int>(stored.projected.rows())};
   for (int row = 0; row < stored.projected.rows(); ++row) stored.rows.frame.push_back(2 * row);
   return stored;

@@ -1,0 +1,61 @@
+// A matrix that grows at its end and is shared: the rows of a model are the first rows of the one
+// that extends it, in the same memory. What is there never changes, so views may be read from any
+// thread while WithMore adds rows behind them.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <utility>
+
+#include "core/motion/matrix.h"
+
+namespace motiondb::core {
+
+class SharedRows {
+ public:
+  SharedRows() = default;
+  explicit SharedRows(FrameMatrix rows) : SharedRows(std::move(rows), 0) {}
+  // The last `room` rows are room for more.
+  SharedRows(FrameMatrix rows, Eigen::Index room)
+      : count_(rows.rows() - room), memory_(std::make_shared<Memory>(std::move(rows), count_)) {}
+
+  Eigen::Index rows() const { return count_; }
+  Eigen::Index cols() const { return memory_ == nullptr ? 0 : memory_->rows.cols(); }
+  Eigen::Index size() const { return rows() * cols(); }
+  auto row(Eigen::Index r) const { return std::as_const(memory_->rows).row(r); }
+  auto middleRows(Eigen::Index first, Eigen::Index count) const {
+    return view().middleRows(first, count);
+  }
+  // Valid as long as this or what extends it lives.
+  Eigen::Map<const FrameMatrix> view() const {
+    return {memory_ == nullptr ? nullptr : memory_->rows.data(), rows(), cols()};
+  }
+
+  // These rows and `more` (of as many columns). Takes room behind these rows where nobody else
+  // took it, else a copy with an eighth to spare, so that adding costs what is added in the long
+  // run.
+  SharedRows WithMore(const FrameMatrix& more) const {
+    SharedRows grown = *this;
+    grown.count_ = count_ + more.rows();
+    Eigen::Index used = count_;
+    if (memory_ == nullptr || grown.count_ > memory_->rows.rows() ||
+        !memory_->used.compare_exchange_strong(used, grown.count_)) {
+      FrameMatrix copy(grown.count_ + grown.count_ / 8, more.cols());
+      if (count_ > 0) copy.topRows(count_) = view();
+      grown.memory_ = std::make_shared<Memory>(std::move(copy), grown.count_);
+    }
+    grown.memory_->rows.middleRows(count_, more.rows()) = more;
+    return grown;
+  }
+
+ private:
+  struct Memory {
+    Memory(FrameMatrix all, Eigen::Index taken) : rows(std::move(all)), used(taken) {}
+    FrameMatrix rows;  // those behind `used` are room
+    std::atomic<Eigen::Index> used;
+  };
+  Eigen::Index count_ = 0;
+  std::shared_ptr<Memory> memory_;
+};
+
+}  // namespace motiondb::core

@@ -1,0 +1,142 @@
+#include "core/model/extend_model.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/model/model_builder.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr int kMarkers = 5;
+constexpr int kFrames = 150;
+
+std::vector<core::BuildInput> Clips(int first, int end) {
+  auto clips = WanderingClips(end, kFrames, SmallMarkerSet(kMarkers), 4);
+  clips.erase(clips.begin(), clips.begin() + first);
+  return clips;
+}
+
+core::Model Built(int clips) {
+  auto model = core::BuildModel({.min_frames = 8}, SmallMarkerSet(kMarkers), Clips(0, clips),
+                                core::Serially, nullptr);
+  REQUIRE(model.ok());
+  return *std::move(model);
+}
+
+core::Model Extended(const core::Model& base, int first, int end) {
+  auto model = core::ExtendModel(base, Clips(first, end), core::Serially);
+  REQUIRE(model.ok());
+  return *std::move(model);
+}
+
+}  // namespace
+
+TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with them",
+          "[core][model]") {
+  const core::Model base = Built(12);
+  const core::Model model = Extended(base, 12, 14);
+  REQUIRE(model.frame_count() == 14 * kFrames);
+  REQUIRE(model.clips().size() == 14);
+  CHECK(model.clips()[13].first_frame == 13 * kFrames);
+  CHECK(model.built_clip_count() == 12);
+  CHECK(model.built_frame_count() == 12 * kFrames);
+  // Scaled by the base's scale, in the order given.
+  const auto added = Clips(12, 13);
+  const Eigen::RowVectorXf seventh =
+      added[0].states.states.row(7).cwiseQuotient(base.scale().divisor);
+  CHECK(model.states().row(12 * kFrames + 7) == seventh);
+  CHECK(model.root_path().row(12 * kFrames + 7) == added[0].states.root_path.row(7));
+  for (int layer = 1; layer <= model.layer_count(); ++layer) {
+    std::vector<std::vector<std::int32_t>> sequences;
+    for (const core::ModelClip& clip : model.clips()) {
+      auto& sequence = sequences.emplace_back();
+      for (int f = 0; f < clip.frame_count; ++f) {
+        sequence.push_back(model.tree().node_of_frame(layer, clip.first_frame + f));
+      }
+    }
+    const core::TransitionGraph counted =
+        core::CountTransitions(sequences, model.tree().node_count(layer));
+    CHECK(model.global_graph(layer).edges() == counted.edges());
+    CHECK(model.global_graph(layer).row_begin() == counted.row_begin());
+    for (int c = 0; c < 14; ++c) {
+      const core::ClipGraph own = core::CountClipTransitions(sequences[c]);
+      CHECK(model.clip_graph(layer, c).nodes == own.nodes);
+      CHECK(model.clip_graph(layer, c).frames == own.frames);
+    }
+  }
+  // Recognition's own view of the frames is that of a model made from the same parts anew.
+  const auto anew = core::Model::Create(model.parts());
+  REQUIRE(anew.ok());
+  CHECK(model.metric_frames().rows.frame == anew->metric_frames().rows.frame);
+  CHECK((model.metric_frames().projected.view() - anew->metric_frames().projected.view())
+            .cwiseAbs()
+            .maxCoeff() < 1e-5);
+  CHECK(model.clip_index().clips(0).size() == anew->clip_index().clips(0).size());
+}
+
+TEST_CASE("ExtendModel: one clip after the other comes to the same", "[core][model]") {
+  const core::Model base = Built(12);
+  const core::Model at_once = Extended(base, 12, 14);
+  const core::Model first = Extended(base, 12, 13);
+  const core::Model second = Extended(first, 13, 14);
+  CHECK(second.states() == at_once.states());
+  CHECK(second.tree().frame_order() == at_once.tree().frame_order());
+  CHECK(second.built_clip_count() == 12);
+  for (int layer = 1; layer <= base.layer_count(); ++layer) {
+    CHECK(second.global_graph(layer).edges() == at_once.global_graph(layer).edges());
+  }
+  CHECK((second.gaussians().means() - at_once.gaussians().means()).cwiseAbs().maxCoeff() < 1e-5);
+}
+
+TEST_CASE("ExtendModel: the base stays as it was, also when it is extended twice",
+          "[core][model]") {
+  const core::Model base = Built(12);
+  const core::FrameMatrix before = base.states();
+  const core::Model one = Extended(base, 12, 13);
+  const core::Model grown = Extended(one, 13, 14);  // shares memory with `one`
+  const core::Model other = Extended(one, 11, 12);  // must not
+  CHECK(base.states() == before);
+  CHECK(base.frame_count() == 12 * kFrames);
+  CHECK(grown.states().topRows(13 * kFrames) == one.states());
+  CHECK(other.states().topRows(13 * kFrames) == one.states());
+  CHECK(grown.states().bottomRows(kFrames) != other.states().bottomRows(kFrames));
+  CHECK(grown.states().data() == one.states().data());
+  CHECK(other.states().data() != one.states().data());
+}
+
+TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "[core][model]") {
+  const core::Model base = Built(12);
+  CHECK(core::MeasureDrift(base, core::Serially).added == 0);
+  CHECK(core::MeasureDrift(base, core::Serially).stale == 0);
+  CHECK_FALSE(core::MeasureDrift(base, core::Serially).IsLarge());
+  const core::ModelDrift one = core::MeasureDrift(Extended(base, 12, 13), core::Serially);
+  CHECK(one.added == Approx(1.0 / 13));
+  const core::ModelDrift two = core::MeasureDrift(Extended(base, 12, 14), core::Serially);
+  CHECK(two.added == Approx(2.0 / 14));
+  CHECK(two.IsLarge());
+  CHECK(two.stale >= one.stale);
+}
+
+TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
+  const core::Model base = Built(3);
+  const auto code = [&](std::vector<core::BuildInput> inputs) {
+    return core::ExtendModel(base, std::move(inputs), core::Serially).status().code();
+  };
+  CHECK(code({}) == absl::StatusCode::kInvalidArgument);
+  auto narrow = Clips(3, 4);
+  narrow[0].states.states.conservativeResize(Eigen::NoChange, 6);
+  CHECK(code(narrow) == absl::StatusCode::kInvalidArgument);
+  auto nan = Clips(3, 4);
+  nan[0].states.states(3, 3) = NAN;
+  CHECK(code(nan) == absl::StatusCode::kInvalidArgument);
+  // As a store of an older version gives it.
+  core::ModelParts parts = base.parts();
+  parts.tree = *core::Tree::Create(parts.tree.frame_order(), parts.tree.branches());
+  const auto plain = core::Model::Create(std::move(parts));
+  REQUIRE(plain.ok());
+  CHECK(core::ExtendModel(*plain, Clips(3, 4), core::Serially).status().code() ==
+        absl::StatusCode::kFailedPrecondition);
+}
+
+}  // namespace motiondb::tests

@@ -62,10 +62,10 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
                                                                     const Page& page) = 0;
 
-  // Models; the figures of the last thousand are kept. PutModel stores a model as the current one, under the version after the last, removes
-  // what only its predecessor needed, and returns its record. The model's states are not written
-  // again: they are those of its clips. NOT_FOUND also if one of its clips was deleted, or replaced
-  // by another of the same id, since it was built.
+  // Models; the figures of the last thousand are kept. PutModel stores a model as the current one,
+  // under the version after the last, removes what only its predecessor needed, and returns its
+  // record. The model's states are not written again: they are those of its clips. NOT_FOUND also
+  // if one of its clips was deleted, or replaced by another of the same id, since it was built.
   virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
                                                const core::Model& model) = 0;
   // Stores a model that extends the current one by clips (core::ExtendModel) as the current one,
@@ -77,6 +77,9 @@ class MotionStore {
                                                    double stale_share) = 0;
   // The current model, whole. NOT_FOUND if there is none.
   virtual absl::StatusOr<core::Model> ReadModel(const std::string& database) = 0;
+  // Between the current model and the clips; without a model every clip is missing. A clip that was
+  // replaced by another of the same id counts on both sides.
+  virtual absl::StatusOr<ModelGap> FindModelGap(const std::string& database) = 0;
   virtual absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) = 0;
   // Newest first. `before` = 0 starts with the newest.
   virtual absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database,

@@ -78,6 +78,14 @@ struct ModelRecord {
   double stale_share = 0;  // core::ModelDrift
 };
 
+// How the current model differs from the clips that are stored.
+struct ModelGap {
+  std::vector<std::string> missing;  // ids of clips that it does not know, ascending
+  int removed = 0;                   // clips that it knows and that were deleted
+
+  bool empty() const { return missing.empty() && removed == 0; }
+};
+
 enum class OperationState {
   kPending = 1,
   kRunning = 2,

@@ -6,6 +6,7 @@
 #include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
+#include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
 
@@ -120,6 +121,10 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   table.AddRow({"model version", ModelWord(description.model_version())});
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
   std::string text = table.ToString();
+  if (description.added_clip_count() > 0) {
+    text += fmt::format("{} clips{}\n", description.clip_count(),
+                        AddedSinceText(description.added_clip_count(), description.stale_share()));
+  }
   if (description.stored_clip_count() != description.clip_count()) {
     text += fmt::format("{} clips are stored; the model knows {} of them\n",
                         description.stored_clip_count(), description.clip_count());

@@ -21,6 +21,14 @@ absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::st
   return done;
 }
 
+std::string AddedSinceText(int added_clips, double stale_share) {
+  if (added_clips == 0) return "";
+  return fmt::format(
+      ", {} of them added since it was built ({:.1f} % of frames in nodes that a build would "
+      "divide)",
+      added_clips, 100 * stale_share);
+}
+
 absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operation& operation) {
   if (operation.model().empty()) return std::string("no clip is left, so there is no model now");
   v1::GetModelRequest request;
@@ -28,8 +36,9 @@ absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operati
   const auto response = client.GetModel(request);
   if (!response.ok()) return response.status();
   const v1::Model& model = response->model();
-  return fmt::format("model {}: {} {}, {} frames, {} layers, built in {:.2f} s", model.version(),
+  return fmt::format("model {}: {} {}{}, {} frames, {} layers, built in {:.2f} s", model.version(),
                      model.clip_count(), model.clip_count() == 1 ? "clip" : "clips",
+                     AddedSinceText(model.added_clip_count(), model.stale_share()),
                      model.frame_count(), model.nodes_per_layer_size(), model.build_seconds());
 }
 

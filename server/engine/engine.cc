@@ -15,7 +15,8 @@ Engine::Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions&
       operations_(*store_),
       skeletons_(*store_),
       workers_(options),
-      rebuilder_(*store_, operations_, workers_, options) {}
+      rebuilder_(*store_, operations_, workers_, options),
+      extender_(*store_, workers_, options) {}
 
 Engine::~Engine() {
   Drain();
@@ -26,6 +27,7 @@ Engine::~Engine() {
 void Engine::Drain() {
   operations_.ReleaseWaiters();
   rebuilder_.Stop();
+  extender_.Stop();
 }
 
 absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
@@ -100,6 +102,7 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
     spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
                  clip.frame_count, clip.source_report);
     MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database));
+    extender_.Request(database);
     return absl::OkStatus();
   };
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip, IngestClip(*store_, *database, std::move(file),

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/engine/extender.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
@@ -84,6 +85,7 @@ class Engine {
   SkeletonCache skeletons_;
   Workers workers_;
   Rebuilder rebuilder_;
+  Extender extender_;
 
   // Held over creating and deleting, which may be long; mutex_ only guards the map.
   std::mutex naming_mutex_;

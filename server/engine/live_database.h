@@ -55,6 +55,10 @@ class LiveDatabase {
   // Runs the deletion itself, alone. If it succeeds, the database is deleted from then on.
   absl::Status Retire(const std::function<absl::Status()>& deletion);
 
+  // Held from reading the current model, in the store or here, to putting the next one, so that
+  // neither a build nor an extension is lost. Taken before WhileAlive.
+  std::mutex& model_mutex() { return model_mutex_; }
+
   // Held while the first clip of a `source` database is on its way in, for it decides the markers.
   std::mutex& first_clip_mutex() { return first_clip_mutex_; }
 
@@ -69,6 +73,7 @@ class LiveDatabase {
 
   std::shared_mutex life_mutex_;
   bool deleted_ = false;
+  std::mutex model_mutex_;
   std::mutex first_clip_mutex_;
 };
 

@@ -1,14 +1,17 @@
 #include "server/engine/rebuild.h"
 
-#include <algorithm>
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <memory>
 #include <utility>
 #include <vector>
 
 #include "core/calibration/calibrate.h"
+#include "core/calibration/model_difference.h"
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
+#include "server/engine/extend.h"
 
 namespace motiondb::server {
 namespace {
@@ -22,6 +25,7 @@ constexpr double kCalibrateShare = 0.35;
 constexpr int kAttempts = 8;
 
 absl::Status DropModel(storage::MotionStore& store, LiveDatabase& database) {
+  const std::lock_guard lock(database.model_mutex());
   return database.WhileAlive([&] {
     const absl::Status dropped = store.DropModel(database.name());
     if (!dropped.ok() && !absl::IsNotFound(dropped)) return dropped;
@@ -30,44 +34,42 @@ absl::Status DropModel(storage::MotionStore& store, LiveDatabase& database) {
   });
 }
 
-absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
-    storage::MotionStore& store, const std::vector<storage::ClipRecord>& clips,
-    const core::BuildProgress& progress) {
-  std::vector<core::BuildInput> inputs;
-  inputs.reserve(clips.size());
-  for (const storage::ClipRecord& clip : clips) {
-    const double read = static_cast<double>(inputs.size()) / static_cast<double>(clips.size());
-    if (!progress(kReadShare * read, "reading clips")) return absl::CancelledError("stopped");
-    auto states = store.ReadClipStates(clip.database, clip.id);
-    if (absl::IsNotFound(states.status())) continue;  // deleted meanwhile
-    if (!states.ok()) return states.status();
-    inputs.push_back({clip.id, clip.label, *std::move(states), clip.subject});
-  }
-  return inputs;
+// The version of the current model if it may stay, else 0.
+absl::StatusOr<int> VersionThatStays(storage::MotionStore& store, LiveDatabase& database) {
+  const std::lock_guard lock(database.model_mutex());
+  const std::shared_ptr<const Snapshot> current = database.snapshot();
+  if (current == nullptr) return 0;
+  MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, store.FindModelGap(database.name()));
+  return gap.empty() && !HasDrifted(current->record) ? current->record.version : 0;
 }
 
-// Whether every clip of the model is still stored.
-absl::StatusOr<bool> StillStored(storage::MotionStore& store, const std::string& database,
-                                 const core::Model& model) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(store, database));
-  return std::ranges::all_of(model.clips(), [&](const core::ModelClip& in_model) {
-    return std::ranges::binary_search(clips, in_model.id, {}, &storage::ClipRecord::id);
-  });
+void ReportDifference(const std::string& database, const Snapshot& before, const core::Model& built,
+                      const core::ParallelFor& parallel) {
+  if (before.record.added_clip_count == 0) return;
+  const core::ModelDifference difference = core::CompareModels(before.model, built, parallel);
+  spdlog::info(
+      "database '{}': built instead of extended by {} clips: bottom nodes {} -> {}, frames' rms "
+      "distance from their node's mean {:.4f} -> {:.4f}, the same label for {} of {} windows of "
+      "clips that were left out",
+      database, before.record.added_clip_count, difference.bottom_nodes_before,
+      difference.bottom_nodes_after, difference.spread_before, difference.spread_after,
+      difference.same_label, difference.windows);
 }
 
 // Stores the model and swaps it in. Returns 0 if a clip of it was deleted during the build.
-absl::StatusOr<int> Commit(storage::MotionStore& store, LiveDatabase& database, core::Model model) {
+absl::StatusOr<int> Commit(storage::MotionStore& store, LiveDatabase& database, core::Model model,
+                           const EngineOptions& options, const core::ParallelFor& parallel) {
   int version = 0;
+  const std::lock_guard lock(database.model_mutex());
   const absl::Status status = database.WhileAlive([&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const bool whole, StillStored(store, database.name(), model));
-    if (!whole) return absl::OkStatus();
     auto record = store.PutModel(database.name(), model);
-    if (absl::IsNotFound(record.status())) return absl::OkStatus();  // deleted since the check
+    if (absl::IsNotFound(record.status())) return absl::OkStatus();
     if (!record.ok()) return record.status();
     version = record->version;
-    database.set_snapshot(
-        std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(model)}));
-    return absl::OkStatus();
+    auto built = std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(model)});
+    auto extended = ExtendSnapshot(store, database, built, options, parallel);
+    database.set_snapshot(extended.ok() ? *std::move(extended) : std::move(built));
+    return extended.status();
   });
   if (!status.ok()) return status;
   return version;
@@ -78,7 +80,13 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
                                   const core::ParallelFor& parallel,
                                   const core::BuildProgress& progress) {
   const auto began = std::chrono::steady_clock::now();
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, clips, progress));
+  std::vector<std::string> ids;
+  for (const storage::ClipRecord& clip : clips) ids.push_back(clip.id);
+  const auto read_progress = [&](std::size_t read) {
+    const double share = static_cast<double>(read) / static_cast<double>(ids.size());
+    return progress(kReadShare * share, "reading clips");
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database.name(), ids, read_progress));
   if (inputs.empty()) return absl::AbortedError("all clips were deleted meanwhile");
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   if (scheme == nullptr) {
@@ -103,7 +111,7 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
 }  // namespace
 
 absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
-                            const core::ParallelFor& parallel,
+                            const EngineOptions& options, const core::ParallelFor& parallel,
                             const core::BuildProgress& progress) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(store, database.name()));
@@ -111,8 +119,9 @@ absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
       MOTIONDB_RETURN_IF_ERROR(DropModel(store, database));
       return 0;
     }
-    const std::shared_ptr<const Snapshot> current = database.snapshot();
-    if (current != nullptr && IsBuiltFrom(*current, clips)) return current->record.version;
+    MOTIONDB_RETURN_IF_ERROR(Extend(store, database, options, parallel));
+    MOTIONDB_ASSIGN_OR_RETURN(const int stays, VersionThatStays(store, database));
+    if (stays != 0) return stays;
 
     absl::StatusOr<core::Model> model = Build(store, database, clips, parallel, progress);
     if (absl::IsAborted(model.status())) continue;
@@ -120,7 +129,11 @@ absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
     if (!progress(kReadShare + kBuildShare + kCalibrateShare, "storing")) {
       return absl::CancelledError("stopped");
     }
-    MOTIONDB_ASSIGN_OR_RETURN(const int version, Commit(store, database, *std::move(model)));
+    if (const auto before = database.snapshot()) {
+      ReportDifference(database.name(), *before, *model, parallel);
+    }
+    MOTIONDB_ASSIGN_OR_RETURN(const int version,
+                              Commit(store, database, *std::move(model), options, parallel));
     if (version != 0) return version;
     // A clip of the model was deleted during the build: build again without it.
   }

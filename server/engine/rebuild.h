@@ -4,16 +4,20 @@
 #include "absl/status/statusor.h"
 #include "core/model/model_builder.h"
 #include "server/engine/live_database.h"
+#include "server/engine/options.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {
 
-// Returns the version of the model that is current then: the one there was, if it was built from
-// the clips there are; 0 where no clip is left. Queries are answered by the previous model until
-// the new one is stored. Takes as long as a build; thread-safe, but the caller runs one a database
-// at a time. Codes: CANCELLED (progress said stop), NOT_FOUND (the database was deleted), and those
-// of the store and of core::BuildModel.
+// Returns the version of the model that then knows the clips: 0 where no clip is left. New clips
+// are made known to the previous model first (Extend), which answers queries until the new one is
+// stored; where no clip was deleted and it has not drifted (HasDrifted), it stays, and its version
+// is returned. Else takes as long as a build. Clips that come during the build are made known to
+// the new model before it answers. Thread-safe, but the caller runs one a database at a time.
+// Codes: CANCELLED (progress said stop), NOT_FOUND (the database was deleted), and those of the
+// store and of core::BuildModel.
 absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
-                            const core::ParallelFor& parallel, const core::BuildProgress& progress);
+                            const EngineOptions& options, const core::ParallelFor& parallel,
+                            const core::BuildProgress& progress);
 
 }  // namespace motiondb::server

@@ -160,7 +160,7 @@ void Rebuilder::Run(Build& build) {
   };
   absl::StatusOr<int> version = 0;
   try {
-    version = Rebuild(store_, *build.database, workers_.build_parallel(), progress);
+    version = Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress);
   } catch (const std::bad_alloc&) {
     version = absl::ResourceExhaustedError("not enough memory to build the model");
   } catch (const std::exception& error) {

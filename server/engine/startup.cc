@@ -6,6 +6,7 @@
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
 #include "server/engine/engine.h"
+#include "server/engine/extend.h"
 
 namespace motiondb::server {
 namespace {
@@ -88,9 +89,10 @@ absl::Status Engine::RebuildWhereNeeded() {
   const auto databases = databases_;
   for (const auto& [name, live] : databases) {
     if (rebuilder_.CurrentOperation(*live)) continue;
-    MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, name));
+    MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, store_->FindModelGap(name));
     const auto snapshot = live->snapshot();
-    const bool current = snapshot == nullptr ? clips.empty() : IsBuiltFrom(*snapshot, clips);
+    const bool current = snapshot == nullptr ? live->stored().clip_count == 0
+                                             : gap.empty() && !HasDrifted(snapshot->record);
     if (current) continue;
     spdlog::info("database '{}': its model is not of its clips and is built anew", name);
     MOTIONDB_RETURN_IF_ERROR(rebuilder_.Request(live).status());

@@ -25,7 +25,8 @@ int BuildThreads(const EngineOptions& options) {
 Workers::Workers(const EngineOptions& options)
     : build_threads_(BuildThreads(options)),
       requests_(static_cast<std::size_t>(RequestThreads(options))),
-      builds_(static_cast<std::size_t>(build_threads_)) {}
+      builds_(static_cast<std::size_t>(build_threads_)),
+      extensions_(1) {}
 
 Workers::~Workers() { Join(); }
 
@@ -41,6 +42,7 @@ core::ParallelFor Workers::build_parallel() {
 void Workers::Join() {
   requests_.join();
   builds_.join();
+  extensions_.join();
 }
 
 }  // namespace motiondb::server

@@ -1,5 +1,6 @@
 // The threads that do the work: one pool for requests, one for building models, so that a build
-// never takes the last core from queries. Thread-safe.
+// never takes the last core from queries, and a thread that extends models while others are built.
+// Thread-safe.
 #pragma once
 
 #include <boost/asio/thread_pool.hpp>
@@ -22,6 +23,7 @@ class Workers {
 
   Executor request_executor() { return requests_.get_executor(); }
   Executor build_executor() { return builds_.get_executor(); }
+  Executor extension_executor() { return extensions_.get_executor(); }
 
   // Lends the build pool's threads. The calling thread works too, so a loop ends even where every
   // other thread is taken, and loops may be nested.
@@ -34,6 +36,7 @@ class Workers {
   const int build_threads_;
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;
+  boost::asio::thread_pool extensions_;
 };
 
 }  // namespace motiondb::server

@@ -341,6 +341,30 @@ absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection,
   return model;
 }
 
+absl::StatusOr<ModelGap> SelectModelGap(Connection& connection, const std::string& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  const auto current = FindCurrentModel(connection, database, database_key);
+  if (!current.ok() && !absl::IsNotFound(current.status())) return current.status();
+  const std::int64_t built_key = current.ok() ? current->built_key : 0;
+  ModelGap gap;
+  Statement missing = connection.Query(
+      "SELECT id FROM clip WHERE database_key = ? AND deleted = 0 AND clip_key NOT IN "
+      "(SELECT clip_key FROM model_clip WHERE model_key = ?) ORDER BY id",
+      database_key, built_key);
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, missing.Step());
+    if (!found) break;
+    gap.missing.emplace_back(missing.Text(0));
+  }
+  Statement removed = connection.Query(
+      "SELECT COUNT(*) FROM model_clip JOIN clip USING (clip_key) WHERE model_key = ? AND "
+      "deleted = 1",
+      built_key);
+  MOTIONDB_RETURN_IF_ERROR(removed.Step().status());
+  gap.removed = removed.Integer<int>(0);
+  return gap;
+}
+
 absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::string& database,
                                         int version) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));

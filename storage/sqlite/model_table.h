@@ -20,6 +20,8 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
                                             const core::Model& model, double stale_share,
                                             std::int64_t create_time_us);
 absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection, const std::string& database);
+// As MotionStore::FindModelGap.
+absl::StatusOr<ModelGap> SelectModelGap(Connection& connection, const std::string& database);
 absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::string& database,
                                         int version);
 absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,

@@ -162,6 +162,10 @@ absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& data
   return Read([&](Connection& connection) { return SelectCurrentModel(connection, database); });
 }
 
+absl::StatusOr<ModelGap> SqliteMotionStore::FindModelGap(const std::string& database) {
+  return Read([&](Connection& connection) { return SelectModelGap(connection, database); });
+}
+
 absl::StatusOr<ModelRecord> SqliteMotionStore::GetModel(const std::string& database, int version) {
   return Read([&](Connection& connection) { return SelectModel(connection, database, version); });
 }

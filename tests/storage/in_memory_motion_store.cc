@@ -1,6 +1,7 @@
 #include "tests/storage/in_memory_motion_store.h"
 
 #include <algorithm>
+#include <set>
 #include <span>
 
 #include "core/motion/error.h"
@@ -181,13 +182,18 @@ absl::StatusOr<std::vector<SkeletonRecord>> InMemoryMotionStore::ListSkeletons(
   });
 }
 
+bool InMemoryMotionStore::Holds(const Database& in, const core::Model& model,
+                                const core::ModelClip& clip) {
+  const auto stored = in.clips.find(clip.id);
+  return stored != in.clips.end() && stored->second.record.frame_count == clip.frame_count &&
+         stored->second.states.root_path ==
+             model.root_path().middleRows(clip.first_frame, clip.frame_count);
+}
+
 absl::StatusOr<ModelRecord> InMemoryMotionStore::Put(Database& in, const core::Model& model,
                                                      int first) {
   for (const core::ModelClip& clip : std::span(model.clips()).subspan(first)) {
-    const auto stored = in.clips.find(clip.id);
-    if (stored == in.clips.end() || stored->second.record.frame_count != clip.frame_count ||
-        stored->second.states.root_path !=
-            model.root_path().middleRows(clip.first_frame, clip.frame_count)) {
+    if (!Holds(in, model, clip)) {
       return core::NotFound("the model's clip '{}' is not stored any more", clip.id);
     }
   }
@@ -242,6 +248,25 @@ absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& da
   MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
   if (!in->model) return core::NotFound("database '{}' has no model", database);
   return *in->model;
+}
+
+absl::StatusOr<storage::ModelGap> InMemoryMotionStore::FindModelGap(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
+  storage::ModelGap gap;
+  std::set<std::string> known;
+  for (const core::ModelClip& clip :
+       in->model ? in->model->clips() : std::vector<core::ModelClip>()) {
+    if (Holds(*in, *in->model, clip)) {
+      known.insert(clip.id);
+    } else {
+      ++gap.removed;
+    }
+  }
+  for (const auto& [id, clip] : in->clips) {
+    if (!known.contains(id)) gap.missing.push_back(id);
+  }
+  return gap;
 }
 
 absl::StatusOr<ModelRecord> InMemoryMotionStore::GetModel(const std::string& database,

@@ -46,6 +46,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                                     const core::Model& model,
                                                     double stale_share) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
+  absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override;
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
                                                                int before, int limit) override;
@@ -66,6 +67,8 @@ class InMemoryMotionStore final : public storage::MotionStore {
     std::optional<core::Model> model;
   };
 
+  // Whether the clip of the model is the one that is stored.
+  static bool Holds(const Database& in, const core::Model& model, const core::ModelClip& clip);
   // Makes it the current model, if its clips from number `first` on are stored.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
   absl::StatusOr<Database*> Find(const std::string& database);

@@ -263,6 +263,7 @@ void TestModels(StoreUnderTest& store) {
   REQUIRE_ERROR(store->ReadModel(kUnknown), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->ListModels(kUnknown, 0, 10), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->DropModel(kUnknown), StatusCode::kNotFound, kUnknown);
+  REQUIRE_ERROR(store->FindModelGap(kUnknown), StatusCode::kNotFound, kUnknown);
   REQUIRE(Require(store->ListModels("d", 0, 10)).empty());
   REQUIRE_OK(store->DropModel("d"));
 
@@ -303,13 +304,18 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->ListModels("d", 1, 10)).empty());
   }
   SECTION("a deleted clip stays in the model, and nowhere else") {
+    REQUIRE(Require(store->FindModelGap("d")).empty());
     REQUIRE_OK(store->DeleteClip("d", "walk"));
+    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
+    REQUIRE(Require(store->FindModelGap("d")).missing.empty());
     REQUIRE(Same(Require(store->ReadModel("d")), model));
     REQUIRE_ERROR(store->ReadClipStates("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
     // Another clip of that name is not the one in the model.
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 9))).id == "walk");
     REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
+    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"walk"});
     const core::Model next = SampleModel({clips[1], SampleClip("d", "walk", 9)});
     REQUIRE(Require(store->PutModel("d", next)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d")), next));
@@ -352,7 +358,9 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_ERROR(store->PutExtension("d", Extended(model, hop), 0),
                   StatusCode::kFailedPrecondition, "d");
     const core::Model again = Extended(extended, hop);
+    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"hop"});
     const auto third = Require(store->PutExtension("d", again, 0.5));
+    REQUIRE(Require(store->FindModelGap("d")).empty());
     REQUIRE(third.added_clip_count == 2);
     const core::Model read = Require(store->ReadModel("d"));
     REQUIRE(read.clips().size() == 4);
@@ -373,6 +381,8 @@ void TestModels(StoreUnderTest& store) {
     const NewClip jump = SampleClip("d", "jump", 3);
     REQUIRE_OK(store->AddClip(jump));
     REQUIRE_OK(store->DropModel("d"));
+    REQUIRE(Require(store->FindModelGap("d")).missing ==
+            std::vector<std::string>{"jump", "run", "walk"});
     REQUIRE_ERROR(store->PutExtension("d", Extended(model, jump), 0),
                   StatusCode::kFailedPrecondition, "d");
   }

@@ -1,5 +1,5 @@
-// A store that passes every call on to another, and with which a test can hold a build, or let
-// reading the model fail, at a moment of its choice.
+// A store that passes every call on to another, and with which a test can hold a build where it
+// begins or ends, or let reading the model fail, at a moment of its choice.
 #pragma once
 
 #include <condition_variable>
@@ -15,10 +15,10 @@ namespace motiondb::tests {
 // Outlives the store that it steers. Thread-safe.
 class Gate {
  public:
-  // Builds stop where they read the states of clips, until Open.
+  // Builds stop at the gate, until Open.
   void Close();
   void Open();
-  // Waits until a build has come to the closed gate.
+  // Waits until one has come to the closed gate.
   void AwaitArrival();
 
   // On the store's side.
@@ -33,8 +33,10 @@ class Gate {
 
 class GatedStore : public storage::MotionStore {
  public:
-  GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate)
-      : store_(std::move(store)), gate_(std::move(gate)) {}
+  // Who reads states of clips passes `gate`, who puts a model that was built `model_gate`.
+  GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
+             std::shared_ptr<Gate> model_gate)
+      : store_(std::move(store)), gate_(std::move(gate)), model_gate_(std::move(model_gate)) {}
 
   // What ReadModel returns from now on, if not OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
@@ -85,6 +87,7 @@ class GatedStore : public storage::MotionStore {
   }
   absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
                                                 const core::Model& model) override {
+    model_gate_->Pass();
     return store_->PutModel(database, model);
   }
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
@@ -95,6 +98,9 @@ class GatedStore : public storage::MotionStore {
   absl::StatusOr<core::Model> ReadModel(const std::string& database) override {
     if (!model_fault_.ok()) return model_fault_;
     return store_->ReadModel(database);
+  }
+  absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override {
+    return store_->FindModelGap(database);
   }
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override {
     return store_->GetModel(database, version);
@@ -121,6 +127,7 @@ class GatedStore : public storage::MotionStore {
  private:
   const std::unique_ptr<storage::MotionStore> store_;
   const std::shared_ptr<Gate> gate_;
+  const std::shared_ptr<Gate> model_gate_;
   absl::Status model_fault_;
 };
 

@@ -27,6 +27,7 @@ TestEngine::~TestEngine() { Stop(); }
 
 void TestEngine::Stop() {
   gate_->Open();
+  model_gate_->Open();
   engine_.reset();
 }
 
@@ -34,7 +35,7 @@ void TestEngine::Start(const absl::Status& model_fault) {
   auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
   INFO(store.status().ToString());
   REQUIRE(store.ok());
-  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_);
+  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_);
   gated->set_model_fault(model_fault);
   auto engine = server::Engine::Open(std::move(gated), options_);
   INFO(engine.status().ToString());

@@ -27,6 +27,9 @@ class TestEngine {
   server::Engine* operator->() { return engine_.get(); }
   server::Engine& operator*() { return *engine_; }
   Gate& gate() { return *gate_; }
+  Gate& model_gate() { return *model_gate_; }
+  // From the next Start on.
+  void set_options(const server::EngineOptions& options) { options_ = options; }
 
   // A `source` database with small nodes.
   std::shared_ptr<server::LiveDatabase> Create(const std::string& id);
@@ -39,9 +42,10 @@ class TestEngine {
   int ModelVersion(const std::string& database);
 
  private:
-  const server::EngineOptions options_;
+  server::EngineOptions options_;
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
   std::unique_ptr<server::Engine> engine_;
 };
 

@@ -1,0 +1,88 @@
+#include "core/calibration/model_difference.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/calibration/held_out.h"
+#include "core/model/even_spread.h"
+#include "core/recognition/label_evidence.h"
+#include "core/recognition/metric_observation.h"
+#include "core/recognition/window_alignment.h"
+
+namespace motiondb::core {
+namespace {
+
+constexpr int kMostFrames = 20000;
+constexpr int kMostWindows = 64;
+constexpr double kWindowSeconds = 0.4;
+
+double Spread(const Model& model) {
+  const int bottom = model.layer_count();
+  const std::vector<int> frames = SpreadEvenly(model.frame_count(), kMostFrames);
+  double sum = 0;
+  for (const int f : frames) {
+    const int branch = model.tree().branch(bottom, model.tree().node_of_frame(bottom, f));
+    sum += (model.states().row(f) - model.gaussians().means().row(branch)).squaredNorm();
+  }
+  return std::sqrt(sum / (static_cast<double>(frames.size()) * model.states().cols()));
+}
+
+// The label that a model without the clip finds most probable for a window of it; empty where no
+// other clip is left.
+std::string LabelOf(const Model& model, int clip, int first, int width) {
+  const std::vector<bool> left_out = LeftOutWith(model, clip);
+  if (std::ranges::find(left_out, false) == left_out.end()) return "";
+  const FrameMatrix scaled =
+      model.states().middleRows(model.clips()[clip].first_frame + first, width);
+  const auto observation = MetricObservation::Create(model, scaled);  // nobody cancels
+  const auto alignment =
+      AlignWindow(model, *observation,
+                  ComparedFrames(0, width, FrameStride(model.settings().frame_rate_hz), false),
+                  left_out, false, {});
+  const std::vector<std::string> labels = Labels(model);
+  const std::vector<double> evidence = LabelEvidence(model, labels, alignment->clips);
+  return labels[std::ranges::max_element(evidence) - evidence.begin()];
+}
+
+}  // namespace
+
+ModelDifference CompareModels(const Model& before, const Model& after,
+                              const ParallelFor& parallel) {
+  ModelDifference difference{.bottom_nodes_before = before.tree().node_count(before.layer_count()),
+                             .bottom_nodes_after = after.tree().node_count(after.layer_count()),
+                             .spread_before = Spread(before),
+                             .spread_after = Spread(after)};
+  if (before.metric().empty() || after.metric().empty()) return difference;
+  std::map<std::string, int> in_after;
+  for (std::size_t c = 0; c < after.clips().size(); ++c) {
+    in_after[after.clips()[c].id] = static_cast<int>(c);
+  }
+  std::vector<int> common;  // clips that were added, and are in both
+  for (int c = before.built_clip_count(); c < std::ssize(before.clips()); ++c) {
+    const auto same = in_after.find(before.clips()[c].id);
+    if (same != in_after.end() &&
+        after.clips()[same->second].frame_count == before.clips()[c].frame_count) {
+      common.push_back(c);
+    }
+  }
+  const std::vector<int> asked = SpreadEvenly(static_cast<int>(common.size()), kMostWindows);
+  const auto full_width =
+      static_cast<int>(std::lround(kWindowSeconds * before.settings().frame_rate_hz));
+  std::vector<char> same_label(asked.size());
+  parallel(static_cast<int>(asked.size()), [&](int i) {
+    const int clip = common[asked[i]];
+    const int frames = before.clips()[clip].frame_count;
+    const int width = std::clamp(full_width, 1, frames);
+    const int first = (frames - width) / 2;
+    same_label[i] = LabelOf(before, clip, first, width) ==
+                    LabelOf(after, in_after.at(before.clips()[clip].id), first, width);
+  });
+  difference.windows = static_cast<int>(asked.size());
+  difference.same_label = static_cast<int>(std::ranges::count(same_label, 1));
+  return difference;
+}
+
+}  // namespace motiondb::core

@@ -1,0 +1,42 @@
+#include "core/calibration/model_difference.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/model/extend_model.h"
+#include "core/model/model_builder.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+core::Model Built(std::vector<core::BuildInput> clips) {
+  auto model = core::BuildModel({.min_frames = 8}, SmallMarkerSet(5), std::move(clips),
+                                core::Serially, nullptr);
+  REQUIRE(model.ok());
+  return *std::move(model);
+}
+
+}  // namespace
+
+TEST_CASE("CompareModels: how an extended model differs from a built one", "[core][calibration]") {
+  const auto clips = WanderingClips(14, 150, SmallMarkerSet(5), 4);
+  const core::Model base = Built({clips.begin(), clips.begin() + 12});
+  const auto extended = core::ExtendModel(base, {clips.begin() + 12, clips.end()}, core::Serially);
+  REQUIRE(extended.ok());
+  const core::Model built = Built(clips);
+  const auto difference = core::CompareModels(*extended, built, core::Serially);
+  CHECK(difference.bottom_nodes_before == base.tree().node_count(base.layer_count()));
+  CHECK(difference.bottom_nodes_after == built.tree().node_count(built.layer_count()));
+  CHECK(difference.spread_after > 0);
+  // A build divides more finely, or as finely, where frames came in.
+  CHECK(difference.spread_after < 1.1 * difference.spread_before);
+  CHECK(difference.windows == 2);
+  CHECK(difference.same_label == 2);  // two labels, each in places of its own
+
+  // The same model on both sides; none of its clips was added.
+  const auto none = core::CompareModels(built, built, core::Serially);
+  CHECK(none.spread_before == none.spread_after);
+  CHECK(none.windows == 0);
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,148 @@
+// Clips become known without a build, where a build takes long.
+#include "server/engine/extend.h"
+
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using std::chrono::milliseconds;
+using storage::OperationState;
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+server::EngineOptions Extending() {
+  auto options = TestEngine::QuickOptions();
+  options.extend_from = std::chrono::seconds(0);
+  return options;
+}
+
+// A database of so many walks, built.
+void BuildWalks(TestEngine& engine, int clips) {
+  engine.Create("db");
+  std::string operation;
+  for (int c = 0; c < clips; ++c) {
+    operation = engine.Ingest("db", "c" + std::to_string(100 + c), Walk(0.1 * c))->operation.id;
+  }
+  engine.Wait(operation);
+}
+
+std::shared_ptr<const server::Snapshot> Current(TestEngine& engine) {
+  return (*engine->FindDatabase("db"))->snapshot();
+}
+
+bool Knows(const server::Snapshot& snapshot, const std::string& clip) {
+  return std::ranges::any_of(snapshot.model.clips(),
+                             [&](const core::ModelClip& known) { return known.id == clip; });
+}
+
+// Waits for the clip to be known, for a time in which no one would call it lost.
+std::shared_ptr<const server::Snapshot> AwaitKnown(TestEngine& engine, const std::string& clip) {
+  for (int i = 0; i < 6000; ++i) {
+    const auto snapshot = Current(engine);
+    if (snapshot != nullptr && Knows(*snapshot, clip)) return snapshot;
+    std::this_thread::sleep_for(milliseconds(10));
+  }
+  FAIL("clip '" << clip << "' is not known");
+  return nullptr;
+}
+
+}  // namespace
+
+TEST_CASE("Extend: a clip is known while its build has not begun", "[server][extend]") {
+  TestEngine engine(Extending());
+  BuildWalks(engine, 20);
+  engine.Stop();
+  auto options = Extending();
+  options.rebuild_delay = options.rebuild_delay_limit = std::chrono::hours(1);
+  engine.set_options(options);
+  engine.Start();
+  const auto waiting = engine.Ingest("db", "more", Walk(0.77));
+  REQUIRE(waiting.ok());
+  const auto extended = AwaitKnown(engine, "more");
+  CHECK(extended->record.added_clip_count == 1);
+  CHECK(engine->operations().Get(waiting->operation.id)->state == OperationState::kPending);
+}
+
+TEST_CASE("Extend: an operation ends without a build where little was added", "[server][extend]") {
+  TestEngine engine(Extending());
+  BuildWalks(engine, 20);
+  const auto built = Current(engine);
+  const auto operation = engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);
+  REQUIRE(operation.state == OperationState::kSucceeded);
+  const auto extended = Current(engine);
+  CHECK(Knows(*extended, "more"));
+  CHECK(extended->record.version == operation.model_version);
+  CHECK(extended->record.version == built->record.version + 1);
+  CHECK(extended->record.added_clip_count == 1);
+  CHECK(extended->record.added_frame_count == 60);
+  CHECK(extended->model.built_clip_count() == 20);
+  CHECK_FALSE(server::HasDrifted(extended->record));
+
+  SECTION("and it is so after a restart, where nothing is built") {
+    engine.Stop();
+    engine.Start();
+    const auto after = Current(engine);
+    REQUIRE(after != nullptr);
+    CHECK(after->record.version == extended->record.version);
+    CHECK(after->record.added_clip_count == 1);
+    CHECK(after->model.states() == extended->model.states());
+    CHECK(after->model.tree().frame_order() == extended->model.tree().frame_order());
+    CHECK(after->model.gaussians().means() == extended->model.gaussians().means());
+    CHECK(engine->operations().List("db", "", 10)->front().id == operation.id);
+  }
+  SECTION("a tenth more frames, and it is built") {
+    REQUIRE(engine.Ingest("db", "x1", Walk(0.21)).ok());
+    const auto last = engine.Wait(engine.Ingest("db", "x2", Walk(0.22))->operation.id);
+    REQUIRE(last.state == OperationState::kSucceeded);
+    const auto rebuilt = Current(engine);
+    CHECK(rebuilt->record.version == last.model_version);
+    CHECK(rebuilt->record.added_clip_count == 0);
+    CHECK(rebuilt->model.clips().size() == 23);
+  }
+  SECTION("a deleted clip makes it built") {
+    const auto deletion = engine->DeleteClip("db", "more");
+    REQUIRE(deletion.ok());
+    REQUIRE(engine.Wait(deletion->id).state == OperationState::kSucceeded);
+    CHECK(Current(engine)->model.clips().size() == 20);
+    CHECK(Current(engine)->record.added_clip_count == 0);
+  }
+}
+
+TEST_CASE("Extend: a clip that comes during a build is known before and after it",
+          "[server][extend]") {
+  TestEngine engine(Extending());
+  BuildWalks(engine, 20);
+  engine.model_gate().Close();
+  std::string operation;
+  for (int c = 0; c < 5; ++c) {  // so many that a build follows
+    operation = engine.Ingest("db", "new" + std::to_string(c), Walk(0.03 * c + 2.51))->operation.id;
+  }
+  engine.model_gate().AwaitArrival();
+  CHECK(AwaitKnown(engine, "new4")->record.added_clip_count == 5);
+  // Its extension waits for the model that is just being put, and goes on from there.
+  const auto late = engine.Ingest("db", "late", Walk(0.77));
+  REQUIRE(late.ok());
+  engine.model_gate().Open();
+  REQUIRE(engine.Wait(operation).state == OperationState::kSucceeded);
+  const auto known = AwaitKnown(engine, "late");
+  CHECK(known->model.clips().size() == 26);
+  CHECK(Knows(*known, "new4"));
+  engine.Wait(late->operation.id);
+  CHECK(Current(engine)->model.clips().size() == 26);
+}
+
+TEST_CASE("Extend: a model that is built quickly is built", "[server][extend]") {
+  auto options = TestEngine::QuickOptions();
+  options.extend_from = std::chrono::hours(1);
+  TestEngine engine(options);
+  BuildWalks(engine, 20);
+  engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);
+  CHECK(Current(engine)->record.added_clip_count == 0);
+  CHECK(Current(engine)->model.clips().size() == 21);
+}
+
+}  // namespace motiondb::tests

@@ -1,7 +1,14 @@
 #!/usr/bin/env bash
 # From nothing to answers: installs what is missing, builds, starts a server on a store of its own, gives
 # it real motion that Debian packages, asks about a part of it that was held back, and plans a motion.
+#   deploy/quickstart.sh
 set -euo pipefail
+if [ $# -gt 0 ]; then
+  sed -n '2,/^set/{/^set/d;s/^# \{0,1\}//;p}' "$0"
+  [ "$1" = --help ] && exit 0
+  echo "quickstart.sh: expected no arguments, got '$1'" >&2
+  exit 2
+fi
 cd "$(dirname "$0")/.."
 
 ./deploy/install_packages.sh build demo

@@ -83,11 +83,11 @@ void OperationBook::Postpone(const std::string& id) {
   Change(id, Durability::kStored, MakePending);
 }
 
-void OperationBook::Succeed(const std::string& id, int model_version) {
+void OperationBook::Succeed(const std::string& id, int model_version, const std::string& remark) {
   Change(id, Durability::kStored, [&](OperationRecord& record) {
     record.state = OperationState::kSucceeded;
     record.progress = 1;
-    record.stage = "done";
+    record.stage = remark.empty() ? "done" : "done, " + remark;
     record.model_version = model_version;
   });
 }

@@ -40,8 +40,9 @@ class OperationBook {
   void Advance(const std::string& id, double progress, std::string_view stage);
   // RUNNING -> PENDING: a later server takes it up.
   void Postpone(const std::string& id);
-  // To a final state. `model_version` 0: no clip was left to build from.
-  void Succeed(const std::string& id, int model_version);
+  // To a final state. `model_version` 0: no clip was left to build from. The stage is then "done",
+  // and what there is to say about it.
+  void Succeed(const std::string& id, int model_version, const std::string& remark = "");
   void Fail(const std::string& id, const absl::Status& error);
   void Cancel(const std::string& id);
   // CANCELLED, in memory only: its database is about to go, and its row with it.

@@ -1,7 +1,5 @@
 #include "server/engine/rebuild.h"
 
-#include <spdlog/spdlog.h>
-
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -43,15 +41,14 @@ absl::StatusOr<int> VersionThatStays(storage::MotionStore& store, LiveDatabase& 
   return gap.empty() && !HasDrifted(current->record) ? current->record.version : 0;
 }
 
-void ReportDifference(const std::string& database, const Snapshot& before, const core::Model& built,
-                      const core::ParallelFor& parallel) {
-  if (before.record.added_clip_count == 0) return;
-  const core::ModelDifference difference = core::CompareModels(before.model, built, parallel);
-  spdlog::info(
-      "database '{}': built instead of extended by {} clips: bottom nodes {} -> {}, frames' rms "
-      "distance from their node's mean {:.4f} -> {:.4f}, the same label for {} of {} windows of "
-      "clips that were left out",
-      database, before.record.added_clip_count, difference.bottom_nodes_before,
+std::string DifferenceText(const Snapshot* before, const core::Model& built,
+                           const core::ParallelFor& parallel) {
+  if (before == nullptr || before->record.added_clip_count == 0) return "";
+  const core::ModelDifference difference = core::CompareModels(before->model, built, parallel);
+  return fmt::format(
+      "in place of {} added clips: bottom nodes {} -> {}, rms distance of frames from their node's "
+      "mean {:.4f} -> {:.4f}, same label for {} of {} left-out windows",
+      before->record.added_clip_count, difference.bottom_nodes_before,
       difference.bottom_nodes_after, difference.spread_before, difference.spread_after,
       difference.same_label, difference.windows);
 }
@@ -110,18 +107,18 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
 
 }  // namespace
 
-absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
-                            const EngineOptions& options, const core::ParallelFor& parallel,
-                            const core::BuildProgress& progress) {
+absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
+                                const EngineOptions& options, const core::ParallelFor& parallel,
+                                const core::BuildProgress& progress) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(store, database.name()));
     if (clips.empty()) {
       MOTIONDB_RETURN_IF_ERROR(DropModel(store, database));
-      return 0;
+      return Rebuilt{};
     }
     MOTIONDB_RETURN_IF_ERROR(Extend(store, database, options, parallel));
     MOTIONDB_ASSIGN_OR_RETURN(const int stays, VersionThatStays(store, database));
-    if (stays != 0) return stays;
+    if (stays != 0) return Rebuilt{stays, ""};
 
     absl::StatusOr<core::Model> model = Build(store, database, clips, parallel, progress);
     if (absl::IsAborted(model.status())) continue;
@@ -129,12 +126,10 @@ absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
     if (!progress(kReadShare + kBuildShare + kCalibrateShare, "storing")) {
       return absl::CancelledError("stopped");
     }
-    if (const auto before = database.snapshot()) {
-      ReportDifference(database.name(), *before, *model, parallel);
-    }
+    std::string difference = DifferenceText(database.snapshot().get(), *model, parallel);
     MOTIONDB_ASSIGN_OR_RETURN(const int version,
                               Commit(store, database, *std::move(model), options, parallel));
-    if (version != 0) return version;
+    if (version != 0) return Rebuilt{version, std::move(difference)};
     // A clip of the model was deleted during the build: build again without it.
   }
   return absl::AbortedError(

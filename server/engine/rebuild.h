@@ -1,6 +1,8 @@
 // Builds the model of a database from all of its clips, stores it and lets it answer queries.
 #pragma once
 
+#include <string>
+
 #include "absl/status/statusor.h"
 #include "core/model/model_builder.h"
 #include "server/engine/live_database.h"
@@ -9,15 +11,22 @@
 
 namespace motiondb::server {
 
-// Returns the version of the model that then knows the clips: 0 where no clip is left. New clips
+struct Rebuilt {
+  int version = 0;  // of the model that then knows the clips; 0 where no clip is left
+  // Where the model took the place of one that was extended by clips: what the build changed, for a
+  // person.
+  std::string difference;
+};
+
+// New clips
 // are made known to the previous model first (Extend), which answers queries until the new one is
 // stored; where no clip was deleted and it has not drifted (HasDrifted), it stays, and its version
 // is returned. Else takes as long as a build. Clips that come during the build are made known to
 // the new model before it answers. Thread-safe, but the caller runs one a database at a time.
 // Codes: CANCELLED (progress said stop), NOT_FOUND (the database was deleted), and those of the
 // store and of core::BuildModel.
-absl::StatusOr<int> Rebuild(storage::MotionStore& store, LiveDatabase& database,
-                            const EngineOptions& options, const core::ParallelFor& parallel,
-                            const core::BuildProgress& progress);
+absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
+                                const EngineOptions& options, const core::ParallelFor& parallel,
+                                const core::BuildProgress& progress);
 
 }  // namespace motiondb::server

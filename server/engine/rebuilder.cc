@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/rebuild.h"
 
 namespace motiondb::server {
 
@@ -158,22 +157,23 @@ void Rebuilder::Run(Build& build) {
     book_.Advance(build.operation, fraction, stage);
     return build.stop == StopReason::kNone;
   };
-  absl::StatusOr<int> version = 0;
+  absl::StatusOr<Rebuilt> rebuilt;
   try {
-    version = Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress);
+    rebuilt = Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress);
   } catch (const std::bad_alloc&) {
-    version = absl::ResourceExhaustedError("not enough memory to build the model");
+    rebuilt = absl::ResourceExhaustedError("not enough memory to build the model");
   } catch (const std::exception& error) {
-    version = absl::InternalError(error.what());
+    rebuilt = absl::InternalError(error.what());
   }
-  EndOperation(build, version);
+  EndOperation(build, rebuilt);
 }
 
-void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<int>& version) {
+void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt) {
   const std::string& name = build.database->name();
-  if (version.ok()) {
-    book_.Succeed(build.operation, *version);
-    spdlog::info("database '{}': model {} is current", name, *version);
+  if (rebuilt.ok()) {
+    book_.Succeed(build.operation, rebuilt->version, rebuilt->difference);
+    spdlog::info("database '{}': model {} is current{}{}", name, rebuilt->version,
+                 rebuilt->difference.empty() ? "" : ", ", rebuilt->difference);
     return;
   }
   switch (build.stop) {
@@ -185,9 +185,9 @@ void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<int>& vers
       spdlog::info("database '{}': the rebuild was cancelled", name);
       return book_.Cancel(build.operation);
     case StopReason::kNone:
-      if (absl::IsNotFound(version.status())) return book_.Abandon(build.operation);
-      spdlog::error("database '{}': the rebuild failed: {}", name, version.status().ToString());
-      return book_.Fail(build.operation, version.status());
+      if (absl::IsNotFound(rebuilt.status())) return book_.Abandon(build.operation);
+      spdlog::error("database '{}': the rebuild failed: {}", name, rebuilt.status().ToString());
+      return book_.Fail(build.operation, rebuilt.status());
   }
 }
 

@@ -20,6 +20,7 @@
 
 #include "server/engine/live_database.h"
 #include "server/engine/operation_book.h"
+#include "server/engine/rebuild.h"
 #include "server/engine/workers.h"
 
 namespace motiondb::server {
@@ -96,7 +97,7 @@ class Rebuilder {
   void OnTimer(const std::string& database);
   void Run(Build& build);
   void Finish(const std::shared_ptr<Build>& build);
-  void EndOperation(const Build& build, const absl::StatusOr<int>& version);
+  void EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt);
 
   storage::MotionStore& store_;
   OperationBook& book_;

@@ -35,7 +35,7 @@ class GatedStore : public storage::MotionStore {
  public:
   // Who reads states of clips passes `gate`, who puts a model that was built `model_gate`.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
-             std::shared_ptr<Gate> model_gate)
+             std::shared_ptr<Gate> model_gate = std::make_shared<Gate>())
       : store_(std::move(store)), gate_(std::move(gate)), model_gate_(std::move(model_gate)) {}
 
   // What ReadModel returns from now on, if not OK.

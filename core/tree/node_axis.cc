@@ -63,12 +63,14 @@ SymmetricProduct ScatterOf(const float* centred, int count, int dimensions) {
 // leans towards the leading axis.
 Eigen::VectorXd WidestDimension(const float* centred, int count, int dimensions,
                                 const SymmetricProduct& product) {
-  using Strided = Eigen::Map<const FrameMatrix, 0, Eigen::OuterStride<>>;
   const int step = (count + kWidestFrames - 1) / kWidestFrames;
-  const Strided rows(centred, (count + step - 1) / step, dimensions,
-                     Eigen::OuterStride<>(Eigen::Index{step} * PaddedDimensions(dimensions)));
+  Eigen::RowVectorXf squares = Eigen::RowVectorXf::Zero(dimensions);
+  for (int r = 0; r < count; r += step) {
+    const float* row = centred + std::ptrdiff_t{r} * PaddedDimensions(dimensions);
+    squares += Eigen::RowVectorXf::Map(row, dimensions).cwiseAbs2();
+  }
   Eigen::Index widest = 0;
-  rows.colwise().squaredNorm().maxCoeff(&widest);
+  squares.maxCoeff(&widest);
   Eigen::VectorXd start(dimensions);
   product(Eigen::VectorXd::Unit(dimensions, widest), start);
   if (!(start.squaredNorm() > 0)) start = Eigen::VectorXd::Unit(dimensions, 0);

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/motion/matrix.h"
+#include "core/tree/tree_builder.h"
 
 namespace motiondb::tests {
 namespace {
@@ -17,6 +18,33 @@ struct Rows {
       : all(core::FrameMatrix::Random(rows + core::kRowLanes, dimensions)), count(rows) {}
   Eigen::MatrixXd exact() const { return all.topRows(count).cast<double>(); }
   int dimensions() const { return static_cast<int>(all.cols()); }
+};
+
+// What all kernels make of some rows, in the vectors in use.
+std::vector<double> AllResults(const Rows& rows, const Eigen::VectorXf& q) {
+  const int dimensions = rows.dimensions();
+  const int padded = core::PaddedDimensions(dimensions);
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(dimensions);
+  core::AddRows(rows.all.data(), rows.count, dimensions, sum.data());
+  core::FrameMatrix centred(rows.count, padded);
+  core::CentreRows(rows.all.data(), rows.count, dimensions, q.data(), centred.data());
+  Eigen::VectorXd product = Eigen::VectorXd::Zero(padded);
+  const double total = core::AddScatterProduct(rows.all.data(), rows.count, dimensions, padded,
+                                               q.data(), 0.25f, product.data());
+  Eigen::VectorXd projections(rows.count);
+  const Eigen::VectorXd axis = q.cast<double>();
+  core::ProjectRows(rows.all.data(), rows.count, dimensions, axis.data(), projections.data());
+  std::vector<double> results{total};
+  results.insert(results.end(), sum.begin(), sum.end());
+  for (const float number : centred.reshaped()) results.push_back(number);
+  results.insert(results.end(), product.begin(), product.begin() + dimensions);
+  results.insert(results.end(), projections.begin(), projections.end());
+  return results;
+}
+
+// The widest vectors again, however a test ends.
+struct WideAgain {
+  ~WideAgain() { core::UseWideVectors(true); }
 };
 
 }  // namespace
@@ -60,6 +88,30 @@ TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]"
       CHECK(projections.isApprox(exact * axis.head(dimensions), 1e-12));
     }
   }
+}
+
+TEST_CASE("Row kernels: the same bits in vectors of any width", "[core][tree]") {
+  const WideAgain again;
+  if (!core::UseWideVectors(true)) WARN("this processor has no wider vectors than every one");
+  for (const int dimensions : {1, 2, 3, 5, 7, 15, 16, 17, 31, 33, 50, 102, 203, 204, 205, 600}) {
+    for (const int count : {1, 2, 3, 4, 5, 7, 15, 16, 17, 31, 33, 47, 100}) {
+      CAPTURE(dimensions, count);
+      const Rows rows(count, dimensions);
+      Eigen::VectorXf q = Eigen::VectorXf::Zero(core::PaddedDimensions(dimensions));
+      q.head(dimensions).setRandom();
+      core::UseWideVectors(true);
+      const std::vector<double> wide = AllResults(rows, q);
+      core::UseWideVectors(false);
+      CHECK(AllResults(rows, q) == wide);
+    }
+  }
+  const core::FrameMatrix states = core::FrameMatrix::Random(3000, 21);
+  const auto narrow_tree = core::BuildTree(states, 8, core::Serially);
+  core::UseWideVectors(true);
+  const auto wide_tree = core::BuildTree(states, 8, core::Serially);
+  REQUIRE((narrow_tree.ok() && wide_tree.ok()));
+  CHECK(narrow_tree->frame_order() == wide_tree->frame_order());
+  CHECK(narrow_tree->branches().size() == wide_tree->branches().size());
 }
 
 TEST_CASE("Row kernels: alike rows project alike wherever they stand", "[core][tree]") {

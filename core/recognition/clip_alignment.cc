@@ -1,37 +1,73 @@
 #include "core/recognition/clip_alignment.h"
 
 #include <algorithm>
+#include <limits>
 
-#include "core/model/squared_distances.h"
-#include "core/recognition/path_sum.h"
+#include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {
-namespace {
 
-constexpr Eigen::Index kRows = 64;  // observed frames whose distances are computed at a time
+ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
+    : frames_(static_cast<int>(observed.rows())), anchored_(anchored) {
+  const int blocks = (frames_ + kFrameLanes - 1) / kFrameLanes;
+  observed_norms_.setZero(blocks * kFrameLanes);
+  observed_norms_.head(frames_) = observed.rowwise().squaredNorm();
+  for (int block = 0; block < blocks; ++block) {
+    FrameMatrix& lanes = observed_.emplace_back(FrameMatrix::Zero(observed.cols(), kFrameLanes));
+    lanes.leftCols(FramesOf(block)) =
+        observed.middleRows(block * kFrameLanes, FramesOf(block)).transpose();
+  }
+}
 
-}  // namespace
+int ClipAligner::FramesOf(int block) const {
+  return std::min(kFrameLanes, frames_ - block * kFrameLanes);
+}
+
+void ClipAligner::ComputeDistances(const MetricFrames& stored, int first, int count, int block) {
+  LoopsOfAlignment().distances(
+      stored.projected.row(first).data(), stored.squared_norms.data() + first, count,
+      static_cast<int>(stored.projected.cols()), observed_[block].data(),
+      observed_norms_.data() + block * kFrameLanes, FramesOf(block), distances_.data(), count);
+}
+
+double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first, int count) {
+  paths_.Begin(count, anchored_);
+  for (int block = 0; block * kFrameLanes < frames_; ++block) {
+    ComputeDistances(stored, first, count, block);
+    for (int f = 0; f < FramesOf(block); ++f) paths_.See(distances_.col(f));
+  }
+  return paths_.LogEvidence();
+}
+
+double ClipAligner::Align(const MetricFrames& stored, int clip,
+                          std::vector<NearestFrame>& nearest) {
+  const int first = stored.rows.begin[clip];
+  const int count = stored.rows.count(clip);
+  distances_.resize(count, kFrameLanes);
+  roots_.resize(count);
+  paths_.Begin(count, anchored_);
+  for (int block = 0; block * kFrameLanes < frames_; ++block) {
+    ComputeDistances(stored, first, count, block);
+    for (int f = 0; f < FramesOf(block); ++f) {
+      const auto distances = distances_.col(f);
+      const float least = LoopsOfAlignment().least(distances.data(), count);
+      NearestFrame& so_far = nearest[block * kFrameLanes + f];
+      if (least < so_far.squared_distance) {
+        const auto at = std::find(distances.begin(), distances.end(), least) - distances.begin();
+        so_far = {least, stored.rows.frame[first + at]};
+      }
+      const bool cut_off = PathSum::Roots(distances, least, roots_);
+      paths_.SeeRoots(roots_, least, cut_off);
+    }
+  }
+  return paths_.IsExact() ? paths_.LogEvidence() : LogEvidenceByDistances(stored, first, count);
+}
 
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,
                           bool anchored) {
-  const Eigen::Index first = stored.rows.begin[clip];
-  const Eigen::Index count = stored.rows.count(clip);
-  PathSum paths;
-  paths.Begin(count, anchored);
   ClipAlignment alignment;
-  for (Eigen::Index begin = 0; begin < observed.rows(); begin += kRows) {
-    const FrameMatrix squared = SquaredDistances(
-        observed.middleRows(begin, std::min(kRows, observed.rows() - begin)),
-        stored.projected.middleRows(first, count), stored.squared_norms.segment(first, count));
-    for (Eigen::Index t = 0; t < squared.rows(); ++t) {
-      const auto distances = squared.row(t).transpose().array();
-      Eigen::Index nearest = 0;
-      const float distance = distances.minCoeff(&nearest);
-      alignment.nearest.push_back({distance, stored.rows.frame[first + nearest]});
-      paths.See(distances);
-    }
-  }
-  alignment.log_evidence = paths.LogEvidence();
+  alignment.nearest.assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
+  alignment.log_evidence = ClipAligner(observed, anchored).Align(stored, clip, alignment.nearest);
   return alignment;
 }
 

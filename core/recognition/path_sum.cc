@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
+
+#include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {
 namespace {
@@ -14,8 +17,11 @@ constexpr double kNext = 0.6;
 constexpr double kSkip = 0.2;
 constexpr double kAlive = 1e-290;  // of the most probable frame: what is less is let go
 constexpr float kUnreached = std::numeric_limits<float>::max();
-constexpr float kLeastLogRoot = -80;  // near the end of what a float holds
-constexpr double kExact = 250;        // of 4 * 80: what roots blur is e^-70 of the sum
+constexpr double kLeastLogRoot = -80;  // near the end of what a float holds
+constexpr auto kRootScale = static_cast<float>(1 / (4 * 2 * kTemper));
+const double kCutOff = std::exp(4 * kLeastLogRoot);
+constexpr double kExact = 1e-30;  // of the sum may be blurred
+constexpr double kLeastScale = 1e-150;
 
 // Of each frame, from the sums over the paths that end in each, behind two places.
 auto Arrivals(const Eigen::ArrayXd& ending, Eigen::Index count) {
@@ -28,7 +34,9 @@ auto Arrivals(const Eigen::ArrayXd& ending, Eigen::Index count) {
 void PathSum::Begin(Eigen::Index count, bool anchored) {
   count_ = count;
   begun_ = false;
+  blur_ = 0;
   log_sum_ = 0;
+  scale_ = 1;
   ending_.setZero(kReach + count);
   next_.setZero(kReach + count);
   arrival_.setOnes(count);
@@ -52,29 +60,39 @@ void PathSum::See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances) {
   log_sum_ += std::log(peak) - reached / (2 * kTemper);
 }
 
-void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest) {
-  // The sum falls from frame to frame; as long as IsExact, it is far from what a double cannot
-  // hold.
-  const auto densities = roots.cast<double>().square().square();
+void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off) {
+  double* const next = next_.data() + kReach;
+  double before = 1;  // the sum is taken relative to what it was: it stays what a double can hold
   if (begun_) {
-    next_.tail(count_) = Arrivals(ending_, count_) * densities;
+    scale_ *= sum_;
+    const double unit = 1 / sum_;
+    sum_ = LoopsOfAlignment().advance(ending_.data(), roots.data(), static_cast<int>(count_),
+                                      kStay * unit, kNext * unit, kSkip * unit, next);
   } else {
-    next_.tail(count_) = arrival_ * densities;
+    before = arrival_.sum();
+    next_.tail(count_) = arrival_ * roots.cast<double>().square().square();
+    sum_ = next_.sum();
   }
   begun_ = true;
   ending_.swap(next_);
   log_sum_ -= nearest / (2 * kTemper);
+  if (scale_ < kLeastScale) log_sum_ += std::log(std::exchange(scale_, 1));
+  // What was blurred may have stayed while the rest fell.
+  blur_ = ((cut_off ? kCutOff * before : 0) + blur_) / sum_;
+  if (!IsExact()) sum_ = 1;  // whatever comes is no answer
 }
 
-void PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
+bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
                     Eigen::Ref<Eigen::ArrayXf> roots) {
-  constexpr auto kScale = static_cast<float>(1 / (4 * 2 * kTemper));
-  roots = ((nearest - squared_distances) * kScale).max(kLeastLogRoot).exp();
+  const float greatest =
+      LoopsOfAlignment().roots(squared_distances.data(), static_cast<int>(squared_distances.size()),
+                               nearest, kRootScale, roots.data());
+  return (nearest - greatest) * kRootScale < kLeastLogRoot;
 }
 
-bool PathSum::IsExact() const { return std::log(ending_.sum()) > -kExact; }
+bool PathSum::IsExact() const { return blur_ < kExact; }
 
-double PathSum::LogEvidence() const { return log_sum_ + std::log(ending_.sum()); }
+double PathSum::LogEvidence() const { return log_sum_ + std::log(scale_ * ending_.sum()); }
 
 double PathSum::LogEvidenceAtMost(Eigen::Index count, double nearest_sum) {
   return std::log(static_cast<double>(count)) - nearest_sum / (2 * kTemper);

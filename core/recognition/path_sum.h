@@ -16,12 +16,13 @@ class PathSum {
   // A frame at these squared distances (`count`) from the clip's.
   void See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances);
 
-  // The same from what was computed before: the fourth roots (`count`) of the densities relative to
-  // the nearest frame's, and the squared distance of that. Where the nearest frames of the clip are
-  // no way through it at all, floats may not reach down to those that are: then IsExact is false,
-  // and See has to be used.
-  void SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest);
-  static void Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
+  // The same, faster, from the fourth roots (`count`) of the densities relative to the nearest
+  // frame's, and the squared distance of that. Roots of frames that are too far off are cut off at
+  // what a float holds: where ways through these may count, IsExact is false, and See has to be
+  // used.
+  void SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off = true);
+  // Returns whether some are cut off.
+  static bool Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
                     Eigen::Ref<Eigen::ArrayXf> roots);
   bool IsExact() const;
 
@@ -39,7 +40,11 @@ class PathSum {
   Eigen::ArrayXd next_;     // as ending_
   Eigen::Index count_ = 0;
   bool begun_ = false;
-  double log_sum_ = 0;  // what `ending_` is to be multiplied with
+  // What `ending_` is to be multiplied with: the logarithm of one part, and the other.
+  double log_sum_ = 0;
+  double scale_ = 1;
+  double sum_ = 1;   // of `ending_`, from roots
+  double blur_ = 0;  // at most so much of the sum is from roots that are cut off
 };
 
 }  // namespace motiondb::core

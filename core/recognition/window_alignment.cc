@@ -51,20 +51,16 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
                                             const Cancelled& cancelled) {
   const FrameMatrix observed = observation.projected(compared, Eigen::all);
   std::vector<NearestFrame> nearest(compared.size(), {std::numeric_limits<float>::infinity(), 0});
+  ClipAligner aligner(observed, anchored);
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
   for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    const ClipAlignment alignment =
+    const double log_evidence =
         observation.own == nullptr
-            ? AlignToClip(model.metric_frames(), clip, observed, anchored)
-            : AlignToClip(ProjectClip(model, *observation.own, clip), 0, observed, anchored);
-    window.clips.push_back({clip, alignment.log_evidence});
-    for (std::size_t i = 0; i < nearest.size(); ++i) {
-      if (alignment.nearest[i].squared_distance < nearest[i].squared_distance) {
-        nearest[i] = alignment.nearest[i];
-      }
-    }
+            ? aligner.Align(model.metric_frames(), clip, nearest)
+            : aligner.Align(ProjectClip(model, *observation.own, clip), 0, nearest);
+    window.clips.push_back({clip, log_evidence});
   }
   std::stable_sort(
       window.clips.begin(), window.clips.end(),

@@ -1,30 +1,23 @@
 #include "core/tree/row_kernels.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cstddef>
 #include <vector>
 
 #include "core/tree/row_loops.h"
+#include "core/tree/wide_vectors.h"
 
 namespace motiondb::core {
 namespace {
 
 constexpr int kBlockRows = 16;  // of a few hundred dimensions: they stay in the first-level cache
 
-const RowLoops& WidestLoops() {
+const RowLoops& Loops() {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx2")) return kAvx2RowLoops;
+  if (WideVectors()) return kAvx2RowLoops;
 #endif
   return kPortableRowLoops;
 }
-
-std::atomic<const RowLoops*>& ChosenLoops() {
-  static std::atomic<const RowLoops*> chosen = &WidestLoops();
-  return chosen;
-}
-
-const RowLoops& Loops() { return *ChosenLoops().load(std::memory_order_relaxed); }
 
 // Calls body(rows, count) for blocks of rows.
 template <typename Body>
@@ -35,11 +28,6 @@ void InBlocks(const float* rows, int count, int stride, const Body& body) {
 }
 
 }  // namespace
-
-bool UseWideVectors(bool wide) {
-  ChosenLoops() = wide ? &WidestLoops() : &kPortableRowLoops;
-  return &WidestLoops() != &kPortableRowLoops;
-}
 
 void AddRows(const float* rows, int count, int dimensions, double* sum) {
   std::vector<float> sums(static_cast<std::size_t>(dimensions));

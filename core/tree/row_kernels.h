@@ -1,6 +1,5 @@
-// The inner loops of the tree build, over the rows of a node: float32, frames x dimensions. They
-// run in the widest vectors that the processor at hand has of those the program was built with
-// (row_loops.h), and give the same bits in all. Safe to call from any thread.
+// The inner loops of the tree build, over the rows of a node: float32, frames x dimensions. The
+// same bits in vectors of any width (wide_vectors.h). Safe to call from any thread.
 #pragma once
 
 namespace motiondb::core {
@@ -30,9 +29,5 @@ double AddScatterProduct(const float* rows, int count, int stride, int padded, c
 // Inner products of rows (count x dimensions) with `axis` (padded with zeros), in double precision.
 void ProjectRows(const float* rows, int count, int dimensions, const double* axis,
                  double* projections);
-
-// For tests and benchmarks: from now on, in vectors that every processor has, or in the widest
-// again. False if these are the same here.
-bool UseWideVectors(bool wide);
 
 }  // namespace motiondb::core

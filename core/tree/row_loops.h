@@ -29,7 +29,7 @@ struct RowLoops {
 
 extern const RowLoops kPortableRowLoops;
 #if defined(__x86_64__)
-extern const RowLoops kAvx2RowLoops;  // only where __builtin_cpu_supports("avx2")
+extern const RowLoops kAvx2RowLoops;  // only where WideVectors()
 #endif
 
 }  // namespace motiondb::core

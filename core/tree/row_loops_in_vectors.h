@@ -1,29 +1,12 @@
-// RowLoops in vectors of kWidth numbers: for the files that compile it for one kind of processor.
-// Those may be compiled for more than every processor has, so nothing here calls a function that
-// another file could share (an inline one of the standard library, say).
+// RowLoops in vectors of kWidth numbers: for the files that compile it for one kind of processor
+// (vectors.h).
 #pragma once
 
 #include "core/tree/row_kernels.h"
 #include "core/tree/row_loops.h"
+#include "core/tree/vectors.h"
 
 namespace motiondb::core {
-
-template <int kWidth>
-struct RowVectors;
-
-template <>
-struct RowVectors<4> {
-  typedef float Floats __attribute__((vector_size(16)));
-  typedef float FloatHalf __attribute__((vector_size(8)));
-  typedef double Doubles __attribute__((vector_size(16)));
-};
-
-template <>
-struct RowVectors<8> {
-  typedef float Floats __attribute__((vector_size(32)));
-  typedef float FloatHalf __attribute__((vector_size(16)));
-  typedef double Doubles __attribute__((vector_size(32)));
-};
 
 template <int kWidth>
 class RowLoopsInVectors {
@@ -37,50 +20,12 @@ class RowLoopsInVectors {
   // Rows whose products are taken at a time: as many as 16 registers hold the lanes of.
   static constexpr int kDots = kWidth / 2;
 
-  using Floats = typename RowVectors<kWidth>::Floats;
-  using FloatHalf = typename RowVectors<kWidth>::FloatHalf;
-  using Doubles = typename RowVectors<kWidth>::Doubles;  // of half the width
-  using Fours = RowVectors<4>::Floats;
-  using Twos = RowVectors<4>::Doubles;
-
-  // Vectors are loaded from and stored to any address.
-  template <typename V = Floats, typename T>
-  static V Load(const T* from) {
-    static_assert(sizeof(V{}[0]) == sizeof(T));
-    V v;
-    __builtin_memcpy(&v, from, sizeof(V));
-    return v;
-  }
-
-  template <typename V, typename T>
-  static void Store(V v, T* to) {
-    static_assert(sizeof(v[0]) == sizeof(T));
-    __builtin_memcpy(to, &v, sizeof(V));
-  }
-
-  // Up to half a vector, then zeros.
-  static FloatHalf LoadFew(const float* from, int count) {
-    if (count >= kHalf) return Load<FloatHalf>(from);
-    FloatHalf few = {};
-    for (int i = 0; i < count; ++i) few[i] = from[i];
-    return few;
-  }
-
-  static Doubles Widened(FloatHalf v) { return __builtin_convertvector(v, Doubles); }
-
-  // The first half of a vector (0) or the second (1).
-  template <typename Half, typename V>
-  static Half HalfOf(const V& v, int i) {
-    static_assert(2 * sizeof(Half) == sizeof(V));
-    Half half;
-    __builtin_memcpy(&half, reinterpret_cast<const char*>(&v) + i * sizeof(Half), sizeof(Half));
-    return half;
-  }
-
-  template <typename Half, typename V>
-  static Half SumOfHalves(const V& v) {
-    return HalfOf<Half>(v, 0) + HalfOf<Half>(v, 1);
-  }
+  using V = Vectors<kWidth>;
+  using Floats = typename V::Floats;
+  using FloatHalf = typename V::FloatHalf;
+  using Doubles = typename V::Doubles;
+  using Fours = Vectors<4>::Floats;
+  using Twos = Vectors<4>::Doubles;
 
   // Sums of a step's lanes, put together in the same way for every width: lanes of vectors of four
   // (of two in double precision) side by side, then what is in the vector.
@@ -89,7 +34,7 @@ class RowLoopsInVectors {
     if constexpr (kWidth == 4) {
       sum = (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
     } else {
-      sum = SumOfHalves<Fours>(lanes[0]) + SumOfHalves<Fours>(lanes[1]);
+      sum = V::template SumOfHalves<Fours>(lanes[0]) + V::template SumOfHalves<Fours>(lanes[1]);
     }
     return (sum[0] + sum[1]) + (sum[2] + sum[3]);
   }
@@ -100,8 +45,8 @@ class RowLoopsInVectors {
       sum = ((lanes[0] + lanes[1]) + (lanes[2] + lanes[3])) +
             ((lanes[4] + lanes[5]) + (lanes[6] + lanes[7]));
     } else {
-      sum = (SumOfHalves<Twos>(lanes[0]) + SumOfHalves<Twos>(lanes[1])) +
-            (SumOfHalves<Twos>(lanes[2]) + SumOfHalves<Twos>(lanes[3]));
+      sum = (V::template SumOfHalves<Twos>(lanes[0]) + V::template SumOfHalves<Twos>(lanes[1])) +
+            (V::template SumOfHalves<Twos>(lanes[2]) + V::template SumOfHalves<Twos>(lanes[3]));
     }
     return sum[0] + sum[1];
   }
@@ -117,10 +62,10 @@ class RowLoopsInVectors {
   static void AddFew(const float* rows, int dimensions, float* sums) {
     int d = 0;
     for (; d + kWidth <= dimensions; d += kWidth) {
-      Floats sum = Load(sums + d);
+      Floats sum = V::Load(sums + d);
 #pragma GCC unroll 8
-      for (int r = 0; r < kRows; ++r) sum += Load(rows + r * dimensions + d);
-      Store(sum, sums + d);
+      for (int r = 0; r < kRows; ++r) sum += V::Load(rows + r * dimensions + d);
+      V::Store(sum, sums + d);
     }
     for (; d < dimensions; ++d) {
       for (int r = 0; r < kRows; ++r) sums[d] += rows[r * dimensions + d];
@@ -132,7 +77,7 @@ class RowLoopsInVectors {
     for (int r = 0; r < count; ++r, rows += dimensions, centred += padded) {
       int d = 0;
       for (; d + kWidth <= dimensions; d += kWidth)
-        Store(Load(rows + d) - Load(mean + d), centred + d);
+        V::Store(V::Load(rows + d) - V::Load(mean + d), centred + d);
       for (; d < dimensions; ++d) centred[d] = rows[d] - mean[d];
       for (; d < padded; ++d) centred[d] = 0;
     }
@@ -160,10 +105,10 @@ class RowLoopsInVectors {
       for (int r = 0; r < kRows; ++r) __builtin_prefetch(rows + (r + ask_ahead) * stride + d);
 #pragma GCC unroll 4
       for (int v = 0; v < kVectors; ++v) {
-        const Floats factor = Load(q + d + v * kWidth);
+        const Floats factor = V::Load(q + d + v * kWidth);
 #pragma GCC unroll 4
         for (int r = 0; r < kRows; ++r)
-          lanes[r][v] += Load(rows + r * stride + d + v * kWidth) * factor;
+          lanes[r][v] += V::Load(rows + r * stride + d + v * kWidth) * factor;
       }
     }
     for (int r = 0; r < kRows; ++r) dots[r] = SumOfLanes(lanes[r]);
@@ -177,12 +122,14 @@ class RowLoopsInVectors {
       for (int r = 0; r < count; ++r) {
 #pragma GCC unroll 4
         for (int v = 0; v < kVectors; ++v)
-          lanes[v] += Load(rows + r * stride + d + v * kWidth) * factors[r];
+          lanes[v] += V::Load(rows + r * stride + d + v * kWidth) * factors[r];
       }
 #pragma GCC unroll 8
       for (int h = 0; h < 2 * kVectors; ++h) {
         double* const to = sums + d + h * kHalf;
-        Store(Load<Doubles>(to) + Widened(HalfOf<FloatHalf>(lanes[h / 2], h % 2)), to);
+        V::Store(
+            V::LoadDoubles(to) + V::Widened(V::template HalfOf<FloatHalf>(lanes[h / 2], h % 2)),
+            to);
       }
     }
   }
@@ -198,14 +145,14 @@ class RowLoopsInVectors {
 #pragma GCC unroll 8
         for (int v = 0; v < 2 * kVectors; ++v) {
           const int at = d + v * kHalf;
-          lanes[v] += Widened(Load<FloatHalf>(rows + at)) * Load<Doubles>(axis + at);
+          lanes[v] += V::Widened(V::LoadHalf(rows + at)) * V::LoadDoubles(axis + at);
         }
       }
 #pragma GCC unroll 8
       for (int v = 0; v < 2 * kVectors; ++v) {
         const int at = whole + v * kHalf;
         if (at >= dimensions) break;
-        lanes[v] += Widened(LoadFew(rows + at, dimensions - at)) * Load<Doubles>(axis + at);
+        lanes[v] += V::Widened(V::LoadFew(rows + at, dimensions - at)) * V::LoadDoubles(axis + at);
       }
       projections[r] = SumOfLanes(lanes);
     }

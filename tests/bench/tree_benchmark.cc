@@ -20,8 +20,8 @@
 #include <vector>
 
 #include "core/tree/node_gaussians.h"
-#include "core/tree/row_kernels.h"
 #include "core/tree/tree_builder.h"
+#include "core/tree/wide_vectors.h"
 #include "tests/bench/bench_table.h"
 #include "tests/bench/varied_motion.h"
 #include "tests/eval/threads.h"

@@ -5,6 +5,7 @@
 
 #include "core/motion/matrix.h"
 #include "core/tree/tree_builder.h"
+#include "core/tree/wide_vectors.h"
 
 namespace motiondb::tests {
 namespace {

@@ -15,19 +15,20 @@ void MetricWindow::Restart() {
 
 void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, MetricFrame& made) {
   const MotionMetric& metric = model_.metric();
-  const ClipIndex& index = model_.clip_index();
   made.state = states.state(frame);
   model_.scale().Apply(made.state);
   if (made.state.hasNaN()) FillUnseen(metric, made.state.row(0));
   difference_ = made.state.row(0) - metric.mean;
   made.projected.noalias() = metric.projection.transpose() * difference_.transpose();
   made.squared_norm = made.projected.squaredNorm();
+  made.nearest = -1;
+  if (ListsAll(static_cast<int>(model_.clips().size()))) return;
+  const ClipIndex& index = model_.clip_index();
   distances_.noalias() = made.projected.transpose() * index.means().transpose();
   distances_ =
       (made.squared_norm - 2 * distances_.array() + index.squared_norms().transpose().array())
           .max(0.0F);
   finder_.Find(distances_, made.near);
-  made.nearest = -1;
 }
 
 const MetricFrame& MetricWindow::At(const ObservedStates& states, std::int64_t frame) {

@@ -18,7 +18,7 @@ struct MetricFrame {
   FrameMatrix state;              // 1 x D, scaled; what was missing is filled in
   Eigen::VectorXf projected;      // K
   float squared_norm = 0;         // of it
-  std::vector<NearClip> near;     // clips whose nodes it comes near
+  std::vector<NearClip> near;     // clips whose nodes it comes near; none where all are listed
   int nearest = -1;               // the stored frame that `difference` is to
   double squared_difference = 0;  // whitened, summed over the dimensions
 };

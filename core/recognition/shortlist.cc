@@ -16,6 +16,8 @@ constexpr int kNearNodes = 64;
 
 }  // namespace
 
+bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMostClips); }
+
 std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMostFrames); }
 
 NearClipFinder::NearClipFinder(const ClipIndex& index, int clip_count)
@@ -76,6 +78,7 @@ std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
                                 const FrameMatrix& observed, const std::vector<bool>& left_out) {
   const ClipIndex& index = model.clip_index();
   const auto clip_count = static_cast<int>(model.clips().size());
+  if (ListsAll(clip_count)) return ClipRanking(clip_count).TakeShortlist(left_out);
   const FrameMatrix frames =
       observed(ShortlistFrames(static_cast<int>(observed.rows())), Eigen::all);
   const FrameMatrix own_means =

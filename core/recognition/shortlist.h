@@ -16,6 +16,7 @@ namespace motiondb::core {
 // order stays. Clips with `left_out[clip]` are passed over; it may be empty. Of the rest there is
 // none that a database of 64 clips leaves out. The cost does not grow with the number of clips but
 // for those found in these nodes.
+// Where there are no more than 64, all are listed in their own order, without a look at the nodes.
 // `own`: the metric, if it is not the model's.
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
                                 const FrameMatrix& observed,
@@ -28,6 +29,9 @@ struct NearClip {
   int clip = 0;  // index into Model::clips()
   float nearer = 0;
 };
+
+// Whether so many clips are all on the shortlist, whatever is observed.
+bool ListsAll(int clip_count);
 
 // Which of `frames` frames are looked at, ascending.
 std::vector<int> ShortlistFrames(int frames);
@@ -53,7 +57,7 @@ class ClipRanking {
   explicit ClipRanking(int clip_count) : nearer_(clip_count), is_found_(clip_count) {}
   // Takes one frame's clips.
   void Add(const std::vector<NearClip>& near);
-  // The shortlist of the frames taken, and forgets them.
+  // The shortlist of the frames taken (none, where it lists all), and forgets them.
   std::vector<int> TakeShortlist(const std::vector<bool>& left_out);
 
  private:

@@ -1,5 +1,9 @@
 #include "core/observe/kept_clip.h"
 
+#include <algorithm>
+
+#include "core/recognition/alignment_loops.h"
+
 namespace motiondb::core {
 
 void KeptClip::Take(const Model& model, int clip, int window_frames) {
@@ -17,14 +21,14 @@ const NearestFrame& KeptClip::See(const Model& model, std::size_t ring, const Me
   const MetricFrames& stored = model.metric_frames();
   const Eigen::Index first = stored.rows.begin[clip_];
   const Eigen::Index count = stored.rows.count(clip_);
-  distances_.matrix().noalias() = stored.projected.middleRows(first, count) * frame.projected;
-  distances_ =
-      (frame.squared_norm - 2 * distances_ + stored.squared_norms.segment(first, count).array())
-          .max(0.0F);
-  Eigen::Index nearest = 0;
-  const float distance = distances_.minCoeff(&nearest);
-  nearest_[ring] = {distance, stored.rows.frame[first + nearest]};
-  PathSum::Roots(distances_, distance, roots_.col(static_cast<Eigen::Index>(ring)));
+  const AlignmentLoops& loops = LoopsOfAlignment();
+  loops.distances_of_one(stored.projected.row(first).data(), stored.squared_norms.data() + first,
+                         static_cast<int>(count), static_cast<int>(frame.projected.size()),
+                         frame.projected.data(), frame.squared_norm, distances_.data());
+  const float least = loops.least(distances_.data(), static_cast<int>(count));
+  const auto nearest = std::find(distances_.begin(), distances_.end(), least) - distances_.begin();
+  nearest_[ring] = {least, stored.rows.frame[first + nearest]};
+  PathSum::Roots(distances_, least, roots_.col(static_cast<Eigen::Index>(ring)));
   return nearest_[ring];
 }
 

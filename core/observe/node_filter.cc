@@ -4,7 +4,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <numeric>
 #include <span>
 
 namespace motiondb::core {
@@ -35,20 +34,24 @@ NodeState NodeFilter::Peek(const float* state) {
 void NodeFilter::KeepBest() {
   const auto limit = static_cast<std::size_t>(max_candidates_);
   if (limit == 0 || candidates_.nodes.size() <= limit) return;
-  order_.resize(candidates_.nodes.size());
-  std::iota(order_.begin(), order_.end(), 0);
-  const auto& density = candidates_.log_density;
-  std::nth_element(
-      order_.begin(), order_.begin() + max_candidates_, order_.end(),
-      [&](int a, int b) { return std::pair(-density[a], a) < std::pair(-density[b], b); });
-  order_.resize(limit);
-  std::sort(order_.begin(), order_.end());
-  for (std::size_t i = 0; i < limit; ++i) {  // ascending, so none is written over before it is read
-    candidates_.nodes[i] = candidates_.nodes[order_[i]];
-    candidates_.log_density[i] = candidates_.log_density[order_[i]];
+  auto& [nodes, density] = candidates_;
+  densities_.assign(density.begin(), density.end());
+  std::nth_element(densities_.begin(), densities_.begin() + max_candidates_ - 1, densities_.end(),
+                   std::greater<>());
+  const double least = densities_[limit - 1];
+  const auto above = std::count_if(densities_.begin(), densities_.begin() + max_candidates_,
+                                   [&](double d) { return d > least; });
+  // Of those that are as the least kept is, the first.
+  std::size_t alike = limit - static_cast<std::size_t>(above);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    if (density[i] < least || (density[i] == least && alike == 0)) continue;
+    if (density[i] == least) --alike;
+    nodes[kept] = nodes[i];
+    density[kept++] = density[i];
   }
-  candidates_.nodes.resize(limit);
-  candidates_.log_density.resize(limit);
+  nodes.resize(kept);
+  density.resize(kept);
 }
 
 void NodeFilter::Descend(const float* state) {

@@ -61,7 +61,7 @@ class NodeFilter {
   Distribution next_;
   Candidates candidates_;
   Candidates above_;
-  std::vector<int> order_;
+  std::vector<double> densities_;
   std::vector<std::pair<double, std::int32_t>> leads_;
   std::vector<double> arriving_;  // sums over the ways to each candidate
 };

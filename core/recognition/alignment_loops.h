@@ -14,6 +14,9 @@ struct AlignmentLoops {
   void (*distances)(const float* rows, const float* squared_norms, int count, int dimensions,
                     const float* observed, const float* observed_norms, int frames, float* squared,
                     int stride);
+  // The same of one frame: `observed` and `squared` have its numbers alone.
+  void (*distances_of_one)(const float* rows, const float* squared_norms, int count, int dimensions,
+                           const float* observed, float observed_norm, float* squared);
   // The least of the numbers (count, at least one, none NaN).
   float (*least)(const float* numbers, int count);
   // roots (count): exp((nearest - squared) * scale), but not less than exp(-80). Not more than 1:

@@ -10,7 +10,9 @@ namespace motiondb::core {
 template <int kWidth>
 class AlignmentLoopsInVectors {
  public:
-  static constexpr AlignmentLoops All() { return {Distances, Least, Roots, Advance}; }
+  static constexpr AlignmentLoops All() {
+    return {Distances, DistancesOfOne, Least, Roots, Advance};
+  }
 
  private:
   using V = Vectors<kWidth>;
@@ -87,6 +89,57 @@ class AlignmentLoopsInVectors {
     for (int f = 0; f < frames; ++f) {
 #pragma GCC unroll 6
       for (int r = 0; r < kRows; ++r) squared[f * stride + r] = of_rows[r][f];
+    }
+  }
+
+  static void DistancesOfOne(const float* rows, const float* squared_norms, int count,
+                             int dimensions, const float* observed, float observed_norm,
+                             float* squared) {
+    constexpr int kRows = 4;
+    int r = 0;
+    for (; r + kRows <= count; r += kRows) {
+      DistancesOfOneTo<kRows>(rows + r * dimensions, squared_norms + r, dimensions, observed,
+                              observed_norm, squared + r);
+    }
+    for (; r < count; ++r) {
+      DistancesOfOneTo<1>(rows + r * dimensions, squared_norms + r, dimensions, observed,
+                          observed_norm, squared + r);
+    }
+  }
+
+  // Sums of every eighth number, put together in one way for every width.
+  template <int kRows>
+  static void DistancesOfOneTo(const float* rows, const float* squared_norms, int dimensions,
+                               const float* observed, float observed_norm, float* squared) {
+    constexpr int kVectors = 8 / kWidth;
+    Floats lanes[kRows][kVectors];
+#pragma GCC unroll 4
+    for (int r = 0; r < kRows; ++r) {
+#pragma GCC unroll 2
+      for (int v = 0; v < kVectors; ++v) lanes[r][v] = Floats{};
+    }
+    int d = 0;
+    for (; d + 8 <= dimensions; d += 8) {
+#pragma GCC unroll 2
+      for (int v = 0; v < kVectors; ++v) {
+        const Floats factor = V::Load(observed + d + v * kWidth);
+#pragma GCC unroll 4
+        for (int r = 0; r < kRows; ++r)
+          lanes[r][v] += V::Load(rows + r * dimensions + d + v * kWidth) * factor;
+      }
+    }
+#pragma GCC unroll 4
+    for (int r = 0; r < kRows; ++r) {
+      typename Vectors<4>::Floats sums;
+      if constexpr (kWidth == 4) {
+        sums = lanes[r][0] + lanes[r][1];
+      } else {
+        sums = V::template SumOfHalves<typename Vectors<4>::Floats>(lanes[r][0]);
+      }
+      float product = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+      for (int i = d; i < dimensions; ++i) product += rows[r * dimensions + i] * observed[i];
+      const float apart = (observed_norm + squared_norms[r]) - 2.0F * product;
+      squared[r] = apart > 0.0F ? apart : 0.0F;
     }
   }
 

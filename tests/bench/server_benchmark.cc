@@ -44,6 +44,7 @@ constexpr Seconds kIngestPeriod{0.4};
 
 struct Options {
   bool quick = false;
+  std::string only;  // one measurement; empty: all
   std::string json;
 
   int rounds() const { return quick ? 1 : 5; }
@@ -333,19 +334,29 @@ absl::Status SetUp(Bench& bench) {
 }
 
 absl::Status Run(Bench& bench) {
+  const std::pair<const char*, std::function<absl::Status()>> measurements[] = {
+      {"recognize", [&] { return RecognizeRow(bench, v1::BEST, AtLeast(0.5)); }},
+      {"recognize-paper", [&] { return RecognizeRow(bench, v1::PAPER, Reported()); }},
+      {"observe", [&] { return ObserveRows(bench, {}, AtLeast(0.5), AtMost(2)); }},
+      {"observe-predict", [&] { return ObserveRows(bench, {0.4}, Reported(), Reported()); }},
+      {"ingest", [&] { return IngestRow(bench); }},
+      {"rebuild", [&] { return RebuildRow(bench); }},  // last: it adds to the database
+  };
   MOTIONDB_RETURN_IF_ERROR(SetUp(bench));
-  MOTIONDB_RETURN_IF_ERROR(RecognizeRow(bench, v1::BEST, AtLeast(0.5)));
-  MOTIONDB_RETURN_IF_ERROR(RecognizeRow(bench, v1::PAPER, Reported()));
-  MOTIONDB_RETURN_IF_ERROR(ObserveRows(bench, {}, AtLeast(0.5), AtMost(2)));
-  MOTIONDB_RETURN_IF_ERROR(ObserveRows(bench, {0.4}, Reported(), Reported()));
-  MOTIONDB_RETURN_IF_ERROR(IngestRow(bench));
-  return RebuildRow(bench);  // last: it adds to the database
+  for (const auto& [name, measure] : measurements) {
+    const bool wanted = bench.options.only.empty() || bench.options.only == name;
+    if (wanted) MOTIONDB_RETURN_IF_ERROR(measure());
+  }
+  return absl::OkStatus();
 }
 
 int Main(int argc, char** argv) {
   CLI::App app("Measures a server under load.", "motiondb_bench_server");
   Bench bench;
   app.add_flag("--quick", bench.options.quick, "One short round of each");
+  app.add_option("--only", bench.options.only, "One measurement instead of all")
+      ->check(CLI::IsMember(
+          {"recognize", "recognize-paper", "observe", "observe-predict", "ingest", "rebuild"}));
   app.add_option("--json", bench.options.json, "Write the table to this file too")
       ->type_name("FILE");
   CLI11_PARSE(app, argc, argv);

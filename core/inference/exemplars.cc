@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace motiondb::core {
@@ -9,24 +10,41 @@ namespace {
 
 constexpr double kPoolMass = 0.99;  // of the state's distribution
 
+// What of a distance is looked at first, and by how much it may be off for rounding.
+constexpr Eigen::Index kFirstNumbers = 36;
+constexpr double kRounding = 1 + 1e-4;
+
 // Distances to one state over the numbers that it has.
 class StateDistance {
  public:
   StateDistance(const float* state, Eigen::Index dimensions)
       : state_(Eigen::Map<const Eigen::RowVectorXf>(state, dimensions)),
         present_(state_.array().isNaN().select(0.0F, Eigen::RowVectorXf::Ones(dimensions))),
-        count_(std::max(1.0F, present_.sum())) {
+        count_(std::max(1.0F, present_.sum())),
+        is_whole_(!state_.hasNaN()),
+        first_(std::min(kFirstNumbers, dimensions)) {
     state_ = state_.array().isNaN().select(0.0F, state_);
   }
 
   double To(const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
+    if (is_whole_) return (stored - state_).squaredNorm() / count_;
     return (stored - state_).cwiseProduct(present_).squaredNorm() / count_;
+  }
+
+  // Whether its first numbers alone show that it is greater.
+  bool IsBeyond(double distance, const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
+    const auto apart = stored.head(first_) - state_.head(first_);
+    const float squares =
+        is_whole_ ? apart.squaredNorm() : apart.cwiseProduct(present_.head(first_)).squaredNorm();
+    return squares / count_ > distance * kRounding;
   }
 
  private:
   Eigen::RowVectorXf state_;    // 0 where missing
   Eigen::RowVectorXf present_;  // 1, or 0 where missing
   float count_;
+  bool is_whole_;
+  Eigen::Index first_;
 };
 
 }  // namespace
@@ -62,12 +80,26 @@ std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& 
                                     const float* state, int count, FrameRange without) {
   const StateDistance distance(state, model.states().cols());
   std::vector<std::pair<double, int>> nearest;
+  // Whenever there are twice as many as wanted, the farther half goes, and what is farther yet is
+  // passed over from then on.
+  const auto most = static_cast<std::size_t>(std::max(1, count));
+  double farthest = std::numeric_limits<double>::infinity();
+  const auto keep_best = [&] {
+    const auto last = nearest.begin() + static_cast<std::ptrdiff_t>(most - 1);
+    std::nth_element(nearest.begin(), last, nearest.end());
+    farthest = last->first;
+    nearest.resize(most);
+  };
+  nearest.reserve(2 * most);
   for (int b : branches) {
     const Branch& branch = model.tree().branches()[b];
     for (std::int32_t i = branch.begin; i < branch.end; ++i) {
       const int frame = model.tree().frame_order()[i];
       if (frame >= without.first && frame < without.end) continue;
-      nearest.emplace_back(distance.To(model.states().row(frame)), frame);
+      const auto stored = model.states().row(frame);
+      if (distance.IsBeyond(farthest, stored)) continue;
+      nearest.emplace_back(distance.To(stored), frame);
+      if (nearest.size() == 2 * most) keep_best();
     }
   }
   const auto kept = std::min<std::size_t>(count, nearest.size());

@@ -11,22 +11,71 @@ namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-// log P_t from one node to each of the candidates `to`, by one walk along the node's row and them.
-void LogTransitions(const TransitionGraph& graph, std::int32_t from,
-                    const std::vector<std::int32_t>& to, double log_floor,
-                    Eigen::VectorXd& log_transition) {
-  log_transition.setConstant(static_cast<Eigen::Index>(to.size()), log_floor);
-  const double log_leaving = std::log(static_cast<double>(graph.row_sum(from)));
-  const auto row = graph.row(from);
-  auto edge = row.begin();
-  for (std::size_t j = 0; j < to.size() && edge != row.end(); ++j) {
-    edge = std::lower_bound(edge, row.end(), to[j],
-                            [](const Edge& e, std::int32_t node) { return e.to < node; });
-    if (edge != row.end() && edge->to == to[j]) {
-      log_transition[static_cast<Eigen::Index>(j)] = std::log(edge->count) - log_leaving;
+// log P_t between the candidates of successive frames. The nodes of a lattice come again from frame
+// to frame, so each one's row of the graph is read once, into a table of all nodes by all nodes.
+class LogTransitions {
+ public:
+  // Both must outlive it.
+  LogTransitions(const Lattice& lattice, const TransitionGraph& graph, double log_floor)
+      : graph_(graph),
+        log_floor_(log_floor),
+        place_of_node_(static_cast<std::size_t>(graph.node_count()), -1),
+        places_(lattice.size()) {
+    for (std::size_t t = 0; t < lattice.size(); ++t) {
+      for (const std::int32_t node : lattice[t].nodes) {
+        std::int32_t& place = place_of_node_[node];
+        if (place < 0) {
+          place = static_cast<std::int32_t>(nodes_.size());
+          nodes_.push_back(node);
+        }
+        places_[t].push_back(place);
+      }
     }
+    keeps_rows_ = nodes_.size() <= kMostKept;
+    const auto count = static_cast<Eigen::Index>(nodes_.size());
+    rows_.resize(keeps_rows_ ? count : 1, count);
+    is_known_.resize(nodes_.size(), false);
   }
-}
+
+  // From candidate i of frame t to each of the next frame's. Valid until the next call.
+  const Eigen::VectorXd& From(std::size_t t, Eigen::Index i) {
+    const std::vector<std::int32_t>& to = places_[t + 1];
+    const double* const row = Row(places_[t][static_cast<std::size_t>(i)]);
+    log_transition_.resize(static_cast<Eigen::Index>(to.size()));
+    for (std::size_t j = 0; j < to.size(); ++j) {
+      log_transition_[static_cast<Eigen::Index>(j)] = row[to[j]];
+    }
+    return log_transition_;
+  }
+
+ private:
+  // Beyond it, as in the exact search on a large layer, rows are made when they are asked for.
+  static constexpr std::size_t kMostKept = 512;
+
+  const double* Row(std::int32_t place) {
+    auto row = rows_.row(keeps_rows_ ? place : 0);
+    if (is_known_[place]) return row.data();
+    is_known_[place] = keeps_rows_;
+    row.setConstant(log_floor_);
+    const std::int32_t from = nodes_[place];
+    const double log_leaving = std::log(static_cast<double>(graph_.row_sum(from)));
+    for (const Edge& edge : graph_.row(from)) {
+      const std::int32_t to = place_of_node_[edge.to];
+      if (to >= 0) row[to] = std::log(edge.count) - log_leaving;
+    }
+    return row.data();
+  }
+
+  const TransitionGraph& graph_;
+  const double log_floor_;
+  std::vector<std::int32_t> place_of_node_;        // in nodes_; -1 where no frame has the node
+  std::vector<std::int32_t> nodes_;                // in order of their coming
+  std::vector<std::vector<std::int32_t>> places_;  // of each frame's candidates
+  bool keeps_rows_ = false;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
+  std::vector<bool> is_known_;  // rows
+  Eigen::VectorXd log_transition_;
+};
 
 // One step of a path that ends at a candidate.
 struct Step {
@@ -47,17 +96,15 @@ void Insert(std::vector<Step>& best, const Step& step, int count) {
 }
 
 // Best scores of paths from the first frame up to each candidate, its emission included.
-std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, const TransitionGraph& graph,
-                                        double log_floor) {
+std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& log_transitions) {
   std::vector<Eigen::VectorXd> best(lattice.size());
-  Eigen::VectorXd log_transition;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     best[t] = lattice[t].log_emission;
     if (t == 0) continue;
     Eigen::VectorXd arriving = Eigen::VectorXd::Constant(best[t].size(), kNever);
     for (Eigen::Index i = 0; i < best[t - 1].size(); ++i) {
       if (best[t - 1][i] == kNever) continue;
-      LogTransitions(graph, lattice[t - 1].nodes[i], lattice[t].nodes, log_floor, log_transition);
+      const Eigen::VectorXd& log_transition = log_transitions.From(t - 1, i);
       arriving = arriving.cwiseMax((log_transition.array() + best[t - 1][i]).matrix());
     }
     best[t] += arriving;
@@ -69,9 +116,8 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, const Transition
 
 std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& graph,
                                 double transition_floor, int count) {
-  const double log_floor = std::log(transition_floor);
+  LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   std::vector<std::vector<std::vector<Step>>> steps(lattice.size());  // [frame][candidate][rank]
-  Eigen::VectorXd log_transition;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     const LatticeFrame& frame = lattice[t];
     steps[t].resize(frame.nodes.size());
@@ -83,7 +129,8 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
     }
     for (std::size_t i = 0; i < steps[t - 1].size(); ++i) {
       if (steps[t - 1][i].empty()) continue;
-      LogTransitions(graph, lattice[t - 1].nodes[i], frame.nodes, log_floor, log_transition);
+      const Eigen::VectorXd& log_transition =
+          log_transitions.From(t - 1, static_cast<Eigen::Index>(i));
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
         const auto at = static_cast<Eigen::Index>(j);
         const double step = log_transition[at] + frame.log_emission[at];
@@ -125,17 +172,15 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
 
 std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const TransitionGraph& graph,
                                           double transition_floor) {
-  const double log_floor = std::log(transition_floor);
-  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, graph, log_floor);
+  LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
+  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, log_transitions);
   if (lattice.empty()) return marginals;
-  Eigen::VectorXd log_transition;
   Eigen::VectorXd ahead = Eigen::VectorXd::Zero(marginals.back().size());
   for (std::size_t t = lattice.size() - 1; t-- > 0;) {
     const Eigen::VectorXd from_next = ahead + lattice[t + 1].log_emission;
     ahead.resize(marginals[t].size());
     for (Eigen::Index i = 0; i < ahead.size(); ++i) {
-      LogTransitions(graph, lattice[t].nodes[i], lattice[t + 1].nodes, log_floor, log_transition);
-      ahead[i] = (log_transition + from_next).maxCoeff();
+      ahead[i] = (log_transitions.From(t, i) + from_next).maxCoeff();
     }
     marginals[t] += ahead;
   }
@@ -146,16 +191,14 @@ Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGra
                                      double transition_floor) {
   // In logarithms throughout: under the strict rule a path may have no share that a double can hold
   // at one frame, and be the only one left at the next.
-  const double log_floor = std::log(transition_floor);
+  LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   Eigen::VectorXd forward;
-  Eigen::VectorXd log_transition;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     Eigen::VectorXd arriving = Eigen::VectorXd::Zero(lattice[t].log_emission.size());
     if (t > 0) {
       Eigen::MatrixXd through(arriving.size(), forward.size());
       for (Eigen::Index i = 0; i < forward.size(); ++i) {
-        LogTransitions(graph, lattice[t - 1].nodes[i], lattice[t].nodes, log_floor, log_transition);
-        through.col(i) = log_transition.array() + forward[i];
+        through.col(i) = log_transitions.From(t - 1, i).array() + forward[i];
       }
       for (Eigen::Index j = 0; j < arriving.size(); ++j) arriving[j] = LogSum(through.row(j));
     }

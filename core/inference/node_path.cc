@@ -22,6 +22,8 @@ struct Descent {
 Descent Children(const Model& model, int layer, const Descent& above, const float* state) {
   const Tree& tree = model.tree();
   Descent below;
+  below.nodes.reserve(2 * above.nodes.size());
+  below.log_density.reserve(2 * above.nodes.size());
   for (std::size_t i = 0; i < above.nodes.size(); ++i) {
     const int first = tree.first_child(layer, above.nodes[i]);
     const int count = tree.child_count(layer, above.nodes[i]);
@@ -71,6 +73,8 @@ void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathO
     order.resize(limit);
     std::sort(order.begin(), order.end());
     Descent kept;
+    kept.nodes.reserve(limit);
+    kept.log_density.reserve(limit);
     for (int i : order) {
       kept.nodes.push_back(frame.nodes[i]);
       kept.log_density.push_back(frame.log_density[i]);

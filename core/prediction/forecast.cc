@@ -27,9 +27,19 @@ Track TrackOf(const Model& model, int frame) {
 
 // Rows of a key or of features, 3 N_v numbers each, in a mirror.
 Eigen::RowVectorXf MirrorRows(const Model& model, const Eigen::RowVectorXf& rows) {
-  const Eigen::Index numbers = 3 * model.marker_set().marker_count();
-  const FrameMatrix matrix = rows.reshaped<Eigen::RowMajor>(rows.size() / numbers, numbers);
-  return MirrorPositions(model.other_sides(), matrix).reshaped<Eigen::RowMajor>().transpose();
+  const std::vector<int>& other_sides = model.other_sides();
+  const auto numbers = 3 * std::ssize(other_sides);
+  Eigen::RowVectorXf mirrored(rows.size());
+  for (Eigen::Index first = 0; first < rows.size(); first += numbers) {
+    float* to = mirrored.data() + first;
+    for (const int other : other_sides) {
+      const float* const from = rows.data() + first + 3 * other;
+      *to++ = from[0];
+      *to++ = -from[1];
+      *to++ = from[2];
+    }
+  }
+  return mirrored;
 }
 
 double MeanLength(const Eigen::RowVectorXf& vectors) {
@@ -62,6 +72,17 @@ Forecaster::Forecaster(const Model& model, const StateSequence& past,
     moments_.push_back(moments[i]);
     keys_.push_back(std::move(keys[i]));
   }
+  features_of_.resize(moments_.size());
+}
+
+const Eigen::RowVectorXf& Forecaster::FeaturesOf(std::size_t i) {
+  Eigen::RowVectorXf& features = features_of_[i];
+  if (features.size() == 0) {
+    const StoredMoment& moment = moments_[i];
+    features = MotionFeatures(HistoryAt(TrackOf(model_, moment.frame), moment.frame));
+    if (moment.mirrored) features = MirrorRows(model_, features);
+  }
+  return features;
 }
 
 void Forecaster::Weigh(double seconds) {
@@ -69,18 +90,15 @@ void Forecaster::Weigh(double seconds) {
   const double frames = seconds * model_.settings().frame_rate_hz;
   for (std::size_t i = 0; i < moments_.size() && chosen.size() < kExamples; ++i) {
     const int frame = moments_[i].frame;
-    if (frame + frames <= TrackOf(model_, frame).end() - 1 + 1e-6) chosen.push_back(i);
+    const ModelClip& clip = model_.clips()[model_.clip_of_frame(frame)];
+    const int last = clip.first_frame + clip.frame_count - 1;
+    if (frame + frames <= last + 1e-6) chosen.push_back(i);
   }
   if (chosen == chosen_) return;
   chosen_ = std::move(chosen);
-  example_features_.clear();
   FrameMatrix keys(static_cast<Eigen::Index>(chosen_.size()), key_.size());
   for (std::size_t e = 0; e < chosen_.size(); ++e) {
     keys.row(static_cast<Eigen::Index>(e)) = keys_[chosen_[e]];
-    const StoredMoment& moment = moments_[chosen_[e]];
-    const Eigen::RowVectorXf features =
-        MotionFeatures(HistoryAt(TrackOf(model_, moment.frame), moment.frame));
-    example_features_.push_back(moment.mirrored ? MirrorRows(model_, features) : features);
   }
   weights_ =
       chosen_.empty() ? ExemplarWeights() : WeighExemplars(keys, key_, kKernelLength, kNoise);
@@ -104,7 +122,7 @@ Forecast Forecaster::At(double seconds) {
     const auto weight = static_cast<float>(weights_.weights[static_cast<Eigen::Index>(e)]);
     futures.push_back(Future(moments_[chosen_[e]], seconds));
     displacement += weight * futures.back();
-    features -= weight * example_features_[e];
+    features -= weight * FeaturesOf(chosen_[e]);
   }
   displacement += prior_.Displacement(features, seconds);
 
@@ -125,19 +143,18 @@ Forecast Forecaster::At(double seconds) {
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
                                                       double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled,
-                                                      const PathSearch* search) {
+                                                      std::vector<NodeState> known) {
   std::vector<StoredMoment> moments;
   const auto find = [&](const StateSequence& seen, bool mirrored) -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, seen));
-    PathSearch own;
-    const bool known = search != nullptr && !mirrored;
-    if (!known) {
+    std::vector<NodeState> now = mirrored ? std::vector<NodeState>() : std::move(known);
+    if (now.empty()) {
       MOTIONDB_ASSIGN_OR_RETURN(
-          own, FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
+          const PathSearch search,
+          FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
+      now = LastNodes(model, search, transition_floor);
     }
-    const PathSearch& found = known ? *search : own;
-    const std::vector<NodeState> now = LastNodes(model, found, transition_floor);
-    const std::vector<int> pool = ExemplarPool(model, found.layer, now, kMinPool);
+    const std::vector<int> pool = ExemplarPool(model, model.layer_count(), now, kMinPool);
     for (const Exemplar& exemplar :
          NearestFrames(model, pool, scaled.row(scaled.rows() - 1).data(), kMoments, without)) {
       moments.push_back({exemplar.frame, mirrored});

@@ -40,6 +40,8 @@ class Forecaster {
   Forecast At(double seconds);
 
  private:
+  // What the prior looks at before one of moments_.
+  const Eigen::RowVectorXf& FeaturesOf(std::size_t i);
   // Picks and weighs the nearest moments that are followed by so many seconds.
   void Weigh(double seconds);
   // How an example's markers move on (3 N_v, leg lengths).
@@ -51,20 +53,20 @@ class Forecaster {
   Eigen::RowVectorXf key_;
   Eigen::RowVectorXf features_;
   double speed_ = 0;
-  std::vector<StoredMoment> moments_;                 // nearest first
-  std::vector<Eigen::RowVectorXf> keys_;              // of each
-  std::vector<std::size_t> chosen_;                   // of moments_, those weighed last
-  ExemplarWeights weights_;                           // of these
-  std::vector<Eigen::RowVectorXf> example_features_;  // of these
+  std::vector<StoredMoment> moments_;            // nearest first
+  std::vector<Eigen::RowVectorXf> keys_;         // of each
+  std::vector<Eigen::RowVectorXf> features_of_;  // of each, empty until they are asked for
+  std::vector<std::size_t> chosen_;              // of moments_, those weighed last
+  ExemplarWeights weights_;                      // of these
 };
 
 // Stored moments to forecast from: those most like the last frame of `past` among the frames that
 // the tree takes it to, and the same of its mirror image where the markers have sides. Frames in
-// `without` are passed over. `search`, where given, is that of `past` on the bottom layer, so that
-// it is not made again. Errors as FindNodePaths.
+// `without` are passed over. `known`, where given, are the LastNodes of `past` on the bottom layer,
+// so that they are not looked for again. Errors as FindNodePaths.
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
                                                       double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled,
-                                                      const PathSearch* search = nullptr);
+                                                      std::vector<NodeState> known = {});
 
 }  // namespace motiondb::core

@@ -163,7 +163,7 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   const bool as_searched = search.layer == model.layer_count() && !past.states.hasNaN();
   MOTIONDB_ASSIGN_OR_RETURN(auto moments,
                             FindMoments(model, complete, options.transition_floor, options.without,
-                                        cancelled, as_searched ? &search : nullptr));
+                                        cancelled, as_searched ? now : std::vector<NodeState>()));
   Forecaster forecaster(model, complete, std::move(moments));
   for (const double seconds : options.horizon_seconds) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");

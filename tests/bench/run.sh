@@ -21,10 +21,11 @@ done
 declare -A quick_options=(
   [parse]="--rounds 3"
   [recognize]="--clips 200 --frames 100000"
+  [scale]="--clips 200 --frames 100000"
   [server]="--quick"
   [tree]="--frames 10000,30000"
 )
-with_rows=(tree recognize server parse)
+with_rows=(tree recognize scale server parse)
 plain=(kinematics plan)
 
 ./deploy/install_packages.sh build test >&2

@@ -1,0 +1,34 @@
+// A store with one large database in it, made from varied clips as a server would make it: clips
+// added, then a full rebuild. Functions keep no state.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "absl/status/statusor.h"
+#include "core/tree/parallel.h"
+#include "tests/bench/varied_motion.h"
+
+namespace motiondb::tests {
+
+inline constexpr char kLargeDatabase[] = "large";
+
+// A stage of a rebuild: its name, its wall time and the most memory that the process had held when
+// it ended.
+struct BuildStage {
+  std::string name;
+  double seconds = 0;
+  double peak_mb = 0;
+};
+
+// Makes the store at `path`, where nothing is, and returns what its model's build went through. The
+// clips' motion files are a line each, so the store holds little that a start does not read.
+absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
+                                                       const VariedSize& size, std::uint64_t seed,
+                                                       const core::ParallelFor& parallel);
+
+// Megabytes (10^6 bytes) of this process by a field of /proc/self/status: "VmRSS", "VmHWM".
+double ProcessMegabytes(const std::string& field);
+
+}  // namespace motiondb::tests

@@ -1,0 +1,261 @@
+// What a large database costs a server: how long a start takes to its first answer, beside reading
+// the file, and how much memory it takes to serve, beside the matrix of its states. Each is
+// measured in a fresh process, with the file in the system's cache; the reader's process is started
+// alike, and takes turns.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <future>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/calibration/held_out.h"
+#include "core/motion/error.h"
+#include "core/prediction/predict.h"
+#include "core/recognition/recognize.h"
+#include "server/engine/engine.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/bench/bench_table.h"
+#include "tests/bench/large_store.h"
+#include "tests/eval/threads.h"
+#include "tests/support/child_process.h"
+#include "tests/support/real_data.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+constexpr double kWindowSeconds = 0.4;
+
+struct Options {
+  VariedSize size;
+  std::string store;
+  int rounds = 5;
+  int queries = 400;  // before memory is looked at; half recognize, half predict
+  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  std::string json;
+  std::string read;   // be the child that reads this file
+  std::string serve;  // be the child that serves this store
+};
+
+// ---- The children: each prints a line when it is done with what is timed.
+
+absl::Status ReadOnce(const std::string& path) {
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (file < 0) return core::NotFound("{}: cannot be read", path);
+  std::vector<char> buffer(1 << 20);
+  ssize_t count = 0;
+  while ((count = read(file, buffer.data(), buffer.size())) > 0) {
+  }
+  close(file);
+  if (count < 0) return core::DataLoss("{}: cannot be read", path);
+  fmt::print("read\n");
+  return absl::OkStatus();
+}
+
+// A stored moment, told as an observation would be.
+core::StateSequence StoredWindow(const core::Model& model, int i) {
+  core::StateSequence motion =
+      core::StoredMotion(model, static_cast<int>(i * 37 % model.clips().size()));
+  const auto wanted = static_cast<int>(kWindowSeconds * motion.frame_rate_hz + 0.5);
+  const int frames = std::min(motion.frame_count(), wanted);
+  motion.states = core::FrameMatrix(motion.states.topRows(frames));
+  motion.root_path = core::RootPath(motion.root_path.topRows(frames));
+  return motion;
+}
+
+absl::Status Ask(const core::Model& model, int i) {
+  const core::StateSequence window = StoredWindow(model, i);
+  if (i % 2 == 1) return core::Predict(model, window, {}).status();
+  core::RecognizeOptions options;
+  options.window_seconds = kWindowSeconds;
+  return core::Recognize(model, window, options).status();
+}
+
+// All queries on the server's own threads, which have their own heaps.
+absl::Status AskMany(server::Workers& workers, const core::Model& model, int queries) {
+  std::vector<std::promise<absl::Status>> answers(queries);
+  for (int i = 0; i < queries; ++i) {
+    workers.Post([&, i] { answers[i].set_value(Ask(model, i)); });
+  }
+  absl::Status status;
+  for (auto& answer : answers) status.Update(answer.get_future().get());
+  return status;
+}
+
+absl::Status Serve(const std::string& path, int queries) {
+  spdlog::set_level(spdlog::level::off);  // it would write where the parent listens
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(path));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto engine, server::Engine::Open(std::move(store), {}));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, engine->FindDatabase(kLargeDatabase));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, engine->CurrentModel(*live));
+  const core::Model& model = snapshot->model;
+  MOTIONDB_RETURN_IF_ERROR(Ask(model, 0));
+  fmt::print("answered\n");
+  std::fflush(stdout);
+  const double started_mb = ProcessMegabytes("VmHWM");
+  MOTIONDB_RETURN_IF_ERROR(AskMany(engine->workers(), model, queries));
+  fmt::print("{} {} {} {} {}\n", started_mb, ProcessMegabytes("VmRSS"), model.frame_count(),
+             model.clips().size(), model.states().cols());
+  return absl::OkStatus();
+}
+
+// ---- The parent.
+
+struct Served {
+  std::vector<double> read_ms;
+  std::vector<double> start_ms;
+  double start_peak_mb = 0;  // the largest of all rounds
+  double serving_mb = 0;
+  double frames = 0;
+  int clips = 0;
+  int dimensions = 0;
+};
+
+// Until the child says what it is expected to.
+absl::StatusOr<double> Milliseconds(ChildProcess& child, const std::string& expected,
+                                    std::chrono::steady_clock::time_point began) {
+  const std::string line = child.ReadLine();
+  const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+  if (line != expected) return absl::InternalError("the measured process failed");
+  return took.count();
+}
+
+absl::StatusOr<Served> Measure(const std::string& program, const std::string& store,
+                               const Options& options) {
+  Served served;
+  for (int r = 0; r < options.rounds; ++r) {
+    const auto reading = std::chrono::steady_clock::now();
+    ChildProcess reader({program, "--read", store});
+    MOTIONDB_ASSIGN_OR_RETURN(served.read_ms.emplace_back(), Milliseconds(reader, "read", reading));
+    reader.Wait();
+
+    const auto starting = std::chrono::steady_clock::now();
+    ChildProcess server({program, "--serve", store, "--queries", std::to_string(options.queries)});
+    MOTIONDB_ASSIGN_OR_RETURN(served.start_ms.emplace_back(),
+                              Milliseconds(server, "answered", starting));
+    std::istringstream figures(server.ReadLine());
+    double peak_mb = 0, serving_mb = 0;
+    figures >> peak_mb >> serving_mb >> served.frames >> served.clips >> served.dimensions;
+    if (!figures || server.Wait() != 0) return absl::InternalError("the measured server failed");
+    served.start_peak_mb = std::max(served.start_peak_mb, peak_mb);
+    served.serving_mb = std::max(served.serving_mb, serving_mb);
+    fmt::print(stderr, "read {:.0f} ms, first answer after {:.0f} ms; {:.0f} MB, serving {:.0f}\n",
+               served.read_ms.back(), served.start_ms.back(), peak_mb, serving_mb);
+  }
+  return served;
+}
+
+std::string Describe(const std::vector<BuildStage>& stages) {
+  std::string text;
+  for (const BuildStage& stage : stages) {
+    text += fmt::format("{}{} {:.1f} s", text.empty() ? "" : ", ", stage.name, stage.seconds);
+  }
+  return fmt::format("{}; at most {:.0f} MB", text, stages.back().peak_mb);
+}
+
+double Median(std::vector<double> values) {
+  std::sort(values.begin(), values.end());
+  return values[values.size() / 2];
+}
+
+BenchTable Tabulate(const Served& served, std::uintmax_t file_bytes, const Options& options) {
+  BenchTable table{"scale", {}, {}};
+  const std::string size = served.frames >= 1e6 ? fmt::format("{:g}M frames", served.frames / 1e6)
+                                                : fmt::format("{:g}k frames", served.frames / 1e3);
+  table.rows.push_back(TimesTheirs("start-up to first answer, " + size, Median(served.start_ms),
+                                   "reading the file", Median(served.read_ms), "ms", AtMost(2)));
+  table.rows.push_back(TimesTheirs("memory while serving, " + size, served.serving_mb,
+                                   "the float32 matrix",
+                                   4 * served.frames * served.dimensions / 1e6, "MB", AtMost(1.5)));
+  table.notes.push_back(fmt::format(
+      "scale: {}, {} clips, a file of {:.0f} MB; medians of {} starts of a process, the file in "
+      "the "
+      "system's cache; an answer is to 0.4 s of motion; reading is read(2) into one megabyte over "
+      "and over",
+      kVariedMotion, served.clips, static_cast<double>(file_bytes) / 1e6, options.rounds));
+  table.notes.push_back(fmt::format(
+      "scale: memory is what is resident after {} queries on the server's threads (the most of {} "
+      "starts), without the transport's; at most {:.0f} MB during the start",
+      options.queries, options.rounds, served.start_peak_mb));
+  return table;
+}
+
+absl::StatusOr<BenchTable> Run(const Options& options) {
+  const TemporaryDirectory directory;
+  const std::string store = options.store.empty() ? directory / "large.db" : options.store;
+  std::vector<BuildStage> stages;
+  if (!std::filesystem::exists(store)) {
+    // Where it is at last only when it is whole.
+    const std::string making = store + ".making";
+    MOTIONDB_ASSIGN_OR_RETURN(stages,
+                              MakeLargeStore(making, options.size, kSeed, OnThreads(options.jobs)));
+    std::filesystem::rename(making, store);
+    fmt::print(stderr, "{}\n", Describe(stages));
+  }
+  const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
+  MOTIONDB_ASSIGN_OR_RETURN(const Served served, Measure(program, store, options));
+  BenchTable table = Tabulate(served, std::filesystem::file_size(store), options);
+  if (!stages.empty()) {
+    table.notes.push_back(fmt::format("scale: the store was made with {} threads: {}", options.jobs,
+                                      Describe(stages)));
+  }
+  return table;
+}
+
+int Report(const absl::Status& status) {
+  if (status.ok()) return 0;
+  fmt::print(stderr, "motiondb_bench_scale: {}\n", std::string(status.message()));
+  return 1;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures what a large database costs a server.", "motiondb_bench_scale");
+  Options options;
+  app.add_option("--clips", options.size.clips, "Stored clips")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--frames", options.size.frames, "Stored frames")
+      ->check(CLI::Range(1000, 100'000'000))
+      ->capture_default_str();
+  app.add_option("--store", options.store, "Use this store; make it where there is none")
+      ->type_name("FILE");
+  app.add_option("--rounds", options.rounds, "Starts")
+      ->check(CLI::Range(1, 1000))
+      ->capture_default_str();
+  app.add_option("--queries", options.queries, "Queries before memory is looked at")
+      ->check(CLI::Range(0, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--jobs", options.jobs, "Threads that make the store")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
+  app.add_option("--read", options.read)->group("");
+  app.add_option("--serve", options.serve)->group("");
+  CLI11_PARSE(app, argc, argv);
+  if (!options.read.empty()) return Report(ReadOnce(options.read));
+  if (!options.serve.empty()) return Report(Serve(options.serve, options.queries));
+  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
+    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    return 0;
+  }
+  const absl::StatusOr<BenchTable> table = Run(options);
+  return table.ok() ? Finish(*table, options.json) : Report(table.status());
+}
+
+}  // namespace
+}  // namespace motiondb::tests
+
+int main(int argc, char** argv) { return motiondb::tests::Main(argc, argv); }

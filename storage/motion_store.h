@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/tree/parallel.h"
 #include "storage/records.h"
 
 namespace motiondb::storage {
@@ -75,8 +76,10 @@ class MotionStore {
   virtual absl::StatusOr<ModelRecord> PutExtension(const std::string& database,
                                                    const core::Model& model,
                                                    double stale_share) = 0;
-  // The current model, whole. NOT_FOUND if there is none.
-  virtual absl::StatusOr<core::Model> ReadModel(const std::string& database) = 0;
+  // The current model, whole, read on the threads that the caller lends. NOT_FOUND if there is
+  // none.
+  virtual absl::StatusOr<core::Model> ReadModel(const std::string& database,
+                                                const core::ParallelFor& parallel) = 0;
   // Between the current model and the clips; without a model every clip is missing. A clip that was
   // replaced by another of the same id counts on both sides.
   virtual absl::StatusOr<ModelGap> FindModelGap(const std::string& database) = 0;

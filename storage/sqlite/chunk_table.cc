@@ -31,6 +31,11 @@ absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind 
 absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
                       const std::function<absl::Status(ByteSource&)>& decode) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, BlobBytes(connection, owner, kind));
+  return ReadBlob(connection, owner, kind, bytes, decode);
+}
+
+absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                      std::int64_t bytes, const std::function<absl::Status(ByteSource&)>& decode) {
   Statement rows = connection.Query(
       fmt::format("SELECT chunk FROM {0}_chunk WHERE {0}_key = ? AND kind = ? ORDER BY position",
                   owner.table),
@@ -64,10 +69,13 @@ absl::StatusOr<std::int64_t> BlobBytes(Connection& connection, const BlobOwner& 
                                    owner.table),
                        owner.key, static_cast<int>(kind));
   MOTIONDB_RETURN_IF_ERROR(total.Step().status());
-  const std::int64_t bytes =
-      total.Integer(1) - total.Integer(0) * static_cast<std::int64_t>(kChunkHeaderBytes);
+  const std::int64_t bytes = PayloadBytes(total.Integer(0), total.Integer(1));
   if (bytes < 0) return core::DataLoss("{}: a chunk is damaged: cut short", Describe(kind));
   return bytes;
+}
+
+std::int64_t PayloadBytes(std::int64_t chunks, std::int64_t chunk_bytes) {
+  return chunk_bytes - chunks * static_cast<std::int64_t>(kChunkHeaderBytes);
 }
 
 absl::Status DeleteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind) {

@@ -30,10 +30,17 @@ absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind 
 absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
                       const std::function<absl::Status(ByteSource&)>& decode);
 absl::StatusOr<std::string> ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind);
+// The same of a blob that is known to have so many bytes.
+absl::Status ReadBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                      std::int64_t bytes, const std::function<absl::Status(ByteSource&)>& decode);
 
 // Bytes of a blob; 0 if it has no chunks. Reads none of them.
 absl::StatusOr<std::int64_t> BlobBytes(Connection& connection, const BlobOwner& owner,
                                        BlobKind kind);
+
+// Bytes of a blob whose chunks are so many and have so many bytes with their headers; less than 0
+// where a chunk is cut short.
+std::int64_t PayloadBytes(std::int64_t chunks, std::int64_t chunk_bytes);
 
 absl::Status DeleteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind);
 

@@ -11,6 +11,7 @@
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
+#include "storage/sqlite/model_states.h"
 
 namespace motiondb::storage {
 namespace {
@@ -177,55 +178,6 @@ absl::StatusOr<std::vector<std::int64_t>> SelectModelClips(Connection& connectio
   }
 }
 
-// Before memory is taken: whether the clips hold as many states as the model says.
-absl::Status CheckStoredStates(Connection& connection, const core::ModelParts& parts,
-                               const std::vector<std::int64_t>& clip_keys) {
-  if (clip_keys.size() != parts.clips.size()) {
-    return core::DataLoss("parts: expected {} clips, got {}", parts.clips.size(), clip_keys.size());
-  }
-  const std::int64_t frame_bytes = 4 * std::int64_t{parts.marker_set.dimension_count()};
-  for (std::size_t c = 0; c < clip_keys.size(); ++c) {
-    const core::ModelClip& clip = parts.clips[c];
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes,
-                              BlobBytes(connection, ClipOwner(clip_keys[c]), BlobKind::kStates));
-    if (bytes < frame_bytes * clip.frame_count) {
-      return core::DataLoss("clip '{}': states: expected {} frames, got {} bytes", clip.id,
-                            clip.frame_count, bytes);
-    }
-  }
-  return absl::OkStatus();
-}
-
-// With room for the states of clips that were added.
-absl::Status ReadStates(Connection& connection, const std::vector<std::int64_t>& clip_keys,
-                        int added_frames, core::ModelParts& parts) {
-  MOTIONDB_RETURN_IF_ERROR(CheckStoredStates(connection, parts, clip_keys));
-  const int dimensions = parts.marker_set.dimension_count();
-  core::FrameMatrix states(parts.tree.frame_count() + added_frames, dimensions);
-  parts.root_path.resize(parts.tree.frame_count(), 3);
-  for (std::size_t c = 0; c < clip_keys.size(); ++c) {
-    const core::ModelClip& clip = parts.clips[c];
-    const auto decode = [&](ByteSource& source) -> absl::Status {
-      MOTIONDB_ASSIGN_OR_RETURN(const StatesHeader header, DecodeStatesHeader(source));
-      if (header.frame_count != clip.frame_count || header.dimension_count != dimensions) {
-        return core::DataLoss("states: expected {} frames of {} dimensions, got {} of {}",
-                              clip.frame_count, dimensions, header.frame_count,
-                              header.dimension_count);
-      }
-      const auto frames = static_cast<std::size_t>(clip.frame_count);
-      return DecodeStatesFrames(
-          source, std::span(states.row(clip.first_frame).data(), frames * dimensions),
-          std::span(parts.root_path.row(clip.first_frame).data(), 3 * frames));
-    };
-    MOTIONDB_RETURN_IF_ERROR(
-        In(fmt::format("clip '{}'", clip.id),
-           ReadBlob(connection, ClipOwner(clip_keys[c]), BlobKind::kStates, decode)));
-  }
-  parts.scale.Apply(states);
-  parts.states = core::SharedRows(std::move(states), added_frames);
-  return absl::OkStatus();
-}
-
 // Clips that were added after the build, as they were given to the model.
 absl::StatusOr<std::vector<core::BuildInput>> ReadAddedClips(Connection& connection,
                                                              std::span<const std::int64_t> keys) {
@@ -248,27 +200,34 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadAddedClips(Connection& connect
   return inputs;
 }
 
-absl::StatusOr<core::Model> ReadModelOf(Connection& connection, const CurrentModel& current) {
+absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections,
+                                        const CurrentModel& current,
+                                        const core::ParallelFor& parallel) {
+  Connection& first = *connections.front();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states,
+                            ModelStates::Find(first, current.model_key, current.built_key));
   core::ModelParts parts;
-  MOTIONDB_RETURN_IF_ERROR(ReadBlob(connection, ModelOwner(current.built_key), BlobKind::kModel,
-                                    [&](ByteSource& source) -> absl::Status {
-                                      MOTIONDB_ASSIGN_OR_RETURN(parts, DecodeModel(source));
-                                      return absl::OkStatus();
-                                    }));
-  MOTIONDB_ASSIGN_OR_RETURN(auto clip_keys, SelectModelClips(connection, current.built_key));
+  absl::Status read;
+  parallel(static_cast<int>(connections.size()), [&](int i) {
+    if (i > 0) return states->ReadSome(*connections[i]).IgnoreError();  // the first reads the rest
+    read = ReadBlob(first, ModelOwner(current.built_key), BlobKind::kModel,
+                    [&](ByteSource& source) -> absl::Status {
+                      MOTIONDB_ASSIGN_OR_RETURN(parts, DecodeModel(source));
+                      return absl::OkStatus();
+                    });
+    if (read.ok()) read = states->ReadSome(first);
+  });
+  MOTIONDB_RETURN_IF_ERROR(read);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys, SelectModelClips(first, current.built_key));
   if (std::ssize(clip_keys) != current.clip_count || clip_keys.size() < parts.clips.size()) {
     return core::DataLoss("parts: expected {} clips, got {}", current.clip_count, clip_keys.size());
   }
-  const std::vector<std::int64_t> added(
-      clip_keys.begin() + static_cast<std::ptrdiff_t>(parts.clips.size()), clip_keys.end());
-  clip_keys.resize(parts.clips.size());
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadAddedClips(connection, added));
-  int added_frames = 0;
-  for (const core::BuildInput& input : inputs) added_frames += input.states.frame_count();
-  MOTIONDB_RETURN_IF_ERROR(ReadStates(connection, clip_keys, added_frames, parts));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto inputs, ReadAddedClips(first, std::span(clip_keys).subspan(parts.clips.size())));
+  MOTIONDB_RETURN_IF_ERROR(states->MoveInto(parts, parallel));
   auto built = core::Model::Create(std::move(parts));
   if (!built.ok() || inputs.empty()) return built;
-  auto model = core::ExtendModel(*built, std::move(inputs), core::Serially);
+  auto model = core::ExtendModel(*built, std::move(inputs), parallel);
   if (!model.ok()) return core::DataLoss("{}", std::string(model.status().message()));
   return model;
 }
@@ -329,12 +288,14 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
   return SelectModel(connection, database, version);
 }
 
-absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection,
-                                               const std::string& database) {
+absl::StatusOr<core::Model> SelectCurrentModel(std::span<Connection* const> connections,
+                                               const std::string& database,
+                                               const core::ParallelFor& parallel) {
+  Connection& connection = *connections.front();
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const CurrentModel current,
                             FindCurrentModel(connection, database, database_key));
-  auto model = ReadModelOf(connection, current);
+  auto model = ReadModelOf(connections, current, parallel);
   if (!model.ok()) {
     return In(fmt::format("database '{}', model {}", database, current.version), model.status());
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,7 +20,11 @@ absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::strin
 absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
                                             const core::Model& model, double stale_share,
                                             std::int64_t create_time_us);
-absl::StatusOr<core::Model> SelectCurrentModel(Connection& connection, const std::string& database);
+// `connections` are one or more, each in a transaction; the first one decides what is current, the
+// others help to read where they see the same.
+absl::StatusOr<core::Model> SelectCurrentModel(std::span<Connection* const> connections,
+                                               const std::string& database,
+                                               const core::ParallelFor& parallel);
 // As MotionStore::FindModelGap.
 absl::StatusOr<ModelGap> SelectModelGap(Connection& connection, const std::string& database);
 absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::string& database,

@@ -12,6 +12,26 @@ ReaderPool::ReaderPool(std::string path, std::string vfs, int limit)
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire() {
   if (auto idle = TakeIdle()) return Lease(*this, std::move(idle));
+  return OpenPromised();
+}
+
+std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
+  std::vector<Lease> leases;
+  int to_open = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    for (auto& connection : idle_) leases.emplace_back(*this, std::move(connection));
+    idle_.clear();
+    to_open = std::exchange(left_to_open_, 0);
+  }
+  for (; to_open > 0; --to_open) {
+    auto opened = OpenPromised();
+    if (opened.ok()) leases.push_back(*std::move(opened));
+  }
+  return leases;
+}
+
+absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
   auto opened = OpenReader(path_, vfs_);
   if (!opened.ok()) {
     const std::lock_guard lock(mutex_);

@@ -36,10 +36,13 @@ class ReaderPool {
 
   // Waits for a connection if all are lent.
   absl::StatusOr<Lease> Acquire();
+  // All that are to be had without waiting, to help one that was acquired. May be none.
+  std::vector<Lease> AcquireIdle();
 
  private:
   // Null if there is none idle and one may be opened.
   std::unique_ptr<Connection> TakeIdle();
+  absl::StatusOr<Lease> OpenPromised();
   void GiveBack(std::unique_ptr<Connection> connection);
 
   const std::string path_;

@@ -158,8 +158,21 @@ absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& d
   });
 }
 
-absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database) {
-  return Read([&](Connection& connection) { return SelectCurrentModel(connection, database); });
+absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database,
+                                                         const core::ParallelFor& parallel) {
+  return Read([&](Connection& connection) -> absl::StatusOr<core::Model> {
+    std::vector<ReaderPool::Lease> helpers;
+    if (readers_ != nullptr) helpers = readers_->AcquireIdle();
+    std::vector<Transaction> transactions;
+    std::vector<Connection*> connections = {&connection};
+    for (const ReaderPool::Lease& helper : helpers) {
+      auto begun = Transaction::Begin(helper.connection(), Transaction::Kind::kRead);
+      if (!begun.ok()) continue;
+      transactions.push_back(*std::move(begun));
+      connections.push_back(&helper.connection());
+    }
+    return SelectCurrentModel(connections, database, parallel);
+  });
 }
 
 absl::StatusOr<ModelGap> SqliteMotionStore::FindModelGap(const std::string& database) {

@@ -61,7 +61,8 @@ class SqliteMotionStore final : public MotionStore {
                                        const core::Model& model) override;
   absl::StatusOr<ModelRecord> PutExtension(const std::string& database, const core::Model& model,
                                            double stale_share) override;
-  absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
+  absl::StatusOr<core::Model> ReadModel(const std::string& database,
+                                        const core::ParallelFor& parallel) override;
   absl::StatusOr<ModelGap> FindModelGap(const std::string& database) override;
   absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,

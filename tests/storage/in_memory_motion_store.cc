@@ -243,7 +243,8 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::PutExtension(const std::string&
   return record;
 }
 
-absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& database) {
+absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& database,
+                                                           const core::ParallelFor&) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
   if (!in->model) return core::NotFound("database '{}' has no model", database);

@@ -45,7 +45,8 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
                                                     const core::Model& model,
                                                     double stale_share) override;
-  absl::StatusOr<core::Model> ReadModel(const std::string& database) override;
+  absl::StatusOr<core::Model> ReadModel(const std::string& database,
+                                        const core::ParallelFor& parallel) override;
   absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override;
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,

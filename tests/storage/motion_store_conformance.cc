@@ -84,7 +84,7 @@ void TestDeleteDatabaseWithAll(StoreUnderTest& store) {
   }
   REQUIRE_OK(store->DeleteDatabase("a"));
   REQUIRE_ERROR(store->GetClip("a", "walk"), StatusCode::kNotFound, "a");
-  REQUIRE_ERROR(store->ReadModel("a"), StatusCode::kNotFound, "a");
+  REQUIRE_ERROR(store->ReadModel("a", core::Serially), StatusCode::kNotFound, "a");
   REQUIRE_ERROR(store->GetOperation("op-a"), StatusCode::kNotFound, "op-a");
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("a")));
   REQUIRE(ClipIds(store, "a", 10).empty());
@@ -93,7 +93,7 @@ void TestDeleteDatabaseWithAll(StoreUnderTest& store) {
   REQUIRE(Require(store->ListOperations("a", "", 10)).empty());
 
   REQUIRE(Require(store->GetClip("b", "walk")).id == "walk");
-  REQUIRE_OK(store->ReadModel("b"));
+  REQUIRE_OK(store->ReadModel("b", core::Serially));
   REQUIRE_OK(store->GetOperation("op-b"));
   REQUIRE(Require(store->ListOperations("", "", 10)).size() == 1);
 }
@@ -258,9 +258,9 @@ core::Model Extended(const core::Model& model, const NewClip& clip) {
 
 void TestModels(StoreUnderTest& store) {
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
-  REQUIRE_ERROR(store->ReadModel("d"), StatusCode::kNotFound, "d");
+  REQUIRE_ERROR(store->ReadModel("d", core::Serially), StatusCode::kNotFound, "d");
   REQUIRE_ERROR(store->GetModel("d", 1), StatusCode::kNotFound, "1");
-  REQUIRE_ERROR(store->ReadModel(kUnknown), StatusCode::kNotFound, kUnknown);
+  REQUIRE_ERROR(store->ReadModel(kUnknown, core::Serially), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->ListModels(kUnknown, 0, 10), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->DropModel(kUnknown), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->FindModelGap(kUnknown), StatusCode::kNotFound, kUnknown);
@@ -284,15 +284,15 @@ void TestModels(StoreUnderTest& store) {
   REQUIRE(first.nodes_per_layer.back() == model.tree().node_count(model.layer_count()));
   REQUIRE(model.layer_count() > 2);
   REQUIRE(Same(Require(store->GetModel("d", 1)), first));
-  REQUIRE(Same(Require(store->ReadModel("d")), model));
+  REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
 
   SECTION("the next model takes the place of the last") {
     REQUIRE_OK(store->AddClip(SampleClip("d", "jump", 3)));
-    REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     const core::Model next = SampleModel({clips[0], SampleClip("d", "jump", 3)});
     const auto second = Require(store->PutModel("d", next));
     REQUIRE(second.version == 2);
-    REQUIRE(Same(Require(store->ReadModel("d")), next));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
     first.current = false;
     REQUIRE(Same(Require(store->GetModel("d", 1)), first));
     const auto listed = Require(store->ListModels("d", 0, 10));
@@ -308,31 +308,31 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE(Require(store->FindModelGap("d")).removed == 1);
     REQUIRE(Require(store->FindModelGap("d")).missing.empty());
-    REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE_ERROR(store->ReadClipStates("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
     // Another clip of that name is not the one in the model.
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 9))).id == "walk");
-    REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE(Require(store->FindModelGap("d")).removed == 1);
     REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"walk"});
     const core::Model next = SampleModel({clips[1], SampleClip("d", "walk", 9)});
     REQUIRE(Require(store->PutModel("d", next)).version == 2);
-    REQUIRE(Same(Require(store->ReadModel("d")), next));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
   }
   SECTION("a model of a clip that was deleted or replaced is refused") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
     REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 9)));
     REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
-    REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 1);
   }
   SECTION("a clip that came back is the same clip") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->AddClip(clips[0]));
     REQUIRE(Require(store->PutModel("d", model)).version == 2);
-    REQUIRE(Same(Require(store->ReadModel("d")), model));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
   }
   SECTION("an extended model is kept, with the build that it extends") {
     const NewClip jump = SampleClip("d", "jump", 3);
@@ -348,7 +348,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(second.added_clip_count == 1);
     REQUIRE(second.added_frame_count == jump.record.frame_count);
     REQUIRE(second.stale_share == 0.25);
-    REQUIRE(Same(Require(store->ReadModel("d")), extended));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), extended));
     first.current = false;
     REQUIRE(Same(Require(store->GetModel("d", 1)), first));
     // It is no extension of itself, nor of a build that it does not know.
@@ -362,7 +362,7 @@ void TestModels(StoreUnderTest& store) {
     const auto third = Require(store->PutExtension("d", again, 0.5));
     REQUIRE(Require(store->FindModelGap("d")).empty());
     REQUIRE(third.added_clip_count == 2);
-    const core::Model read = Require(store->ReadModel("d"));
+    const core::Model read = Require(store->ReadModel("d", core::Serially));
     REQUIRE(read.clips().size() == 4);
     REQUIRE(read.states() == again.states());
     REQUIRE(read.tree().frame_order() == again.tree().frame_order());
@@ -370,10 +370,10 @@ void TestModels(StoreUnderTest& store) {
     // A clip of the build and an added one are deleted: both stay in the model.
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->DeleteClip("d", "hop"));
-    REQUIRE(Require(store->ReadModel("d")).clips().size() == 4);
+    REQUIRE(Require(store->ReadModel("d", core::Serially)).clips().size() == 4);
     const core::Model next = SampleModel({clips[1], jump});
     REQUIRE(Require(store->PutModel("d", next)).version == 4);
-    REQUIRE(Same(Require(store->ReadModel("d")), next));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
     REQUIRE(Require(store->GetModel("d", 4)).added_clip_count == 0);
     REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 4);
   }
@@ -390,7 +390,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->DeleteClip("d", "run"));
     REQUIRE_OK(store->DropModel("d"));
-    REQUIRE_ERROR(store->ReadModel("d"), StatusCode::kNotFound, "d");
+    REQUIRE_ERROR(store->ReadModel("d", core::Serially), StatusCode::kNotFound, "d");
     first.current = false;
     REQUIRE(Same(Require(store->GetModel("d", 1)), first));
     for (const NewClip& clip : clips) REQUIRE_OK(store->AddClip(clip));

@@ -2,6 +2,7 @@
 // wrong.
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <functional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -12,6 +13,31 @@
 #include "tests/storage/store_file.h"
 
 namespace motiondb::tests {
+namespace {
+
+void OnThreads(int count, const std::function<void(int)>& body) {
+  std::vector<std::jthread> threads;
+  for (int i = 0; i < count; ++i) threads.emplace_back(body, i);
+}
+
+}  // namespace
+
+TEST_CASE("SqliteMotionStore: a model read on several threads is the one that was put",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  std::vector<storage::NewClip> clips;
+  for (unsigned i = 0; i < 9; ++i) {
+    clips.push_back(SampleClip("d", "clip-" + std::to_string(i), i));
+    REQUIRE_OK(store->AddClip(clips.back()));
+  }
+  const core::Model model = SampleModel(clips);
+  REQUIRE_OK(store->PutModel("d", model));
+  const core::Model read = Require(store->ReadModel("d", OnThreads));
+  REQUIRE(Same(read, model));
+  REQUIRE(read.metric_frames().projected == model.metric_frames().projected);
+}
 
 TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
           "[storage][concurrency]") {
@@ -39,7 +65,8 @@ TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
           const auto states = store->ReadClipStates("d", (*clips)[i % clips->size()].id);
           if (!states.ok() || states->frame_count() != 60) ++errors;
         }
-        const auto read = store->ReadModel("d");
+        const auto read =
+            store->ReadModel("d", i % 2 == 0 ? core::ParallelFor(OnThreads) : core::Serially);
         if (!read.ok() || read->frame_count() != 60) ++errors;
         ++reads;
       }

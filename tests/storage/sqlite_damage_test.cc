@@ -50,7 +50,7 @@ TEST_CASE("SqliteMotionStore: a damaged chunk is named and the rest can be read"
                   "database 'd', clip 'a': states: chunk 1 is damaged");
     REQUIRE_OK(store->ReadClipSource("d", "a"));
     REQUIRE(Same(Require(store->ReadClipStates("d", "b")), SampleStates(60, 2)));
-    REQUIRE_OK(store->ReadModel("d"));
+    REQUIRE_OK(store->ReadModel("d", core::Serially));
     REQUIRE(Require(store->ListClips("d", {})).size() == 2);
     // The way out: the clip is deleted and ingested again.
     REQUIRE_OK(store->DeleteClip("d", "a"));
@@ -77,22 +77,24 @@ TEST_CASE("SqliteMotionStore: a damaged model is named", "[storage][damage]") {
   Fill(file);
   SECTION("in its own parts") {
     file.Sql(ChangeByte("model_chunk", 100, "position = 0"));
-    REQUIRE_ERROR(file.Open()->ReadModel("d"), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
                   "database 'd', model 1: parts: chunk 0 is damaged");
   }
   SECTION("in the states of a clip") {
     file.Sql(ChangeByte("clip_chunk", 100,
                         "kind = 3 AND clip_key = (SELECT clip_key FROM clip WHERE id = 'b')"));
-    REQUIRE_ERROR(file.Open()->ReadModel("d"), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
                   "database 'd', model 1: clip 'b': states: chunk 0 is damaged");
   }
   SECTION("in its list of clips") {
     file.Sql("DELETE FROM model_clip");
-    REQUIRE_ERROR(file.Open()->ReadModel("d"), StatusCode::kDataLoss, "expected 1 clips, got 0");
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+                  "expected 1 clips, got 0");
   }
   SECTION("which now names another clip") {
     file.Sql("UPDATE model_clip SET clip_key = (SELECT clip_key FROM clip WHERE id = 'a')");
-    REQUIRE_ERROR(file.Open()->ReadModel("d"), StatusCode::kDataLoss, "expected 60 frames");
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+                  "expected 60 frames");
   }
   // A new model takes its place.
   REQUIRE_OK(file.Open()->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));

@@ -52,7 +52,7 @@ std::string Dump(storage::MotionStore& store) {
   for (const auto& model : Require(store.ListModels("d", 0, 100))) {
     text += std::to_string(model.version) + (model.current ? "*" : "");
   }
-  const auto model = store.ReadModel("d");
+  const auto model = store.ReadModel("d", core::Serially);
   if (model.ok()) text += Encoded(model->parts());
   for (const auto& operation : Require(store.ListOperations("d", "", 100))) text += operation.id;
   return text;

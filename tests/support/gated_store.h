@@ -95,9 +95,10 @@ class GatedStore : public storage::MotionStore {
                                                     double stale_share) override {
     return store_->PutExtension(database, model, stale_share);
   }
-  absl::StatusOr<core::Model> ReadModel(const std::string& database) override {
+  absl::StatusOr<core::Model> ReadModel(const std::string& database,
+                                        const core::ParallelFor& parallel) override {
     if (!model_fault_.ok()) return model_fault_;
-    return store_->ReadModel(database);
+    return store_->ReadModel(database, parallel);
   }
   absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override {
     return store_->FindModelGap(database);

@@ -1,23 +1,51 @@
 #include "core/model/metric_frames.h"
 
+#include <algorithm>
+#include <span>
+#include <utility>
+
 #include "core/model/model.h"
 
 namespace motiondb::core {
+namespace {
+
+constexpr int kRowsAtOnce = 256;  // of states that are gathered: they stay in the nearer caches
+
+// Some rows of the states in the metric: the first rows of `projected`.
+void ProjectRows(const MotionMetric& metric, const SharedRows& states, std::span<const int> rows,
+                 FrameMatrix& projected, const ParallelFor& parallel) {
+  const auto count = static_cast<int>(rows.size());
+  parallel((count + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
+    const int first = block * kRowsAtOnce;
+    FrameMatrix gathered(std::min(kRowsAtOnce, count - first), states.cols());
+    for (Eigen::Index r = 0; r < gathered.rows(); ++r) {
+      gathered.row(r) = states.row(rows[first + r]) - metric.mean;
+    }
+    projected.middleRows(first, gathered.rows()).noalias() = gathered * metric.projection;
+  });
+}
+
+}  // namespace
 
 FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states) {
   return (states.rowwise() - metric.mean) * metric.projection;
 }
 
-MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known) {
+MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
+                           const ParallelFor& parallel) {
   MetricFrames frames;
   if (parts.metric.empty()) return frames;
   frames.rows = StrideFrames(parts.clips, parts.settings.frame_rate_hz);
-  const std::vector<int> more(frames.rows.frame.begin() + known.projected.rows(),
-                              frames.rows.frame.end());
-  const FrameMatrix projected = Project(parts.metric, parts.states.view()(more, Eigen::all));
-  frames.projected = known.projected.WithMore(projected);
+  const auto more = std::span(frames.rows.frame).subspan(known.projected.rows());
+  // The first ones have an eighth more room behind them, as SharedRows would give them.
+  const Eigen::Index room = known.projected.rows() == 0 ? std::ssize(more) / 8 : 0;
+  FrameMatrix projected(std::ssize(more) + room, parts.metric.projection.cols());
+  ProjectRows(parts.metric, parts.states, more, projected, parallel);
+  const Eigen::VectorXf norms = projected.topRows(std::ssize(more)).rowwise().squaredNorm();
+  frames.projected = known.projected.rows() == 0 ? SharedRows(std::move(projected), room)
+                                                 : known.projected.WithMore(projected);
   frames.squared_norms.resize(frames.projected.rows());
-  frames.squared_norms << known.squared_norms, projected.rowwise().squaredNorm();
+  frames.squared_norms << known.squared_norms, norms;
   return frames;
 }
 

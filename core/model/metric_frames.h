@@ -7,6 +7,7 @@
 #include "core/model/frame_stride.h"
 #include "core/model/shared_rows.h"
 #include "core/motion/matrix.h"
+#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 
@@ -23,7 +24,8 @@ struct MetricFrames {
 FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states);
 
 // Empty where the model has no metric. `known` are those of the model that this one extends, or
-// empty: they are shared.
-MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known);
+// empty: they are shared. Takes no memory that grows with the frames but the result's.
+MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
+                           const ParallelFor& parallel);
 
 }  // namespace motiondb::core

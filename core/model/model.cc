@@ -100,21 +100,21 @@ absl::Status Check(const ModelParts& parts) {
 
 }  // namespace
 
-Model::Model(ModelParts parts, const MetricFrames& known)
+Model::Model(ModelParts parts, const MetricFrames& known, const ParallelFor& parallel)
     : parts_(std::move(parts)),
-      metric_frames_(ProjectStored(parts_, known)),
+      metric_frames_(ProjectStored(parts_, known, parallel)),
       clip_index_(ClipIndex::Of(parts_)),
       rigid_tree_(FindRigidTree(parts_)),
       other_sides_(OtherSides(parts_.marker_set.markers)) {}
 
-absl::StatusOr<Model> Model::Create(ModelParts parts) {
+absl::StatusOr<Model> Model::Create(ModelParts parts, const ParallelFor& parallel) {
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
-  return Model(std::move(parts), MetricFrames());
+  return Model(std::move(parts), MetricFrames(), parallel);
 }
 
 absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
-  return Model(std::move(parts), base.metric_frames_);
+  return Model(std::move(parts), base.metric_frames_, Serially);
 }
 
 int Model::clip_of_frame(int frame) const {

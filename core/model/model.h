@@ -21,6 +21,7 @@
 #include "core/motion/states.h"
 #include "core/tree/feature_scale.h"
 #include "core/tree/node_gaussians.h"
+#include "core/tree/parallel.h"
 #include "core/tree/tree.h"
 
 namespace motiondb::core {
@@ -70,8 +71,9 @@ struct ModelParts {
 
 class Model {
  public:
-  // DATA_LOSS if the parts do not fit each other.
-  static absl::StatusOr<Model> Create(ModelParts parts);
+  // DATA_LOSS if the parts do not fit each other. What is derived from them is made on the threads
+  // that are lent.
+  static absl::StatusOr<Model> Create(ModelParts parts, const ParallelFor& parallel = Serially);
   // The same for a model that extends `base`: what was derived from base's frames is shared.
   static absl::StatusOr<Model> Create(ModelParts parts, const Model& base);
 
@@ -129,7 +131,7 @@ class Model {
   absl::StatusOr<int> ResolveLayer(int layer) const;
 
  private:
-  Model(ModelParts parts, const MetricFrames& known);
+  Model(ModelParts parts, const MetricFrames& known, const ParallelFor& parallel);
   ModelParts parts_;
   MetricFrames metric_frames_;
   ClipIndex clip_index_;

@@ -225,7 +225,7 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
   MOTIONDB_ASSIGN_OR_RETURN(
       auto inputs, ReadAddedClips(first, std::span(clip_keys).subspan(parts.clips.size())));
   MOTIONDB_RETURN_IF_ERROR(states->MoveInto(parts, parallel));
-  auto built = core::Model::Create(std::move(parts));
+  auto built = core::Model::Create(std::move(parts), parallel);
   if (!built.ok() || inputs.empty()) return built;
   auto model = core::ExtendModel(*built, std::move(inputs), parallel);
   if (!model.ok()) return core::DataLoss("{}", std::string(model.status().message()));

@@ -47,17 +47,20 @@ FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips
   reference.scores.assign(global_graphs.size(), std::vector<float>(windows.size()));
   parallel(static_cast<int>(windows.size()), [&](int w) {
     const FrameRun& window = windows[w];
-    // A branch stands in several layers: its density is computed once.
+    // A branch stands in several layers: its density is computed once. Its statistics are read once
+    // for all frames, for those of all branches together are larger than any cache.
     EmissionMatrix by_branch(window.count, gaussians.branch_count());
-    for (int t = 0; t < window.count; ++t) {
-      const float* x = states.row(window.first + t).data();
-      for (int b = 0; b < gaussians.branch_count(); ++b)
-        by_branch(t, b) = gaussians.LogDensity(b, x);
+    for (int b = 0; b < gaussians.branch_count(); ++b) {
+      for (int t = 0; t < window.count; ++t) {
+        by_branch(t, b) = gaussians.LogDensity(b, states.row(window.first + t).data());
+      }
     }
     for (int layer = 1; layer <= tree.layer_count(); ++layer) {
       EmissionMatrix by_node(window.count, tree.node_count(layer));
-      for (int node = 0; node < tree.node_count(layer); ++node) {
-        by_node.col(node) = by_branch.col(tree.branch(layer, node));
+      for (int t = 0; t < window.count; ++t) {
+        for (int node = 0; node < tree.node_count(layer); ++node) {
+          by_node(t, node) = by_branch(t, tree.branch(layer, node));
+        }
       }
       reference.scores[layer - 1][w] =
           static_cast<float>(FamiliarityScore(global_graphs[layer - 1], by_node));

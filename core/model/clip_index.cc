@@ -1,5 +1,6 @@
 #include "core/model/clip_index.h"
 
+#include "core/model/clip_graphs.h"
 #include "core/model/metric_frames.h"
 #include "core/model/model.h"
 
@@ -30,8 +31,12 @@ ClipIndex ClipIndex::Of(const ModelParts& parts) {
 
   std::vector<std::vector<int>> of_node(nodes);
   for (std::size_t clip = 0; clip < parts.clip_graphs.size(); ++clip) {
-    for (const int node : (*parts.clip_graphs[clip])[layer - 1].nodes)
-      of_node[node].push_back(static_cast<int>(clip));
+    for (const int node : NodesAbove(parts.tree, layer, parts.clip_graphs[clip]->nodes)) {
+      std::vector<int>& clips = of_node[node];
+      if (clips.empty() || clips.back() != static_cast<int>(clip)) {
+        clips.push_back(static_cast<int>(clip));
+      }
+    }
   }
   for (const std::vector<int>& clips : of_node) {
     index.begin_.push_back(static_cast<int>(index.clips_.size()));

@@ -44,7 +44,7 @@ void AppendGraphs(const Model& base, const std::vector<ModelClip>& added,
   parts.clip_graphs = base.parts().clip_graphs;
   for (const ModelClip& clip : added) {
     parts.clip_graphs.push_back(
-        std::make_shared<const ClipGraphs>(CountClipGraphs(parts.tree, clip)));
+        std::make_shared<const ClipGraph>(CountClipGraph(parts.tree, clip)));
   }
   parts.global_graphs.resize(base.layer_count());
   parallel(base.layer_count(), [&](int l) {

@@ -5,6 +5,7 @@
 #include <functional>
 #include <utility>
 
+#include "core/model/clip_graphs.h"
 #include "core/motion/error.h"
 #include "core/motion/mirror.h"
 
@@ -82,12 +83,15 @@ absl::Status CheckLayers(const ModelParts& parts) {
   }
   for (std::size_t l = 0; l < layers; ++l) {
     const int nodes = parts.tree.node_count(static_cast<int>(l) + 1);
-    const bool fit = std::ranges::all_of(parts.clip_graphs, [&](const auto& clip) {
-      return clip != nullptr && clip->size() == layers && Fits((*clip)[l], nodes);
-    });
-    if (!Fits(parts.global_graphs[l], nodes) || !fit) {
-      return DataLoss("model: the graphs of layer {} do not fit its {} nodes", l + 1, nodes);
+    if (!Fits(parts.global_graphs[l], nodes)) {
+      return DataLoss("model: the graph of layer {} does not fit its {} nodes", l + 1, nodes);
     }
+  }
+  const int nodes = parts.tree.node_count(parts.tree.layer_count());
+  if (!std::ranges::all_of(parts.clip_graphs, [&](const auto& graph) {
+        return graph != nullptr && Fits(*graph, nodes);
+      })) {
+    return DataLoss("model: the clips' graphs do not fit the bottom layer's {} nodes", nodes);
   }
   return absl::OkStatus();
 }
@@ -115,6 +119,12 @@ absl::StatusOr<Model> Model::Create(ModelParts parts, const ParallelFor& paralle
 absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
   return Model(std::move(parts), base.metric_frames_, Serially);
+}
+
+std::shared_ptr<const ClipGraph> Model::clip_graph(int layer, int clip) const {
+  const auto& bottom = parts_.clip_graphs[clip];
+  if (layer == layer_count()) return bottom;
+  return std::make_shared<const ClipGraph>(ClipGraphAbove(parts_.tree, layer, *bottom));
 }
 
 int Model::clip_of_frame(int frame) const {

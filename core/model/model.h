@@ -43,9 +43,6 @@ struct ModelClip {
   std::string subject;  // empty where it is not known
 };
 
-// A clip's transition graph on each layer: [layer - 1].
-using ClipGraphs = std::vector<ClipGraph>;
-
 // Everything a model is made of, as a builder makes it and a store gives it back.
 struct ModelParts {
   BuildSettings settings;
@@ -58,9 +55,9 @@ struct ModelParts {
   RootPath root_path;  // frames x 3
   FeatureScale scale;  // what states were divided by
   Tree tree;
-  NodeGaussians gaussians;                                     // one for each branch of the tree
-  std::vector<TransitionGraph> global_graphs;                  // [layer - 1]
-  std::vector<std::shared_ptr<const ClipGraphs>> clip_graphs;  // [clip]
+  NodeGaussians gaussians;                                    // one for each branch of the tree
+  std::vector<TransitionGraph> global_graphs;                 // [layer - 1]
+  std::vector<std::shared_ptr<const ClipGraph>> clip_graphs;  // [clip], on the bottom layer
   FamiliarityReference familiarity;
   MotionPrior prior;
   MotionMetric metric;
@@ -87,9 +84,8 @@ class Model {
   const Tree& tree() const { return parts_.tree; }
   const NodeGaussians& gaussians() const { return parts_.gaussians; }
   const TransitionGraph& global_graph(int layer) const { return parts_.global_graphs[layer - 1]; }
-  const ClipGraph& clip_graph(int layer, int clip) const {
-    return (*parts_.clip_graphs[clip])[layer - 1];
-  }
+  // That on the bottom layer is kept, those on others are put together from it.
+  std::shared_ptr<const ClipGraph> clip_graph(int layer, int clip) const;
   const FamiliarityReference& familiarity() const { return parts_.familiarity; }
   const MotionPrior& prior() const { return parts_.prior; }
   const MotionMetric& metric() const { return parts_.metric; }

@@ -22,7 +22,7 @@ void CountGraphs(const ParallelFor& parallel, ModelParts& parts) {
   parts.clip_graphs.resize(parts.clips.size());
   parallel(static_cast<int>(parts.clips.size()), [&](int c) {
     parts.clip_graphs[c] =
-        std::make_shared<const ClipGraphs>(CountClipGraphs(parts.tree, parts.clips[c]));
+        std::make_shared<const ClipGraph>(CountClipGraph(parts.tree, parts.clips[c]));
   });
 }
 
@@ -73,7 +73,7 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));
   parts.metric = FitMotionMetric(parts, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(1, "done"));
-  return Model::Create(std::move(parts));
+  return Model::Create(std::move(parts), parallel);
 }
 
 }  // namespace motiondb::core

@@ -45,9 +45,9 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
     return a.probability > b.probability;
   });
   for (int c = 0; c < static_cast<int>(model.clips().size()); ++c) {
-    const ClipGraph& clip = model.clip_graph(layer, c);
+    const auto clip = model.clip_graph(layer, c);
     const auto state_of = [&](int node) {
-      const auto& nodes = clip.nodes;
+      const auto& nodes = clip->nodes;
       const auto at = std::lower_bound(nodes.begin(), nodes.end(), node);
       return at != nodes.end() && *at == node ? static_cast<int>(at - nodes.begin()) : -1;
     };
@@ -56,7 +56,7 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
       if (to < 0) continue;
       const bool makes = std::any_of(now.begin(), now.end(), [&](const NodeState& state) {
         const int from = state.node == candidate.node ? -1 : state_of(state.node);
-        return from >= 0 && clip.transitions.count(from, to) > 0;
+        return from >= 0 && clip->transitions.count(from, to) > 0;
       });
       if (makes) candidate.clips.push_back(c);
     }

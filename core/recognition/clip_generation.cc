@@ -45,7 +45,7 @@ absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int l
   for (const int clip : clips) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     scores.push_back(
-        {clip, ClipLogGeneration(model.clip_graph(layer, clip), emission.log_density(), options) -
+        {clip, ClipLogGeneration(*model.clip_graph(layer, clip), emission.log_density(), options) -
                    evidence});
   }
   return scores;

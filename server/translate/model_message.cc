@@ -62,8 +62,8 @@ void SetStates(const core::Model& model, int first_frame, int end_frame,
 }
 
 TransitionList::TransitionList(const core::Model& model, int layer, int clip)
-    : graph_(clip < 0 ? model.global_graph(layer) : model.clip_graph(layer, clip).transitions),
-      nodes_(clip < 0 ? nullptr : &model.clip_graph(layer, clip).nodes) {}
+    : clip_(clip < 0 ? nullptr : model.clip_graph(layer, clip)),
+      graph_(clip_ == nullptr ? model.global_graph(layer) : clip_->transitions) {}
 
 void TransitionList::SetTransition(int edge, v1::Transition& message) const {
   const auto& row_begin = graph_.row_begin();

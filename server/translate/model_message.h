@@ -1,6 +1,8 @@
 // Models, their nodes and transitions as messages. Safe to call from any thread.
 #pragma once
 
+#include <memory>
+
 #include "core/graph/transition_graph.h"
 #include "server/engine/live_database.h"
 
@@ -34,10 +36,10 @@ class TransitionList {
   void SetTransition(int edge, v1::Transition& message) const;
 
  private:
-  int NodeOf(int state) const { return nodes_ == nullptr ? state : (*nodes_)[state]; }
+  int NodeOf(int state) const { return clip_ == nullptr ? state : clip_->nodes[state]; }
 
+  const std::shared_ptr<const core::ClipGraph> clip_;  // null: the global graph, of nodes
   const core::TransitionGraph& graph_;
-  const std::vector<std::int32_t>* nodes_;  // null: states are nodes
 };
 
 }  // namespace motiondb::server

@@ -168,28 +168,26 @@ core::NodeGaussians GetGaussians(FieldReader& reader, Eigen::Index branches,
 void PutGraphs(FieldWriter& writer, const core::ModelParts& parts) {
   writer.PutCount(parts.global_graphs.size());
   for (const core::TransitionGraph& graph : parts.global_graphs) PutGraph(writer, graph);
-  writer.PutCount(parts.global_graphs.size());
-  for (std::size_t layer = 0; layer < parts.global_graphs.size(); ++layer) {
-    writer.PutCount(parts.clip_graphs.size());
-    for (const auto& clip : parts.clip_graphs) PutClipGraph(writer, (*clip)[layer]);
-  }
+  writer.PutCount(1);  // layers of which clips' graphs follow
+  writer.PutCount(parts.clip_graphs.size());
+  for (const auto& graph : parts.clip_graphs) PutClipGraph(writer, *graph);
 }
 
 void GetGraphs(FieldReader& reader, core::ModelParts& parts) {
   parts.global_graphs.resize(reader.GetCount(kGraphBytes));
   for (core::TransitionGraph& graph : parts.global_graphs) graph = GetGraph(reader);
-  std::vector<core::ClipGraphs> clips(parts.clips.size());
+  // Older versions have clips' graphs on all layers, the bottom one last.
+  std::vector<core::ClipGraph> clips(parts.clips.size());
   const std::size_t layers = reader.GetCount(sizeof(std::uint32_t));
   for (std::size_t layer = 0; layer < layers && reader.ok(); ++layer) {
     const std::size_t count = reader.GetCount(kClipGraphBytes);
     if (reader.ok() && count != clips.size()) {
       reader.Fail(core::DataLoss("graphs: those of {} clips for {} clips", count, clips.size()));
     }
-    for (core::ClipGraphs& clip : clips) clip.push_back(GetClipGraph(reader));
+    for (core::ClipGraph& graph : clips) graph = GetClipGraph(reader);
   }
-  for (core::ClipGraphs& clip : clips) {
-    clip.shrink_to_fit();
-    parts.clip_graphs.push_back(std::make_shared<const core::ClipGraphs>(std::move(clip)));
+  for (core::ClipGraph& graph : clips) {
+    parts.clip_graphs.push_back(std::make_shared<const core::ClipGraph>(std::move(graph)));
   }
 }
 

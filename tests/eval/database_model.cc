@@ -33,10 +33,9 @@ double ModelBytes(const core::Model& model) {
                  8.0 * static_cast<double>(model.gaussians().means().size());
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     bytes += GraphBytes(model.global_graph(layer));
-    for (int clip = 0; clip < static_cast<int>(model.clips().size()); ++clip) {
-      const core::ClipGraph& graph = model.clip_graph(layer, clip);
-      bytes += GraphBytes(graph.transitions) + 8.0 * static_cast<double>(graph.nodes.size());
-    }
+  }
+  for (const auto& graph : model.parts().clip_graphs) {
+    bytes += GraphBytes(graph->transitions) + 8.0 * static_cast<double>(graph->nodes.size());
   }
   for (const auto& scores : model.familiarity().scores) {
     bytes += 4.0 * static_cast<double>(scores.size());

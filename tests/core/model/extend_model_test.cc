@@ -61,8 +61,11 @@ TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with
     CHECK(model.global_graph(layer).row_begin() == counted.row_begin());
     for (int c = 0; c < 14; ++c) {
       const core::ClipGraph own = core::CountClipTransitions(sequences[c]);
-      CHECK(model.clip_graph(layer, c).nodes == own.nodes);
-      CHECK(model.clip_graph(layer, c).frames == own.frames);
+      const auto graph = model.clip_graph(layer, c);
+      CHECK(graph->nodes == own.nodes);
+      CHECK(graph->frames == own.frames);
+      CHECK(graph->transitions.row_begin() == own.transitions.row_begin());
+      CHECK(graph->transitions.edges() == own.transitions.edges());
     }
   }
   // Recognition's own view of the frames is that of a model made from the same parts anew.

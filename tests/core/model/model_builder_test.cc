@@ -56,7 +56,7 @@ TEST_CASE("BuildModel: transition rows sum to 1, and clip counts to the global o
     const core::TransitionGraph& global = model.global_graph(layer);
     long clip_transitions = 0;
     for (int clip = 0; clip < static_cast<int>(model.clips().size()); ++clip) {
-      const core::ClipGraph& graph = model.clip_graph(layer, clip);
+      const core::ClipGraph graph = *model.clip_graph(layer, clip);
       for (int from = 0; from < graph.transitions.node_count(); ++from) {
         double sum = 0;
         for (const core::Edge& edge : graph.transitions.row(from)) {
@@ -136,9 +136,8 @@ TEST_CASE("Model: refuses parts that do not fit each other", "[core][model]") {
     return core::Model::Create(std::move(parts)).status().code() == absl::StatusCode::kDataLoss;
   };
   CHECK_FALSE(refused([](core::ModelParts&) {}));
-  CHECK(refused([](auto& p) {
-    p.states = core::SharedRows(p.states.middleRows(0, p.states.rows() - 1));
-  }));
+  CHECK(refused(
+      [](auto& p) { p.states = core::SharedRows(p.states.middleRows(0, p.states.rows() - 1)); }));
   CHECK(refused([](auto& p) { p.clips.pop_back(); }));
   CHECK(refused([](auto& p) { p.clips[1].first_frame += 1; }));
   CHECK(refused([](auto& p) { p.scale.divisor[0] = 0; }));
@@ -147,9 +146,9 @@ TEST_CASE("Model: refuses parts that do not fit each other", "[core][model]") {
   CHECK(refused([](auto& p) { p.clip_graphs.back() = nullptr; }));
   CHECK(refused([](auto& p) { p.familiarity.scores.pop_back(); }));
   CHECK(refused([](auto& p) {
-    core::ClipGraphs graphs = *p.clip_graphs.back();
-    graphs[0].nodes.back() = 10000;
-    p.clip_graphs.back() = std::make_shared<const core::ClipGraphs>(std::move(graphs));
+    core::ClipGraph graph = *p.clip_graphs.back();
+    graph.nodes.back() = 10000;
+    p.clip_graphs.back() = std::make_shared<const core::ClipGraph>(std::move(graph));
   }));
   CHECK(refused([](auto& p) { p.built_clip_count = 4; }));
 }

@@ -169,7 +169,7 @@ TEST_CASE("Recognize: log probabilities are eq. 7 summed, on every layer", "[cor
       posterior.row(t) /= posterior.row(t).sum();  // eq. 8
     }
     for (const core::ClipScore& score : windows->front().clips) {
-      const core::ClipGraph& graph = model.clip_graph(layer, score.clip);
+      const core::ClipGraph graph = *model.clip_graph(layer, score.clip);
       core::EmissionMatrix emission(12, static_cast<Eigen::Index>(graph.nodes.size()));
       for (Eigen::Index s = 0; s < emission.cols(); ++s) {
         emission.col(s) = posterior.col(graph.nodes[static_cast<std::size_t>(s)]).array().log();

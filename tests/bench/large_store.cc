@@ -90,7 +90,7 @@ absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
     log.Enter(stage);
     return true;
   };
-  MOTIONDB_RETURN_IF_ERROR(server::Rebuild(*store, live, parallel, progress).status());
+  MOTIONDB_RETURN_IF_ERROR(server::Rebuild(*store, live, {}, parallel, progress).status());
   log.Leave();
   return std::move(log).stages();
 }

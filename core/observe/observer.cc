@@ -96,8 +96,8 @@ absl::Status Observer::Replace(const Model& model) {
                            model.settings().frame_rate_hz, model.marker_set().name,
                            model_->settings().frame_rate_hz, model_->marker_set().name);
   }
-  MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options_.layer));
-  Under(model, layer);
+  const auto layer = model.ResolveLayer(options_.layer);
+  Under(model, layer.ok() ? *layer : model.layer_count());
   GoOverKept();
   return absl::OkStatus();
 }
@@ -234,12 +234,11 @@ absl::Status Observer::PredictInto(const Cancelled& cancelled, Observed& observe
   options.history_seconds = options_.history_seconds;
   options.horizon_seconds = options_.horizon_seconds;
   options.transition_floor = options_.transition_floor;
-  options.layer = options_.layer;
+  options.layer = filter_->layer();
   const int history = std::min(
       states_.kept(), InFrames(options_.history_seconds, model_->settings().frame_rate_hz));
-  MOTIONDB_ASSIGN_OR_RETURN(auto prediction,
-                            Predict(*model_, states_.Last(history), options, cancelled));
-  observed.horizons = std::move(prediction.horizons);
+  MOTIONDB_ASSIGN_OR_RETURN(observed.horizons,
+                            PredictFrames(*model_, states_.Last(history), options, cancelled));
   return absl::OkStatus();
 }
 

@@ -73,9 +73,9 @@ class Observer {
   absl::StatusOr<std::optional<Observed>> Answer(const Cancelled& cancelled = {});
 
   // Takes over another model of the same database from the next frame on; the frames of the window
-  // (of the last second at least) are gone through again under it, as if they were the first.
-  // Errors as Create, and INVALID_ARGUMENT for a model of another marker set or frame rate; nothing
-  // changes then.
+  // (of the last second at least) are gone through again under it, as if they were the first. A
+  // model without the layer that was asked for answers by its bottom layer, as Observed::layer
+  // says. INVALID_ARGUMENT for a model of another marker set or frame rate; nothing changes then.
   absl::Status Replace(const Model& model);
 
   std::int64_t late_frames() const { return late_frames_; }

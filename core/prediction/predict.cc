@@ -105,6 +105,63 @@ void PredictByNodes(const Model& model, const StateSequence& past,
   }
 }
 
+// What was seen up to a moment, and which frame that is.
+struct Moment {
+  int frame = 0;
+  StateSequence past;
+  FrameMatrix scaled;  // its states
+};
+
+absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observation,
+                                const PredictOptions& options) {
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  if (observation.frame_count() == 0) return InvalidArgument("observation: it has no frames");
+  const double rate = observation.frame_rate_hz;
+  const double end = (observation.frame_count() - 1) / rate;
+  const double at = options.at_seconds.value_or(end);
+  if (!(at >= 0 && at <= end + 1 / rate)) {
+    return InvalidArgument("at_seconds: expected 0 to {:.3f}, the observation's length, got {}",
+                           end, at);
+  }
+  Moment moment;
+  moment.frame = std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
+  const int history = static_cast<int>(
+      std::clamp(std::round(options.history_seconds * rate), 1.0, moment.frame + 1.0));
+  moment.past = PastAt(observation, moment.frame, history);
+  MOTIONDB_ASSIGN_OR_RETURN(moment.scaled, ScaledObservation(model, moment.past));
+  return moment;
+}
+
+absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
+                                  const PredictOptions& options, const Cancelled& cancelled) {
+  NodePathOptions search;
+  search.layer = options.layer;
+  search.transition_floor = options.transition_floor;
+  return FindNodePaths(model, moment.scaled, search, cancelled);
+}
+
+// By stored motion. `complete` is the past without gaps; `now` its last nodes on the bottom layer,
+// empty where they are not known.
+absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
+    const Model& model, const StateSequence& past, const StateSequence& complete,
+    std::vector<NodeState> now, const PredictOptions& options, const Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto moments, FindMoments(model, complete, options.transition_floor,
+                                                      options.without, cancelled, std::move(now)));
+  Forecaster forecaster(model, complete, std::move(moments));
+  std::vector<PredictedFrame> horizons;
+  for (const double seconds : options.horizon_seconds) {
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    const Forecast forecast = forecaster.At(seconds);
+    PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
+    const ExpectedError error =
+        model.confidence().Judge(forecast.evidence, seconds, kNearM / past.leg_length_m);
+    predicted.confidence = error.probability;
+    predicted.expected_error_m = error.mean * past.leg_length_m;
+    horizons.push_back(std::move(predicted));
+  }
+  return horizons;
+}
+
 }  // namespace
 
 absl::Status CheckOptions(const PredictOptions& options) {
@@ -126,31 +183,13 @@ absl::Status CheckOptions(const PredictOptions& options) {
 
 absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
                                    const PredictOptions& options, const Cancelled& cancelled) {
-  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
-  if (observation.frame_count() == 0) return InvalidArgument("observation: it has no frames");
-  const double rate = observation.frame_rate_hz;
-  const double end = (observation.frame_count() - 1) / rate;
-  const double at = options.at_seconds.value_or(end);
-  if (!(at >= 0 && at <= end + 1 / rate)) {
-    return InvalidArgument("at_seconds: expected 0 to {:.3f}, the observation's length, got {}",
-                           end, at);
-  }
-  const int frame =
-      std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
-  const int history =
-      static_cast<int>(std::clamp(std::round(options.history_seconds * rate), 1.0, frame + 1.0));
-  const StateSequence past = PastAt(observation, frame, history);
-  MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, past));
-
-  NodePathOptions search_options;
-  search_options.layer = options.layer;
-  search_options.transition_floor = options.transition_floor;
-  MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search,
-                            FindNodePaths(model, scaled, search_options, cancelled));
-  const std::vector<NodeState> now = LastNodes(model, search, options.transition_floor);
+  MOTIONDB_ASSIGN_OR_RETURN(const Moment moment, MomentOf(model, observation, options));
+  const StateSequence& past = moment.past;
+  MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search, Search(model, moment, options, cancelled));
+  std::vector<NodeState> now = LastNodes(model, search, options.transition_floor);
 
   Prediction prediction;
-  prediction.at_seconds = frame / rate;
+  prediction.at_seconds = moment.frame / observation.frame_rate_hz;
   prediction.layer = search.layer;
   prediction.state = now.front();
   prediction.next_nodes = NextNodes(model, search.layer, now);
@@ -159,23 +198,32 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
     return prediction;
   }
   MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
-                            Complete(model, search, past, scaled, cancelled));
-  const bool as_searched = search.layer == model.layer_count() && !past.states.hasNaN();
-  MOTIONDB_ASSIGN_OR_RETURN(auto moments,
-                            FindMoments(model, complete, options.transition_floor, options.without,
-                                        cancelled, as_searched ? now : std::vector<NodeState>()));
-  Forecaster forecaster(model, complete, std::move(moments));
-  for (const double seconds : options.horizon_seconds) {
-    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    const Forecast forecast = forecaster.At(seconds);
-    PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
-    const ExpectedError error =
-        model.confidence().Judge(forecast.evidence, seconds, kNearM / past.leg_length_m);
-    predicted.confidence = error.probability;
-    predicted.expected_error_m = error.mean * past.leg_length_m;
-    prediction.horizons.push_back(std::move(predicted));
-  }
+                            Complete(model, search, past, moment.scaled, cancelled));
+  if (search.layer != model.layer_count() || past.states.hasNaN()) now.clear();
+  MOTIONDB_ASSIGN_OR_RETURN(
+      prediction.horizons,
+      PredictByExamples(model, past, complete, std::move(now), options, cancelled));
   return prediction;
+}
+
+absl::StatusOr<std::vector<PredictedFrame>> PredictFrames(const Model& model,
+                                                          const StateSequence& observation,
+                                                          const PredictOptions& options,
+                                                          const Cancelled& cancelled) {
+  if (options.method == Method::kPaper) {
+    MOTIONDB_ASSIGN_OR_RETURN(auto prediction, Predict(model, observation, options, cancelled));
+    return std::move(prediction.horizons);
+  }
+  MOTIONDB_RETURN_IF_ERROR(model.ResolveLayer(options.layer).status());
+  MOTIONDB_ASSIGN_OR_RETURN(const Moment moment, MomentOf(model, observation, options));
+  const StateSequence& past = moment.past;
+  if (!past.states.hasNaN()) {
+    return PredictByExamples(model, past, past, {}, options, cancelled);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search, Search(model, moment, options, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,
+                            Complete(model, search, past, moment.scaled, cancelled));
+  return PredictByExamples(model, past, complete, {}, options, cancelled);
 }
 
 }  // namespace motiondb::core

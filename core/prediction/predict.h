@@ -54,4 +54,12 @@ struct Prediction {
 absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
                                    const PredictOptions& options, const Cancelled& cancelled = {});
 
+// The horizons of Predict alone, for who asks again and again: nodes and clips that may come next
+// are not looked up, and a whole observation is taken down the tree to the bottom layer only.
+// Errors as Predict.
+absl::StatusOr<std::vector<PredictedFrame>> PredictFrames(const Model& model,
+                                                          const StateSequence& observation,
+                                                          const PredictOptions& options,
+                                                          const Cancelled& cancelled = {});
+
 }  // namespace motiondb::core

@@ -304,6 +304,33 @@ TEST_CASE("Observer: another model takes over the window", "[core][observe]") {
   CheckSame(Answer(*observer), Answer(*fresh));
 }
 
+TEST_CASE("Observer: a model without the layer asked for answers by its bottom layer",
+          "[core][observe]") {
+  const core::Model deep = PointModel(4, 3);
+  const core::Model shallow = PointModel(1, 1);
+  REQUIRE(shallow.layer_count() < deep.layer_count());
+  core::MarkerMotion motion = Stream(90);
+  Hide(motion, 4, 50, 90);
+  core::ObserverOptions options;
+  options.horizon_seconds = {0.2};
+  options.layer = deep.layer_count();
+  const auto observer = Observe(deep, options);
+  Append(*observer, 0, motion.positions_m.topRows(60));
+  CHECK(Answer(*observer).layer == deep.layer_count());
+  REQUIRE(observer->Replace(shallow).ok());
+  CHECK(Answer(*observer).layer == shallow.layer_count());
+
+  options.layer = 0;
+  const auto fresh = Observe(shallow, options);
+  Append(*fresh, 0, motion.positions_m.topRows(60));
+  CheckSame(Answer(*observer), Answer(*fresh));
+  Append(*observer, 60, motion.positions_m.bottomRows(30));
+  Append(*fresh, 60, motion.positions_m.bottomRows(30));
+  CheckSame(Answer(*observer), Answer(*fresh));
+  REQUIRE(observer->Replace(deep).ok());
+  CHECK(Answer(*observer).layer == deep.layer_count());
+}
+
 TEST_CASE("Observer: what does not fit is refused by name, and nothing is taken",
           "[core][observe]") {
   const core::Model model = PointModel(2, 1);

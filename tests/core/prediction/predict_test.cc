@@ -141,6 +141,38 @@ TEST_CASE("Predict: missing markers are filled in the prediction", "[core][predi
   }
 }
 
+TEST_CASE("PredictFrames: are the horizons of Predict", "[core][prediction]") {
+  const core::Model model = SmallModel(4, 200, 4, 8, 41);
+  const core::StateSequence whole = WanderingClips(4, 200, model.marker_set(), 41)[1].states;
+  core::StateSequence gappy = whole;
+  gappy.states.block(100, 6, 30, 6).setConstant(std::nanf(""));
+  for (const core::StateSequence& clip : {whole, gappy}) {
+    for (const int layer : {0, 2}) {
+      for (const core::Method method : {core::Method::kBest, core::Method::kPaper}) {
+        core::PredictOptions options;
+        options.method = method;
+        options.layer = layer;
+        options.at_seconds = 2;
+        const auto prediction = core::Predict(model, clip, options);
+        const auto frames = core::PredictFrames(model, clip, options);
+        REQUIRE(prediction.ok());
+        REQUIRE(frames.ok());
+        REQUIRE(frames->size() == prediction->horizons.size());
+        for (std::size_t h = 0; h < frames->size(); ++h) {
+          const core::PredictedFrame& expected = prediction->horizons[h];
+          CHECK((*frames)[h].seconds == expected.seconds);
+          CHECK((*frames)[h].marker_positions_m == expected.marker_positions_m);
+          CHECK((*frames)[h].confidence == expected.confidence);
+          CHECK((*frames)[h].expected_error_m == expected.expected_error_m);
+        }
+      }
+    }
+  }
+  core::PredictOptions missing;
+  missing.layer = model.layer_count() + 1;
+  CHECK(absl::IsOutOfRange(core::PredictFrames(model, whole, missing).status()));
+}
+
 TEST_CASE("Predict: by the paper's method the nodes' means follow the graph",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);

@@ -125,7 +125,11 @@ void OperationBook::Change(const std::string& id, Durability durability,
   record.update_time_us = NowMicroseconds();
   absl::Status stored;
   if (durability == Durability::kStored) stored = store_.PutOperation(record);
-  if (!stored.ok()) spdlog::error("operation {} could not be stored: {}", id, stored.ToString());
+  // A database that was deleted took the rows of its operations with it.
+  const bool is_moot = absl::IsNotFound(stored);
+  if (!stored.ok() && !is_moot) {
+    spdlog::error("operation {} could not be stored: {}", id, stored.ToString());
+  }
   std::map<std::uint64_t, Watcher> watchers;
   {
     const std::lock_guard lock(mutex_);
@@ -134,7 +138,8 @@ void OperationBook::Change(const std::string& id, Durability durability,
     live->second.record = record;
     if (record.done()) {
       watchers = std::exchange(live->second.watchers, {});
-      if (stored.ok()) live_.erase(live);  // else this is the only place that knows how it ended
+      // Elsewise this is the only place that knows how it ended.
+      if (stored.ok() || is_moot) live_.erase(live);
     }
   }
   for (const auto& [key, watcher] : watchers) watcher(record);

@@ -1,7 +1,11 @@
 #include "server/engine/operation_book.h"
 
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
 #include <catch2/catch.hpp>
 #include <set>
+#include <sstream>
 
 #include "storage/sqlite/sqlite_motion_store.h"
 
@@ -100,6 +104,28 @@ TEST_CASE("OperationBook: ids differ and the newest comes first", "[server]") {
   CHECK(book->List("", "", 100)->size() == 50);
   CHECK(absl::IsNotFound(book->Get("x").status()));
   CHECK(absl::IsNotFound(book->Create("no-such-database").status()));
+}
+
+TEST_CASE("OperationBook: a deleted database takes its operations along, and nothing is amiss",
+          "[server]") {
+  std::ostringstream log;
+  const auto former = spdlog::default_logger();
+  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+      "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
+  Book book;
+  const std::string building = book->Create("db")->id;
+  const std::string waiting = book->Create("db")->id;
+  int called = 0;
+  book->Watch(building, [&](const storage::OperationRecord&) { ++called; });
+  REQUIRE(book.store().DeleteDatabase("db").ok());
+  book->Start(building);
+  book->Succeed(building, 1);
+  book->Cancel(waiting);
+  spdlog::set_default_logger(former);
+  CHECK(called == 1);
+  CHECK(absl::IsNotFound(book->Get(building).status()));
+  CHECK(absl::IsNotFound(book->Get(waiting).status()));
+  CHECK(log.str().empty());
 }
 
 }  // namespace

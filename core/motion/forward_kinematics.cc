@@ -3,6 +3,19 @@
 #include <cassert>
 
 namespace motiondb::core {
+namespace {
+
+// Of a joint whose parent is in its place.
+void PlaceJoint(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles, int j,
+                std::span<Eigen::Isometry3d> world_from_joint) {
+  const Joint& joint = skeleton.joints()[j];
+  const std::span<const double> q(angles.data() + skeleton.first_dof(j), joint.dofs.size());
+  const Eigen::Isometry3d parent_from_joint = ParentFromJoint(joint, q);
+  world_from_joint[j] =
+      joint.parent < 0 ? parent_from_joint : world_from_joint[joint.parent] * parent_from_joint;
+}
+
+}  // namespace
 
 Eigen::Isometry3d ParentFromJoint(const Joint& joint, std::span<const double> q) {
   assert(q.size() == joint.dofs.size());
@@ -27,14 +40,15 @@ void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::R
                        std::span<Eigen::Isometry3d> world_from_joint) {
   assert(angles.size() == skeleton.dof_count());
   assert(static_cast<int>(world_from_joint.size()) == skeleton.joint_count());
-  const std::span<const double> q(angles.data(), static_cast<std::size_t>(angles.size()));
-  for (int j = 0; j < skeleton.joint_count(); ++j) {
-    const Joint& joint = skeleton.joints()[j];
-    const Eigen::Isometry3d parent_from_joint =
-        ParentFromJoint(joint, q.subspan(skeleton.first_dof(j), joint.dofs.size()));
-    world_from_joint[j] =
-        joint.parent < 0 ? parent_from_joint : world_from_joint[joint.parent] * parent_from_joint;
-  }
+  for (int j = 0; j < skeleton.joint_count(); ++j)
+    PlaceJoint(skeleton, angles, j, world_from_joint);
+}
+
+void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
+                       std::span<const int> joints, std::span<Eigen::Isometry3d> world_from_joint) {
+  assert(angles.size() == skeleton.dof_count());
+  assert(static_cast<int>(world_from_joint.size()) == skeleton.joint_count());
+  for (const int j : joints) PlaceJoint(skeleton, angles, j, world_from_joint);
 }
 
 std::vector<Eigen::Isometry3d> ForwardKinematics(

@@ -23,6 +23,11 @@ std::vector<Eigen::Isometry3d> ForwardKinematics(
 void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
                        std::span<Eigen::Isometry3d> world_from_joint);
 
+// The same for some of the joints, numbered in ascending order and with them all that they hang
+// from; the others' poses are left as they are.
+void ForwardKinematics(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles,
+                       std::span<const int> joints, std::span<Eigen::Isometry3d> world_from_joint);
+
 // The axis of each degree of freedom in the world, as the pose has it: what a unit of its speed
 // moves along or turns about. O(dofs), takes no memory. REQUIRES: world_from_joint is that pose;
 // axes.size() == skeleton.dof_count().

@@ -1,3 +1,5 @@
+#include <utility>
+
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/marker_rules.h"
@@ -23,20 +25,54 @@ FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix&
   return sums;
 }
 
-// Adds the offsets, which turn with their links.
-void AddOffsets(const std::vector<BoundRule>& rules, const JointMotion& motion, double leg_length_m,
-                FrameMatrix& positions) {
+// The joints that some rules look at, and those these hang from, in the skeleton's order.
+std::vector<int> NeededJoints(const std::vector<BoundRule>& rules, const Skeleton& skeleton) {
+  std::vector<bool> is_needed(skeleton.joint_count(), false);
+  const auto need = [&](int joint) {
+    for (; joint >= 0 && !is_needed[joint]; joint = skeleton.joints()[joint].parent) {
+      is_needed[joint] = true;
+    }
+  };
+  for (const BoundRule& rule : rules) {
+    for (const auto& [joint, weight] : rule.points) need(joint);
+    need(rule.offset_joint);
+  }
+  std::vector<int> needed;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (is_needed[j]) needed.push_back(j);
+  }
+  return needed;
+}
+
+// Frames x 3 rules, of joints.
+struct JointMarkers {
+  FrameMatrix positions_m;  // without the offsets
+  JointMatrix offsets;      // as their links turn them, leg lengths; no rows where no rule has one
+};
+
+JointMarkers MarkersOfJoints(const BoundMapping& mapping, const JointMotion& motion) {
+  const std::vector<BoundRule>& rules = mapping.rules;
+  const std::vector<int> needed = NeededJoints(rules, *motion.skeleton);
   std::vector<Eigen::Isometry3d> world_from_joint(motion.skeleton->joint_count());
-  for (Eigen::Index t = 0; t < positions.rows(); ++t) {
-    ForwardKinematics(*motion.skeleton, motion.angles.row(t), world_from_joint);
+  const Eigen::Index frames = motion.angles.rows();
+  const auto numbers = static_cast<Eigen::Index>(3 * rules.size());
+  JointMarkers markers{FrameMatrix::Zero(frames, numbers),
+                       JointMatrix::Zero(mapping.has_offsets ? frames : 0, numbers)};
+  for (Eigen::Index t = 0; t < frames; ++t) {
+    ForwardKinematics(*motion.skeleton, motion.angles.row(t), needed, world_from_joint);
     for (std::size_t m = 0; m < rules.size(); ++m) {
+      const auto at = static_cast<Eigen::Index>(3 * m);
+      for (const auto& [joint, weight] : rules[m].points) {
+        markers.positions_m.row(t).segment<3>(at) +=
+            static_cast<float>(weight) *
+            world_from_joint[joint].translation().transpose().cast<float>();
+      }
       if (rules[m].offset_joint < 0) continue;
-      const Eigen::Vector3d offset =
-          leg_length_m * (world_from_joint[rules[m].offset_joint].linear() * rules[m].offset);
-      positions.row(t).segment<3>(static_cast<Eigen::Index>(3 * m)) +=
-          offset.cast<float>().transpose();
+      markers.offsets.row(t).segment<3>(at) =
+          (world_from_joint[rules[m].offset_joint].linear() * rules[m].offset).transpose();
     }
   }
+  return markers;
 }
 
 }  // namespace
@@ -75,12 +111,13 @@ absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motio
   }
   const JointMotion& joints = std::get<JointMotion>(motion);
   mapped.frame_rate_hz = joints.frame_rate_hz;
-  mapped.positions_m = WeightedSums(mapping.rules, JointPositions(joints));
+  JointMarkers markers = MarkersOfJoints(mapping, joints);
+  mapped.positions_m = std::move(markers.positions_m);
   if (mapping.has_offsets) {
     if (!leg_length_m) {
       MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, EstimateLegLength(scheme.set, mapped));
     }
-    AddOffsets(mapping.rules, joints, *leg_length_m, mapped.positions_m);
+    mapped.positions_m += (*leg_length_m * markers.offsets).cast<float>();
   }
   return mapped;
 }

@@ -34,14 +34,15 @@ MarkerMapping IdentityMapping(const MarkerSet& set) {
 }
 
 absl::StatusOr<MarkerMapping> ChooseMapping(const MarkerScheme& scheme, const NameIndex& index) {
-  std::vector<MarkerMapping> known = scheme.mappings;
-  known.push_back(IdentityMapping(scheme.set));
+  const MarkerMapping own_names = IdentityMapping(scheme.set);
   const MarkerMapping* best = nullptr;
   const MarkerMapping* closest = nullptr;
   double closest_share = -1;
-  for (const MarkerMapping& mapping : known) {
+  const auto consider = [&](const MarkerMapping& mapping) {
     const auto total = static_cast<double>(std::max<std::size_t>(1, mapping.signature.size()));
-    const double share = 1 - static_cast<double>(Lacking(mapping.signature, index).size()) / total;
+    const auto lacking = std::ranges::count_if(
+        mapping.signature, [&](const std::string& name) { return !index.contains(name); });
+    const double share = 1 - static_cast<double>(lacking) / total;
     if (share == 1 && (best == nullptr || mapping.signature.size() > best->signature.size())) {
       best = &mapping;
     }
@@ -49,7 +50,9 @@ absl::StatusOr<MarkerMapping> ChooseMapping(const MarkerScheme& scheme, const Na
       closest_share = share;
       closest = &mapping;
     }
-  }
+  };
+  for (const MarkerMapping& mapping : scheme.mappings) consider(mapping);
+  consider(own_names);
   if (best != nullptr) return *best;
   const auto lacking = Lacking(closest->signature, index);
   return InvalidArgument(

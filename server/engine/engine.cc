@@ -105,8 +105,9 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
     extender_.Request(database);
     return absl::OkStatus();
   };
-  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip, IngestClip(*store_, *database, std::move(file),
-                                                      options_.max_frames, cancelled, stored));
+  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
+                            IngestClip(*store_, *database, std::move(file), options_.max_frames,
+                                       workers_.request_parallel(), cancelled, stored));
   return ingested;
 }
 

@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 #include "core/motion/cancellation.h"
+#include "core/tree/parallel.h"
 #include "server/engine/live_database.h"
 #include "storage/motion_store.h"
 
@@ -33,7 +34,7 @@ struct IngestFile {
 // file), and those of the store. Thread-safe.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file, int max_frames,
-    const core::Cancelled& cancelled,
+    const core::ParallelFor& parallel, const core::Cancelled& cancelled,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored);
 
 }  // namespace motiondb::server

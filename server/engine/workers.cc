@@ -41,11 +41,19 @@ void GiveWay(boost::asio::thread_pool& pool, int threads) {
   }
 }
 
+core::ParallelFor Lend(boost::asio::thread_pool& pool, int threads) {
+  return [&pool, threads](int count, const std::function<void(int)>& body) {
+    RunSharedLoop(count, body, threads - 1,
+                  [&pool](std::function<void()> help) { boost::asio::post(pool, help); });
+  };
+}
+
 }  // namespace
 
 Workers::Workers(const EngineOptions& options)
-    : build_threads_(BuildThreads(options)),
-      requests_(static_cast<std::size_t>(RequestThreads(options))),
+    : request_threads_(RequestThreads(options)),
+      build_threads_(BuildThreads(options)),
+      requests_(static_cast<std::size_t>(request_threads_)),
       builds_(static_cast<std::size_t>(build_threads_)),
       extensions_(1) {
   GiveWay(builds_, build_threads_);
@@ -56,12 +64,9 @@ Workers::~Workers() { Join(); }
 
 void Workers::Post(std::function<void()> work) { boost::asio::post(requests_, std::move(work)); }
 
-core::ParallelFor Workers::build_parallel() {
-  return [this](int count, const std::function<void(int)>& body) {
-    RunSharedLoop(count, body, build_threads_ - 1,
-                  [this](std::function<void()> help) { boost::asio::post(builds_, help); });
-  };
-}
+core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }
+
+core::ParallelFor Workers::request_parallel() { return Lend(requests_, request_threads_); }
 
 void Workers::Join() {
   requests_.join();

@@ -29,11 +29,14 @@ class Workers {
   // Lends the build pool's threads. The calling thread works too, so a loop ends even where every
   // other thread is taken, and loops may be nested.
   core::ParallelFor build_parallel();
+  // The same of the request pool.
+  core::ParallelFor request_parallel();
 
   // Returns when all work is done. Nothing may be posted afterwards.
   void Join();
 
  private:
+  const int request_threads_;
   const int build_threads_;
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;

@@ -1,6 +1,7 @@
 #include "server/rpc/ingest_reactor.h"
 
 #include <memory>
+#include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
@@ -36,7 +37,7 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
     } else if (database_ == nullptr) {
       engine_.workers().Post([this] { Take([this] { return Begin(); }); });
     } else {
-      Take([this] { return stream_.Take(message_); });
+      Take([this] { return stream_.Take(std::move(message_)); });
     }
   }
   void OnDone() override { delete this; }
@@ -49,7 +50,7 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
   }
 
   absl::Status Begin() {
-    MOTIONDB_RETURN_IF_ERROR(stream_.Take(message_));
+    MOTIONDB_RETURN_IF_ERROR(stream_.Take(std::move(message_)));
     MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
     MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
     return absl::OkStatus();

@@ -30,7 +30,7 @@ absl::Status CheckText(std::string_view field, const std::string& text) {
 
 }  // namespace
 
-absl::Status IngestStream::Take(const v1::IngestClipRequest& message) {
+absl::Status IngestStream::Take(v1::IngestClipRequest message) {
   const bool is_first = database_.empty();
   if (is_first != message.has_header()) {
     return FieldViolation("header", "expected in the first message of the stream, and only there");
@@ -39,12 +39,12 @@ absl::Status IngestStream::Take(const v1::IngestClipRequest& message) {
     case v1::IngestClipRequest::kHeader:
       return TakeHeader(message.header());
     case v1::IngestClipRequest::kFileBlock:
-      return TakeBlock("file_block", message.file_block(), file_.file_bytes);
+      return TakeBlock("file_block", *message.mutable_file_block(), file_.file_bytes);
     case v1::IngestClipRequest::kSkeletonBlock:
       if (file_.skeleton_file_name.empty()) {
         return FieldViolation("skeleton_block", "the header names no skeleton file");
       }
-      return TakeBlock("skeleton_block", message.skeleton_block(), file_.skeleton_bytes);
+      return TakeBlock("skeleton_block", *message.mutable_skeleton_block(), file_.skeleton_bytes);
     case v1::IngestClipRequest::PART_NOT_SET:
       break;
   }
@@ -78,7 +78,7 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   return absl::OkStatus();
 }
 
-absl::Status IngestStream::TakeBlock(std::string_view field, const std::string& block,
+absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
                                      std::string& bytes) {
   if (block.size() > kMostBlockBytes) {
     return FieldViolation(field, "expected at most {} bytes, got {}", kMostBlockBytes,
@@ -90,7 +90,11 @@ absl::Status IngestStream::TakeBlock(std::string_view field, const std::string& 
         fmt::format("{}: larger than the {} bytes that the server takes, skeleton included",
                     file_.file_name, max_file_bytes_));
   }
-  bytes += block;
+  if (bytes.empty()) {
+    bytes.swap(block);
+  } else {
+    bytes += block;
+  }
   return absl::OkStatus();
 }
 

@@ -21,7 +21,7 @@ class IngestStream {
 
   // Takes the next message, of which a block is appended. INVALID_ARGUMENT if it is out of turn or
   // wrong; RESOURCE_EXHAUSTED if the file grows beyond the limit.
-  absl::Status Take(const v1::IngestClipRequest& message);
+  absl::Status Take(v1::IngestClipRequest message);
 
   // Id of the database; empty until the header has come.
   const std::string& database() const { return database_; }
@@ -31,7 +31,7 @@ class IngestStream {
 
  private:
   absl::Status TakeHeader(const v1::IngestClipHeader& header);
-  absl::Status TakeBlock(std::string_view field, const std::string& block, std::string& bytes);
+  absl::Status TakeBlock(std::string_view field, std::string& block, std::string& bytes);
 
   const std::size_t max_file_bytes_;
   std::string database_;

@@ -1,5 +1,6 @@
 #include "storage/sqlite/sqlite_motion_store.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <type_traits>
@@ -106,7 +107,44 @@ absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database) {
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
-  return Write([&](Connection& connection) { return InsertClip(connection, clip); });
+  Addition own{&clip, std::nullopt};
+  {
+    const std::lock_guard lock(additions_mutex_);
+    additions_.push_back(&own);
+  }
+  // Whoever gets here first writes for all who wait, so that they share one sync.
+  const std::lock_guard writing(writer_mutex_);
+  if (!own.added) {
+    std::vector<Addition*> together;
+    {
+      const std::lock_guard lock(additions_mutex_);
+      together.swap(additions_);
+    }
+    // Not there only where an exception kept the one who took it up from it.
+    if (std::ranges::find(together, &own) == together.end()) together.push_back(&own);
+    AddTogether(together);
+  }
+  return *std::move(own.added);
+}
+
+void SqliteMotionStore::AddTogether(const std::vector<Addition*>& additions) {
+  if (additions.size() > 1) {
+    const absl::Status all =
+        InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
+          for (Addition* const addition : additions) {
+            addition->added = InsertClip(connection, *addition->clip);
+            if (!addition->added->ok()) return addition->added->status();
+          }
+          return absl::OkStatus();
+        });
+    if (all.ok()) return;
+  }
+  // One alone, or each by itself, since one of them failed and undid the others.
+  for (Addition* const addition : additions) {
+    addition->added = InTransaction(
+        *writer_, Transaction::Kind::kWrite,
+        [&](Connection& connection) { return InsertClip(connection, *addition->clip); });
+  }
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::GetClip(const std::string& database,

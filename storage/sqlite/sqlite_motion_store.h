@@ -1,7 +1,8 @@
 // A store in one SQLite file, for one server. storage/README.md describes the file.
 //
 // Thread-safe. Reads run beside each other and beside a write; each sees one moment. Writes run one
-// after another, on the one connection that writes.
+// after another, on the one connection that writes; clips that come while another write is under
+// way are added together, in one transaction.
 #pragma once
 
 #include <cstdint>
@@ -86,12 +87,22 @@ class SqliteMotionStore final : public MotionStore {
   template <typename Work>
   auto Read(const Work& work);
 
+  // A clip that waits to be written, and what became of it.
+  struct Addition {
+    const NewClip* clip = nullptr;
+    std::optional<absl::StatusOr<ClipRecord>> added;  // guarded by writer_mutex_
+  };
+  // REQUIRES: writer_mutex_ is held.
+  void AddTogether(const std::vector<Addition*>& additions);
+
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
   std::mutex writer_mutex_;
   std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
   std::function<std::int64_t()> now_us_;
+  std::mutex additions_mutex_;        // never held while writer_mutex_ is waited for
+  std::vector<Addition*> additions_;  // that nobody has taken up
 };
 
 }  // namespace motiondb::storage

@@ -1,6 +1,7 @@
 // Readers beside a writer. Catch's assertions belong to one thread, so others count what went
 // wrong.
 #include <atomic>
+#include <barrier>
 #include <catch2/catch.hpp>
 #include <functional>
 #include <string>
@@ -105,6 +106,40 @@ TEST_CASE("SqliteMotionStore: writers take turns", "[storage][concurrency]") {
   const auto clips = Require(store->ListClips("d", {.after = "", .limit = 100}));
   REQUIRE(clips.size() == 40);
   REQUIRE(Require(store->GetClip("d", "clip-40")).id == "clip-40");
+}
+
+TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails alone",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  constexpr unsigned kWriters = 6;
+  constexpr unsigned kRounds = 10;
+  std::atomic<int> added = 0, refused = 0, other = 0;
+  std::barrier round(kWriters);
+  std::vector<std::thread> writers;
+  for (unsigned w = 0; w < kWriters; ++w) {
+    writers.emplace_back([&, w] {
+      for (unsigned r = 0; r < kRounds; ++r) {
+        // The same motion comes from two of them; a third one's database is not there.
+        const bool lost = w == 0;
+        const auto clip = SampleClip(lost ? "none" : "d", "clip", kWriters * r + (w + 1) / 2);
+        round.arrive_and_wait();
+        const auto record = store->AddClip(clip);
+        if (record.ok()) ++added;
+        if (lost ? absl::IsNotFound(record.status()) : absl::IsAlreadyExists(record.status())) {
+          ++refused;
+        } else if (!record.ok()) {
+          ++other;
+        }
+      }
+    });
+  }
+  for (std::thread& writer : writers) writer.join();
+  REQUIRE(other == 0);
+  REQUIRE(added == 3 * kRounds);
+  REQUIRE(refused == 3 * kRounds);
+  REQUIRE(Require(store->ListClips("d", {.after = "", .limit = 100})).size() == 3 * kRounds);
 }
 
 TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log to the writer",

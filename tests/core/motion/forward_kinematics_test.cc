@@ -46,6 +46,17 @@ Skeleton TwoLinkArm() {
 
 }  // namespace
 
+TEST_CASE("ForwardKinematics: some joints alone are where they are among all", "[core][motion]") {
+  const Skeleton arm = TwoLinkArm();
+  const RowVectorXd angles = Row({0.3, -0.7});
+  const auto all = core::ForwardKinematics(arm, angles);
+  std::vector<Eigen::Isometry3d> some(3, Eigen::Isometry3d::Identity());
+  core::ForwardKinematics(arm, angles, std::vector<int>{0, 1}, some);
+  CHECK(some[0].matrix() == all[0].matrix());
+  CHECK(some[1].matrix() == all[1].matrix());
+  CHECK(some[2].matrix() == Eigen::Isometry3d::Identity().matrix());
+}
+
 TEST_CASE("ForwardKinematics: a two-link arm", "[core][motion]") {
   const Skeleton arm = TwoLinkArm();
   SECTION("straight") {

@@ -1,25 +1,15 @@
 // What Engine::Open does: the stored models come back, and what was left undone goes on.
 #include <spdlog/spdlog.h>
 
-#include <thread>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
 #include "server/engine/engine.h"
 #include "server/engine/extend.h"
-#include "server/engine/shared_loop.h"
 
 namespace motiondb::server {
 namespace {
-
-// All processors, by the threads of requests: nobody asks yet.
-core::ParallelFor StartupParallel(Workers& workers) {
-  const auto helpers = static_cast<int>(std::thread::hardware_concurrency()) - 1;
-  return [&workers, helpers](int count, const std::function<void(int)>& body) {
-    RunSharedLoop(count, body, helpers, [&](std::function<void()> help) { workers.Post(help); });
-  };
-}
 
 // The current model with its record; null if there is none, or none that can be read.
 std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
@@ -65,7 +55,7 @@ absl::Status Engine::LoadDatabase(const storage::DatabaseRecord& record) {
   live->set_scheme(std::move(scheme));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) live->AddStored(1, clip.frame_count);
-  live->set_snapshot(ReadSnapshot(*store_, record.name, StartupParallel(workers_)));
+  live->set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel()));
   const auto snapshot = live->snapshot();
   spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);

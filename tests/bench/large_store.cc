@@ -43,6 +43,8 @@ class StageLog {
   std::chrono::steady_clock::time_point entered_;
 };
 
+}  // namespace
+
 absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput> inputs) {
   for (core::BuildInput& input : inputs) {
     storage::NewClip clip;
@@ -64,8 +66,6 @@ absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput>
   }
   return absl::OkStatus();
 }
-
-}  // namespace
 
 absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
                                                        const VariedSize& size, std::uint64_t seed,

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/tree/parallel.h"
+#include "storage/motion_store.h"
 #include "tests/bench/varied_motion.h"
 
 namespace motiondb::tests {
@@ -27,6 +28,9 @@ struct BuildStage {
 absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
                                                        const VariedSize& size, std::uint64_t seed,
                                                        const core::ParallelFor& parallel);
+
+// Adds clips to the large database of a store, with a line for a file each.
+absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput> inputs);
 
 // Megabytes (10^6 bytes) of this process by a field of /proc/self/status: "VmRSS", "VmHWM".
 double ProcessMegabytes(const std::string& field);

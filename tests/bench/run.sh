@@ -18,6 +18,7 @@ while [ $# -gt 0 ]; do
 done
 
 # Programs that write rows, in the table's order, with their options for --quick.
+quick_ones=()
 declare -A quick_options=(
   [parse]="--rounds 3"
   [recognize]="--clips 200 --frames 100000"
@@ -25,7 +26,7 @@ declare -A quick_options=(
   [server]="--quick"
   [tree]="--frames 10000,30000"
 )
-with_rows=(tree recognize scale server parse)
+with_rows=(tree recognize scale extend server parse)
 plain=(kinematics plan)
 
 ./deploy/install_packages.sh build test >&2
@@ -36,10 +37,16 @@ programs=build/release/tests/bench
 
 results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
+# One large store for those that need one: the first makes it.
+declare -A options_always=(
+  [scale]="--store $results/large.db"
+  [extend]="--store $results/large.db --rebuild"
+)
 tables=()
 for name in "${with_rows[@]}"; do
-  options=()
-  [ "$quick" = 0 ] || read -ra options <<<"${quick_options[$name]}"
+  read -ra options <<<"${options_always[$name]-}"
+  [ "$quick" = 0 ] || read -ra quick_ones <<<"${quick_options[$name]-}"
+  options+=("${quick_ones[@]}")
   echo "motiondb_bench_$name ${options[*]}" >&2
   "$programs/motiondb_bench_$name" "${options[@]}" --json "$results/$name.json" >&2
   # A program without its data says so and writes nothing.

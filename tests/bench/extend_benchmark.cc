@@ -1,0 +1,176 @@
+// How soon a large database knows a clip that was ingested, without a build, and how far its model
+// then is from one that is built of the same clips.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/calibration/model_difference.h"
+#include "core/model/extend_model.h"
+#include "core/motion/error.h"
+#include "server/engine/clip_list.h"
+#include "server/engine/extend.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/bench/bench_table.h"
+#include "tests/bench/large_store.h"
+#include "tests/eval/threads.h"
+#include "tests/support/real_data.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;
+constexpr int kFramesEach = 500;
+
+struct Options {
+  VariedSize size;
+  std::string store;
+  int added = 40;
+  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  bool rebuild = false;
+  std::string json;
+};
+
+// The database of a store, as a server has it after its start.
+absl::StatusOr<std::unique_ptr<server::LiveDatabase>> Open(storage::MotionStore& store,
+                                                           const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store.GetDatabase(kLargeDatabase));
+  MOTIONDB_ASSIGN_OR_RETURN(core::Model model, store.ReadModel(kLargeDatabase, parallel));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto models, store.ListModels(kLargeDatabase, 0, 1));
+  auto live = std::make_unique<server::LiveDatabase>(record.name, record.settings);
+  live->set_snapshot(
+      std::make_shared<const server::Snapshot>(server::Snapshot{models.front(), std::move(model)}));
+  return live;
+}
+
+// Adds clips one after the other; the time from each one's way into the store until it is known.
+absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store,
+                                                server::LiveDatabase& live,
+                                                const Options& options) {
+  const VariedSize size{options.added, options.added * kFramesEach, options.size.frame_rate_hz};
+  MOTIONDB_ASSIGN_OR_RETURN(auto clips,
+                            VariedClips(DataDir(), size, kSeed + 1, OnThreads(options.jobs)));
+  server::EngineOptions always;
+  always.extend_from = std::chrono::seconds(0);
+  std::vector<double> milliseconds;
+  for (core::BuildInput& clip : clips) {
+    clip.clip_id = fmt::format("added {:04}", milliseconds.size());
+    std::vector<core::BuildInput> one;
+    one.push_back(std::move(clip));
+    const auto began = std::chrono::steady_clock::now();
+    MOTIONDB_RETURN_IF_ERROR(AddClips(store, std::move(one)));
+    MOTIONDB_RETURN_IF_ERROR(server::Extend(store, live, always, core::Serially));
+    const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
+    milliseconds.push_back(took.count());
+    if (live.snapshot()->record.added_clip_count != std::ssize(milliseconds)) {
+      return absl::InternalError("a clip was added and is not known");
+    }
+  }
+  return milliseconds;
+}
+
+// A model built of all clips, in the order that a server builds in.
+absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, const server::LiveDatabase& live,
+                                      const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, live.name()));
+  std::vector<std::string> ids;
+  for (const auto& record : records) ids.push_back(record.id);
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto inputs, server::ReadInputs(store, live.name(), ids, [](std::size_t) { return true; }));
+  return core::BuildModel(live.settings(), live.snapshot()->model.marker_set(), std::move(inputs),
+                          parallel, nullptr);
+}
+
+std::string Describe(const core::ModelDifference& difference) {
+  return fmt::format(
+      "extend: against a model built of the same clips: bottom nodes {} and {}, frames' rms "
+      "distance "
+      "from their node's mean {:.4f} and {:.4f}, the same label for {} of {} windows of added "
+      "clips, "
+      "each left out",
+      difference.bottom_nodes_before, difference.bottom_nodes_after, difference.spread_before,
+      difference.spread_after, difference.same_label, difference.windows);
+}
+
+absl::StatusOr<BenchTable> Run(const Options& options) {
+  const auto parallel = OnThreads(options.jobs);
+  const TemporaryDirectory directory;
+  const std::string path = directory / "large.db";
+  if (options.store.empty()) {
+    MOTIONDB_RETURN_IF_ERROR(MakeLargeStore(path, options.size, kSeed, parallel).status());
+  } else {
+    std::filesystem::copy_file(options.store, path);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto store, storage::SqliteMotionStore::Open(path));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, Open(*store, parallel));
+  const int frames = live->snapshot()->model.frame_count();
+  const auto clips = live->snapshot()->model.clips().size();
+  MOTIONDB_ASSIGN_OR_RETURN(std::vector<double> times, AddOneByOne(*store, *live, options));
+  // The first one moves the states to where there is room for more.
+  const double first = times.front();
+  std::sort(times.begin(), times.end());
+
+  BenchTable table{"extend", {}, {}};
+  table.rows.push_back(TimesTheirs(
+      fmt::format("a clip of {} frames known in {} frames, the slowest", kFramesEach, frames),
+      times.back(), "a second", 1000, "ms", AtMost(1)));
+  const auto& record = live->snapshot()->record;
+  table.notes.push_back(fmt::format(
+      "extend: {}; {} clips added to {} one by one, each stored and then known without a build: "
+      "the first after {:.0f} ms, median {:.0f}; then {:.2f} % of the frames were added and {:.2f} "
+      "% "
+      "lie in nodes that a build would divide",
+      kVariedMotion, options.added, clips, first, times[times.size() / 2],
+      100.0 * record.added_frame_count / record.frame_count, 100 * record.stale_share));
+  if (options.rebuild) {
+    MOTIONDB_ASSIGN_OR_RETURN(const core::Model built, BuildAnew(*store, *live, parallel));
+    table.notes.push_back(Describe(core::CompareModels(live->snapshot()->model, built, parallel)));
+  }
+  return table;
+}
+
+int Main(int argc, char** argv) {
+  CLI::App app("Measures how soon a large database knows a new clip.", "motiondb_bench_extend");
+  Options options;
+  app.add_option("--clips", options.size.clips, "Stored clips")
+      ->check(CLI::Range(1, 1'000'000))
+      ->capture_default_str();
+  app.add_option("--frames", options.size.frames, "Stored frames")
+      ->check(CLI::Range(1000, 100'000'000))
+      ->capture_default_str();
+  app.add_option("--store", options.store, "Work on a copy of this store of motiondb_bench_scale")
+      ->type_name("FILE");
+  app.add_option("--added", options.added, "Clips that are added")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+  app.add_flag("--rebuild", options.rebuild, "Build a model of all clips, too, and compare");
+  app.add_option("--jobs", options.jobs, "Threads that make the store")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
+  CLI11_PARSE(app, argc, argv);
+  spdlog::set_level(spdlog::level::off);
+  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
+    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    return 0;
+  }
+  const absl::StatusOr<BenchTable> table = Run(options);
+  if (table.ok()) return Finish(*table, options.json);
+  fmt::print(stderr, "motiondb_bench_extend: {}\n", std::string(table.status().message()));
+  return 1;
+}
+
+}  // namespace
+}  // namespace motiondb::tests
+
+int main(int argc, char** argv) { return motiondb::tests::Main(argc, argv); }

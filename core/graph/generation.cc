@@ -8,6 +8,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
+constexpr double kRoundedAway = 1e-17;  // less than half of the last bit of 1
 
 // log(e^a + e^b).
 double LogAdd(double a, double b) {
@@ -54,12 +55,14 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
     return log_probability;
   }
 
+  // What leaves a node with less is rounded away where it arrives, for at least the floor is there.
+  const double negligible = kRoundedAway * transition_floor;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
     if (t > 0) {
       // Every pair has the floor; what was seen replaces it.
       arriving.setConstant(transition_floor * forward.sum());
       for (Eigen::Index from = 0; from < nodes; ++from) {
-        if (forward[from] == 0) continue;
+        if (forward[from] < negligible) continue;
         const auto leaving = static_cast<double>(graph.row_sum(static_cast<int>(from)));
         for (const Edge& edge : graph.row(static_cast<int>(from))) {
           arriving[edge.to] += forward[from] * (edge.count / leaving - transition_floor);

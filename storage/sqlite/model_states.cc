@@ -1,7 +1,5 @@
 #include "storage/sqlite/model_states.h"
 
-#include <sys/mman.h>
-
 #include <algorithm>
 #include <limits>
 #include <utility>
@@ -15,16 +13,6 @@ namespace motiondb::storage {
 namespace {
 
 constexpr int kRowsAtOnce = 1024;  // of the states, for a thread to scale
-
-// Memory that is about to be filled, in pages of 2 MiB where the system has them: the system's work
-// on small ones takes longer than reading the states does, and later each look at a frame is in
-// another one. Only advice.
-void PreferLargePages(const core::FrameMatrix& matrix) {
-  constexpr std::uintptr_t kPage = std::uintptr_t{2} << 20;
-  const auto begin = (reinterpret_cast<std::uintptr_t>(matrix.data()) + kPage - 1) / kPage * kPage;
-  const auto end = reinterpret_cast<std::uintptr_t>(matrix.data() + matrix.size()) / kPage * kPage;
-  if (begin < end) madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE);
-}
 
 }  // namespace
 
@@ -75,7 +63,6 @@ absl::Status ModelStates::FindClips(Connection& connection, std::int64_t built_k
     return core::DataLoss("parts: its clips have {} frames", frames);
   }
   states_.resize(frames, dimensions);
-  PreferLargePages(states_);
   root_path_.resize(frames - room_, 3);
   return absl::OkStatus();
 }

@@ -11,8 +11,8 @@ namespace motiondb::client {
 // the call ended with.
 absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation);
 
-// ", 3 of them added since it was built (0.4 % of frames in nodes that a build would divide)"; empty
-// where none was.
+// ", 3 of them added since it was built (0.4 % of frames in nodes that a build would divide)";
+// empty where none was.
 std::string AddedSinceText(int added_clips, double stale_share);
 
 // "model 3: 19 clips, 6552 frames, built in 4.21 s", or that no clip is left for a model.

@@ -32,8 +32,7 @@ MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int cli
   frames.rows.frame.assign(all.frame.begin() + all.begin[clip],
                            all.frame.begin() + all.begin[clip + 1]);
   frames.rows.begin = {0, all.count(clip)};
-  frames.projected =
-      SharedRows(Project(metric, model.states()(frames.rows.frame, Eigen::all)));
+  frames.projected = SharedRows(Project(metric, model.states()(frames.rows.frame, Eigen::all)));
   frames.squared_norms = frames.projected.view().rowwise().squaredNorm();
   return frames;
 }

@@ -37,7 +37,7 @@ TEST_CASE("SqliteMotionStore: a model read on several threads is the one that wa
   REQUIRE_OK(store->PutModel("d", model));
   const core::Model read = Require(store->ReadModel("d", OnThreads));
   REQUIRE(Same(read, model));
-  REQUIRE(read.metric_frames().projected == model.metric_frames().projected);
+  REQUIRE(read.metric_frames().projected.view() == model.metric_frames().projected.view());
 }
 
 TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",

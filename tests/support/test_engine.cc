@@ -13,6 +13,7 @@ namespace motiondb::tests {
 server::EngineOptions TestEngine::QuickOptions() {
   server::EngineOptions options;
   options.rebuild_delay = std::chrono::milliseconds(50);
+  options.extend_from = std::chrono::hours(1);
   options.query_threads = 4;
   options.build_threads = 2;
   return options;

@@ -16,7 +16,7 @@ class TestEngine {
   explicit TestEngine(const server::EngineOptions& options = QuickOptions());
   ~TestEngine();
 
-  // A rebuild 50 ms after the last ingest.
+  // A rebuild 50 ms after the last ingest, and no extension, however slow the machine.
   static server::EngineOptions QuickOptions();
 
   // As when a server is stopped, and when one starts on the same file. `model_fault` is what

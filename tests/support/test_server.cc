@@ -18,6 +18,7 @@ namespace {
 server::ServerOptions QuickOptions() {
   server::ServerOptions options;
   options.engine.rebuild_delay = std::chrono::milliseconds(50);
+  options.engine.extend_from = std::chrono::hours(1);  // a model a change, however slow the machine
   options.engine.query_threads = 4;
   return options;
 }

@@ -1,9 +1,12 @@
 // Clips become known without a build, where a build takes long.
 #include "server/engine/extend.h"
 
+#include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 
+#include "core/calibration/held_out.h"
+#include "core/recognition/recognize.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -136,10 +139,35 @@ TEST_CASE("Extend: a clip that comes during a build is known before and after it
   CHECK(Current(engine)->model.clips().size() == 26);
 }
 
+TEST_CASE("Extend: queries go on while clips come", "[server][extend]") {
+  TestEngine engine(Extending());
+  BuildWalks(engine, 20);
+  std::atomic<bool> stop{false};
+  std::atomic<int> answered{0};
+  std::vector<std::thread> clients;
+  for (int i = 0; i < 3; ++i) {
+    clients.emplace_back([&] {
+      while (!stop) {
+        const auto snapshot = Current(engine);
+        const auto clip = static_cast<int>(snapshot->model.clips().size()) - 1;
+        const auto windows =
+            core::Recognize(snapshot->model, core::StoredMotion(snapshot->model, clip), {});
+        if (windows.ok() && !windows->empty()) ++answered;
+      }
+    });
+  }
+  for (int c = 0; c < 8; ++c) {
+    const std::string name = "new" + std::to_string(c);
+    REQUIRE(engine.Ingest("db", name, Walk(0.03 * c + 2.51)).ok());
+    AwaitKnown(engine, name);
+  }
+  stop = true;
+  for (std::thread& client : clients) client.join();
+  CHECK(answered > 0);
+}
+
 TEST_CASE("Extend: a model that is built quickly is built", "[server][extend]") {
-  auto options = TestEngine::QuickOptions();
-  options.extend_from = std::chrono::hours(1);
-  TestEngine engine(options);
+  TestEngine engine;
   BuildWalks(engine, 20);
   engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);
   CHECK(Current(engine)->record.added_clip_count == 0);

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -20,11 +19,11 @@
 #include "server/engine/clip_list.h"
 #include "server/engine/extend.h"
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/bench/bench_table.h"
+#include "tests/bench/bench_program.h"
 #include "tests/bench/large_store.h"
-#include "tests/eval/threads.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {
@@ -36,9 +35,8 @@ struct Options {
   VariedSize size;
   std::string store;
   int added = 40;
-  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  int jobs = 1;
   bool rebuild = false;
-  std::string json;
 };
 
 // The database of a store, as a server has it after its start.
@@ -140,34 +138,22 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures how soon a large database knows a new clip.", "motiondb_bench_extend");
+  spdlog::set_level(spdlog::level::off);
+  BenchProgram program("Measures how soon a large database knows a new clip.",
+                       "motiondb_bench_extend");
   Options options;
-  app.add_option("--clips", options.size.clips, "Stored clips")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--frames", options.size.frames, "Stored frames")
-      ->check(CLI::Range(1000, 100'000'000))
-      ->capture_default_str();
-  app.add_option("--store", options.store, "Work on a copy of this store of motiondb_bench_scale")
+  program.AddSize(options.size);
+  program.app()
+      .add_option("--store", options.store, "Work on a copy of this store of motiondb_bench_scale")
       ->type_name("FILE");
-  app.add_option("--added", options.added, "Clips that are added")
+  program.app()
+      .add_option("--added", options.added, "Clips that are added")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
-  app.add_flag("--rebuild", options.rebuild, "Build a model of all clips, too, and compare");
-  app.add_option("--jobs", options.jobs, "Threads that make the store")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
-  spdlog::set_level(spdlog::level::off);
-  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  const absl::StatusOr<BenchTable> table = Run(options);
-  if (table.ok()) return Finish(*table, options.json);
-  fmt::print(stderr, "motiondb_bench_extend: {}\n", std::string(table.status().message()));
-  return 1;
+  program.app().add_flag("--rebuild", options.rebuild,
+                         "Build a model of all clips, too, and compare");
+  program.AddJobs(options.jobs, "Threads that make the store");
+  return program.Run(argc, argv, [&] { return Run(options); });
 }
 
 }  // namespace

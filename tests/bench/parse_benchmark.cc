@@ -4,7 +4,6 @@
 // some rounds in which all take turns.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <assimp/Importer.hpp>
 #include <cmath>
@@ -17,9 +16,9 @@
 #include <vector>
 
 #include "core/format/motion_file.h"
-#include "tests/bench/bench_table.h"
-#include "tests/eval/threads.h"
+#include "tests/bench/bench_program.h"
 #include "tests/support/real_data.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {
@@ -128,19 +127,13 @@ BenchTable Run(int rounds) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures how fast motion files are read.", "motiondb_bench_parse");
+  BenchProgram program("Measures how fast motion files are read.", "motiondb_bench_parse");
   int rounds = 20;
-  std::string json;
-  app.add_option("--rounds", rounds, "Times that every file is read")
+  program.app()
+      .add_option("--rounds", rounds, "Times that every file is read")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  app.add_option("--json", json, "Write the table to this file too")->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
-  if (!fs::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  return Finish(Run(rounds), json);
+  return program.Run(argc, argv, [&] { return Run(rounds); });
 }
 
 }  // namespace

@@ -5,7 +5,6 @@
 // time.
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdio>
 #include <ctime>
@@ -19,11 +18,11 @@
 #include "core/format/marker_set_file.h"
 #include "core/recognition/recognize.h"
 #include "core/tree/wide_vectors.h"
-#include "tests/bench/bench_table.h"
+#include "tests/bench/bench_program.h"
 #include "tests/bench/varied_motion.h"
 #include "tests/bench/window_search.h"
-#include "tests/eval/threads.h"
 #include "tests/support/real_data.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {
@@ -37,8 +36,7 @@ struct Options {
   VariedSize size;
   int windows = 64;
   int searches = 9;  // windows that FAISS searches, too
-  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::string json;
+  int jobs = 1;
 };
 
 // Processor time of all threads: what others do on the machine does not count.
@@ -185,30 +183,15 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures recognition in a large database.", "motiondb_bench_recognize");
+  BenchProgram program("Measures recognition in a large database.", "motiondb_bench_recognize");
   Options options;
-  app.add_option("--clips", options.size.clips, "Stored clips")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--frames", options.size.frames, "Stored frames")
-      ->check(CLI::Range(1000, 100'000'000))
-      ->capture_default_str();
-  app.add_option("--windows", options.windows, "Windows to recognize")
+  program.AddSize(options.size);
+  program.app()
+      .add_option("--windows", options.windows, "Windows to recognize")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
-  app.add_option("--jobs", options.jobs, "Threads of the build")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
-  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  const absl::StatusOr<BenchTable> table = Run(options);
-  if (table.ok()) return Finish(*table, options.json);
-  fmt::print(stderr, "motiondb_bench_recognize: {}\n", std::string(table.status().message()));
-  return 1;
+  program.AddJobs(options.jobs, "Threads of the build");
+  return program.Run(argc, argv, [&] { return Run(options); });
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdio>
@@ -26,12 +25,12 @@
 #include "core/recognition/recognize.h"
 #include "server/engine/engine.h"
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/bench/bench_table.h"
+#include "tests/bench/bench_program.h"
 #include "tests/bench/large_store.h"
-#include "tests/eval/threads.h"
 #include "tests/support/child_process.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {
@@ -44,8 +43,7 @@ struct Options {
   std::string store;
   int rounds = 5;
   int queries = 400;  // before memory is looked at; half recognize, half predict
-  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::string json;
+  int jobs = 1;
   std::string read;   // be the child that reads this file past its caches
   std::string load;   // be the child that reads this file into memory
   std::string serve;  // be the child that serves this store
@@ -237,21 +235,11 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   return table;
 }
 
-int Report(const absl::Status& status) {
-  if (status.ok()) return 0;
-  fmt::print(stderr, "motiondb_bench_scale: {}\n", std::string(status.message()));
-  return 1;
-}
-
 int Main(int argc, char** argv) {
-  CLI::App app("Measures what a large database costs a server.", "motiondb_bench_scale");
+  BenchProgram program("Measures what a large database costs a server.", "motiondb_bench_scale");
   Options options;
-  app.add_option("--clips", options.size.clips, "Stored clips")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str();
-  app.add_option("--frames", options.size.frames, "Stored frames")
-      ->check(CLI::Range(1000, 100'000'000))
-      ->capture_default_str();
+  program.AddSize(options.size);
+  CLI::App& app = program.app();
   app.add_option("--store", options.store, "Use this store; make it where there is none")
       ->type_name("FILE");
   app.add_option("--rounds", options.rounds, "Starts")
@@ -260,23 +248,18 @@ int Main(int argc, char** argv) {
   app.add_option("--queries", options.queries, "Queries before memory is looked at")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  app.add_option("--jobs", options.jobs, "Threads that make the store")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
+  program.AddJobs(options.jobs, "Threads that make the store");
   app.add_option("--read", options.read)->group("");
   app.add_option("--load", options.load)->group("");
   app.add_option("--serve", options.serve)->group("");
-  CLI11_PARSE(app, argc, argv);
-  if (!options.read.empty()) return Report(ReadOnce(options.read, /*keep=*/false));
-  if (!options.load.empty()) return Report(ReadOnce(options.load, /*keep=*/true));
-  if (!options.serve.empty()) return Report(Serve(options.serve, options.queries));
-  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  const absl::StatusOr<BenchTable> table = Run(options);
-  return table.ok() ? Finish(*table, options.json) : Report(table.status());
+  const auto child = [&]() -> std::optional<int> {
+    if (!options.read.empty()) return program.Report(ReadOnce(options.read, /*keep=*/false));
+    if (!options.load.empty()) return program.Report(ReadOnce(options.load, /*keep=*/true));
+    if (!options.serve.empty()) return program.Report(Serve(options.serve, options.queries));
+    return std::nullopt;
+  };
+  return program.Run(
+      argc, argv, [&] { return Run(options); }, child);
 }
 
 }  // namespace

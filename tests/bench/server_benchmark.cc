@@ -5,7 +5,6 @@
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
@@ -20,7 +19,7 @@
 #include "core/motion/error.h"
 #include "storage/sqlite/store_file.h"
 #include "storage/sqlite/transaction.h"
-#include "tests/bench/bench_table.h"
+#include "tests/bench/bench_program.h"
 #include "tests/bench/client_load.h"
 #include "tests/bench/empty_peer.h"
 #include "tests/bench/served_motion.h"
@@ -46,7 +45,6 @@ constexpr Seconds kIngestPeriod{0.4};
 struct Options {
   bool quick = false;
   std::string only;  // one measurement; empty: all
-  std::string json;
 
   int rounds() const { return quick ? 1 : 5; }
   Seconds round() const { return Seconds(quick ? 0.5 : 2); }
@@ -355,7 +353,7 @@ absl::Status SetUp(Bench& bench) {
   return absl::OkStatus();
 }
 
-absl::Status Run(Bench& bench) {
+absl::StatusOr<BenchTable> Run(Bench& bench) {
   const std::pair<const char*, std::function<absl::Status()>> measurements[] = {
       {"recognize", [&] { return RecognizeRow(bench, v1::BEST, AtLeast(0.5)); }},
       {"recognize-paper", [&] { return RecognizeRow(bench, v1::PAPER, Reported()); }},
@@ -373,29 +371,19 @@ absl::Status Run(Bench& bench) {
     const bool wanted = bench.options.only.empty() || bench.options.only == name;
     if (wanted) MOTIONDB_RETURN_IF_ERROR(measure());
   }
-  return absl::OkStatus();
+  return bench.table;
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures a server under load.", "motiondb_bench_server");
+  spdlog::set_level(spdlog::level::warn);
+  BenchProgram program("Measures a server under load.", "motiondb_bench_server");
   Bench bench;
-  app.add_flag("--quick", bench.options.quick, "One short round of each");
-  app.add_option("--only", bench.options.only, "One measurement instead of all")
+  program.app().add_flag("--quick", bench.options.quick, "One short round of each");
+  program.app()
+      .add_option("--only", bench.options.only, "One measurement instead of all")
       ->check(CLI::IsMember(
           {"recognize", "recognize-paper", "observe", "observe-predict", "ingest", "rebuild"}));
-  app.add_option("--json", bench.options.json, "Write the table to this file too")
-      ->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
-  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  spdlog::set_level(spdlog::level::warn);
-  if (const absl::Status status = Run(bench); !status.ok()) {
-    fmt::print(stderr, "{}\n", status.ToString());
-    return 1;
-  }
-  return Finish(bench.table, bench.options.json);
+  return program.Run(argc, argv, [&] { return Run(bench); });
 }
 
 }  // namespace

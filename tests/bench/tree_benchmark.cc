@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 #include <omp.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
@@ -22,10 +21,10 @@
 #include "core/tree/node_gaussians.h"
 #include "core/tree/tree_builder.h"
 #include "core/tree/wide_vectors.h"
-#include "tests/bench/bench_table.h"
+#include "tests/bench/bench_program.h"
 #include "tests/bench/varied_motion.h"
-#include "tests/eval/threads.h"
 #include "tests/support/real_data.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {
@@ -39,8 +38,7 @@ struct Options {
   std::vector<int> frames = {10'000, 100'000, 1'000'000};
   int builds = 3;                  // of which the median counts
   int most_clustered = 1'000'000;  // frames; k-means takes time with frames times clusters
-  int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  std::string json;
+  int jobs = 1;
 };
 
 double Seconds(const auto& work) {
@@ -193,30 +191,22 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures the build of the tree.", "motiondb_bench_tree");
+  BenchProgram program("Measures the build of the tree.", "motiondb_bench_tree");
   Options options;
-  app.add_option("--frames", options.frames, "Frames of the trees, ascending")
+  program.app()
+      .add_option("--frames", options.frames, "Frames of the trees, ascending")
       ->delimiter(',')
       ->check(CLI::Range(1000, 100'000'000))
       ->capture_default_str();
-  app.add_option("--builds", options.builds, "Builds of each tree")
+  program.app()
+      .add_option("--builds", options.builds, "Builds of each tree")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--most-clustered", options.most_clustered, "Frames up to which k-means runs")
+  program.app()
+      .add_option("--most-clustered", options.most_clustered, "Frames up to which k-means runs")
       ->capture_default_str();
-  app.add_option("--jobs", options.jobs, "Threads")
-      ->check(CLI::Range(1, 1024))
-      ->capture_default_str();
-  app.add_option("--json", options.json, "Write the table to this file too")->type_name("FILE");
-  CLI11_PARSE(app, argc, argv);
-  if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
-    return 0;
-  }
-  const absl::StatusOr<BenchTable> table = Run(options);
-  if (table.ok()) return Finish(*table, options.json);
-  fmt::print(stderr, "motiondb_bench_tree: {}\n", std::string(table.status().message()));
-  return 1;
+  program.AddJobs(options.jobs, "Threads");
+  return program.Run(argc, argv, [&] { return Run(options); });
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "core/planning/seeded.h"
 #include "tests/bench/body_variation.h"
 #include "tests/bench/take.h"
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 namespace {

@@ -3,8 +3,8 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "tests/eval/threads.h"
 #include "tests/support/real_data.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-#include "tests/eval/threads.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/model.h"
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

@@ -5,7 +5,7 @@
 
 #include "tests/eval/recognizers/cross_validation.h"
 #include "tests/eval/recognizers/recognizer.h"
-#include "tests/eval/threads.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {

@@ -10,8 +10,8 @@
 #include <thread>
 
 #include "tests/eval/protocols/protocol.h"
-#include "tests/eval/threads.h"
 #include "tests/support/real_data.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {

@@ -6,8 +6,8 @@
 #include "absl/status/statusor.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/states.h"
-#include "tests/eval/corpus.h"
 #include "tests/eval/peers/peer.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

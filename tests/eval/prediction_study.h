@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "tests/eval/corpus.h"
 #include "tests/eval/predictors/predictor.h"
 #include "tests/eval/progress.h"
 #include "tests/eval/recognizers/cross_validation.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

@@ -8,7 +8,7 @@
 #include "core/motion/error.h"
 #include "tests/eval/observations.h"
 #include "tests/eval/recognizers/methods.h"
-#include "tests/eval/threads.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "tests/eval/corpus.h"
 #include "tests/eval/figures/accuracy.h"
 #include "tests/eval/progress.h"
 #include "tests/eval/recognizers/cross_validation.h"
 #include "tests/eval/recognizers/recognizer.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

@@ -7,7 +7,7 @@
 #include "absl/status/status.h"
 #include "core/motion/states.h"
 #include "core/tree/feature_scale.h"
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

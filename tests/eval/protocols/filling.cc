@@ -8,7 +8,7 @@
 #include "core/motion/error.h"
 #include "tests/eval/database_model.h"
 #include "tests/eval/peers/filling.h"
-#include "tests/eval/threads.h"
+#include "tests/support/threads.h"
 
 namespace motiondb::tests {
 namespace {

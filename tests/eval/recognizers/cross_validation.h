@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

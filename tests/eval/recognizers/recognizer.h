@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "tests/eval/corpus.h"
 #include "tests/eval/peers/peer.h"
+#include "tests/support/corpus.h"
 
 namespace motiondb::tests {
 

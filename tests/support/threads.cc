@@ -1,4 +1,4 @@
-#include "tests/eval/threads.h"
+#include "tests/support/threads.h"
 
 #include <atomic>
 #include <ctime>

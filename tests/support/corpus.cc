@@ -1,4 +1,4 @@
-#include "tests/eval/corpus.h"
+#include "tests/support/corpus.h"
 
 #include <algorithm>
 #include <map>

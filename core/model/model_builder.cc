@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/model/clip_graphs.h"
+#include "core/model/scale_rows.h"
 #include "core/motion/error.h"
 #include "core/tree/tree_builder.h"
 
@@ -45,9 +46,10 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   MOTIONDB_RETURN_IF_ERROR(report(0, "states"));
   ConcatenatedInputs together = Concatenate(std::move(inputs));
   parts.scale = MakeFeatureScale(settings.scaling, together.states);
-  parts.scale.Apply(together.states);
+  const Eigen::Index room = RoomToGrow(together.states.rows());
+  together.states.conservativeResize(together.states.rows() + room, Eigen::NoChange);
   parts.clips = std::move(together.clips);
-  parts.states = SharedRows(std::move(together.states));
+  parts.states = ScaleRows(parts.scale, std::move(together.states), room, parallel);
   parts.root_path = std::move(together.root_path);
   const auto states = parts.states.view();
 

@@ -4,17 +4,14 @@
 #include <limits>
 #include <utility>
 
+#include "core/model/scale_rows.h"
 #include "core/motion/error.h"
 #include "storage/blob/states_codec.h"
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/clip_table.h"
 
 namespace motiondb::storage {
-namespace {
-
-constexpr int kRowsAtOnce = 1024;  // of the states, for a thread to scale
-
-}  // namespace
+namespace {}  // namespace
 
 absl::StatusOr<std::unique_ptr<ModelStates>> ModelStates::Find(Connection& connection,
                                                                std::int64_t current_key,
@@ -62,8 +59,10 @@ absl::Status ModelStates::FindClips(Connection& connection, std::int64_t built_k
   if (frames > std::numeric_limits<std::int32_t>::max()) {
     return core::DataLoss("parts: its clips have {} frames", frames);
   }
-  states_.resize(frames, dimensions);
-  root_path_.resize(frames - room_, 3);
+  const std::int64_t built_frames = frames - room_;
+  room_ = std::max<std::int64_t>(room_, core::RoomToGrow(built_frames));
+  states_.resize(built_frames + room_, dimensions);
+  root_path_.resize(built_frames, 3);
   return absl::OkStatus();
 }
 
@@ -111,13 +110,7 @@ absl::Status ModelStates::MoveInto(core::ModelParts& parts, const core::Parallel
     return core::DataLoss("parts: expected {} dimensions, got {}", parts.scale.divisor.size(),
                           states_.cols());
   }
-  const auto rows = static_cast<int>(root_path_.rows());
-  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
-    const int first = block * kRowsAtOnce;
-    states_.middleRows(first, std::min(kRowsAtOnce, rows - first)).array().rowwise() /=
-        parts.scale.divisor.array();
-  });
-  parts.states = core::SharedRows(std::move(states_), room_);
+  parts.states = core::ScaleRows(parts.scale, std::move(states_), room_, parallel);
   parts.root_path = std::move(root_path_);
   return absl::OkStatus();
 }

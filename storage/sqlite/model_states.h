@@ -50,7 +50,7 @@ class ModelStates {
   const std::int64_t current_key_;
   std::vector<Clip> clips_;
   std::atomic<std::size_t> next_ = 0;  // clip that nobody has begun
-  std::int64_t room_ = 0;              // frames of clips that were added
+  std::int64_t room_ = 0;              // for frames of clips that were added, or will be
   core::FrameMatrix states_;
   core::RootPath root_path_;
 };

@@ -96,16 +96,18 @@ TEST_CASE("ExtendModel: the base stays as it was, also when it is extended twice
           "[core][model]") {
   const core::Model base = Built(12);
   const core::FrameMatrix before = base.states();
-  const core::Model one = Extended(base, 12, 13);
-  const core::Model grown = Extended(one, 13, 14);  // shares memory with `one`
-  const core::Model other = Extended(one, 11, 12);  // must not
+  const core::Model one = Extended(base, 12, 13);    // in memory that the base keeps room in
+  const core::Model other = Extended(base, 11, 12);  // the room is taken
+  const core::Model grown = Extended(one, 13, 14);   // there is no more room
   CHECK(base.states() == before);
   CHECK(base.frame_count() == 12 * kFrames);
+  CHECK(one.states().data() == base.states().data());
+  CHECK(other.states().data() != base.states().data());
+  CHECK(grown.states().data() != one.states().data());
+  CHECK(one.states().topRows(12 * kFrames) == before);
+  CHECK(other.states().topRows(12 * kFrames) == before);
   CHECK(grown.states().topRows(13 * kFrames) == one.states());
-  CHECK(other.states().topRows(13 * kFrames) == one.states());
-  CHECK(grown.states().bottomRows(kFrames) != other.states().bottomRows(kFrames));
-  CHECK(grown.states().data() == one.states().data());
-  CHECK(other.states().data() != one.states().data());
+  CHECK(one.states().bottomRows(kFrames) != other.states().bottomRows(kFrames));
 }
 
 TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "[core][model]") {

@@ -1,7 +1,7 @@
 // The threads that do the work: one pool for requests, one for building models, so that a build
 // never takes the last core from queries, and a thread that extends models while others are built.
-// Where both want a core, these give way to requests (they are nicer, where the system has threads
-// of different niceness). Thread-safe.
+// All have the same priority: nicer threads would build nothing on a machine that is always asked.
+// Thread-safe.
 #pragma once
 
 #include <boost/asio/thread_pool.hpp>

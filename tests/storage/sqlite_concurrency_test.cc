@@ -115,19 +115,25 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails a
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   constexpr unsigned kWriters = 6;
   constexpr unsigned kRounds = 10;
+  // The same motion comes from two of them; a third one's database is not there. Made here, for
+  // Catch is not for threads.
+  const auto lost = [](unsigned w) { return w == 0; };
+  std::vector<std::vector<storage::NewClip>> clips(kWriters);
+  for (unsigned w = 0; w < kWriters; ++w) {
+    for (unsigned r = 0; r < kRounds; ++r) {
+      clips[w].push_back(SampleClip(lost(w) ? "none" : "d", "clip", kWriters * r + (w + 1) / 2));
+    }
+  }
   std::atomic<int> added = 0, refused = 0, other = 0;
   std::barrier round(kWriters);
   std::vector<std::thread> writers;
   for (unsigned w = 0; w < kWriters; ++w) {
     writers.emplace_back([&, w] {
       for (unsigned r = 0; r < kRounds; ++r) {
-        // The same motion comes from two of them; a third one's database is not there.
-        const bool lost = w == 0;
-        const auto clip = SampleClip(lost ? "none" : "d", "clip", kWriters * r + (w + 1) / 2);
         round.arrive_and_wait();
-        const auto record = store->AddClip(clip);
+        const auto record = store->AddClip(clips[w][r]);
         if (record.ok()) ++added;
-        if (lost ? absl::IsNotFound(record.status()) : absl::IsAlreadyExists(record.status())) {
+        if (lost(w) ? absl::IsNotFound(record.status()) : absl::IsAlreadyExists(record.status())) {
           ++refused;
         } else if (!record.ok()) {
           ++other;

@@ -38,6 +38,7 @@ struct ClipRecord {
   std::uint64_t content_hash =
       0;  // of motion and skeleton bytes; tells the same file ingested twice
   std::int64_t create_time_us = 0;
+  std::int64_t byte_count = 0;  // that its blobs take; told by the store
 };
 
 // A clip on its way in.

@@ -42,6 +42,12 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   auto live = std::make_shared<LiveDatabase>(database, settings);
   live->set_scheme(std::move(scheme));
   const std::lock_guard naming(naming_mutex_);
+  if (const std::size_t count = database_count(); count >= options_.max_databases) {
+    return absl::ResourceExhaustedError(
+        fmt::format("there are {} databases, as many as there may be: delete one first, or raise "
+                    "--max-databases",
+                    count));
+  }
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record));
   const std::lock_guard lock(mutex_);
   databases_[database] = std::move(live);
@@ -64,6 +70,11 @@ absl::Status Engine::DeleteDatabase(const std::string& database) {
   skeletons_.Clear();
   spdlog::info("database '{}': deleted", database);
   return absl::OkStatus();
+}
+
+std::size_t Engine::database_count() {
+  const std::lock_guard lock(mutex_);
+  return databases_.size();
 }
 
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
@@ -106,7 +117,7 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
     return absl::OkStatus();
   };
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
-                            IngestClip(*store_, *database, std::move(file), options_.max_frames,
+                            IngestClip(*store_, *database, std::move(file), options_,
                                        workers_.request_parallel(), cancelled, stored));
   return ingested;
 }
@@ -118,7 +129,7 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   const absl::Status deleted = live->WhileAlive([&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
     MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip));
-    live->AddStored(-1, -record.frame_count);
+    live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
     MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
     return absl::OkStatus();

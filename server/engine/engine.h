@@ -44,7 +44,7 @@ class Engine {
   SkeletonCache& skeletons() { return skeletons_; }
   const EngineOptions& options() const { return options_; }
 
-  // ALREADY_EXISTS.
+  // ALREADY_EXISTS, RESOURCE_EXHAUSTED.
   absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
                                                          const core::BuildSettings& settings,
                                                          const MarkerSetSetting& marker_set);
@@ -74,6 +74,7 @@ class Engine {
 
  private:
   Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options);
+  std::size_t database_count();
   absl::Status LoadDatabases();
   absl::Status LoadDatabase(const storage::DatabaseRecord& record);
   absl::Status ResumeOperations();

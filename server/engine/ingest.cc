@@ -67,11 +67,32 @@ storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
   return clip;
 }
 
+// About what the store will tell.
+std::int64_t ByteCount(const storage::NewClip& clip) {
+  return static_cast<std::int64_t>(clip.file_bytes.size() + clip.skeleton_bytes.size()) +
+         static_cast<std::int64_t>(sizeof(float)) * clip.states.states.size();
+}
+
+absl::StatusOr<storage::ClipRecord> AddWithin(const DatabaseQuota& quota,
+                                              storage::MotionStore& store, LiveDatabase& database,
+                                              const storage::NewClip& clip) {
+  const StoredAmount expected = AmountOf(clip.record);
+  MOTIONDB_RETURN_IF_ERROR(database.Reserve(expected, quota));
+  auto added = store.AddClip(clip);
+  if (added.ok()) {
+    database.AddStored({0, 0, added->byte_count - expected.byte_count});
+  } else {
+    database.AddStored(-expected);
+  }
+  return added;
+}
+
 }  // namespace
 
 absl::StatusOr<storage::ClipRecord> IngestClip(
-    storage::MotionStore& store, LiveDatabase& database, IngestFile file, int max_frames,
-    const core::ParallelFor& parallel, const core::Cancelled& cancelled,
+    storage::MotionStore& store, LiveDatabase& database, IngestFile file,
+    const EngineOptions& options, const core::ParallelFor& parallel,
+    const core::Cancelled& cancelled,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
   absl::StatusOr<core::MotionFile> source;
   std::uint64_t content_hash = 0;
@@ -100,7 +121,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   }
 
   std::vector<std::string> notes;
-  const RepresentationLimits limits{database.settings().frame_rate_hz, max_frames};
+  const RepresentationLimits limits{database.settings().frame_rate_hz, options.max_frames};
   auto states = RepresentWithin(limits, *scheme, source->motion, core::Gaps::kFill,
                                 file.leg_length_m, &notes);
   if (absl::IsInvalidArgument(states.status())) {
@@ -118,11 +139,11 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
   if (cancelled && cancelled()) return absl::CancelledError("the client went away");
 
+  clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
   MOTIONDB_RETURN_IF_ERROR(database.WhileAlive([&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(record, store.AddClip(clip));
+    MOTIONDB_ASSIGN_OR_RETURN(record, AddWithin(options.quota, store, database, clip));
     if (brings_scheme) database.set_scheme(scheme);
-    database.AddStored(1, record.frame_count);
     return stored(record);
   }));
   return record;

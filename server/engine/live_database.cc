@@ -5,6 +5,18 @@
 #include "core/motion/error.h"
 
 namespace motiondb::server {
+namespace {
+
+absl::Status Within(const std::string& database, std::string_view what, std::int64_t stored,
+                    std::int64_t more, std::int64_t most, std::string_view setting) {
+  if (stored + more <= most) return absl::OkStatus();
+  return absl::ResourceExhaustedError(fmt::format(
+      "database '{}' holds {} {} and may hold {}, so {} more do not fit: delete clips first, or "
+      "raise --{}",
+      database, stored, what, most, more, setting));
+}
+
+}  // namespace
 
 absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> LiveDatabase::scheme() const {
   const std::lock_guard lock(mutex_);
@@ -34,10 +46,27 @@ StoredAmount LiveDatabase::stored() const {
   return stored_;
 }
 
-void LiveDatabase::AddStored(std::int32_t clips, std::int32_t frames) {
+void LiveDatabase::AddStored(const StoredAmount& amount) {
   const std::lock_guard lock(mutex_);
-  stored_.clip_count += clips;
-  stored_.frame_count += frames;
+  Add(amount);
+}
+
+absl::Status LiveDatabase::Reserve(const StoredAmount& amount, const DatabaseQuota& quota) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_RETURN_IF_ERROR(Within(name_, "clips", stored_.clip_count, amount.clip_count,
+                                  quota.clip_count, "max-database-clips"));
+  MOTIONDB_RETURN_IF_ERROR(Within(name_, "frames", stored_.frame_count, amount.frame_count,
+                                  quota.frame_count, "max-database-frames"));
+  MOTIONDB_RETURN_IF_ERROR(Within(name_, "bytes", stored_.byte_count, amount.byte_count,
+                                  quota.byte_count, "max-database-mib"));
+  Add(amount);
+  return absl::OkStatus();
+}
+
+void LiveDatabase::Add(const StoredAmount& amount) {
+  stored_.clip_count += amount.clip_count;
+  stored_.frame_count += amount.frame_count;
+  stored_.byte_count += amount.byte_count;
 }
 
 absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& change) {

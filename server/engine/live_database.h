@@ -13,6 +13,7 @@
 #include "absl/status/statusor.h"
 #include "core/model/model.h"
 #include "core/motion/marker_set.h"
+#include "server/engine/options.h"
 #include "storage/records.h"
 
 namespace motiondb::server {
@@ -23,11 +24,19 @@ struct Snapshot {
   core::Model model;
 };
 
-// How much is stored, in the model or not.
+// How much is stored, in the model or not; or how much more or less.
 struct StoredAmount {
   std::int32_t clip_count = 0;
-  std::int32_t frame_count = 0;
+  std::int64_t frame_count = 0;
+  std::int64_t byte_count = 0;
+
+  StoredAmount operator-() const { return {-clip_count, -frame_count, -byte_count}; }
 };
+
+// What one clip adds to it.
+inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
+  return {1, clip.frame_count, clip.byte_count};
+}
 
 class LiveDatabase {
  public:
@@ -47,7 +56,10 @@ class LiveDatabase {
   void set_snapshot(std::shared_ptr<const Snapshot> snapshot);
 
   StoredAmount stored() const;
-  void AddStored(std::int32_t clips, std::int32_t frames);
+  void AddStored(const StoredAmount& amount);
+  // Adds it, unless that would be more than a database may hold: RESOURCE_EXHAUSTED then, saying
+  // what there is and which setting it meets.
+  absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);
 
   // Runs a change of what is stored, several at a time, but none once the database is deleted:
   // NOT_FOUND then.
@@ -63,6 +75,9 @@ class LiveDatabase {
   std::mutex& first_clip_mutex() { return first_clip_mutex_; }
 
  private:
+  // REQUIRES: mutex_ is held.
+  void Add(const StoredAmount& amount);
+
   const std::string name_;
   const core::BuildSettings settings_;
 

@@ -3,11 +3,20 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 
 namespace motiondb::server {
 
+// The most that one database may hold. Served, a frame of 34 markers takes 1.2 KB of memory.
+struct DatabaseQuota {
+  int clip_count = 100'000;
+  int frame_count = 5'000'000;
+  std::int64_t byte_count = std::int64_t{64} << 30;  // of the blobs of its clips
+};
+
 struct EngineOptions {
   int query_threads = 0;  // 0: as many as the machine has
+  int heavy_threads = 0;  // of these, for long work such as plans; 0: all but one
   int build_threads = 0;  // 0: half as many, so that queries keep a core
   // A rebuild starts when no ingest has come for `rebuild_delay`, at the latest
   // `rebuild_delay_limit` after it was asked for: a burst of ingests costs one.
@@ -18,6 +27,8 @@ struct EngineOptions {
   std::chrono::duration<double> extend_from{0.5};
   std::size_t max_file_bytes = std::size_t{64} << 20;  // of a motion file with its skeleton
   int max_frames = 1'000'000;  // of a clip or an observation, at the database's frame rate
+  std::size_t max_databases = 1000;
+  DatabaseQuota quota;
 };
 
 }  // namespace motiondb::server

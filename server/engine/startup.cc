@@ -54,7 +54,7 @@ absl::Status Engine::LoadDatabase(const storage::DatabaseRecord& record) {
   if (!scheme.ok()) spdlog::error("{}", scheme.status().ToString());
   live->set_scheme(std::move(scheme));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
-  for (const auto& clip : clips) live->AddStored(1, clip.frame_count);
+  for (const auto& clip : clips) live->AddStored(AmountOf(clip));
   live->set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel()));
   const auto snapshot = live->snapshot();
   spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),

@@ -16,6 +16,11 @@ int RequestThreads(const EngineOptions& options) {
   return options.query_threads > 0 ? options.query_threads : MachineThreads();
 }
 
+int HeavyThreads(const EngineOptions& options) {
+  return options.heavy_threads > 0 ? options.heavy_threads
+                                   : std::max(1, RequestThreads(options) - 1);
+}
+
 int BuildThreads(const EngineOptions& options) {
   return options.build_threads > 0 ? options.build_threads : std::max(1, MachineThreads() / 2);
 }
@@ -34,11 +39,14 @@ Workers::Workers(const EngineOptions& options)
       build_threads_(BuildThreads(options)),
       requests_(static_cast<std::size_t>(request_threads_)),
       builds_(static_cast<std::size_t>(build_threads_)),
-      extensions_(1) {}
+      extensions_(1),
+      heavy_requests_(requests_, HeavyThreads(options)) {}
 
 Workers::~Workers() { Join(); }
 
 void Workers::Post(std::function<void()> work) { boost::asio::post(requests_, std::move(work)); }
+
+void Workers::PostHeavy(std::function<void()> work) { heavy_requests_.Post(std::move(work)); }
 
 core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }
 

@@ -8,6 +8,7 @@
 #include <functional>
 
 #include "core/tree/parallel.h"
+#include "server/engine/lane.h"
 #include "server/engine/options.h"
 
 namespace motiondb::server {
@@ -21,6 +22,8 @@ class Workers {
 
   // Runs a piece of work, which must not throw, on a request thread.
   void Post(std::function<void()> work);
+  // The same of work that takes long: some request threads always stay with the rest.
+  void PostHeavy(std::function<void()> work);
 
   Executor request_executor() { return requests_.get_executor(); }
   Executor build_executor() { return builds_.get_executor(); }
@@ -41,6 +44,7 @@ class Workers {
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;
   boost::asio::thread_pool extensions_;
+  Lane heavy_requests_;
 };
 
 }  // namespace motiondb::server

@@ -18,7 +18,9 @@ std::string SelectWhere(std::string_view rest) {
   return fmt::format(
       "SELECT clip.id, label, subject, file_name, skeleton_file_name, format, frame_count, "
       "duration_seconds, source_frame_rate_hz, leg_length_m, ifnull(skeleton.id, ''), "
-      "source_report, content_hash, create_time_us FROM clip LEFT JOIN skeleton "
+      "source_report, content_hash, create_time_us, "
+      "(SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk WHERE clip_chunk.clip_key = "
+      "clip.clip_key) FROM clip LEFT JOIN skeleton "
       "USING (skeleton_key) WHERE clip.database_key = ? AND deleted = 0 AND {}",
       rest);
 }
@@ -40,6 +42,7 @@ absl::StatusOr<ClipRecord> ToRecord(const std::string& database, const Statement
   record.source_report = row.Text(11);
   record.content_hash = row.Integer<std::uint64_t>(12);
   record.create_time_us = row.Integer(13);
+  record.byte_count = row.Integer(14);
   return record;
 }
 

@@ -112,6 +112,9 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
   NewClip stored = clip;
   stored.record.id = id;
   stored.record.skeleton_id.clear();
+  stored.record.byte_count =
+      static_cast<std::int64_t>(clip.file_bytes.size() + clip.skeleton_bytes.size() +
+                                clip.states.states.size() * sizeof(float));
   if (clip.skeleton) {
     const auto alike = std::ranges::find_if(
         in->skeletons, [&](const auto& entry) { return Same(entry.second, *clip.skeleton); });

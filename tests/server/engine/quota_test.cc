@@ -1,0 +1,95 @@
+// What a database may hold.
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+absl::Status Ingest(TestEngine& engine, const std::string& name, double phase) {
+  return engine
+      .Ingest("db", name,
+              {.act = Act::kWalk, .frame_count = 61, .frame_rate_hz = 60, .phase = phase})
+      .status();
+}
+
+void CheckExhausted(const absl::Status& status, const std::string& setting) {
+  INFO(status.ToString());
+  CHECK(absl::IsResourceExhausted(status));
+  CHECK(std::string(status.message()).find(setting) != std::string::npos);
+}
+
+server::EngineOptions With(const server::DatabaseQuota& quota) {
+  server::EngineOptions options = TestEngine::QuickOptions();
+  options.quota = quota;
+  return options;
+}
+
+TEST_CASE("Quota: clips, frames and bytes of a database are bounded each", "[server][quota]") {
+  const auto [quota, setting] = GENERATE(table<server::DatabaseQuota, std::string>({
+      {{.clip_count = 2}, "--max-database-clips"},
+      {{.frame_count = 122}, "--max-database-frames"},
+      // A clip's states alone take 10 markers x 6 numbers x 61 frames.
+      {{.byte_count = 3 * 61 * 60 * 4}, "--max-database-mib"},
+  }));
+  TestEngine engine(With(quota));
+  const auto live = engine.Create("db");
+  int stored = 0;
+  absl::Status status;
+  while (status.ok() && stored < 3) {
+    status = Ingest(engine, "walk" + std::to_string(stored), stored);
+    if (status.ok()) ++stored;
+  }
+  CheckExhausted(status, setting);
+  CHECK(stored >= 1);
+  CHECK(live->stored().clip_count == stored);
+  CHECK(engine->store().ListClips("db", {})->size() == static_cast<std::size_t>(stored));
+
+  // Where a clip goes, there is room for another, also after a restart.
+  REQUIRE(engine->DeleteClip("db", "walk0").ok());
+  CHECK(Ingest(engine, "again", 7).ok());
+  engine.Stop();
+  engine.Start();
+  CheckExhausted(Ingest(engine, "more", 8), setting);
+}
+
+TEST_CASE("Quota: a clip that is refused for another reason takes no room", "[server][quota]") {
+  TestEngine engine(With({.clip_count = 2}));
+  engine.Create("db");
+  REQUIRE(Ingest(engine, "walk", 1).ok());
+  for (int i = 0; i < 3; ++i) CHECK(absl::IsAlreadyExists(Ingest(engine, "walk", 1)));
+  CHECK(Ingest(engine, "other", 2).ok());
+}
+
+TEST_CASE("Quota: what is counted is what the store tells, again after a restart",
+          "[server][quota]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  REQUIRE(Ingest(engine, "walk", 1).ok());
+  const auto clip = engine->store().GetClip("db", "walk");
+  REQUIRE(clip.ok());
+  CHECK(clip->byte_count > 61 * 60 * 4);
+  CHECK(live->stored().byte_count == clip->byte_count);
+  engine.Stop();
+  engine.Start();
+  const auto again = engine->FindDatabase("db");
+  REQUIRE(again.ok());
+  CHECK((*again)->stored().byte_count == clip->byte_count);
+  REQUIRE(engine->DeleteClip("db", "walk").ok());
+  CHECK((*again)->stored().byte_count == 0);
+}
+
+TEST_CASE("Quota: databases are bounded", "[server][quota]") {
+  server::EngineOptions options = TestEngine::QuickOptions();
+  options.max_databases = 2;
+  TestEngine engine(options);
+  engine.Create("one");
+  engine.Create("two");
+  CheckExhausted(engine->CreateDatabase("three", {}, {}).status(), "--max-databases");
+  REQUIRE(engine->DeleteDatabase("one").ok());
+  CHECK(engine->CreateDatabase("three", {}, {.name = "standard34"}).ok());
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -57,6 +57,7 @@ void SumOver(const ModelParts& parts, const std::vector<Moment>& moments, std::s
   FrameMatrix y(kRows, horizons * numbers);
   Eigen::Index row = 0;
   const auto add = [&] {
+    if (row == 0) return;  // Eigen divides by the number of rows
     gram.selfadjointView<Eigen::Lower>().rankUpdate(x.topRows(row).transpose());
     products.noalias() += x.topRows(row).transpose() * y.topRows(row);
     row = 0;

@@ -16,7 +16,7 @@ void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state
   const Eigen::MatrixXd loadings = metric.loadings(seen, Eigen::all).cast<double>();
   const Eigen::VectorXd apart = (state(seen) - metric.mean(seen)).transpose().cast<double>();
   Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(loadings.cols(), loadings.cols());
-  precision.selfadjointView<Eigen::Lower>().rankUpdate(loadings.transpose());
+  if (!seen.empty()) precision.selfadjointView<Eigen::Lower>().rankUpdate(loadings.transpose());
   precision.diagonal().array() += metric.noise;
   const Eigen::VectorXd hidden = precision.selfadjointView<Eigen::Lower>().llt().solve(
       Eigen::VectorXd(loadings.transpose() * apart));

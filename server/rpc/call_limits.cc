@@ -1,0 +1,82 @@
+#include "server/rpc/call_limits.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <string_view>
+#include <utility>
+
+#include "server/translate/retry_info.h"
+
+namespace motiondb::server {
+namespace {
+
+struct Words {
+  std::string_view what;
+  std::string_view setting;
+  std::chrono::milliseconds retry_after;  // about how long one takes to end
+};
+
+constexpr Words kWords[] = {{"calls", "calls", std::chrono::milliseconds(100)},
+                            {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
+                            {"streams", "streams", std::chrono::milliseconds(10'000)}};
+
+constexpr std::size_t Index(CallWeight weight) { return static_cast<std::size_t>(weight); }
+
+absl::Status TooMany(const Words& words, int open, std::string_view whose,
+                     std::string_view setting) {
+  return RetryAfter(
+      absl::ResourceExhaustedError(fmt::format("{} {} are under way {}, as many as there may be "
+                                               "(--max-{}{}): try again when one has ended",
+                                               open, words.what, whose, words.setting, setting)),
+      words.retry_after);
+}
+
+}  // namespace
+
+CallLimits::Slot& CallLimits::Slot::operator=(Slot&& other) noexcept {
+  std::swap(limits_, other.limits_);
+  std::swap(weight_, other.weight_);
+  client_.swap(other.client_);
+  return *this;
+}
+
+void CallLimits::Slot::Release() {
+  if (limits_ != nullptr) limits_->Leave(weight_, client_);
+  limits_ = nullptr;
+}
+
+absl::StatusOr<CallLimits::Slot> CallLimits::Enter(CallWeight weight, const std::string& client) {
+  const std::size_t i = Index(weight);
+  const std::lock_guard lock(mutex_);
+  if (in_all_[i] >= limits_[i].in_all) return TooMany(kWords[i], in_all_[i], "in all", "");
+  const auto own = per_client_.find(client);
+  if (own != per_client_.end() && own->second[i] >= limits_[i].per_client) {
+    return TooMany(kWords[i], own->second[i], "for this client", "-per-client");
+  }
+  ++in_all_[i];
+  ++(own == per_client_.end() ? per_client_[client] : own->second)[i];
+  Slot slot;
+  slot.limits_ = this;
+  slot.weight_ = weight;
+  slot.client_ = client;
+  return slot;
+}
+
+int CallLimits::open(CallWeight weight) const {
+  const std::lock_guard lock(mutex_);
+  return in_all_[Index(weight)];
+}
+
+void CallLimits::Leave(CallWeight weight, const std::string& client) {
+  const std::lock_guard lock(mutex_);
+  --in_all_[Index(weight)];
+  const auto own = per_client_.find(client);
+  --own->second[Index(weight)];
+  if (std::ranges::all_of(own->second, [](int count) { return count == 0; })) {
+    per_client_.erase(own);
+  }
+}
+
+}  // namespace motiondb::server

@@ -15,6 +15,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/tree/parallel.h"
+#include "storage/access_store.h"
 #include "storage/records.h"
 
 namespace motiondb::storage {
@@ -99,6 +100,9 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                                       const std::string& before,
                                                                       int limit) = 0;
+
+  // Tokens and the record of changes, kept with the motion; as long-lived as this store.
+  virtual AccessStore& access() = 0;
 };
 
 }  // namespace motiondb::storage

@@ -26,6 +26,9 @@ constexpr Spellings<OperationState, 5> kStates{{{OperationState::kPending, "pend
                                                 {OperationState::kFailed, "failed"},
                                                 {OperationState::kCancelled, "cancelled"}}};
 
+constexpr Spellings<Role, 3> kRoles{
+    {{Role::kReader, "reader"}, {Role::kIngester, "ingester"}, {Role::kAdmin, "admin"}}};
+
 template <typename Enum, std::size_t kSize>
 const char* Spell(const Spellings<Enum, kSize>& spellings, Enum value) {
   for (const auto& [known, text] : spellings) {
@@ -47,6 +50,7 @@ absl::StatusOr<Enum> Read(const Spellings<Enum, kSize>& spellings, const std::st
 const char* ToText(core::FileFormat format) { return Spell(kFormats, format); }
 const char* ToText(core::Scaling scaling) { return Spell(kScalings, scaling); }
 const char* ToText(OperationState state) { return Spell(kStates, state); }
+const char* ToText(Role role) { return Spell(kRoles, role); }
 
 template <>
 absl::StatusOr<core::FileFormat> FromText(const std::string& text) {
@@ -59,6 +63,10 @@ absl::StatusOr<core::Scaling> FromText(const std::string& text) {
 template <>
 absl::StatusOr<OperationState> FromText(const std::string& text) {
   return Read(kStates, text);
+}
+template <>
+absl::StatusOr<Role> FromText(const std::string& text) {
+  return Read(kRoles, text);
 }
 
 }  // namespace motiondb::storage

@@ -6,6 +6,7 @@
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
 #include "core/tree/feature_scale.h"
+#include "storage/access_store.h"
 #include "storage/records.h"
 
 namespace motiondb::storage {
@@ -13,6 +14,7 @@ namespace motiondb::storage {
 const char* ToText(core::FileFormat format);
 const char* ToText(core::Scaling scaling);
 const char* ToText(OperationState state);
+const char* ToText(Role role);
 
 // DATA_LOSS for a text that is none.
 template <typename Enum>
@@ -23,5 +25,7 @@ template <>
 absl::StatusOr<core::Scaling> FromText(const std::string& text);
 template <>
 absl::StatusOr<OperationState> FromText(const std::string& text);
+template <>
+absl::StatusOr<Role> FromText(const std::string& text);
 
 }  // namespace motiondb::storage

@@ -136,7 +136,35 @@ ALTER TABLE model ADD COLUMN added_frame_count INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE model ADD COLUMN stale_share REAL NOT NULL DEFAULT 0;
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst, kExtensions};
+// Who may call, and who changed what. Databases are named, not referred to: a token may be made
+// before its database, and the record of a change outlives what it changed.
+constexpr char kAccess[] = R"sql(
+CREATE TABLE token (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,  -- rises with each token made
+  id TEXT NOT NULL UNIQUE CHECK (id <> ''),
+  role TEXT NOT NULL CHECK (role IN ('reader', 'ingester', 'admin')),
+  database TEXT NOT NULL,         -- the one it is good for; empty: all
+  description TEXT NOT NULL,
+  salt BLOB NOT NULL,
+  secret_hash BLOB NOT NULL,
+  create_time_us INTEGER NOT NULL,
+  expire_time_us INTEGER NOT NULL,  -- 0: never
+  revoke_time_us INTEGER NOT NULL   -- 0: it is good
+) STRICT;
+
+CREATE TABLE audit (
+  sequence INTEGER PRIMARY KEY AUTOINCREMENT,
+  time_us INTEGER NOT NULL,
+  principal TEXT NOT NULL,
+  peer TEXT NOT NULL,
+  method TEXT NOT NULL,
+  resource TEXT NOT NULL,
+  code INTEGER NOT NULL,
+  request_id TEXT NOT NULL
+) STRICT;
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess};
 
 }  // namespace
 

@@ -7,12 +7,14 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/model_table.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/skeleton_table.h"
 #include "storage/sqlite/store_file.h"
+#include "storage/sqlite/token_table.h"
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
@@ -247,6 +249,34 @@ absl::StatusOr<std::vector<OperationRecord>> SqliteMotionStore::ListOperations(
   return Read([&](Connection& connection) {
     return SelectOperations(connection, database, before, limit);
   });
+}
+
+absl::Status SqliteMotionStore::AddToken(const TokenRecord& record) {
+  return Write([&](Connection& connection) { return InsertToken(connection, record); });
+}
+
+absl::StatusOr<TokenRecord> SqliteMotionStore::GetToken(const std::string& id) {
+  return Read([&](Connection& connection) { return SelectToken(connection, id); });
+}
+
+absl::StatusOr<std::vector<TokenRecord>> SqliteMotionStore::ListTokens(const std::string& after,
+                                                                       int limit) {
+  return Read([&](Connection& connection) { return SelectTokens(connection, after, limit); });
+}
+
+absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id,
+                                                           std::int64_t time_us) {
+  return Write([&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
+}
+
+absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record) {
+  return Write([&](Connection& connection) { return InsertAuditRecord(connection, record); });
+}
+
+absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std::int64_t before,
+                                                                             int limit) {
+  return Read(
+      [&](Connection& connection) { return SelectAuditRecords(connection, before, limit); });
 }
 
 }  // namespace motiondb::storage

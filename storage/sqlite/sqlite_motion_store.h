@@ -30,7 +30,7 @@ struct SqliteOptions {
   std::string vfs;
 };
 
-class SqliteMotionStore final : public MotionStore {
+class SqliteMotionStore final : public MotionStore, public AccessStore {
  public:
   // Opens the store at `path`, making it where there is none or an empty file, and upgrading one of
   // an older version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION,
@@ -75,6 +75,15 @@ class SqliteMotionStore final : public MotionStore {
   absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                               const std::string& before,
                                                               int limit) override;
+
+  AccessStore& access() override { return *this; }
+  absl::Status AddToken(const TokenRecord& record) override;
+  absl::StatusOr<TokenRecord> GetToken(const std::string& id) override;
+  absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after, int limit) override;
+  absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us) override;
+  absl::Status AddAuditRecord(const AuditRecord& record) override;
+  absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
+                                                            int limit) override;
 
  private:
   SqliteMotionStore(std::optional<StoreLock> lock, std::unique_ptr<Connection> writer,

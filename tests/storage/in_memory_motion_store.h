@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "storage/motion_store.h"
+#include "tests/storage/in_memory_access_store.h"
 
 namespace motiondb::tests {
 
@@ -58,6 +59,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
                                                                        const std::string& before,
                                                                        int limit) override;
+  storage::AccessStore& access() override { return access_; }
 
  private:
   struct Database {
@@ -79,6 +81,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   std::mutex mutex_;
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first
+  InMemoryAccessStore access_;
 };
 
 }  // namespace motiondb::tests

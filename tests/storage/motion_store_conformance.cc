@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/model/extend_model.h"
+#include "tests/storage/access_store_conformance.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 
@@ -451,6 +452,8 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("alike skeletons are stored once") { TestSkeletons(*store); }
   SECTION("models are kept") { TestModels(*store); }
   SECTION("operations are kept, newest first") { TestOperations(*store); }
+  SECTION("tokens are kept") { TestTokens(*store); }
+  SECTION("changes are recorded, newest first") { TestAudit(*store); }
 }
 
 }  // namespace motiondb::tests

@@ -124,6 +124,7 @@ class GatedStore : public storage::MotionStore {
                                                                        int limit) override {
     return store_->ListOperations(database, before, limit);
   }
+  storage::AccessStore& access() override { return store_->access(); }
 
  private:
   const std::unique_ptr<storage::MotionStore> store_;

@@ -1,0 +1,33 @@
+// Tokens and the record of changes in plain containers. Thread-safe.
+#pragma once
+
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "storage/access_store.h"
+
+namespace motiondb::tests {
+
+class InMemoryAccessStore final : public storage::AccessStore {
+ public:
+  absl::Status AddToken(const storage::TokenRecord& record) override;
+  absl::StatusOr<storage::TokenRecord> GetToken(const std::string& id) override;
+  absl::StatusOr<std::vector<storage::TokenRecord>> ListTokens(const std::string& after,
+                                                               int limit) override;
+  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id,
+                                                   std::int64_t time_us) override;
+  absl::Status AddAuditRecord(const storage::AuditRecord& record) override;
+  absl::StatusOr<std::vector<storage::AuditRecord>> ListAuditRecords(std::int64_t before,
+                                                                     int limit) override;
+
+ private:
+  using Tokens = std::vector<storage::TokenRecord>;
+  absl::StatusOr<Tokens::iterator> Find(const std::string& id);
+
+  std::mutex mutex_;
+  Tokens tokens_;                            // oldest first
+  std::vector<storage::AuditRecord> audit_;  // oldest first, numbered from 1
+};
+
+}  // namespace motiondb::tests

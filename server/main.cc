@@ -11,10 +11,11 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "core/motion/error.h"
-#include "server/command_line.h"
 #include "server/server.h"
+#include "server/settings/settings_reader.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 
 namespace motiondb::server {
@@ -35,34 +36,72 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
   context.run();
 }
 
-absl::Status Serve(const CommandLine& line) {
+absl::Status Serve(const Settings& settings) {
   // Before any thread is made and before the address is announced: a signal that comes at any later
   // moment drains.
   boost::asio::io_context context;
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
 
-  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(line.store_path));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto server, Server::Start(std::move(store), line.server));
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(settings.store_path));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto server, Server::Start(std::move(store), settings.server));
   fmt::print("motiondbd: listening on {}\n", server->address());
   std::fflush(stdout);
-  spdlog::info("store {}, listening on {}", line.store_path, server->address());
+  spdlog::info("store {}, listening on {}", settings.store_path, server->address());
 
   WaitForSignal(context, signals);
-  server->Drain(line.grace);
+  server->Drain(settings.grace);
   spdlog::info("drained");
   return absl::OkStatus();
+}
+
+constexpr int kFailed = 1;
+constexpr int kWrongSettings = 2;
+
+int PrintProblems(const std::vector<absl::Status>& problems) {
+  for (const absl::Status& problem : problems) {
+    fmt::print(stderr, "motiondbd: {}\n", std::string(problem.message()));
+  }
+  return kWrongSettings;
+}
+
+// In the syntax of the configuration file, each setting with the place that it comes from.
+int CheckConfig(const SettingsReader& reader) {
+  for (const EffectiveSetting& setting : reader.Effective()) {
+    const std::string line = fmt::format("{} = {}", setting.key, setting.value);
+    fmt::print("{:<48}# {}\n", line, setting.source);
+  }
+  const std::vector<absl::Status> problems = reader.Check();
+  return problems.empty() ? 0 : PrintProblems(problems);
+}
+
+int Run(int argc, const char* const* argv) {
+  SettingsReader reader;
+  const std::vector<absl::Status> problems = reader.Read(argc, argv, ReadEnvironment());
+  if (!problems.empty()) {
+    PrintProblems(problems);
+    fmt::print(stderr, "Try `motiondbd --help`.\n");
+    return kWrongSettings;
+  }
+  switch (reader.task()) {
+    case SettingsReader::Task::kHelp:
+      fmt::print("{}", reader.Help());
+      return 0;
+    case SettingsReader::Task::kVersion:
+      fmt::print("motiondbd {}\n", MOTIONDB_VERSION);
+      return 0;
+    case SettingsReader::Task::kCheck:
+      return CheckConfig(reader);
+    case SettingsReader::Task::kServe:
+      break;
+  }
+  StartLog(reader.settings().log.level);
+  const absl::Status status = Serve(reader.settings());
+  if (status.ok()) return 0;
+  fmt::print(stderr, "motiondbd: {}\n", std::string(status.message()));
+  return kFailed;
 }
 
 }  // namespace
 }  // namespace motiondb::server
 
-int main(int argc, char** argv) {
-  motiondb::server::CommandLine line;
-  int exit_code = 0;
-  if (!motiondb::server::ParseCommandLine(argc, argv, line, exit_code)) return exit_code;
-  motiondb::server::StartLog(line.log_level);
-  const absl::Status status = motiondb::server::Serve(line);
-  if (status.ok()) return 0;
-  fmt::print(stderr, "motiondbd: {}\n", std::string(status.message()));
-  return 1;
-}
+int main(int argc, char** argv) { return motiondb::server::Run(argc, argv); }

@@ -1,0 +1,50 @@
+#include "server/settings/options.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+namespace motiondb::server {
+namespace {
+
+bool IsPort(const std::string& text) {
+  unsigned port = 0;
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, port);
+  return error == std::errc() && rest == end && port <= 65535;
+}
+
+bool IsHost(const std::string& text) {
+  if (text.empty()) return false;
+  // The colons of an IPv6 address would be taken for the port's.
+  const bool bracketed = text.front() == '[' && text.back() == ']' && text.size() > 2;
+  return bracketed || text.find_first_of(":[]") == std::string::npos;
+}
+
+}  // namespace
+
+CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
+                        double most, const std::string& description) {
+  const auto set = [&time](double seconds) {
+    time = std::chrono::milliseconds(std::llround(seconds * 1000));
+  };
+  return app.add_option_function<double>(name, set, description)
+      ->type_name("SECONDS")
+      ->check(CLI::Range(0.0, most))
+      ->default_str(fmt::format("{:g}", static_cast<double>(time.count()) / 1000));
+}
+
+CLI::Validator ListenAddress() {
+  const auto check = [](std::string& address) {
+    const std::size_t colon = address.rfind(':');
+    if (colon != std::string::npos && IsHost(address.substr(0, colon)) &&
+        IsPort(address.substr(colon + 1))) {
+      return std::string();
+    }
+    return fmt::format("'{}' is not HOST:PORT with a port from 0 to 65535", address);
+  };
+  return CLI::Validator(check, "");
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,31 @@
+// Kinds of options that settings share: values with a unit in the file, another in memory.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <concepts>
+#include <string>
+
+namespace motiondb::server {
+
+// Given in seconds, from 0 to `most`. `time` holds the default and must outlive `app`.
+CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
+                        double most, const std::string& description);
+
+// Given in mebibytes, from 1 to 1024. `bytes` holds the default and must outlive `app`.
+template <std::integral Bytes>
+CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
+                          const std::string& description) {
+  return app
+      .add_option_function<int>(
+          name, [&bytes](int mebibytes) { bytes = static_cast<Bytes>(mebibytes) << 20; },
+          description)
+      ->type_name("MIB")
+      ->check(CLI::Range(1, 1024))
+      ->default_str(std::to_string(bytes >> 20));
+}
+
+// Of what is listened on: HOST:PORT, [IPV6]:PORT, port from 0 (a free one) to 65535.
+CLI::Validator ListenAddress();
+
+}  // namespace motiondb::server

@@ -1,0 +1,193 @@
+#include "server/settings/settings_reader.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cctype>
+#include <string_view>
+
+#include "core/motion/error.h"
+#include "server/settings/groups.h"
+#include "server/settings/settings_file.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr std::string_view kPrefix = "MOTIONDBD_";
+
+std::string KeyOf(const CLI::Option& option) { return option.get_lnames().front(); }
+
+// rebuild-delay -> MOTIONDBD_REBUILD_DELAY
+std::string VariableOf(const std::string& key) {
+  std::string name(kPrefix);
+  for (const char c : key) {
+    name += c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+  }
+  return name;
+}
+
+bool IsFlag(const CLI::Option& option) { return option.get_expected_min() == 0; }
+bool IsArray(const CLI::Option& option) { return option.get_expected_max() > 1; }
+
+std::vector<std::string> DefaultOf(const CLI::Option& option) {
+  if (IsFlag(option)) return {"false"};
+  std::string text = option.get_default_str();
+  if (!IsArray(option)) return {text};
+  std::erase_if(text, [](char c) { return c == '[' || c == ']'; });
+  return text.empty() ? std::vector<std::string>() : CLI::detail::split(text, ',');
+}
+
+}  // namespace
+
+Environment ReadEnvironment() {
+  Environment environment;
+  for (char** variable = environ; *variable != nullptr; ++variable) {
+    const std::string_view text(*variable);
+    const std::size_t equals = text.find('=');
+    if (!text.starts_with(kPrefix) || equals == std::string_view::npos) continue;
+    environment.emplace(text.substr(0, equals), text.substr(equals + 1));
+  }
+  return environment;
+}
+
+SettingsReader::SettingsReader()
+    : app_("motiondbd: a database server for human motion", "motiondbd") {
+  app_.get_help_ptr()->description("Print this and exit")->configurable(false);
+  app_.set_version_flag("--version", "motiondbd " MOTIONDB_VERSION, "Print the version and exit")
+      ->configurable(false);
+  app_.add_option(
+          "--config", file_,
+          "File of settings, a line each: listen = \"127.0.0.1:50051\"; or MOTIONDBD_CONFIG")
+      ->type_name("FILE")
+      ->configurable(false);
+  app_.add_flag_callback(
+          "--check-config", [this] { task_ = Task::kCheck; },
+          "Check all settings and the files they name, print them, and exit; the store is not "
+          "opened")
+      ->configurable(false);
+  AddStoreSettings(app_, settings_);
+  AddNetworkSettings(app_, settings_);
+  AddEngineSettings(app_, settings_);
+  AddLimitSettings(app_, settings_);
+  AddLogSettings(app_, settings_);
+  app_.footer(
+      "Every setting is also a variable and a line of the configuration file: --rebuild-delay,\n"
+      "MOTIONDBD_REBUILD_DELAY, rebuild-delay = 0.3. Flags are stronger than variables, these\n"
+      "stronger than the file.");
+}
+
+std::vector<absl::Status> SettingsReader::Check() const {
+  std::vector<absl::Status> problems;
+  CheckStoreSettings(settings_, problems);
+  CheckEngineSettings(settings_, problems);
+  return problems;
+}
+
+std::vector<absl::Status> SettingsReader::Read(int argc, const char* const* argv,
+                                               const Environment& environment) {
+  // First for --help and --config, and once more at the end: flags have the last word.
+  if (const absl::Status status = ParseFlags(argc, argv); !status.ok()) return {status};
+  if (task_ == Task::kHelp || task_ == Task::kVersion) return {};
+  const auto file = environment.find(VariableOf("config"));
+  if (file_.empty() && file != environment.end()) file_ = file->second;
+
+  std::vector<absl::Status> problems;
+  if (!file_.empty()) ApplyFile(problems);
+  ApplyEnvironment(environment, problems);
+  if (const absl::Status status = ParseFlags(argc, argv); !status.ok()) problems.push_back(status);
+  for (const CLI::Option* const option : Options()) {
+    if (option->count() > 0) origins_[option] = {"--" + KeyOf(*option), option->results()};
+  }
+  if (settings_.store_path.empty()) {
+    problems.push_back(absl::InvalidArgumentError(
+        "store: not set; give --store FILE, MOTIONDBD_STORE or a line `store = \"FILE\"`"));
+  }
+  return problems;
+}
+
+absl::Status SettingsReader::ParseFlags(int argc, const char* const* argv) {
+  try {
+    app_.parse(argc, argv);
+  } catch (const CLI::CallForHelp&) {
+    task_ = Task::kHelp;
+  } catch (const CLI::CallForVersion&) {
+    task_ = Task::kVersion;
+  } catch (const CLI::Error& error) {
+    return core::InvalidArgument("{}", error.what());
+  }
+  return absl::OkStatus();
+}
+
+std::vector<const CLI::Option*> SettingsReader::Options() const {
+  return app_.get_options([](const CLI::Option* option) { return option->get_configurable(); });
+}
+
+absl::Status SettingsReader::Apply(const std::string& place, const std::string& key,
+                                   const std::vector<std::string>& values) {
+  CLI::Option* const found = app_.get_option_no_throw("--" + key);
+  if (found == nullptr || !found->get_configurable()) {
+    return core::InvalidArgument("{}: no such setting: {}", place, key);
+  }
+  CLI::Option& option = *found;
+  if (values.empty() || (values.size() > 1 && !IsArray(option))) {
+    return core::InvalidArgument("{}: {}: expected one value", place, key);
+  }
+  try {
+    option.clear();
+    for (const std::string& value : values) {
+      option.add_result(IsFlag(option) ? option.get_flag_value(key, value) : value);
+    }
+    option.run_callback();
+  } catch (const CLI::Error& error) {
+    return core::InvalidArgument("{}: {}", place, error.what());
+  }
+  origins_[&option] = {place, values};
+  return absl::OkStatus();
+}
+
+void SettingsReader::ApplyFile(std::vector<absl::Status>& problems) {
+  const absl::StatusOr<std::string> text = ReadSettingsFile(file_);
+  if (!text.ok()) {
+    problems.push_back(text.status());
+    return;
+  }
+  for (const FileSetting& setting : ParseSettings(file_, *text, problems)) {
+    const std::string place = fmt::format("{}:{}", file_, setting.line);
+    const absl::Status status = Apply(place, setting.key, setting.values);
+    if (!status.ok()) problems.push_back(status);
+  }
+}
+
+void SettingsReader::ApplyEnvironment(const Environment& environment,
+                                      std::vector<absl::Status>& problems) {
+  Environment unknown = environment;
+  unknown.erase(VariableOf("config"));
+  for (const CLI::Option* const option : Options()) {
+    const std::string variable = VariableOf(KeyOf(*option));
+    const auto found = unknown.find(variable);
+    if (found == unknown.end()) continue;
+    const std::vector<std::string> values = IsArray(*option)
+                                                ? CLI::detail::split(found->second, ',')
+                                                : std::vector<std::string>{found->second};
+    const absl::Status status = Apply(variable, KeyOf(*option), values);
+    if (!status.ok()) problems.push_back(status);
+    unknown.erase(found);
+  }
+  for (const auto& [variable, value] : unknown) {
+    problems.push_back(core::InvalidArgument("{}: no such setting", variable));
+  }
+}
+
+std::vector<EffectiveSetting> SettingsReader::Effective() const {
+  std::vector<EffectiveSetting> effective;
+  for (const CLI::Option* const option : Options()) {
+    const auto found = origins_.find(option);
+    const Origin origin =
+        found != origins_.end() ? found->second : Origin{"default", DefaultOf(*option)};
+    effective.push_back(
+        {KeyOf(*option), FormatValues(origin.values, IsArray(*option)), origin.source});
+  }
+  return effective;
+}
+
+}  // namespace motiondb::server

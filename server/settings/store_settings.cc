@@ -1,0 +1,39 @@
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "server/settings/groups.h"
+
+namespace motiondb::server {
+
+void AddStoreSettings(CLI::App& app, Settings& settings) {
+  app.add_option("--store", settings.store_path,
+                 "The file that holds the databases; made if absent")
+      ->type_name("FILE")
+      ->group("Store");
+}
+
+void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems) {
+  namespace fs = std::filesystem;
+  if (settings.store_path.empty()) return;  // reported where settings are read
+  const auto require = [&](const fs::path& path, const char* purpose) {
+    if (access(path.c_str(), R_OK | W_OK) == 0) return;
+    problems.push_back(absl::FailedPreconditionError(
+        fmt::format("store: {} {}: {}", purpose, path.string(), std::strerror(errno))));
+  };
+  const fs::path store(settings.store_path);
+  std::error_code ignored;
+  if (fs::is_directory(store, ignored)) {
+    problems.push_back(absl::InvalidArgumentError(
+        fmt::format("store: {} is a folder; expected a file's path", store.string())));
+    return;
+  }
+  // SQLite writes its log beside the file.
+  require(store.has_parent_path() ? store.parent_path() : fs::path("."), "cannot write to folder");
+  if (fs::exists(store, ignored)) require(store, "cannot read and write");
+}
+
+}  // namespace motiondb::server

@@ -6,6 +6,7 @@ build=(
   g++ cmake ninja-build ccache pkg-config
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
+  libssl-dev       # tokens: random bytes and hashes
   libtinyxml2-dev  # URDF files are XML
 )
 test=(

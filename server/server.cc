@@ -35,13 +35,14 @@ constexpr const char* kServiceNames[] = {
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::MotionStore> store,
                                                       const ServerOptions& options) {
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
-  std::unique_ptr<Server> server(new Server(std::move(engine)));
+  std::unique_ptr<Server> server(new Server(std::move(engine), options));
   MOTIONDB_RETURN_IF_ERROR(server->Listen(options));
   return server;
 }
 
-Server::Server(std::unique_ptr<Engine> engine)
-    : engine_(std::move(engine)), host_(new CallHost{*engine_, {}}) {
+Server::Server(std::unique_ptr<Engine> engine, const ServerOptions& options)
+    : engine_(std::move(engine)),
+      host_(new CallHost{*engine_, {engine_->store().access(), options.access}, {}}) {
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));

@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
+#include "server/security/access_control.h"
 
 namespace grpc {
 class Server;
@@ -21,6 +22,7 @@ struct CallHost;
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
   int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
+  AccessOptions access;                    // who may do what
   EngineOptions engine;
 };
 
@@ -44,7 +46,7 @@ class Server {
   void Drain(std::chrono::milliseconds grace);
 
  private:
-  explicit Server(std::unique_ptr<Engine> engine);
+  Server(std::unique_ptr<Engine> engine, const ServerOptions& options);
   absl::Status Listen(const ServerOptions& options);
 
   const std::unique_ptr<Engine> engine_;

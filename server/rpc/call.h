@@ -6,25 +6,23 @@
 
 #include <chrono>
 #include <functional>
+#include <utility>
 
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/error.h"
 #include "server/engine/engine.h"
-#include "server/rpc/call_gate.h"
+#include "server/rpc/call_entry.h"
+#include "server/rpc/call_host.h"
 
 namespace motiondb::server {
-
-// What every service works with.
-struct CallHost {
-  Engine& engine;
-  CallGate gate;
-};
 
 // What a handler may use besides the request.
 struct Call {
   Engine& engine;
   core::Cancelled cancelled;                       // the deadline passed or the client went away
   std::chrono::system_clock::time_point deadline;  // far away where the client set none
+  CallEntry& entry;                                // who asks
 };
 
 core::Cancelled CancellationOf(grpc::CallbackServerContext& context);
@@ -41,12 +39,14 @@ grpc::Status Stopping();
 // Owned by gRPC: deletes itself when the call is over.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
-  explicit UnaryReactor(CallGate& gate) : ticket_(gate) {}
-  bool admitted() const { return ticket_.admitted(); }
+  UnaryReactor(CallHost& host, const grpc::CallbackServerContext& context, const Method& method)
+      : entry_(host, context, method) {}
+  CallEntry& entry() { return entry_; }
+  void End(grpc::Status status) { Finish(entry_.End(std::move(status))); }
   void OnDone() override { delete this; }
 
  private:
-  const CallGate::Ticket ticket_;
+  CallEntry entry_;
 };
 
 // Answers with kHandler(call, request, response), run on a request thread. gRPC keeps context,
@@ -54,15 +54,17 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
 template <auto kHandler, typename Request, typename Response>
 grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* context,
                                  const Request* request, Response* response) {
-  auto* const reactor = new UnaryReactor(host.gate);
-  if (!reactor->admitted()) {
-    reactor->Finish(Stopping());
+  auto* const reactor = new UnaryReactor(host, *context, MethodOf<Request>());
+  if (!reactor->entry().admitted()) {
+    reactor->End(Stopping());
     return reactor;
   }
   host.engine.workers().Post([&engine = host.engine, context, request, response, reactor] {
-    const Call call{engine, CancellationOf(*context), context->deadline()};
-    reactor->Finish(
-        RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); }));
+    const Call call{engine, CancellationOf(*context), context->deadline(), reactor->entry()};
+    reactor->End(RunHandler(call.cancelled, [&]() -> absl::Status {
+      MOTIONDB_RETURN_IF_ERROR(call.entry.Check(*request));
+      return kHandler(call, *request, *response);
+    }));
   });
   return reactor;
 }

@@ -80,9 +80,9 @@ bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block)
   return true;
 }
 
-absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(const Call& call,
-                                                               const std::string& name) {
-  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", name));
+absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(
+    const Call& call, const v1::ExportClipRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(auto record, call.engine.store().GetClip(id.database, id.id));
   MOTIONDB_ASSIGN_OR_RETURN(auto source, call.engine.store().ReadClipSource(id.database, id.id));
   struct State {
@@ -137,8 +137,8 @@ class ClipServiceImpl final : public v1::ClipService::CallbackService {
   }
   grpc::ServerWriteReactor<v1::ExportClipResponse>* ExportClip(
       grpc::CallbackServerContext* context, const v1::ExportClipRequest* request) override {
-    return new StreamReactor<v1::ExportClipResponse>(
-        host_, context, [request](const Call& call) { return OpenExport(call, request->name()); });
+    return new StreamReactor<v1::ExportClipRequest, v1::ExportClipResponse>(host_, context, request,
+                                                                            OpenExport);
   }
   grpc::ServerUnaryReactor* GetSkeleton(grpc::CallbackServerContext* context,
                                         const v1::GetSkeletonRequest* request,

@@ -18,13 +18,13 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
  public:
   IngestReactor(CallHost& host, grpc::CallbackServerContext& context,
                 v1::IngestClipResponse& response)
-      : ticket_(host.gate),
+      : entry_(host, context, MethodOf<v1::IngestClipRequest>()),
         engine_(host.engine),
         cancelled_(CancellationOf(context)),
         response_(response),
         stream_(engine_.options().max_file_bytes) {
-    if (!ticket_.admitted()) {
-      Finish(Stopping());
+    if (!entry_.admitted()) {
+      End(Stopping());
       return;
     }
     StartRead(&message_);
@@ -32,12 +32,14 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 
   void OnReadDone(bool ok) override {
     if (!ok) {
-      engine_.workers().Post(
-          [this] { Finish(RunHandler(cancelled_, [this] { return Store(); })); });
+      engine_.workers().Post([this] { End(RunHandler(cancelled_, [this] { return Store(); })); });
     } else if (database_ == nullptr) {
       engine_.workers().Post([this] { Take([this] { return Begin(); }); });
     } else {
-      Take([this] { return stream_.Take(std::move(message_)); });
+      Take([this]() -> absl::Status {
+        MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
+        return stream_.Take(std::move(message_));
+      });
     }
   }
   void OnDone() override { delete this; }
@@ -45,11 +47,14 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
  private:
   void Take(const std::function<absl::Status()>& take) {
     grpc::Status status = RunHandler(cancelled_, take);
-    if (!status.ok()) return Finish(std::move(status));
+    if (!status.ok()) return End(std::move(status));
     StartRead(&message_);
   }
 
+  void End(grpc::Status status) { Finish(entry_.End(std::move(status))); }
+
   absl::Status Begin() {
+    MOTIONDB_RETURN_IF_ERROR(entry_.Check(message_));
     MOTIONDB_RETURN_IF_ERROR(stream_.Take(std::move(message_)));
     MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
     MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
@@ -61,12 +66,13 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
     auto ingested = engine_.Ingest(database_, std::move(file), cancelled_);
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
+    entry_.set_resource(response_.clip().name());
     SetOperation(ingested->operation, *response_.mutable_operation());
     in_flight_.reset();
     return absl::OkStatus();
   }
 
-  const CallGate::Ticket ticket_;
+  CallEntry entry_;
   Engine& engine_;
   const core::Cancelled cancelled_;
   v1::IngestClipResponse& response_;

@@ -133,9 +133,9 @@ absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest&
   return absl::OkStatus();
 }
 
-absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(const Call& call,
-                                                               const std::string& name) {
-  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", name));
+absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(
+    const Call& call, const v1::ReadStatesRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, FindReadable(call, id));
   // A frame is its state and its node, which takes at most five bytes.
   const int frame_bytes = 4 * static_cast<int>(snapshot->model.states().cols()) + 5;
@@ -176,8 +176,8 @@ class ModelServiceImpl final : public v1::ModelService::CallbackService {
   }
   grpc::ServerWriteReactor<v1::ReadStatesResponse>* ReadStates(
       grpc::CallbackServerContext* context, const v1::ReadStatesRequest* request) override {
-    return new StreamReactor<v1::ReadStatesResponse>(
-        host_, context, [request](const Call& call) { return OpenStates(call, request->name()); });
+    return new StreamReactor<v1::ReadStatesRequest, v1::ReadStatesResponse>(host_, context, request,
+                                                                            OpenStates);
   }
 
  private:

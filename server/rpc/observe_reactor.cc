@@ -19,8 +19,8 @@ class ObserveReactor final
   ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
         cancelled_(CancellationOf(context)),
-        ticket_(host.gate, [this] { Stop(); }) {
-    if (ticket_.admitted()) {
+        entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }) {
+    if (entry_.admitted()) {
       Read();
     } else {
       End(Stopping());
@@ -68,7 +68,7 @@ class ObserveReactor final
   void End(grpc::Status status) {
     bool first = false;
     Do(Turn::kNobody, [&] { first = true; });
-    if (first) Finish(std::move(status));
+    if (first) Finish(entry_.End(std::move(status)));
   }
 
   // The server stops. A call that waits for its client ends at once, one that works when it has
@@ -83,6 +83,7 @@ class ObserveReactor final
   }
 
   absl::Status Take() {
+    MOTIONDB_RETURN_IF_ERROR(session_ == nullptr ? entry_.Check(request_) : entry_.Recheck());
     switch (request_.part_case()) {
       case v1::ObserveRequest::kStart:
         return Open();
@@ -132,7 +133,7 @@ class ObserveReactor final
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   Turn turn_ = Turn::kClient;
-  const CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes
+  CallEntry entry_;  // last, so that its place at the gate is given back before the rest goes
 };
 
 }  // namespace

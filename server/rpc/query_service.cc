@@ -126,8 +126,8 @@ class QueryServiceImpl final : public v1::QueryService::CallbackService {
   }
   grpc::ServerWriteReactor<v1::PredictSeriesResponse>* PredictSeries(
       grpc::CallbackServerContext* context, const v1::PredictSeriesRequest* request) override {
-    return new StreamReactor<v1::PredictSeriesResponse>(
-        host_, context, [request](const Call& call) { return OpenSeries(call, *request); });
+    return new StreamReactor<v1::PredictSeriesRequest, v1::PredictSeriesResponse>(
+        host_, context, request, OpenSeries);
   }
   grpc::ServerUnaryReactor* Plan(grpc::CallbackServerContext* context,
                                  const v1::PlanRequest* request,

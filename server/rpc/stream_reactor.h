@@ -18,21 +18,25 @@ template <typename Response>
 using NextMessage = std::function<absl::StatusOr<bool>(Response&)>;
 
 // Owned by gRPC: deletes itself when the call is over.
-template <typename Response>
+template <typename Request, typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response> {
  public:
   // `open` checks the request and returns what makes the messages.
-  using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&)>;
+  using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&, const Request&)>;
 
-  StreamReactor(CallHost& host, grpc::CallbackServerContext* context, Open open)
-      : ticket_(host.gate), call_{host.engine, CancellationOf(*context), context->deadline()} {
-    if (!ticket_.admitted()) {
-      this->Finish(Stopping());
+  // gRPC keeps the request until the call is finished.
+  StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
+                Open open)
+      : entry_(host, *context, MethodOf<Request>()),
+        call_{host.engine, CancellationOf(*context), context->deadline(), entry_} {
+    if (!entry_.admitted()) {
+      End(Stopping());
       return;
     }
-    call_.engine.workers().Post([this, open = std::move(open)] {
+    call_.engine.workers().Post([this, request, open = std::move(open)] {
       Step([&]() -> absl::Status {
-        auto opened = open(call_);
+        MOTIONDB_RETURN_IF_ERROR(entry_.Check(*request));
+        auto opened = open(call_, *request);
         if (!opened.ok()) return opened.status();
         next_ = *std::move(opened);
         return Produce();
@@ -41,13 +45,14 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void OnWriteDone(bool ok) override {
-    if (!ok) return this->Finish({grpc::StatusCode::CANCELLED, "the client went away"});
+    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
     call_.engine.workers().Post([this] { Step([this] { return Produce(); }); });
   }
   void OnDone() override { delete this; }
 
  private:
   absl::Status Produce() {
+    MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
     message_.Clear();
     auto made = next_(message_);
     if (!made.ok()) return made.status();
@@ -57,11 +62,13 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void Step(const std::function<absl::Status()>& step) {
     grpc::Status status = RunHandler(call_.cancelled, step);
-    if (!status.ok() || ended_) return this->Finish(std::move(status));
+    if (!status.ok() || ended_) return End(std::move(status));
     this->StartWrite(&message_);
   }
 
-  const CallGate::Ticket ticket_;
+  void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
+
+  CallEntry entry_;
   const Call call_;
   NextMessage<Response> next_;
   Response message_;

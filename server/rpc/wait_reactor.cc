@@ -49,15 +49,16 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
  public:
   WaitReactor(CallHost& host, grpc::CallbackServerContext& context,
               const v1::WaitOperationRequest& request, v1::WaitOperationResponse& response)
-      : ticket_(host.gate), response_(response) {
-    if (!ticket_.admitted()) {
-      Finish(Stopping());
+      : entry_(host, context, MethodOf<v1::WaitOperationRequest>()), response_(response) {
+    if (!entry_.admitted()) {
+      Finish(entry_.End(Stopping()));
       return;
     }
     Engine& engine = host.engine;
     const auto id = ParseOperationName("name", request.name());
     const auto timeout = TimeoutFrom(request, context.deadline());
-    const absl::Status valid = id.ok() ? timeout.status() : id.status();
+    absl::Status valid = entry_.Check(request);
+    if (valid.ok()) valid = id.ok() ? timeout.status() : id.status();
     if (!valid.ok()) {
       Answer([&] { return valid; });
       return;
@@ -83,10 +84,10 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
 
   // The wait calls once, so the call is finished once.
   void Answer(const std::function<absl::Status()>& handler) {
-    Finish(RunHandler([] { return false; }, handler));
+    Finish(entry_.End(RunHandler([] { return false; }, handler)));
   }
 
-  const CallGate::Ticket ticket_;
+  CallEntry entry_;
   v1::WaitOperationResponse& response_;
   std::shared_ptr<OperationWait> wait_;
 };

@@ -1,14 +1,27 @@
-// Errors that say when to try again. The time travels in the absl::Status as a payload, a RetryInfo
-// under google.rpc's type URL, and reaches the client with it. Safe to call from any thread.
+// Errors that say when to try again. The time travels as a payload, a RetryInfo under google.rpc's
+// type URL, and reaches the client with the status. Safe to call from any thread.
 #pragma once
 
+#include <fmt/format.h>
+
 #include <chrono>
+#include <string_view>
+#include <utility>
 
 #include "absl/status/status.h"
 
 namespace motiondb::server {
 
-// The same status, which must not be OK, with how long to wait.
-absl::Status RetryAfter(absl::Status status, std::chrono::milliseconds delay);
+// Type URL of the payload.
+inline constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
+
+// RESOURCE_EXHAUSTED "{message}", to be tried again after `delay`.
+absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message);
+
+template <typename... Args>
+absl::Status RetryLater(std::chrono::milliseconds delay, fmt::format_string<Args...> format,
+                        Args&&... args) requires(sizeof...(Args) > 0) {
+  return RetryLater(delay, fmt::format(format, std::forward<Args>(args)...));
+}
 
 }  // namespace motiondb::server

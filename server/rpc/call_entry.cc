@@ -1,0 +1,78 @@
+#include "server/rpc/call_entry.h"
+
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/rpc/call_evidence.h"
+#include "server/security/authorize.h"
+#include "server/translate/field_text.h"
+#include "server/translate/request_info.h"
+#include "server/translate/resource_name.h"
+#include "server/translate/utf8.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr std::size_t kResourceLimit = 256;
+
+}  // namespace
+
+CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
+                     const Method& method, std::function<void()> on_close)
+    : host_(host),
+      context_(context),
+      method_(method),
+      request_id_(RequestIdOf(context)),
+      ticket_(host.gate, std::move(on_close)) {}
+
+absl::Status CallEntry::Check(const google::protobuf::Message& request) {
+  checked_ = true;
+  if (method_.rule == nullptr) {
+    return absl::PermissionDeniedError(fmt::format("{}: no role may call it", method_.name));
+  }
+  const CallRule& rule = *method_.rule;
+  if (rule.changes) resource_ = Subject(request);
+  MOTIONDB_ASSIGN_OR_RETURN(Caller caller, host_.access.Authenticate(EvidenceOf(context_)));
+  principal_ = caller.principal;
+  const std::string touched = caller.database.empty() ? "" : Subject(request);
+  if (rule.scope == Scope::kOperation && !touched.empty()) {
+    const auto id = ParseOperationName(rule.field, touched);
+    const auto operation = id.ok() ? host_.engine.operations().Get(*id) : id.status();
+    MOTIONDB_RETURN_IF_ERROR(
+        Authorize(caller, rule, operation.ok() ? DatabaseName(operation->database) : ""));
+  } else {
+    MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
+  }
+  caller_ = std::move(caller);
+  return absl::OkStatus();
+}
+
+absl::Status CallEntry::Recheck() const {
+  return caller_.has_value() ? host_.access.Recheck(*caller_)
+                             : absl::UnauthenticatedError("the call was not checked");
+}
+
+grpc::Status CallEntry::End(grpc::Status status) {
+  if (checked_ && (method_.rule == nullptr || method_.rule->changes)) Record(status);
+  return status.ok() ? status : WithRequestInfo(status, request_id_);
+}
+
+std::string CallEntry::Subject(const google::protobuf::Message& request) const {
+  const CallRule& rule = *method_.rule;
+  std::string text = FieldText(request, rule.field);
+  return text.empty() ? text : fmt::format("{}{}", rule.collection, text);
+}
+
+void CallEntry::Record(const grpc::Status& status) {
+  storage::AuditRecord record;
+  record.time_us = NowMicroseconds();
+  record.principal = principal_;
+  record.peer = AddressOf(context_);
+  record.method = method_.name;
+  record.resource = ValidUtf8(resource_, kResourceLimit);
+  record.code = status.error_code();
+  record.request_id = request_id_;
+  host_.access.Record(record);
+}
+
+}  // namespace motiondb::server

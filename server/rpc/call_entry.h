@@ -1,0 +1,74 @@
+// One call, from its first moment to its last: which it is, who makes it, whether they may, and how
+// it ended. Every reactor holds one. What is to be done for every call (metrics, the log of
+// requests, limits) is done here.
+//
+// Used by one thread at a time, as a call's messages are.
+#pragma once
+
+#include <google/protobuf/message.h>
+#include <grpcpp/server_context.h>
+#include <grpcpp/support/status.h>
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "server/rpc/call_host.h"
+#include "server/rpc/method.h"
+#include "server/security/caller.h"
+
+namespace motiondb::server {
+
+class CallEntry {
+ public:
+  // `on_close` as in CallGate::Ticket. The context must outlive the entry.
+  CallEntry(CallHost& host, const grpc::CallbackServerContext& context, const Method& method,
+            std::function<void()> on_close = {});
+
+  // False: the server stops, and the call is to be refused.
+  bool admitted() const { return ticket_.admitted(); }
+
+  // Whether the caller may make this call. To be asked with the request, or with the first of a
+  // stream, before anything is done. UNAUTHENTICATED, PERMISSION_DENIED, RESOURCE_EXHAUSTED.
+  absl::Status Check(const google::protobuf::Message& request);
+  // Whether the caller still may, for each further message of a stream. UNAUTHENTICATED.
+  absl::Status Recheck() const;
+
+  // To be called once, with the status that the call ends with, before it is sent: returns it with
+  // the request's id, and keeps a change in the record of changes.
+  grpc::Status End(grpc::Status status);
+
+  const Method& method() const { return method_; }
+  // The caller's `x-request-id`, if it is 1 to 128 printable characters, or one made here.
+  const std::string& request_id() const { return request_id_; }
+  // As gRPC has it: "ipv4:127.0.0.1:50000".
+  std::string peer() const { return context_.peer(); }
+  // Nothing before a Check that the caller passed.
+  const std::optional<Caller>& caller() const { return caller_; }
+  // The id of the one database that the caller may see; empty: all.
+  std::string database() const { return caller_.has_value() ? caller_->database : ""; }
+  std::chrono::steady_clock::time_point began() const { return began_; }
+  AccessControl& access() { return host_.access; }
+
+  // What the call turned out to be about, for the record of changes: a resource name.
+  void set_resource(std::string resource) { resource_ = std::move(resource); }
+
+ private:
+  std::string Subject(const google::protobuf::Message& request) const;
+  void Record(const grpc::Status& status);
+
+  CallHost& host_;
+  const grpc::CallbackServerContext& context_;
+  const Method& method_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  const std::string request_id_;
+  bool checked_ = false;
+  std::optional<Caller> caller_;
+  std::string principal_ = kAnonymous;
+  std::string resource_;
+  const CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes
+};
+
+}  // namespace motiondb::server

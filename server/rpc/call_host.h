@@ -1,0 +1,16 @@
+// What every service works with.
+#pragma once
+
+#include "server/engine/engine.h"
+#include "server/rpc/call_gate.h"
+#include "server/security/access_control.h"
+
+namespace motiondb::server {
+
+struct CallHost {
+  Engine& engine;
+  AccessControl access;
+  CallGate gate;
+};
+
+}  // namespace motiondb::server

@@ -1,0 +1,29 @@
+// Which call of the contract a request belongs to. Safe to use from any thread.
+#pragma once
+
+#include <google/protobuf/descriptor.h>
+
+#include <string>
+
+#include "server/security/role_table.h"
+
+namespace motiondb::server {
+
+struct Method {
+  std::string name;                // "DatabaseService.GetDatabase"
+  const CallRule* rule = nullptr;  // null: the table has none, and the call is refused
+  bool streaming = false;          // on either side
+};
+
+// The method whose input is this type: every call has a request type of its own, declared in the
+// file of its service.
+Method FindMethod(const google::protobuf::Descriptor& request_type);
+
+// The same, looked up once.
+template <typename Request>
+const Method& MethodOf() {
+  static const Method method = FindMethod(*Request::descriptor());
+  return method;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,111 @@
+#include "server/security/access_control.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+#include "absl/strings/match.h"
+#include "core/motion/error.h"
+#include "server/security/secret.h"
+#include "server/translate/retry_info.h"
+
+namespace motiondb::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+constexpr milliseconds kMinute{60'000};
+constexpr int kRecordedRefusalsPerMinute = 10;
+constexpr char kAdminTokenPrincipal[] = "tokens/admin-token-file";
+
+bool IsRefusal(int code) {
+  return code == static_cast<int>(absl::StatusCode::kPermissionDenied) ||
+         code == static_cast<int>(absl::StatusCode::kUnauthenticated);
+}
+
+// The token in `Bearer {token}`; empty where the header has another form.
+std::string BearerOf(const std::string& authorization) {
+  constexpr std::string_view kScheme = "bearer ";
+  if (!absl::StartsWithIgnoreCase(authorization, kScheme.data())) return "";
+  return authorization.substr(kScheme.size());
+}
+
+// Random, so that the same file gives another hash in another process; a failure of the system's
+// randomness costs nothing here.
+std::string AdminSalt() { return RandomHex(16).value_or(""); }
+
+}  // namespace
+
+std::int64_t NowMicroseconds() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& options)
+    : store_(store),
+      options_(options),
+      admin_salt_(AdminSalt()),
+      admin_hash_(options.admin_token.empty() ? "" : HashSecret(admin_salt_, options.admin_token)),
+      tokens_(store),
+      failures_(options.failures_per_minute, kMinute),
+      refusals_(kRecordedRefusalsPerMinute, kMinute) {}
+
+absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
+  if (!options_.authentication) {
+    return Caller{.principal = kAnonymous, .role = storage::Role::kAdmin};
+  }
+  if (!evidence.authorization.empty()) return ByToken(evidence.authorization, evidence.address);
+  if (!evidence.common_name.empty() && options_.certificate_role.has_value()) {
+    return Caller{.principal = fmt::format("certificate:{}", evidence.common_name),
+                  .role = *options_.certificate_role};
+  }
+  return absl::UnauthenticatedError(
+      "a token is needed: send the header `authorization: Bearer {token}`");
+}
+
+absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
+                                              const std::string& address) {
+  const std::string bearer = BearerOf(authorization);
+  if (!admin_hash_.empty() && SameBytes(HashSecret(admin_salt_, bearer), admin_hash_)) {
+    return Caller{.principal = kAdminTokenPrincipal, .role = storage::Role::kAdmin};
+  }
+  std::shared_ptr<const KnownToken> token = tokens_.FindInMemory(bearer);
+  if (token == nullptr) {
+    const milliseconds wait = failures_.Wait(SourceOf(address));
+    if (wait.count() > 0) {
+      return RetryLater(wait, "too many wrong tokens from {}: try again in {:.0f} s", address,
+                        std::chrono::duration<double>(wait).count());
+    }
+    MOTIONDB_ASSIGN_OR_RETURN(token, tokens_.Find(bearer));
+  }
+  if (token == nullptr) return Fail(address);
+  MOTIONDB_RETURN_IF_ERROR(token->CheckHolds(NowMicroseconds()));
+  const storage::TokenRecord& record = token->record();
+  return Caller{fmt::format("tokens/{}", record.id), record.role, record.database, token};
+}
+
+absl::Status AccessControl::Fail(const std::string& address) {
+  failures_.Count(SourceOf(address));
+  spdlog::warn("a wrong token from {}", address);
+  return absl::UnauthenticatedError("the token is not one of this server's");
+}
+
+absl::Status AccessControl::Recheck(const Caller& caller) const {
+  return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckHolds(NowMicroseconds());
+}
+
+void AccessControl::Record(const storage::AuditRecord& record) {
+  if (IsRefusal(record.code) &&
+      !refusals_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
+    return;
+  }
+  const absl::Status kept = store_.AddAuditRecord(record);
+  if (kept.ok()) return;
+  spdlog::error("the record of changes could not be kept ({}): {} by {} from {} on '{}', code {}",
+                kept.ToString(), record.method, record.principal, record.peer, record.resource,
+                record.code);
+}
+
+}  // namespace motiondb::server

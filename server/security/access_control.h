@@ -1,0 +1,59 @@
+// Who calls, what they may do, and the record of what they changed. Thread-safe.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/security/attempt_limit.h"
+#include "server/security/caller.h"
+#include "server/security/token_book.h"
+#include "storage/access_store.h"
+
+namespace motiondb::server {
+
+struct AccessOptions {
+  bool authentication = false;  // without it everybody is an anonymous administrator
+  std::string admin_token;      // counts as an administrator's token; empty: none
+  // What a client may do that shows a certificate and no token; without it, nothing.
+  std::optional<storage::Role> certificate_role;
+  int failures_per_minute = 10;  // of one address, before its wrong tokens are not looked at
+};
+
+class AccessControl {
+ public:
+  // The store must outlive this.
+  AccessControl(storage::AccessStore& store, const AccessOptions& options);
+
+  // UNAUTHENTICATED, saying what is lacking; RESOURCE_EXHAUSTED with RetryInfo for a token that is
+  // not known to be good, from an address that failed too often. A token that was used before goes
+  // on to work there: who shares an address with somebody who guesses is not locked out.
+  absl::StatusOr<Caller> Authenticate(const Evidence& evidence);
+  // Whether what the caller was known by still holds. UNAUTHENTICATED.
+  absl::Status Recheck(const Caller& caller) const;
+
+  // Keeps an entry of the record of changes. One refused for want of a right is kept only so often
+  // from one source, so that nobody can fill the record with them. What cannot be kept is logged.
+  void Record(const storage::AuditRecord& record);
+
+  TokenBook& tokens() { return tokens_; }
+  storage::AccessStore& store() { return store_; }
+  bool authentication() const { return options_.authentication; }
+
+ private:
+  absl::StatusOr<Caller> ByToken(const std::string& bearer, const std::string& address);
+  absl::Status Fail(const std::string& address);
+
+  storage::AccessStore& store_;
+  const AccessOptions options_;
+  const std::string admin_salt_;
+  const std::string admin_hash_;
+  TokenBook tokens_;
+  AttemptLimit failures_;
+  AttemptLimit refusals_;
+};
+
+// Microseconds since the Unix epoch.
+std::int64_t NowMicroseconds();
+
+}  // namespace motiondb::server

@@ -1,0 +1,55 @@
+#include "server/security/authorize.h"
+
+#include <fmt/format.h>
+
+namespace motiondb::server {
+namespace {
+
+// Whether `resource` is the database or in it.
+bool IsOf(std::string_view database, std::string_view resource) {
+  const std::string name = fmt::format("databases/{}", database);
+  return resource.starts_with(name) &&
+         (resource.size() == name.size() || resource[name.size()] == '/');
+}
+
+bool IsWithin(const Caller& caller, const CallRule& rule, std::string_view resource) {
+  switch (rule.scope) {
+    case Scope::kDatabase:
+    case Scope::kOperation:
+      return IsOf(caller.database, resource);
+    case Scope::kList:
+      return resource.empty() || IsOf(caller.database, resource);
+    case Scope::kServer:
+      return false;
+  }
+  return false;
+}
+
+}  // namespace
+
+const char* RoleName(storage::Role role) {
+  switch (role) {
+    case storage::Role::kReader:
+      return "reader";
+    case storage::Role::kIngester:
+      return "ingester";
+    case storage::Role::kAdmin:
+      return "admin";
+  }
+  return "unknown";
+}
+
+absl::Status Authorize(const Caller& caller, const CallRule& rule, std::string_view resource) {
+  if (caller.role < rule.least_role) {
+    return absl::PermissionDeniedError(fmt::format("{} needs the role {}; {} has the role {}",
+                                                   rule.method, RoleName(rule.least_role),
+                                                   caller.principal, RoleName(caller.role)));
+  }
+  if (!caller.database.empty() && !IsWithin(caller, rule, resource)) {
+    return absl::PermissionDeniedError(
+        fmt::format("{} is good for databases/{} alone", caller.principal, caller.database));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

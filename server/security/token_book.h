@@ -1,0 +1,67 @@
+// The bearer tokens: made, checked and revoked. Those that were used are kept in memory, so that a
+// call costs one hash; revoking one ends it there at once. Thread-safe.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <shared_mutex>
+#include <string>
+#include <string_view>
+#include <unordered_map>
+
+#include "absl/status/statusor.h"
+#include "storage/access_store.h"
+
+namespace motiondb::server {
+
+// A token as it was stored, and whether it still holds.
+class KnownToken {
+ public:
+  explicit KnownToken(storage::TokenRecord record)
+      : record_(std::move(record)), ended_(record_.revoke_time_us != 0) {}
+
+  const storage::TokenRecord& record() const { return record_; }
+  void End() { ended_.store(true, std::memory_order_relaxed); }
+  // UNAUTHENTICATED once it was revoked or its time is over.
+  absl::Status CheckHolds(std::int64_t now_us) const;
+
+ private:
+  const storage::TokenRecord record_;
+  std::atomic<bool> ended_;
+};
+
+struct MadeToken {
+  storage::TokenRecord record;
+  std::string secret;  // the whole of what its bearer sends
+};
+
+class TokenBook {
+ public:
+  // The store must outlive the book.
+  explicit TokenBook(storage::AccessStore& store) : store_(store) {}
+
+  // `now_us` is when it is made; it ends at `expire_time_us`, or never where that is 0.
+  absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
+                                 const std::string& description, std::int64_t now_us,
+                                 std::int64_t expire_time_us);
+  // NOT_FOUND.
+  absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us);
+
+  // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
+  std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;
+  // The token that `text` is the secret of, whether or not it still holds. Null if there is none;
+  // the codes of the store.
+  absl::StatusOr<std::shared_ptr<const KnownToken>> Find(std::string_view text);
+
+  // The store holds other tokens from now on: those known until now end.
+  void Forget();
+
+ private:
+  storage::AccessStore& store_;
+  mutable std::shared_mutex mutex_;
+  std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
+};
+
+}  // namespace motiondb::server

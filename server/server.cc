@@ -42,7 +42,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
 
 Server::Server(std::unique_ptr<Engine> engine, const ServerOptions& options)
     : engine_(std::move(engine)),
-      host_(new CallHost{*engine_, {engine_->store().access(), options.access}, {}}) {
+      host_(new CallHost{*engine_, {engine_->store().access(), options.access},
+                          CallLimits(options.calls), {}}) {
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));

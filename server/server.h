@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
+#include "server/rpc/call_limits.h"
 #include "server/security/access_control.h"
 
 namespace grpc {
@@ -23,6 +24,7 @@ struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
   int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
   AccessOptions access;                    // who may do what
+  CallLimitOptions calls;                  // how many may be under way
   EngineOptions engine;
 };
 

@@ -2,7 +2,6 @@
 
 #include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <exception>
 #include <new>
 
@@ -28,12 +27,6 @@ absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
 
 }  // namespace
 
-core::Cancelled CancellationOf(grpc::CallbackServerContext& context) {
-  return [&context, deadline = context.deadline()] {
-    return context.IsCancelled() || std::chrono::system_clock::now() > deadline;
-  };
-}
-
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler) {
   if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
@@ -41,7 +34,5 @@ grpc::Status RunHandler(const core::Cancelled& cancelled,
   if (IsOwnFault(status.code())) spdlog::error("a call failed: {}", status.ToString());
   return ToGrpcStatus(status);
 }
-
-grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
 
 }  // namespace motiondb::server

@@ -25,16 +25,11 @@ struct Call {
   CallEntry& entry;                                // who asks
 };
 
-core::Cancelled CancellationOf(grpc::CallbackServerContext& context);
-
 // The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL. Logs
 // what is the server's own fault. CANCELLED, without running the handler, where nobody waits any
 // more.
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler);
-
-// The answer to a call that comes while the server stops: UNAVAILABLE.
-grpc::Status Stopping();
 
 // Owned by gRPC: deletes itself when the call is over.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
@@ -55,12 +50,13 @@ template <auto kHandler, typename Request, typename Response>
 grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* context,
                                  const Request* request, Response* response) {
   auto* const reactor = new UnaryReactor(host, *context, MethodOf<Request>());
-  if (!reactor->entry().admitted()) {
-    reactor->End(Stopping());
+  if (grpc::Status admission = reactor->entry().Admission(); !admission.ok()) {
+    reactor->End(std::move(admission));
     return reactor;
   }
-  host.engine.workers().Post([&engine = host.engine, context, request, response, reactor] {
-    const Call call{engine, CancellationOf(*context), context->deadline(), reactor->entry()};
+  reactor->entry().Post([&engine = host.engine, request, response, reactor] {
+    CallEntry& entry = reactor->entry();
+    const Call call{engine, entry.cancelled(), entry.deadline(), entry};
     reactor->End(RunHandler(call.cancelled, [&]() -> absl::Status {
       MOTIONDB_RETURN_IF_ERROR(call.entry.Check(*request));
       return kHandler(call, *request, *response);

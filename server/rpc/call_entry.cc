@@ -1,5 +1,6 @@
 #include "server/rpc/call_entry.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -8,6 +9,7 @@
 #include "server/translate/field_text.h"
 #include "server/translate/request_info.h"
 #include "server/translate/resource_name.h"
+#include "server/translate/status_mapping.h"
 #include "server/translate/utf8.h"
 
 namespace motiondb::server {
@@ -15,7 +17,19 @@ namespace {
 
 constexpr std::size_t kResourceLimit = 256;
 
+double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
+
+std::chrono::system_clock::time_point Deadline(const CallHost& host,
+                                               const grpc::CallbackServerContext& context,
+                                               const Method& method) {
+  if (method.weight == CallWeight::kStream) return context.deadline();
+  return std::min(context.deadline(),
+                  std::chrono::system_clock::now() + host.limits.options().longest_call);
+}
+
 }  // namespace
+
+grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
 
 CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
                      const Method& method, std::function<void()> on_close)
@@ -23,7 +37,27 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       context_(context),
       method_(method),
       request_id_(RequestIdOf(context)),
+      deadline_(Deadline(host, context, method)),
+      place_(host.limits.Enter(CallWeight::kLight, AddressOf(context))),
       ticket_(host.gate, std::move(on_close)) {}
+
+grpc::Status CallEntry::Admission() const {
+  if (!ticket_.admitted()) return Stopping();
+  return ToGrpcStatus(place_.status());
+}
+
+void CallEntry::Post(std::function<void()> work) {
+  Workers& workers = host_.engine.workers();
+  if (method_.weight == CallWeight::kHeavy) {
+    workers.PostHeavy(std::move(work));
+  } else {
+    workers.Post(std::move(work));
+  }
+}
+
+core::Cancelled CallEntry::cancelled() const {
+  return [this] { return context_.IsCancelled() || std::chrono::system_clock::now() > deadline_; };
+}
 
 absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   checked_ = true;
@@ -43,6 +77,11 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   } else {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
+  if (method_.weight != CallWeight::kLight) {
+    const std::string client =
+        caller.principal == kAnonymous ? AddressOf(context_) : caller.principal;
+    MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(method_.weight, client));
+  }
   caller_ = std::move(caller);
   return absl::OkStatus();
 }
@@ -52,7 +91,19 @@ absl::Status CallEntry::Recheck() const {
                              : absl::UnauthenticatedError("the call was not checked");
 }
 
+grpc::Status CallEntry::Silent() const {
+  return {grpc::StatusCode::DEADLINE_EXCEEDED,
+          fmt::format("nothing came for the {:g} s that a client may be silent (--silence-limit)",
+                      Seconds(host_.limits.options().longest_silence))};
+}
+
 grpc::Status CallEntry::End(grpc::Status status) {
+  if (status.error_code() == grpc::StatusCode::CANCELLED && deadline_ < context_.deadline() &&
+      std::chrono::system_clock::now() > deadline_) {
+    status = {grpc::StatusCode::DEADLINE_EXCEEDED,
+              fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
+                          Seconds(host_.limits.options().longest_call))};
+  }
   if (checked_ && (method_.rule == nullptr || method_.rule->changes)) Record(status);
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }

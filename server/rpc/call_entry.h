@@ -15,11 +15,15 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "core/motion/cancellation.h"
 #include "server/rpc/call_host.h"
 #include "server/rpc/method.h"
 #include "server/security/caller.h"
 
 namespace motiondb::server {
+
+// What a call ends with that the server, stopping, cannot take or finish: UNAVAILABLE.
+grpc::Status Stopping();
 
 class CallEntry {
  public:
@@ -27,14 +31,25 @@ class CallEntry {
   CallEntry(CallHost& host, const grpc::CallbackServerContext& context, const Method& method,
             std::function<void()> on_close = {});
 
-  // False: the server stops, and the call is to be refused.
-  bool admitted() const { return ticket_.admitted(); }
+  // Not OK: the call is to be refused with this. UNAVAILABLE (the server stops),
+  // RESOURCE_EXHAUSTED.
+  grpc::Status Admission() const;
+  // Runs a piece of the call's work, which must not throw, on a request thread; heavy calls in
+  // their lane.
+  void Post(std::function<void()> work);
+  // The client's deadline or the server's own, whichever comes first.
+  std::chrono::system_clock::time_point deadline() const { return deadline_; }
+  // The deadline passed or the client went away.
+  core::Cancelled cancelled() const;
 
   // Whether the caller may make this call. To be asked with the request, or with the first of a
   // stream, before anything is done. UNAUTHENTICATED, PERMISSION_DENIED, RESOURCE_EXHAUSTED.
   absl::Status Check(const google::protobuf::Message& request);
   // Whether the caller still may, for each further message of a stream. UNAUTHENTICATED.
   absl::Status Recheck() const;
+
+  // What a call ends with whose client was silent for as long as it may: DEADLINE_EXCEEDED.
+  grpc::Status Silent() const;
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
   // the request's id, and keeps a change in the record of changes.
@@ -64,6 +79,9 @@ class CallEntry {
   const Method& method_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   const std::string request_id_;
+  const std::chrono::system_clock::time_point deadline_;
+  const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
+  CallLimits::Slot own_place_;                    // among those of its weight
   bool checked_ = false;
   std::optional<Caller> caller_;
   std::string principal_ = kAnonymous;

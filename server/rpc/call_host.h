@@ -3,6 +3,7 @@
 
 #include "server/engine/engine.h"
 #include "server/rpc/call_gate.h"
+#include "server/rpc/call_limits.h"
 #include "server/security/access_control.h"
 
 namespace motiondb::server {
@@ -10,6 +11,7 @@ namespace motiondb::server {
 struct CallHost {
   Engine& engine;
   AccessControl access;
+  CallLimits limits;
   CallGate gate;
 };
 

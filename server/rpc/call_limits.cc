@@ -26,11 +26,10 @@ constexpr std::size_t Index(CallWeight weight) { return static_cast<std::size_t>
 
 absl::Status TooMany(const Words& words, int open, std::string_view whose,
                      std::string_view setting) {
-  return RetryAfter(
-      absl::ResourceExhaustedError(fmt::format("{} {} are under way {}, as many as there may be "
-                                               "(--max-{}{}): try again when one has ended",
-                                               open, words.what, whose, words.setting, setting)),
-      words.retry_after);
+  return RetryLater(words.retry_after,
+                    "{} {} are under way {}, as many as there may be (--max-{}{}): try again when "
+                    "one has ended",
+                    open, words.what, whose, words.setting, setting);
 }
 
 }  // namespace

@@ -1,33 +1,31 @@
-// How many calls may be under way at a time: of one client and in all, streams and heavy work
-// apart. Thread-safe; outlives its slots.
+// How many calls may be under way at a time: of one client and in all, and of those that are heavy
+// or last. Thread-safe; outlives its slots.
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <map>
 #include <mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
+#include "server/rpc/call_weight.h"
 
 namespace motiondb::server {
 
-// What a call asks of the server.
-enum class CallWeight {
-  kLight,   // milliseconds
-  kHeavy,   // much processor time, memory or disk: plans, ingests, whole models, backups
-  kStream,  // as long as the client likes, a little at a time
-};
-
-// The most of one kind.
 struct CallLimit {
   int in_all = 0;
   int per_client = 0;
 };
 
 struct CallLimitOptions {
-  CallLimit light{2048, 1024};
+  CallLimit calls{4096, 1024};  // of every weight
   CallLimit heavy{256, 64};
   CallLimit streams{1024, 256};
+  // Whatever the client's own deadline; streams of frames may go on.
+  std::chrono::milliseconds longest_call{600'000};
+  // That a client which sends a stream may stay silent.
+  std::chrono::milliseconds longest_silence{300'000};
 };
 
 class CallLimits {
@@ -50,9 +48,12 @@ class CallLimits {
   };
 
   explicit CallLimits(const CallLimitOptions& options)
-      : limits_{options.light, options.heavy, options.streams} {}
+      : options_(options), limits_{options.calls, options.heavy, options.streams} {}
 
-  // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again, if it is taken up.
+  const CallLimitOptions& options() const { return options_; }
+
+  // kLight counts calls of every weight, so a heavy one or a stream enters twice.
+  // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.
   absl::StatusOr<Slot> Enter(CallWeight weight, const std::string& client);
 
   // Calls of a kind that are under way.
@@ -64,6 +65,7 @@ class CallLimits {
 
   void Leave(CallWeight weight, const std::string& client);
 
+  const CallLimitOptions options_;
   const std::array<CallLimit, 3> limits_;
   mutable std::mutex mutex_;
   Counts in_all_{};

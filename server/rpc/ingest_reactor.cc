@@ -1,11 +1,13 @@
 #include "server/rpc/ingest_reactor.h"
 
+#include <atomic>
 #include <memory>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
 #include "server/rpc/call.h"
+#include "server/rpc/silence_limit.h"
 #include "server/translate/clip_message.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/ingest_stream.h"
@@ -20,21 +22,23 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
                 v1::IngestClipResponse& response)
       : entry_(host, context, MethodOf<v1::IngestClipRequest>()),
         engine_(host.engine),
-        cancelled_(CancellationOf(context)),
         response_(response),
-        stream_(engine_.options().max_file_bytes) {
-    if (!entry_.admitted()) {
-      End(Stopping());
+        stream_(engine_.options().max_file_bytes),
+        silence_(engine_.workers().request_executor(), host.limits.options().longest_silence,
+                 [this] { EndSilence(); }) {
+    if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
+      End(std::move(admission));
       return;
     }
-    StartRead(&message_);
+    Read();
   }
 
   void OnReadDone(bool ok) override {
+    if (!reading_.exchange(false)) return;  // the call has ended meanwhile
     if (!ok) {
-      engine_.workers().Post([this] { End(RunHandler(cancelled_, [this] { return Store(); })); });
+      entry_.Post([this] { End(RunHandler(entry_.cancelled(), [this] { return Store(); })); });
     } else if (database_ == nullptr) {
-      engine_.workers().Post([this] { Take([this] { return Begin(); }); });
+      entry_.Post([this] { Take([this] { return Begin(); }); });
     } else {
       Take([this]() -> absl::Status {
         MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
@@ -46,9 +50,20 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 
  private:
   void Take(const std::function<absl::Status()>& take) {
-    grpc::Status status = RunHandler(cancelled_, take);
+    grpc::Status status = RunHandler(entry_.cancelled(), take);
     if (!status.ok()) return End(std::move(status));
+    Read();
+  }
+
+  void Read() {
+    silence_.Restart();
+    reading_ = true;
     StartRead(&message_);
+  }
+
+  // What was sent so far is kept in memory, and a rebuild may be waiting for the rest.
+  void EndSilence() {
+    if (reading_.exchange(false)) End(entry_.Silent());
   }
 
   void End(grpc::Status status) { Finish(entry_.End(std::move(status))); }
@@ -63,7 +78,7 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 
   absl::Status Store() {
     MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
-    auto ingested = engine_.Ingest(database_, std::move(file), cancelled_);
+    auto ingested = engine_.Ingest(database_, std::move(file), entry_.cancelled());
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
     entry_.set_resource(response_.clip().name());
@@ -74,12 +89,13 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 
   CallEntry entry_;
   Engine& engine_;
-  const core::Cancelled cancelled_;
   v1::IngestClipResponse& response_;
   v1::IngestClipRequest message_;
   IngestStream stream_;
   std::shared_ptr<LiveDatabase> database_;
   std::unique_ptr<Rebuilder::Ingest> in_flight_;
+  std::atomic<bool> reading_ = false;  // a read is under way, and the call has not ended
+  SilenceLimit silence_;               // last: it calls what is above
 };
 
 }  // namespace

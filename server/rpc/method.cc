@@ -12,6 +12,7 @@ Method FindMethod(const google::protobuf::Descriptor& request_type) {
       Method found{service.name() + "." + method.name()};
       found.rule = FindCallRule(found.name);
       found.streaming = method.client_streaming() || method.server_streaming();
+      found.weight = WeightOf(found.name);
       return found;
     }
   }

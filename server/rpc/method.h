@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "server/rpc/call_weight.h"
 #include "server/security/role_table.h"
 
 namespace motiondb::server {
@@ -13,6 +14,7 @@ struct Method {
   std::string name;                // "DatabaseService.GetDatabase"
   const CallRule* rule = nullptr;  // null: the table has none, and the call is refused
   bool streaming = false;          // on either side
+  CallWeight weight = CallWeight::kLight;
 };
 
 // The method whose input is this type: every call has a request type of its own, declared in the

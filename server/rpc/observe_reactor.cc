@@ -7,6 +7,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
 #include "server/rpc/query_subject.h"
+#include "server/rpc/silence_limit.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/observe_message.h"
 
@@ -18,19 +19,20 @@ class ObserveReactor final
  public:
   ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
-        cancelled_(CancellationOf(context)),
-        entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }) {
-    if (entry_.admitted()) {
+        entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
+        silence_(engine_.workers().request_executor(), host.limits.options().longest_silence,
+                 [this] { EndInClientsTurn(entry_.Silent()); }) {
+    if (grpc::Status admission = entry_.Admission(); admission.ok()) {
       Read();
     } else {
-      End(Stopping());
+      End(std::move(admission));
     }
   }
 
   void OnReadDone(bool ok) override {
     // Half-closed; where the call was cancelled instead, nobody reads the status.
     if (!ok) return End(grpc::Status::OK);
-    Do(Turn::kServer, [this] { engine_.workers().Post([this] { Work(); }); });
+    Do(Turn::kServer, [this] { entry_.Post([this] { Work(); }); });
   }
   void OnWriteDone(bool ok) override {
     if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
@@ -53,14 +55,16 @@ class ObserveReactor final
   }
 
   void Work() {
-    const grpc::Status status = RunHandler(cancelled_, [this] { return Take(); });
+    const grpc::Status status = RunHandler(entry_.cancelled(), [this] { return Take(); });
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
+    silence_.Restart();
     Do(Turn::kClient, [this] { StartWrite(&response_); });
   }
 
   void Read() {
     if (stopping_) return End(Stopping());
+    silence_.Restart();
     Do(Turn::kClient, [this] { StartRead(&request_); });
   }
 
@@ -75,11 +79,16 @@ class ObserveReactor final
   // answered.
   void Stop() {
     stopping_ = true;
+    EndInClientsTurn(Stopping());
+  }
+
+  void EndInClientsTurn(grpc::Status status) {
     {
       const std::lock_guard lock(mutex_);
-      if (turn_ == Turn::kServer) return;
+      if (turn_ != Turn::kClient) return;
+      turn_ = Turn::kNobody;
     }
-    End(Stopping());
+    Finish(entry_.End(std::move(status)));
   }
 
   absl::Status Take() {
@@ -116,7 +125,7 @@ class ObserveReactor final
     if (session_ == nullptr) return FieldViolation("part", "expected a start first");
     const v1::ObservedFrames& frames = request_.frames();
     MOTIONDB_ASSIGN_OR_RETURN(const core::FrameMatrix positions, FramesFrom(frames, marker_names_));
-    auto step = session_->Take(frames.first_frame(), positions, cancelled_);
+    auto step = session_->Take(frames.first_frame(), positions, entry_.cancelled());
     if (!step.ok()) return AtField("frames", step.status());
     response_.Clear();
     SetStep(*step, top_count_, response_);
@@ -124,7 +133,6 @@ class ObserveReactor final
   }
 
   Engine& engine_;
-  const core::Cancelled cancelled_;
   v1::ObserveRequest request_;
   v1::ObserveResponse response_;
   std::vector<std::string> marker_names_;
@@ -133,7 +141,9 @@ class ObserveReactor final
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   Turn turn_ = Turn::kClient;
-  CallEntry entry_;  // last, so that its place at the gate is given back before the rest goes
+  // Last, for they call what is above.
+  CallEntry entry_;
+  SilenceLimit silence_;
 };
 
 }  // namespace

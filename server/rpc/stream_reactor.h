@@ -28,12 +28,12 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
       : entry_(host, *context, MethodOf<Request>()),
-        call_{host.engine, CancellationOf(*context), context->deadline(), entry_} {
-    if (!entry_.admitted()) {
-      End(Stopping());
+        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_} {
+    if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
+      End(std::move(admission));
       return;
     }
-    call_.engine.workers().Post([this, request, open = std::move(open)] {
+    entry_.Post([this, request, open = std::move(open)] {
       Step([&]() -> absl::Status {
         MOTIONDB_RETURN_IF_ERROR(entry_.Check(*request));
         auto opened = open(call_, *request);
@@ -46,7 +46,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void OnWriteDone(bool ok) override {
     if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
-    call_.engine.workers().Post([this] { Step([this] { return Produce(); }); });
+    entry_.Post([this] { Step([this] { return Produce(); }); });
   }
   void OnDone() override { delete this; }
 

@@ -50,8 +50,8 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
   WaitReactor(CallHost& host, grpc::CallbackServerContext& context,
               const v1::WaitOperationRequest& request, v1::WaitOperationResponse& response)
       : entry_(host, context, MethodOf<v1::WaitOperationRequest>()), response_(response) {
-    if (!entry_.admitted()) {
-      Finish(entry_.End(Stopping()));
+    if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
+      Finish(entry_.End(std::move(admission)));
       return;
     }
     Engine& engine = host.engine;

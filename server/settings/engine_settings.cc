@@ -10,6 +10,12 @@ void AddEngineSettings(CLI::App& app, Settings& settings) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str()
       ->group("Engine");
+  app.add_option("--heavy-threads", engine.heavy_threads,
+                 "Of these, for long work such as plans and ingests; 0: all but one")
+      ->type_name("N")
+      ->check(CLI::Range(0, 1024))
+      ->capture_default_str()
+      ->group("Engine");
   app.add_option("--build-threads", engine.build_threads,
                  "Threads for building models; 0: one for two cores")
       ->type_name("N")

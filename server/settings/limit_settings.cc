@@ -3,17 +3,54 @@
 
 namespace motiondb::server {
 
+namespace {
+
+template <typename Count>
+void AddCount(CLI::App& app, const std::string& name, Count& count, int least, int most,
+              const std::string& description) {
+  app.add_option(name, count, description)
+      ->type_name("N")
+      ->check(CLI::Range(least, most))
+      ->capture_default_str()
+      ->group("Limits");
+}
+
+void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit,
+                  const std::string& what) {
+  AddCount(app, name, limit.in_all, 1, 1'000'000, "Most " + what + " under way, in all");
+  AddCount(app, name + "-per-client", limit.per_client, 1, 1'000'000,
+           "Most " + what + " under way of one client: a token or certificate, else an address");
+}
+
+}  // namespace
+
 void AddLimitSettings(CLI::App& app, Settings& settings) {
+  EngineOptions& engine = settings.server.engine;
+  CallLimitOptions& calls = settings.server.calls;
   AddMebibytes(app, "--max-file-mib", settings.server.engine.max_file_bytes,
                "Largest motion file taken, with its skeleton")
       ->group("Limits");
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes, "Largest request taken")
       ->group("Limits");
-  app.add_option("--max-frames", settings.server.engine.max_frames,
-                 "Longest clip or observation, in frames at the database's frame rate")
-      ->type_name("N")
-      ->check(CLI::Range(2, 100'000'000))
-      ->capture_default_str()
+  AddCount(app, "--max-frames", engine.max_frames, 2, 100'000'000,
+           "Longest clip or observation, in frames at the database's frame rate");
+  AddCount(app, "--max-databases", engine.max_databases, 1, 1'000'000, "Most databases");
+  AddCount(app, "--max-database-clips", engine.quota.clip_count, 1, 100'000'000,
+           "Most clips in one database");
+  AddCount(app, "--max-database-frames", engine.quota.frame_count, 2, 1'000'000'000,
+           "Most frames in one database; served, a frame of 34 markers takes 1.2 KB of memory");
+  AddMebibytes(app, "--max-database-mib", engine.quota.byte_count,
+               "Most bytes of clips in one database", 1 << 30)
+      ->group("Limits");
+  AddCallLimit(app, "--max-calls", calls.calls, "calls");
+  AddCallLimit(app, "--max-heavy-calls", calls.heavy,
+               "heavy calls (ingests, plans, series of predictions, backups)");
+  AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
+  AddSeconds(app, "--call-time-limit", calls.longest_call, 86400,
+             "Time after which any call but a stream of frames ends")
+      ->group("Limits");
+  AddSeconds(app, "--silence-limit", calls.longest_silence, 86400,
+             "Time without a message after which a client's stream ends")
       ->group("Limits");
 }
 

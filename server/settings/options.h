@@ -12,16 +12,16 @@ namespace motiondb::server {
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
                         double most, const std::string& description);
 
-// Given in mebibytes, from 1 to 1024. `bytes` holds the default and must outlive `app`.
+// Given in mebibytes, from 1 to `most`. `bytes` holds the default and must outlive `app`.
 template <std::integral Bytes>
 CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
-                          const std::string& description) {
+                          const std::string& description, int most = 1024) {
   return app
       .add_option_function<int>(
           name, [&bytes](int mebibytes) { bytes = static_cast<Bytes>(mebibytes) << 20; },
           description)
       ->type_name("MIB")
-      ->check(CLI::Range(1, 1024))
+      ->check(CLI::Range(1, most))
       ->default_str(std::to_string(bytes >> 20));
 }
 

@@ -11,7 +11,7 @@
 namespace motiondb::server {
 namespace {
 
-constexpr CallLimitOptions kFew{.light = {4, 4}, .heavy = {3, 2}, .streams = {1, 1}};
+constexpr CallLimitOptions kFew{.calls = {4, 4}, .heavy = {3, 2}, .streams = {1, 1}};
 
 TEST_CASE("CallLimits: a client has its share, all together theirs", "[server][limits]") {
   CallLimits limits(kFew);

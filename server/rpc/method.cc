@@ -3,20 +3,17 @@
 namespace motiondb::server {
 
 Method FindMethod(const google::protobuf::Descriptor& request_type) {
-  const google::protobuf::FileDescriptor& file = *request_type.file();
-  for (int i = 0; i < file.service_count(); ++i) {
-    const google::protobuf::ServiceDescriptor& service = *file.service(i);
-    for (int j = 0; j < service.method_count(); ++j) {
-      const google::protobuf::MethodDescriptor& method = *service.method(j);
-      if (method.input_type() != &request_type) continue;
-      Method found{service.name() + "." + method.name()};
-      found.rule = FindCallRule(found.name);
-      found.streaming = method.client_streaming() || method.server_streaming();
-      found.weight = WeightOf(found.name);
-      return found;
-    }
+  const google::protobuf::DescriptorPool& pool = *request_type.file()->pool();
+  for (const CallRule& rule : CallRules()) {
+    const std::string name(rule.method);
+    const auto* const method = pool.FindMethodByName("motiondb.v1." + name);
+    if (method == nullptr || method->input_type() != &request_type) continue;
+    return {.name = name,
+            .rule = &rule,
+            .streaming = method->client_streaming() || method->server_streaming(),
+            .weight = WeightOf(name)};
   }
-  return {request_type.name()};
+  return {.name = request_type.name()};
 }
 
 }  // namespace motiondb::server

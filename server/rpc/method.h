@@ -17,8 +17,7 @@ struct Method {
   CallWeight weight = CallWeight::kLight;
 };
 
-// The method whose input is this type: every call has a request type of its own, declared in the
-// file of its service.
+// The method of the role table whose input is this type: every call has a request type of its own.
 Method FindMethod(const google::protobuf::Descriptor& request_type);
 
 // The same, looked up once.

@@ -19,6 +19,7 @@ class ChildProcess {
 
   // The next line of its standard output, without its end; empty at the end of the output.
   std::string ReadLine();
+  pid_t pid() const { return pid_; }
   void Signal(int signal);
   // Waits for the end: the exit code, or 128 and the signal that ended it.
   int Wait();

@@ -1,0 +1,144 @@
+// What a client may take of a server: calls at a time, time, silence.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <string>
+#include <thread>
+
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/error.pb.h"
+#include "motiondb/v1/observe.grpc.pb.h"
+#include "server/security/role_table.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using std::chrono::milliseconds;
+
+server::ServerOptions With(const server::CallLimitOptions& calls) {
+  server::ServerOptions options;
+  options.listen = "127.0.0.1:0";
+  options.engine.rebuild_delay = milliseconds(50);
+  options.calls = calls;
+  return options;
+}
+
+// How long an error says to wait; negative where it does not.
+double RetrySeconds(const grpc::Status& status) {
+  v1::Status details;
+  REQUIRE(details.ParseFromString(status.error_details()));
+  for (const auto& detail : details.details()) {
+    v1::RetryInfo retry;
+    if (detail.type_url() != "type.googleapis.com/google.rpc.RetryInfo") continue;
+    REQUIRE(retry.ParseFromString(detail.value()));
+    return static_cast<double>(retry.retry_delay().seconds()) + 1e-9 * retry.retry_delay().nanos();
+  }
+  return -1;
+}
+
+v1::ObserveRequest Start() {
+  v1::ObserveRequest request;
+  request.mutable_start()->set_database("databases/db");
+  request.mutable_start()->set_frame_rate_hz(60);
+  return request;
+}
+
+TEST_CASE("CallWeight: every call that is heavy or lasts is one of the contract",
+          "[server][limits]") {
+  int heavy = 0;
+  int streams = 0;
+  for (const server::CallRule& rule : server::CallRules()) {
+    heavy += server::WeightOf(rule.method) == server::CallWeight::kHeavy ? 1 : 0;
+    streams += server::WeightOf(rule.method) == server::CallWeight::kStream ? 1 : 0;
+  }
+  CHECK(heavy == 6);
+  CHECK(streams == 1);
+}
+
+TEST_CASE("Limits: more streams than there may be are refused, with when to try again",
+          "[server][limits]") {
+  TestServer server(With({.streams = {8, 2}}));
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ObserveService>();
+  const auto refused = [&] {
+    grpc::ClientContext context;
+    const auto stream = stub->Observe(&context);
+    stream->Write(Start());
+    v1::ObserveResponse response;
+    stream->WritesDone();
+    while (stream->Read(&response)) {
+    }
+    return stream->Finish();
+  };
+  {
+    grpc::ClientContext first_context;
+    grpc::ClientContext second_context;
+    const auto first = stub->Observe(&first_context);
+    const auto second = stub->Observe(&second_context);
+    first->Write(Start());
+    second->Write(Start());
+    grpc::Status status;
+    // The two have their places when the server has read their first messages.
+    for (int i = 0; i < 100 && status.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED; ++i) {
+      status = refused();
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+    INFO(status.error_message());
+    CHECK(status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+    CHECK(status.error_message().find("--max-streams-per-client") != std::string::npos);
+    CHECK(RetrySeconds(status) > 0);
+    first->WritesDone();
+    second->WritesDone();
+    CHECK(first->Finish().ok());
+    CHECK(second->Finish().ok());
+  }
+  CHECK(refused().error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED);
+}
+
+TEST_CASE("Limits: a client that falls silent loses its stream", "[server][limits]") {
+  TestServer server(With({.longest_silence = milliseconds(200)}));
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ObserveService>();
+  grpc::ClientContext context;
+  const auto stream = stub->Observe(&context);
+  REQUIRE(stream->Write(Start()));
+  v1::ObserveResponse response;
+  CHECK(!stream->Read(&response));
+  const grpc::Status status = stream->Finish();
+  INFO(status.error_message());
+  CHECK(status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+  CHECK(status.error_message().find("--silence-limit") != std::string::npos);
+}
+
+TEST_CASE("Limits: an ingest that is never finished stores nothing and ends", "[server][limits]") {
+  TestServer server(With({.longest_silence = milliseconds(200)}));
+  server.CreateDatabase("db");
+  const auto stub = server.NewStub<v1::ClipService>();
+  grpc::ClientContext context;
+  v1::IngestClipResponse response;
+  const auto writer = stub->IngestClip(&context, &response);
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name("walk.bvh");
+  REQUIRE(writer->Write(message));
+  const grpc::Status status = writer->Finish();  // without the end of what is written
+  INFO(status.error_message());
+  CHECK(status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+  CHECK(server.Describe("db").stored_clip_count() == 0);
+  // Nobody waits for it any more: the next clip has its model soon.
+  const auto next = server.IngestFigure("db", "squat", "squat", {});
+  CHECK(server.Wait(next.operation().name()).done());
+}
+
+TEST_CASE("Limits: a call ends when the server's time is up", "[server][limits]") {
+  TestServer server(With({.longest_call = milliseconds(0)}));
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  const auto answer = Ask(*stub, &v1::DatabaseService::Stub::ListDatabases, {});
+  INFO(answer.status.error_message());
+  CHECK(answer.status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+  CHECK(answer.status.error_message().find("--call-time-limit") != std::string::npos);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,25 @@
+// What a running server takes of its machine, as the kernel and the disk say it.
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <string>
+
+namespace motiondb::tests {
+
+struct ProcessFigures {
+  double memory_mb = 0;  // resident
+  int descriptors = 0;
+  int threads = 0;
+  double store_mb = 0;
+  double log_mb = 0;  // the write-ahead log
+};
+
+// Throws std::runtime_error if the process is gone.
+ProcessFigures ReadFigures(pid_t process, const std::string& store);
+
+// The larger of each.
+ProcessFigures Largest(const ProcessFigures& a, const ProcessFigures& b);
+
+}  // namespace motiondb::tests

@@ -1,5 +1,6 @@
 #include <motiondb/client.h>
 
+#include "client/channel_credentials.h"
 #include "client/connection.h"
 
 namespace motiondb::client {
@@ -22,6 +23,9 @@ absl::Status Check(const ClientOptions& options) {
 
 absl::StatusOr<Client> Client::Connect(ClientOptions options) {
   if (const absl::Status status = Check(options); !status.ok()) return status;
+  auto credentials = CredentialsFor(options);
+  if (!credentials.ok()) return credentials.status();
+  options.credentials = *std::move(credentials);
   auto connection = std::make_shared<const Connection>(std::move(options));
   if (const absl::Status status = connection->WaitUntilConnected(); !status.ok()) return status;
   return Client(std::move(connection));
@@ -64,6 +68,11 @@ MOTIONDB_UNARY(Plan, queries, QueryService)
 MOTIONDB_UNARY(GetOperation, operations, OperationService)
 MOTIONDB_UNARY(ListOperations, operations, OperationService)
 MOTIONDB_UNARY(CancelOperation, operations, OperationService)
+
+MOTIONDB_UNARY(CreateToken, access, AccessService)
+MOTIONDB_UNARY(ListTokens, access, AccessService)
+MOTIONDB_UNARY(RevokeToken, access, AccessService)
+MOTIONDB_UNARY(ListAuditEntries, access, AccessService)
 
 #undef MOTIONDB_UNARY
 

@@ -38,6 +38,12 @@ absl::StatusOr<std::vector<v1::Database>> Client::AllDatabases(CallOptions optio
       [](auto& page) { return page.mutable_databases(); });
 }
 
+absl::StatusOr<std::vector<v1::Token>> Client::AllTokens(CallOptions options) const {
+  return AllPages<v1::Token>(
+      v1::ListTokensRequest(), [&](const auto& page) { return ListTokens(page, options); },
+      [](auto& page) { return page.mutable_tokens(); });
+}
+
 absl::StatusOr<std::vector<v1::Clip>> Client::AllClips(const v1::ListClipsRequest& request,
                                                        CallOptions options) const {
   return AllPages<v1::Clip>(

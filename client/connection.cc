@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <random>
+
 #include "client/grpc_status.h"
 
 namespace motiondb::client {
@@ -16,9 +18,25 @@ std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
   // Try again soon, so that a server that is just starting is found within connect_timeout.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
-  return grpc::CreateCustomChannel(
-      options.server,
-      options.credentials ? options.credentials : grpc::InsecureChannelCredentials(), arguments);
+  if (options.tls && !options.tls->server_name.empty()) {
+    arguments.SetSslTargetNameOverride(options.tls->server_name);
+  }
+  return grpc::CreateCustomChannel(options.server, options.credentials, arguments);
+}
+
+// What else may be the matter where nobody answers: gRPC does not tell.
+std::string TlsHint(const ClientOptions& options) {
+  if (!options.tls) return "; if it speaks TLS, connect by TLS";
+  return fmt::format(
+      "; by TLS, its certificate must be signed by {} and made out to {}",
+      options.tls->ca_file.empty() ? "an authority that this system trusts" : options.tls->ca_file,
+      options.tls->server_name.empty() ? "that host" : options.tls->server_name);
+}
+
+// Unlikely to be met twice.
+std::string NewRequestId() {
+  thread_local std::mt19937_64 random{std::random_device{}()};
+  return fmt::format("{:016x}", random());
 }
 
 double Seconds(std::chrono::milliseconds time) {
@@ -35,7 +53,8 @@ Client::Connection::Connection(ClientOptions options)
       models(v1::ModelService::NewStub(channel_)),
       queries(v1::QueryService::NewStub(channel_)),
       observations(v1::ObserveService::NewStub(channel_)),
-      operations(v1::OperationService::NewStub(channel_)) {}
+      operations(v1::OperationService::NewStub(channel_)),
+      access(v1::AccessService::NewStub(channel_)) {}
 
 absl::Status Client::Connection::WaitUntilConnected() const {
   if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {
@@ -43,8 +62,8 @@ absl::Status Client::Connection::WaitUntilConnected() const {
   }
   return absl::UnavailableError(fmt::format(
       "no motiondb server answered at {} within {:g} s: start one with `motiondbd --listen {}`, or "
-      "give the address of one that runs",
-      options_.server, Seconds(options_.connect_timeout), options_.server));
+      "give the address of one that runs{}",
+      options_.server, Seconds(options_.connect_timeout), options_.server, TlsHint(options_)));
 }
 
 std::chrono::milliseconds Client::Connection::TimeoutOf(const CallOptions& options) const {
@@ -52,6 +71,8 @@ std::chrono::milliseconds Client::Connection::TimeoutOf(const CallOptions& optio
 }
 
 void Client::Connection::Prepare(grpc::ClientContext& context, const CallOptions& options) const {
+  context.AddMetadata("x-request-id", NewRequestId());
+  if (!options_.token.empty()) context.AddMetadata("authorization", "Bearer " + options_.token);
   const auto timeout = TimeoutOf(options);
   // Later than a year is as good as never, and cannot overflow the clock.
   if (timeout > std::chrono::hours(24 * 365)) return;
@@ -62,10 +83,10 @@ absl::Status Client::Connection::Finish(const grpc::Status& status,
                                         const CallOptions& options) const {
   absl::Status result = FromGrpc(status);
   if (result.code() == absl::StatusCode::kUnavailable) {
-    return absl::UnavailableError(fmt::format(
-        "the motiondb server at {} is not available ({}): see that motiondbd runs there, "
-        "or give the address of another",
-        options_.server, status.error_message()));
+    return WithMessage(
+        result, fmt::format("the motiondb server at {} is not available ({}): see that motiondbd "
+                            "runs there, or give the address of another",
+                            options_.server, std::string(result.message())));
   }
   // gRPC's own words for a deadline that passed here; a server that ran out of time says more.
   if (result.code() == absl::StatusCode::kDeadlineExceeded &&

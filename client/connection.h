@@ -5,6 +5,7 @@
 
 #include <grpcpp/grpcpp.h>
 #include <motiondb/client.h>
+#include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
@@ -31,7 +32,7 @@ struct ExportSink {
 
 class Client::Connection {
  public:
-  // Opens the channel, without waiting for it to connect.
+  // Opens the channel, without waiting for it to connect. The options have their credentials.
   explicit Connection(ClientOptions options);
 
   // Waits until the server answers. UNAVAILABLE after options.connect_timeout.
@@ -40,7 +41,7 @@ class Client::Connection {
   // How long a call may take.
   std::chrono::milliseconds TimeoutOf(const CallOptions& options) const;
 
-  // Sets a call's deadline.
+  // Sets a call's deadline, and says who calls and under which id.
   void Prepare(grpc::ClientContext& context, const CallOptions& options) const;
 
   // How a call ended, with the address where it was not reached and the time where it was too
@@ -101,6 +102,7 @@ class Client::Connection {
   const std::unique_ptr<v1::QueryService::Stub> queries;
   const std::unique_ptr<v1::ObserveService::Stub> observations;
   const std::unique_ptr<v1::OperationService::Stub> operations;
+  const std::unique_ptr<v1::AccessService::Stub> access;
 };
 
 }  // namespace motiondb::client

@@ -1,6 +1,7 @@
 #include "client/grpc_status.h"
 
 #include <fmt/format.h>
+#include <motiondb/call_error.h>
 #include <motiondb/field_violation.h>
 #include <motiondb/v1/error.pb.h>
 
@@ -13,12 +14,11 @@ namespace motiondb::client {
 namespace {
 
 // Any's type URL may have any prefix; what follows the last slash is the type.
-constexpr char kBadRequestType[] = "/google.rpc.BadRequest";
-
-bool IsBadRequest(const std::string& type_url) {
-  const std::string type = kBadRequestType;
-  return type_url.size() >= type.size() &&
-         type_url.compare(type_url.size() - type.size(), type.size(), type) == 0;
+bool IsOfType(const google::protobuf::Any& any, absl::string_view url) {
+  const std::string type(url.substr(url.rfind('/')));
+  const std::string& given = any.type_url();
+  return given.size() >= type.size() &&
+         given.compare(given.size() - type.size(), type.size(), type) == 0;
 }
 
 void AppendViolations(const v1::BadRequest& bad_request, std::string& message) {
@@ -28,6 +28,19 @@ void AppendViolations(const v1::BadRequest& bad_request, std::string& message) {
     fmt::format_to(std::back_inserter(message), "{}{}: {}", message.empty() ? "" : "; ",
                    violation.field(), violation.description());
   }
+}
+
+// Somebody will look for it in the server's log.
+bool IsServersFault(absl::StatusCode code) {
+  return code == absl::StatusCode::kInternal || code == absl::StatusCode::kUnavailable ||
+         code == absl::StatusCode::kUnknown || code == absl::StatusCode::kDataLoss;
+}
+
+// The payload under `url` as a message; false where there is none.
+template <typename Message>
+bool Payload(const absl::Status& status, absl::string_view url, Message& message) {
+  const auto payload = status.GetPayload(url);
+  return payload.has_value() && message.ParseFromString(std::string(*payload));
 }
 
 }  // namespace
@@ -40,7 +53,7 @@ absl::Status FromGrpc(const grpc::Status& status) {
   if (details.ParseFromString(status.error_details())) {
     for (const auto& detail : details.details()) {
       v1::BadRequest bad_request;
-      if (IsBadRequest(detail.type_url()) && bad_request.ParseFromString(detail.value())) {
+      if (IsOfType(detail, kBadRequestTypeUrl) && bad_request.ParseFromString(detail.value())) {
         violations.MergeFrom(bad_request);
       }
     }
@@ -48,17 +61,42 @@ absl::Status FromGrpc(const grpc::Status& status) {
   AppendViolations(violations, message);
   // gRPC and absl number the canonical codes alike.
   absl::Status result(static_cast<absl::StatusCode>(status.error_code()), message);
+  for (const auto& detail : details.details()) {
+    for (const absl::string_view url : {kRequestInfoTypeUrl, kRetryInfoTypeUrl}) {
+      if (IsOfType(detail, url)) result.SetPayload(url, absl::Cord(detail.value()));
+    }
+  }
   if (violations.field_violations_size() > 0) {
     result.SetPayload(kBadRequestTypeUrl, absl::Cord(violations.SerializeAsString()));
   }
+  const std::string request_id = RequestId(result);
+  if (request_id.empty() || !IsServersFault(result.code())) return result;
+  return WithMessage(result, fmt::format("{} (request {})", message, request_id));
+}
+
+absl::Status WithMessage(const absl::Status& status, const std::string& message) {
+  absl::Status result(status.code(), message);
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { result.SetPayload(url, payload); });
   return result;
+}
+
+std::string RequestId(const absl::Status& status) {
+  v1::RequestInfo info;
+  return Payload(status, kRequestInfoTypeUrl, info) ? info.request_id() : "";
+}
+
+std::optional<std::chrono::milliseconds> RetryDelay(const absl::Status& status) {
+  v1::RetryInfo info;
+  if (!Payload(status, kRetryInfoTypeUrl, info)) return std::nullopt;
+  return std::chrono::milliseconds(info.retry_delay().seconds() * 1000 +
+                                   info.retry_delay().nanos() / 1'000'000);
 }
 
 std::vector<FieldViolation> FieldViolations(const absl::Status& status) {
   std::vector<FieldViolation> result;
-  const auto payload = status.GetPayload(kBadRequestTypeUrl);
   v1::BadRequest bad_request;
-  if (!payload || !bad_request.ParseFromString(std::string(*payload))) return result;
+  if (!Payload(status, kBadRequestTypeUrl, bad_request)) return result;
   for (const auto& violation : bad_request.field_violations()) {
     result.push_back({violation.field(), violation.description()});
   }

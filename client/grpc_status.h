@@ -3,6 +3,8 @@
 
 #include <grpcpp/support/status.h>
 
+#include <string>
+
 #include "absl/status/status.h"
 
 namespace motiondb::client {
@@ -10,6 +12,13 @@ namespace motiondb::client {
 // The same canonical code and message. The field violations of `grpc-status-details-bin` are
 // appended as "field: description" where the message does not say them already, and attached as a
 // payload under kBadRequestTypeUrl.
+//
+// The call's id and when to try again are attached under kRequestInfoTypeUrl and kRetryInfoTypeUrl.
+// Where the fault is the server's, the message names the id, "(request ...)", for a person to look
+// up in its log.
 absl::Status FromGrpc(const grpc::Status& status);
+
+// The same code and payloads with another message.
+absl::Status WithMessage(const absl::Status& status, const std::string& message);
 
 }  // namespace motiondb::client

@@ -17,6 +17,7 @@ test=(
   libbenchmark-dev   # Google Benchmark: what tests/bench measures speed with
   libfaiss-dev       # nearest neighbours: what recognition is measured against
   libopenblas0-pthread # FAISS at its own speed: the reference BLAS is many times slower
+  openssl            # certificates that tests make
   nlohmann-json3-dev # the figures that motiondb_eval writes
   python3-numpy      # opens what `motiondb dump` writes
 )

@@ -42,6 +42,10 @@ absl::Status Serve(const Settings& settings) {
   boost::asio::io_context context;
   boost::asio::signal_set signals(context, SIGTERM, SIGINT);
 
+  MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
+                            PlanSecurity(settings.server.security, settings.server.listen));
+  // Whatever the level of the log.
+  if (!plan.warning.empty()) fmt::print(stderr, "motiondbd: {}\n", plan.warning);
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(settings.store_path));
   MOTIONDB_ASSIGN_OR_RETURN(const auto server, Server::Start(std::move(store), settings.server));
   fmt::print("motiondbd: listening on {}\n", server->address());

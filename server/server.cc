@@ -1,6 +1,5 @@
 #include "server/server.h"
 
-#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -8,19 +7,21 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
+#include "server/security/tls.h"
 
 namespace motiondb::server {
 namespace {
 
-// Both are process-wide and must be on before the first builder.
-void EnablePlugins() {
-  static const bool kEnabled = [] {
-    grpc::EnableDefaultHealthCheckService(true);
-    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
-    return true;
-  }();
-  (void)kEnabled;
+// Clients that ping are not thrown off (gRPC's own limits allow two pings in five minutes, and none
+// in two hours without a call), and peers that are gone are found.
+void SetKeepalive(grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1000);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
 }
 
 // How long clients have to close their connections before they are cut.
@@ -28,37 +29,48 @@ constexpr std::chrono::milliseconds kFarewell{100};
 
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
-    "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService"};
+    "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
+    "motiondb.v1.AccessService"};
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::MotionStore> store,
                                                       const ServerOptions& options) {
+  MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
+                            PlanSecurity(options.security, options.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
-  std::unique_ptr<Server> server(new Server(std::move(engine), options));
-  MOTIONDB_RETURN_IF_ERROR(server->Listen(options));
+  std::unique_ptr<Server> server(new Server(std::move(engine), plan.access, options.calls));
+  if (options.security.tls.enabled()) {
+    MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls));
+  }
+  MOTIONDB_RETURN_IF_ERROR(server->Listen(options, plan.reflection));
   return server;
 }
 
-Server::Server(std::unique_ptr<Engine> engine, const ServerOptions& options)
+Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
+               const CallLimitOptions& calls)
     : engine_(std::move(engine)),
-      host_(new CallHost{*engine_, {engine_->store().access(), options.access},
-                          CallLimits(options.calls), {}}) {
+      host_(new CallHost{*engine_, {engine_->store().access(), access}, CallLimits(calls), {}}) {
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));
   services_.push_back(MakeOperationService(*host_));
   services_.push_back(MakeQueryService(*host_));
   services_.push_back(MakeObserveService(*host_));
+  services_.push_back(MakeAccessService(*host_));
 }
 
 Server::~Server() { Drain(std::chrono::milliseconds(0)); }
 
-absl::Status Server::Listen(const ServerOptions& options) {
-  EnablePlugins();
+absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
+  // Both are to be set before the builder is made.
+  grpc::EnableDefaultHealthCheckService(true);
+  SetReflection(reflection);
   grpc::ServerBuilder builder;
   int port = 0;
-  builder.AddListeningPort(options.listen, grpc::InsecureServerCredentials(), &port);
+  builder.AddListeningPort(options.listen,
+                           tls_ ? tls_->credentials() : grpc::InsecureServerCredentials(), &port);
+  SetKeepalive(builder);
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);

@@ -9,7 +9,7 @@
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
 #include "server/rpc/call_limits.h"
-#include "server/security/access_control.h"
+#include "server/security/security_options.h"
 
 namespace grpc {
 class Server;
@@ -19,20 +19,21 @@ class Service;
 namespace motiondb::server {
 
 struct CallHost;
+class Tls;
 
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
   int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
-  AccessOptions access;                    // who may do what
   CallLimitOptions calls;                  // how many may be under way
+  SecurityOptions security;
   EngineOptions engine;
 };
 
 // Thread-safe. Owns the store, all threads and the socket.
 class Server {
  public:
-  // Opens the engine and answers from then on. Codes: those of the store, and UNAVAILABLE where the
-  // address cannot be listened on.
+  // Opens the engine and answers from then on. Codes: those of the store and of PlanSecurity, and
+  // UNAVAILABLE where the address cannot be listened on.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
                                                        const ServerOptions& options);
   // Ends at once what still runs.
@@ -48,12 +49,14 @@ class Server {
   void Drain(std::chrono::milliseconds grace);
 
  private:
-  Server(std::unique_ptr<Engine> engine, const ServerOptions& options);
-  absl::Status Listen(const ServerOptions& options);
+  Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
+         const CallLimitOptions& calls);
+  absl::Status Listen(const ServerOptions& options, bool reflection);
 
   const std::unique_ptr<Engine> engine_;
   const std::unique_ptr<CallHost> host_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
+  std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
   std::string address_;
 };

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 
 namespace motiondb::client {
 namespace {
@@ -16,6 +18,26 @@ CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
         return ok && fits(number) ? "" : fmt::format("expected {}, got {}", expected, text);
       },
       "");
+}
+
+bool UsesTls(const GlobalOptions& global) {
+  const TlsOptions& tls = global.tls;
+  return global.use_tls || !tls.ca_file.empty() || !tls.certificate_file.empty() ||
+         !tls.key_file.empty() || !tls.server_name.empty();
+}
+
+// Not from a flag, which every user of the machine could read.
+absl::StatusOr<std::string> ReadToken(const GlobalOptions& global) {
+  if (global.token_file.empty()) {
+    const char* const token = std::getenv("MOTIONDB_TOKEN");
+    return std::string(token == nullptr ? "" : token);
+  }
+  std::ifstream file(global.token_file);
+  std::string token;
+  if (file >> token) return token;
+  return absl::InvalidArgumentError(
+      fmt::format("--token-file: {}: {}", global.token_file,
+                  file.eof() ? "expected a token, it is empty" : "cannot be read"));
 }
 
 }  // namespace
@@ -31,6 +53,10 @@ CLI::Validator NonNegativeNumber() {
 absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   ClientOptions options;
   options.server = global.server;
+  const auto token = ReadToken(global);
+  if (!token.ok()) return token.status();
+  options.token = *token;
+  if (UsesTls(global)) options.tls = global.tls;
   // Bounded, so that any number of seconds fits.
   const double timeout_seconds = std::min(global.timeout_seconds, 1e9);
   options.call_timeout = std::chrono::milliseconds(std::llround(timeout_seconds * 1000));

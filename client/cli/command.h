@@ -18,6 +18,9 @@ struct GlobalOptions {
   std::string server = ClientOptions().server;
   bool json = false;
   double timeout_seconds = 600;
+  std::string token_file;
+  bool use_tls = false;  // without any file: the authorities that the system trusts
+  TlsOptions tls;
 };
 
 // Where a command puts what it will do, while the command line is being read.
@@ -47,6 +50,7 @@ absl::StatusOr<Client> Connect(const GlobalOptions& global);
 CLI::Validator PositiveNumber();
 CLI::Validator NonNegativeNumber();
 
+void AddAuditCommand(CommandLine line);
 void AddCreateCommand(CommandLine line);
 void AddDeleteCommand(CommandLine line);
 void AddDescribeCommand(CommandLine line);
@@ -60,5 +64,6 @@ void AddOperationsCommand(CommandLine line);
 void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
+void AddTokenCommand(CommandLine line);
 
 }  // namespace motiondb::client

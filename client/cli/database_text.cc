@@ -15,21 +15,19 @@ namespace {
 
 using google::protobuf::util::TimeUtil;
 
-// The last word of an enum's name, in small letters: SCALING_KIND -> "kind".
+std::string ModelWord(int version) { return version == 0 ? "none" : std::to_string(version); }
+
+}  // namespace
+
 std::string LastWord(const std::string& enum_name) {
   std::string word = enum_name.substr(enum_name.rfind('_') + 1);
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return word;
 }
 
-std::string ModelWord(int version) { return version == 0 ? "none" : std::to_string(version); }
-
-// To the second: a person does not read nanoseconds.
 std::string TimeText(const google::protobuf::Timestamp& time) {
   return TimeUtil::ToString(TimeUtil::SecondsToTimestamp(time.seconds()));
 }
-
-}  // namespace
 
 std::string LabelWord(const std::string& label) { return label.empty() ? "(no label)" : label; }
 

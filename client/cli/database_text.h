@@ -1,6 +1,7 @@
 // Databases, clips and operations as tables for a person. Pure functions.
 #pragma once
 
+#include <google/protobuf/timestamp.pb.h>
 #include <motiondb/messages.h>
 
 #include <string>
@@ -25,6 +26,12 @@ std::string OperationsText(const std::vector<v1::Operation>& operations);
 
 // "running", "succeeded", ...
 std::string StateWord(const v1::Operation& operation);
+
+// The last word of an enum's name, in small letters: SCALING_KIND -> "kind".
+std::string LastWord(const std::string& enum_name);
+
+// To the second: a person does not read nanoseconds.
+std::string TimeText(const google::protobuf::Timestamp& time);
 
 // What a label is called where it is empty.
 std::string LabelWord(const std::string& label);

@@ -39,6 +39,29 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
+  app.add_option("--token-file", global.token_file,
+                 "File that holds the token to show; or the token in MOTIONDB_TOKEN")
+      ->envname("MOTIONDB_TOKEN_FILE")
+      ->type_name("FILE");
+  app.add_flag(
+         "--tls", global.use_tls,
+         "Connect by TLS; the options below do, too. Without --tls-ca the system's authorities "
+         "are trusted")
+      ->envname("MOTIONDB_TLS");
+  app.add_option("--tls-ca", global.tls.ca_file, "Who signs the server's certificate, PEM")
+      ->envname("MOTIONDB_TLS_CA")
+      ->type_name("FILE");
+  app.add_option("--tls-certificate", global.tls.certificate_file,
+                 "Certificate to show to a server that asks for one, PEM")
+      ->envname("MOTIONDB_TLS_CERTIFICATE")
+      ->type_name("FILE");
+  app.add_option("--tls-key", global.tls.key_file, "Its key, PEM")
+      ->envname("MOTIONDB_TLS_KEY")
+      ->type_name("FILE");
+  app.add_option("--tls-server-name", global.tls.server_name,
+                 "Whom the server's certificate is made out to, if not the host of its address")
+      ->envname("MOTIONDB_TLS_SERVER_NAME")
+      ->type_name("NAME");
   app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
 }
 
@@ -49,7 +72,9 @@ int Run(int argc, char** argv) {
   app.require_subcommand(1);
   app.failure_message(UsageError);
   // Commands take over the footer that stands when they are added.
-  app.footer("Every command also takes --server HOST:PORT, --json and --timeout SECONDS.");
+  app.footer(
+      "Every command also takes --server HOST:PORT, --json, --timeout SECONDS, and what a server\n"
+      "with TLS and tokens asks for: see `motiondb --help`.");
   AddGlobalOptions(app, global);
   const CommandLine line{app, global, chosen};
   AddCreateCommand(line);
@@ -65,6 +90,8 @@ int Run(int argc, char** argv) {
   AddExportCommand(line);
   AddDeleteCommand(line);
   AddOperationsCommand(line);
+  AddTokenCommand(line);
+  AddAuditCommand(line);
   app.footer(
       "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
       "extensions: .bvh, .amc (its .asf is found beside it), .trc, .c3d. Options may stand before\n"

@@ -27,6 +27,8 @@ std::string SkeletonName(const std::string& database, const std::string& given) 
 
 std::string OperationName(const std::string& given) { return InCollection("operations/", given); }
 
+std::string TokenName(const std::string& given) { return InCollection("tokens/", given); }
+
 std::string ShortName(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 
 }  // namespace motiondb::client

@@ -32,12 +32,23 @@ absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request
   return absl::OkStatus();
 }
 
+// What the caller may see of a page: all, or the one database that it is good for.
+absl::StatusOr<std::vector<storage::DatabaseRecord>> VisibleDatabases(const Call& call,
+                                                                      const storage::Page& page) {
+  const std::string only = call.entry.database();
+  if (only.empty()) return call.engine.store().ListDatabases(page);
+  std::vector<storage::DatabaseRecord> records;
+  auto record = call.engine.store().GetDatabase(only);
+  if (!record.ok() && !absl::IsNotFound(record.status())) return record.status();
+  if (record.ok() && only > page.after) records.push_back(*std::move(record));
+  return records;
+}
+
 absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& request,
                            v1::ListDatabasesResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(kScope, request.page_token()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                            call.engine.store().ListDatabases({after, size + 1}));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records, VisibleDatabases(call, {after, size + 1}));
   const auto make = [&](const storage::DatabaseRecord& record, v1::Database& to) {
     if (const auto live = call.engine.FindDatabase(record.name); live.ok()) {
       SetDatabase(record, **live, to);

@@ -17,5 +17,6 @@ std::unique_ptr<grpc::Service> MakeModelService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
 
 }  // namespace motiondb::server

@@ -22,10 +22,12 @@ void AddStoreSettings(CLI::App& app, Settings& settings);
 void AddNetworkSettings(CLI::App& app, Settings& settings);
 void AddEngineSettings(CLI::App& app, Settings& settings);
 void AddLimitSettings(CLI::App& app, Settings& settings);
+void AddSecuritySettings(CLI::App& app, Settings& settings);
 void AddLogSettings(CLI::App& app, Settings& settings);
 
 // Appends what is wrong with the settings as a whole; opens and changes nothing.
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckEngineSettings(const Settings& settings, std::vector<absl::Status>& problems);
+void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& problems);
 
 }  // namespace motiondb::server

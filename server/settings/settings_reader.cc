@@ -69,6 +69,7 @@ SettingsReader::SettingsReader()
   AddNetworkSettings(app_, settings_);
   AddEngineSettings(app_, settings_);
   AddLimitSettings(app_, settings_);
+  AddSecuritySettings(app_, settings_);
   AddLogSettings(app_, settings_);
   app_.footer(
       "Every setting is also a variable and a line of the configuration file: --rebuild-delay,\n"
@@ -80,6 +81,7 @@ std::vector<absl::Status> SettingsReader::Check() const {
   std::vector<absl::Status> problems;
   CheckStoreSettings(settings_, problems);
   CheckEngineSettings(settings_, problems);
+  CheckSecuritySettings(settings_, problems);
   return problems;
 }
 

@@ -83,6 +83,11 @@ absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::stri
   return ids[0];
 }
 
+absl::StatusOr<std::string> ParseTokenName(std::string_view field, std::string_view name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ids, ParseIds(field, "tokens/{token}", name));
+  return ids[0];
+}
+
 std::string DatabaseName(std::string_view database) {
   return fmt::format("databases/{}", database);
 }
@@ -102,6 +107,8 @@ std::string ModelName(std::string_view database, int version) {
 std::string OperationName(std::string_view operation) {
   return fmt::format("operations/{}", operation);
 }
+
+std::string TokenName(std::string_view token) { return fmt::format("tokens/{}", token); }
 
 absl::Status CheckDatabaseId(std::string_view field, std::string_view id) {
   const bool valid =

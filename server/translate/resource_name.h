@@ -26,12 +26,14 @@ absl::StatusOr<MemberId> ParseClipName(std::string_view field, std::string_view 
 absl::StatusOr<MemberId> ParseSkeletonName(std::string_view field, std::string_view name);
 absl::StatusOr<ModelId> ParseModelName(std::string_view field, std::string_view name);
 absl::StatusOr<std::string> ParseOperationName(std::string_view field, std::string_view name);
+absl::StatusOr<std::string> ParseTokenName(std::string_view field, std::string_view name);
 
 std::string DatabaseName(std::string_view database);
 std::string ClipName(std::string_view database, std::string_view clip);
 std::string SkeletonName(std::string_view database, std::string_view skeleton);
 std::string ModelName(std::string_view database, int version);
 std::string OperationName(std::string_view operation);
+std::string TokenName(std::string_view token);
 
 // Whether a new database may have this id: 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter
 // or digit.

@@ -30,9 +30,10 @@ std::string ToString(const grpc::ByteBuffer& buffer) {
 }  // namespace
 
 RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                  const std::string& request) {
+                  const std::string& request, const Headers& headers) {
   grpc::GenericStub stub(channel);
   grpc::ClientContext context;
+  for (const auto& [name, value] : headers) context.AddMetadata(name, value);
   grpc::CompletionQueue queue;
   const auto call = stub.PrepareCall(&context, method, &queue);
   call->StartCall(nullptr);

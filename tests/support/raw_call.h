@@ -6,6 +6,8 @@
 
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace motiondb::tests {
 
@@ -14,8 +16,10 @@ struct RawAnswer {
   std::string bytes;  // of the first response message
 };
 
+using Headers = std::vector<std::pair<std::string, std::string>>;
+
 // Sends one request message and reads one response message: a unary call, or one turn of a stream.
 RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
-                  const std::string& request);
+                  const std::string& request, const Headers& headers = {});
 
 }  // namespace motiondb::tests

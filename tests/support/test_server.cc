@@ -150,6 +150,7 @@ std::string ViolatedFields(const grpc::Status& status) {
   if (!details.ParseFromString(status.error_details())) return "(details do not parse)";
   std::string fields;
   for (const auto& detail : details.details()) {
+    if (!detail.type_url().ends_with("/google.rpc.BadRequest")) continue;
     v1::BadRequest bad_request;
     if (!bad_request.ParseFromString(detail.value())) return "(detail does not parse)";
     for (const auto& violation : bad_request.field_violations()) {

@@ -38,6 +38,8 @@ class TestServer {
   void Start();
 
   server::Server& server() { return *server_; }
+  // What the next Start begins with.
+  server::ServerOptions& options() { return options_; }
   Gate& gate() { return *gate_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
 
@@ -79,12 +81,14 @@ struct Answer {
   Response response;
 };
 
-// Makes a unary call: Ask(*stub, &Stub::GetClip, request).
+// Makes a unary call, as the bearer of a token if one is given: Ask(*stub, &Stub::GetClip,
+// request).
 template <typename Stub, typename Request, typename Response>
 Answer<Response> Ask(Stub& stub,
                      grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
-                     const Request& request) {
+                     const Request& request, const std::string& token = "") {
   grpc::ClientContext context;
+  if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
   Answer<Response> answer;
   answer.status = (stub.*method)(&context, request, &answer.response);
   return answer;

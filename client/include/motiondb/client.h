@@ -6,13 +6,15 @@
 // Ownership: a Client owns its connection and closes it when destroyed. Requests are only read
 // during the call; answers belong to the caller. Errors: absl::Status with the server's canonical
 // code and message; fields that the server found wrong are part of the message and can be read with
-// FieldViolations (field_violation.h). UNAVAILABLE names the address; DEADLINE_EXCEEDED the time
-// waited. No function throws.
+// FieldViolations (field_violation.h); the call's id, and when to try again, with RequestId and
+// RetryDelay (call_error.h). UNAVAILABLE names the address; DEADLINE_EXCEEDED the time waited. No
+// function throws.
 //
 // This header only declares the messages; include <motiondb/v1/query.pb.h> and its neighbours to
 // make and read them.
 #pragma once
 
+#include <motiondb/call_error.h>
 #include <motiondb/client_options.h>
 #include <motiondb/field_violation.h>
 #include <motiondb/messages.h>
@@ -150,6 +152,17 @@ class Client {
       const std::string& name, const std::function<void(const v1::Operation&)>& on_progress = {},
       CallOptions options = {}) const;
 
+  // ---- Access (for administrators) -------------------------------------------------------------
+  // The response holds the token's secret, once.
+  absl::StatusOr<v1::CreateTokenResponse> CreateToken(const v1::CreateTokenRequest& request,
+                                                      CallOptions options = {}) const;
+  absl::StatusOr<v1::ListTokensResponse> ListTokens(const v1::ListTokensRequest& request,
+                                                    CallOptions options = {}) const;
+  absl::StatusOr<v1::RevokeTokenResponse> RevokeToken(const v1::RevokeTokenRequest& request,
+                                                      CallOptions options = {}) const;
+  absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(
+      const v1::ListAuditEntriesRequest& request, CallOptions options = {}) const;
+
   // ---- Whole lists -----------------------------------------------------------------------------
   // All pages of a list, each page a call of its own. A request's page_token must be empty.
   absl::StatusOr<std::vector<v1::Database>> AllDatabases(CallOptions options = {}) const;
@@ -165,6 +178,7 @@ class Client {
       const v1::ListTransitionsRequest& request, CallOptions options = {}) const;
   absl::StatusOr<std::vector<v1::Operation>> AllOperations(const v1::ListOperationsRequest& request,
                                                            CallOptions options = {}) const;
+  absl::StatusOr<std::vector<v1::Token>> AllTokens(CallOptions options = {}) const;
 
  private:
   friend class ObserveStream;

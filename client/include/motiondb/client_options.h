@@ -15,6 +15,17 @@ namespace motiondb::client {
 // As a time to wait: no limit.
 inline constexpr std::chrono::milliseconds kNoTimeout = std::chrono::milliseconds::max();
 
+// A connection by TLS. Files are PEM.
+struct TlsOptions {
+  // Who signs the server's certificate; empty: the authorities that the system trusts.
+  std::string ca_file;
+  // The client's own, for a server that asks for one; both or neither.
+  std::string certificate_file;
+  std::string key_file;
+  // Whom the server's certificate is made out to, where that is not the host of its address.
+  std::string server_name;
+};
+
 struct ClientOptions {
   // Address of the server, HOST:PORT.
   std::string server = "127.0.0.1:50051";
@@ -28,8 +39,11 @@ struct ClientOptions {
   int max_receive_bytes = 512 << 20;
   // Largest message sent: an observation carries its file whole.
   int max_send_bytes = 64 << 20;
-  // How the connection is secured and who the caller is; any gRPC credentials will do. Null means
-  // plain text.
+  // By TLS; absent means plain text.
+  std::optional<TlsOptions> tls;
+  // Bearer token, sent with every call; never over plain text to another machine.
+  std::string token;
+  // In place of `tls` and `token`, any gRPC credentials.
   std::shared_ptr<grpc::ChannelCredentials> credentials;
 };
 

@@ -5,6 +5,18 @@
 
 namespace motiondb::v1 {
 
+// access.proto
+class AuditEntry;
+class CreateTokenRequest;
+class CreateTokenResponse;
+class ListAuditEntriesRequest;
+class ListAuditEntriesResponse;
+class ListTokensRequest;
+class ListTokensResponse;
+class RevokeTokenRequest;
+class RevokeTokenResponse;
+class Token;
+
 // database.proto
 class CreateDatabaseRequest;
 class CreateDatabaseResponse;

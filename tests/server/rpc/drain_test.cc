@@ -26,7 +26,8 @@ TEST_CASE("Health: the server and each of its services serve", "[server][rpc]") 
   TestServer server;
   for (const char* service :
        {"", "motiondb.v1.DatabaseService", "motiondb.v1.ClipService", "motiondb.v1.ModelService",
-        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService"}) {
+        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
+        "motiondb.v1.AccessService"}) {
     const RawAnswer answer = RawCall(server.channel(), kCheck, ForService(service));
     INFO(service << ": " << answer.status.error_message());
     CHECK(answer.status.ok());

@@ -1,0 +1,75 @@
+#include "client/channel_credentials.h"
+
+#include <arpa/inet.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+
+namespace motiondb::client {
+namespace {
+
+// Whether what is sent to HOST:PORT stays on this machine.
+bool IsLoopback(const std::string& server) {
+  if (server.rfind("unix:", 0) == 0) return true;
+  std::string host = server.substr(0, server.rfind(':'));
+  if (host.size() > 2 && host.front() == '[' && host.back() == ']') {
+    host = host.substr(1, host.size() - 2);
+  }
+  in_addr v4;
+  if (inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+  return host == "::1" || host == "localhost";
+}
+
+bool IsPrintable(char c) { return c > 0x20 && c < 0x7f; }
+
+absl::Status ReadPem(const char* option, const std::string& path, std::string& text) {
+  if (path.empty()) return absl::OkStatus();
+  std::ifstream file(path, std::ios::binary);
+  text.assign(std::istreambuf_iterator<char>(file), {});
+  if (text.find("-----BEGIN ") != std::string::npos) return absl::OkStatus();
+  return absl::InvalidArgumentError(fmt::format(
+      "{}: {}: {}", option, path, file ? "expected PEM, -----BEGIN ..." : "cannot be read"));
+}
+
+}  // namespace
+
+absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
+    const ClientOptions& options) {
+  if (!std::all_of(options.token.begin(), options.token.end(), IsPrintable)) {
+    return absl::InvalidArgumentError("the token holds spaces or other signs that no token has");
+  }
+  if (options.credentials != nullptr) {
+    if (!options.tls && options.token.empty()) return options.credentials;
+    return absl::InvalidArgumentError(
+        "ClientOptions: credentials take the place of tls and token; expected one or the other");
+  }
+  if (!options.tls) {
+    if (options.token.empty() || IsLoopback(options.server)) {
+      return grpc::InsecureChannelCredentials();
+    }
+    return absl::InvalidArgumentError(
+        fmt::format("a token is not sent over plain text to another machine, {}: connect by TLS",
+                    options.server));
+  }
+  const TlsOptions& tls = *options.tls;
+  if (tls.certificate_file.empty() != tls.key_file.empty()) {
+    return absl::InvalidArgumentError(
+        "TLS: a client's certificate and its key are given together or not at all");
+  }
+  grpc::SslCredentialsOptions pem;
+  if (auto status = ReadPem("TLS authority", tls.ca_file, pem.pem_root_certs); !status.ok()) {
+    return status;
+  }
+  if (auto status = ReadPem("TLS certificate", tls.certificate_file, pem.pem_cert_chain);
+      !status.ok()) {
+    return status;
+  }
+  if (auto status = ReadPem("TLS key", tls.key_file, pem.pem_private_key); !status.ok()) {
+    return status;
+  }
+  return grpc::SslCredentials(pem);
+}
+
+}  // namespace motiondb::client

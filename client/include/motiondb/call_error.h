@@ -1,0 +1,27 @@
+// What else an error of a call says, beside its code and message: the call's id, and when to try
+// again. Functions here are pure, safe on any thread.
+#pragma once
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+#include "absl/strings/string_view.h"
+
+namespace motiondb::client {
+
+// Under these type URLs a failed call's absl::Status carries a google.rpc.RequestInfo and a
+// google.rpc.RetryInfo as payload.
+inline constexpr absl::string_view kRequestInfoTypeUrl =
+    "type.googleapis.com/google.rpc.RequestInfo";
+inline constexpr absl::string_view kRetryInfoTypeUrl = "type.googleapis.com/google.rpc.RetryInfo";
+
+// The id of the call that failed, by which the server's log has it; empty where the server did not
+// answer.
+std::string RequestId(const absl::Status& status);
+
+// How long to wait before the same call is tried again; nothing where the server does not say.
+std::optional<std::chrono::milliseconds> RetryDelay(const absl::Status& status);
+
+}  // namespace motiondb::client

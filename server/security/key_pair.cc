@@ -1,0 +1,82 @@
+#include "server/security/key_pair.h"
+
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
+
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <sstream>
+
+#include "core/motion/error.h"
+
+namespace motiondb::server {
+namespace {
+
+using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
+using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
+
+absl::StatusOr<std::string> ReadText(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    return core::InvalidArgument("{}: cannot be read: {}", path,
+                                 errno == 0 ? "it is empty" : std::strerror(errno));
+  }
+  return text.str();
+}
+
+Memory MemoryOf(const std::string& text) {
+  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
+}
+
+// A key that is encrypted would have OpenSSL ask at the terminal.
+int NoPassphrase(char*, int, int, void*) { return -1; }
+
+absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::string& text) {
+  const Memory memory = MemoryOf(text);
+  Certificate certificate(PEM_read_bio_X509(memory.get(), nullptr, NoPassphrase, nullptr),
+                          X509_free);
+  ERR_clear_error();
+  if (certificate == nullptr) {
+    return core::InvalidArgument("{}: expected a certificate in PEM", path);
+  }
+  return certificate;
+}
+
+absl::StatusOr<Key> KeyIn(const std::string& path, const std::string& text) {
+  const Memory memory = MemoryOf(text);
+  Key key(PEM_read_bio_PrivateKey(memory.get(), nullptr, NoPassphrase, nullptr), EVP_PKEY_free);
+  ERR_clear_error();
+  if (key == nullptr) {
+    return core::InvalidArgument("{}: expected a private key in PEM, without a passphrase", path);
+  }
+  return key;
+}
+
+}  // namespace
+
+absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
+  TlsTexts texts;
+  MOTIONDB_ASSIGN_OR_RETURN(texts.certificate, ReadText(files.certificate));
+  MOTIONDB_ASSIGN_OR_RETURN(texts.key, ReadText(files.key));
+  MOTIONDB_ASSIGN_OR_RETURN(const Certificate certificate,
+                            CertificateIn(files.certificate, texts.certificate));
+  MOTIONDB_ASSIGN_OR_RETURN(const Key key, KeyIn(files.key, texts.key));
+  if (X509_check_private_key(certificate.get(), key.get()) != 1) {
+    ERR_clear_error();
+    return core::InvalidArgument("{}: is not the key of the certificate in {}", files.key,
+                                 files.certificate);
+  }
+  if (!files.client_ca.empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(texts.client_ca, ReadText(files.client_ca));
+    MOTIONDB_RETURN_IF_ERROR(CertificateIn(files.client_ca, texts.client_ca).status());
+  }
+  return texts;
+}
+
+}  // namespace motiondb::server

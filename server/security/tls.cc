@@ -1,0 +1,93 @@
+#include "server/security/tls.h"
+
+#include <grpcpp/security/tls_certificate_provider.h>
+#include <grpcpp/security/tls_credentials_options.h>
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::server {
+namespace {
+
+using grpc::experimental::FileWatcherCertificateProvider;
+using grpc::experimental::TlsServerCredentialsOptions;
+
+// The files are small: read, rather than asked for their times, which a change within one tick of
+// the clock would leave as they were.
+constexpr std::chrono::seconds kPeriod{1};
+constexpr unsigned kGrpcPeriodSeconds = 1;
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files) {
+  MOTIONDB_ASSIGN_OR_RETURN(TlsTexts texts, ReadTlsFiles(files));
+  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile certificate, MemoryFile::Make(texts.certificate));
+  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile key, MemoryFile::Make(texts.key));
+  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile client_ca, MemoryFile::Make(texts.client_ca));
+  return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(certificate),
+                                      std::move(key), std::move(client_ca)));
+}
+
+Tls::Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
+         MemoryFile client_ca)
+    : files_(files),
+      texts_(std::move(texts)),
+      certificate_(std::move(certificate)),
+      key_(std::move(key)),
+      client_ca_(std::move(client_ca)) {
+  const bool mutual = !files.client_ca.empty();
+  TlsServerCredentialsOptions options(std::make_shared<FileWatcherCertificateProvider>(
+      key_.path(), certificate_.path(), mutual ? client_ca_.path() : "", kGrpcPeriodSeconds));
+  options.watch_identity_key_cert_pairs();
+  if (mutual) options.watch_root_certs();
+  options.set_cert_request_type(mutual ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
+                                       : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
+  credentials_ = grpc::experimental::TlsServerCredentials(options);
+  watcher_ = std::thread([this] { Watch(); });
+}
+
+Tls::~Tls() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  watcher_.join();
+}
+
+void Tls::Watch() {
+  std::unique_lock lock(mutex_);
+  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) TakeChange();
+}
+
+void Tls::TakeChange() {
+  const auto texts = ReadTlsFiles(files_);
+  absl::Status status = texts.status();
+  if (texts.ok()) {
+    if (*texts == texts_) {
+      fault_.clear();
+      return;
+    }
+    status = Replace(*texts);
+  }
+  if (status.ok()) {
+    fault_.clear();
+    spdlog::info("tls: new certificates, from {}", files_.certificate);
+  } else if (fault_ != status.message()) {
+    fault_ = std::string(status.message());
+    spdlog::error("tls: the certificates before stay in force: {}", fault_);
+  }
+}
+
+absl::Status Tls::Replace(const TlsTexts& texts) {
+  MOTIONDB_RETURN_IF_ERROR(key_.Replace(texts.key));
+  MOTIONDB_RETURN_IF_ERROR(certificate_.Replace(texts.certificate));
+  MOTIONDB_RETURN_IF_ERROR(client_ca_.Replace(texts.client_ca));
+  texts_ = texts;
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,54 @@
+// The server's side of TLS: its certificate, that of the authority of its clients, and the watch
+// over their files. Thread-safe.
+//
+// gRPC 1.51 reads certificates again when their files change, but takes a pair that does not match
+// as gladly as one that does, and then refuses every connection. So it is given files in memory
+// instead, into which go only pairs that were checked: a bad one is logged, and the last good one
+// stays.
+#pragma once
+
+#include <grpcpp/security/server_credentials.h>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include "absl/status/statusor.h"
+#include "server/security/key_pair.h"
+#include "server/security/memory_file.h"
+
+namespace motiondb::server {
+
+class Tls {
+ public:
+  // INVALID_ARGUMENT, naming the file that is wrong.
+  static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files);
+  ~Tls();
+
+  // A client certificate is required where `client_ca` was given. Connections made two seconds
+  // after a change of the files see it, those that stand go on.
+  const std::shared_ptr<grpc::ServerCredentials>& credentials() const { return credentials_; }
+
+ private:
+  Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
+      MemoryFile client_ca);
+  void Watch();
+  void TakeChange();
+  absl::Status Replace(const TlsTexts& texts);
+
+  const TlsFiles files_;
+  TlsTexts texts_;     // in force
+  std::string fault_;  // of the files as they are now, already logged
+  MemoryFile certificate_;
+  MemoryFile key_;
+  MemoryFile client_ca_;
+  std::shared_ptr<grpc::ServerCredentials> credentials_;
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  bool stopping_ = false;
+  std::thread watcher_;
+};
+
+}  // namespace motiondb::server

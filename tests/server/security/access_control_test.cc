@@ -1,0 +1,166 @@
+#include "server/security/access_control.h"
+
+#include <spdlog/spdlog.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "server/security/secret.h"
+#include "server/translate/retry_info.h"
+#include "tests/storage/in_memory_access_store.h"
+
+namespace motiondb::tests {
+namespace {
+
+using server::AccessControl;
+using server::AccessOptions;
+using server::Evidence;
+using server::NowMicroseconds;
+using storage::Role;
+
+constexpr std::int64_t kHour = std::int64_t{3600} * 1'000'000;
+
+Evidence Bearer(const std::string& token, const std::string& address = "10.0.0.1") {
+  return {"Bearer " + token, "", address};
+}
+
+struct Access {
+  explicit Access(AccessOptions options = {.authentication = true}) : control(store, options) {
+    spdlog::set_level(spdlog::level::off);
+  }
+  server::MadeToken Make(Role role, const std::string& database = "", std::int64_t life_us = 0) {
+    const std::int64_t now = NowMicroseconds();
+    auto made = control.tokens().Make(role, database, "", now, life_us == 0 ? 0 : now + life_us);
+    REQUIRE(made.ok());
+    return *std::move(made);
+  }
+  absl::StatusCode CodeOf(const Evidence& evidence) {
+    return control.Authenticate(evidence).status().code();
+  }
+
+  InMemoryAccessStore store;
+  AccessControl control;
+};
+
+TEST_CASE("Access: a token is known by its secret, which is not stored", "[security]") {
+  Access access;
+  const auto made = access.Make(Role::kIngester, "walks", kHour);
+  const auto token = server::SplitToken(made.secret);
+  REQUIRE(token.has_value());
+  CHECK(token->secret.size() == 64);
+  const auto stored = access.store.GetToken(made.record.id);
+  REQUIRE(stored.ok());
+  const std::string bytes = stored->id + stored->salt + stored->secret_hash + stored->description;
+  CHECK(bytes.find(std::string(token->secret)) == std::string::npos);
+  CHECK(stored->secret_hash.size() == 32);
+  for (int i = 0; i < 2; ++i) {  // from the store, then from memory
+    const auto caller = access.control.Authenticate(Bearer(made.secret));
+    REQUIRE(caller.ok());
+    CHECK(caller->principal == "tokens/" + made.record.id);
+    CHECK(caller->role == Role::kIngester);
+    CHECK(caller->database == "walks");
+  }
+}
+
+TEST_CASE("Access: what is no good token is UNAUTHENTICATED", "[security]") {
+  Access access;
+  const auto made = access.Make(Role::kAdmin);
+  std::string other = made.secret;
+  other.back() = other.back() == '0' ? '1' : '0';
+  const auto unauthenticated = absl::StatusCode::kUnauthenticated;
+  CHECK(access.CodeOf({"", "", "10.0.0.1"}) == unauthenticated);
+  CHECK(access.CodeOf({made.secret, "", "10.0.0.1"}) == unauthenticated);  // not "Bearer ..."
+  CHECK(access.CodeOf(Bearer("")) == unauthenticated);
+  CHECK(access.CodeOf(Bearer(other)) == unauthenticated);
+  CHECK(access.CodeOf(Bearer("mdb_none_" + std::string(64, '0'))) == unauthenticated);
+  CHECK(access.CodeOf(Bearer(made.secret + "0")) == unauthenticated);
+  CHECK(access.CodeOf(Bearer(made.secret)) == absl::StatusCode::kOk);
+  CHECK(access.CodeOf({"bearer " + made.secret, "", "10.0.0.1"}) == absl::StatusCode::kOk);
+  CHECK(access.CodeOf(Bearer(other)) == unauthenticated);
+}
+
+TEST_CASE("Access: a token ends when it expires and when it is revoked", "[security]") {
+  Access access;
+  const auto past = access.Make(Role::kReader, "", 1);
+  CHECK(access.CodeOf(Bearer(past.secret)) == absl::StatusCode::kUnauthenticated);
+
+  const auto made = access.Make(Role::kReader);
+  const auto caller = access.control.Authenticate(Bearer(made.secret));
+  REQUIRE(caller.ok());
+  CHECK(access.control.Recheck(*caller).ok());
+  REQUIRE(access.control.tokens().Revoke(made.record.id, NowMicroseconds()).ok());
+  CHECK(absl::IsUnauthenticated(access.control.Recheck(*caller)));
+  CHECK(access.CodeOf(Bearer(made.secret)) == absl::StatusCode::kUnauthenticated);
+  // Another process on the same store finds it revoked there.
+  AccessControl second(access.store, {.authentication = true});
+  CHECK(absl::IsUnauthenticated(second.Authenticate(Bearer(made.secret)).status()));
+  CHECK(absl::IsNotFound(access.control.tokens().Revoke("none", 1).status()));
+}
+
+TEST_CASE("Access: who fails too often is told when to come back; others are not locked out",
+          "[security]") {
+  Access access({.authentication = true, .failures_per_minute = 3});
+  const auto used = access.Make(Role::kReader);
+  const auto unused = access.Make(Role::kReader);
+  CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
+  const std::string wrong = "mdb_none_" + std::string(64, '0');
+  for (int i = 0; i < 3; ++i) {
+    CHECK(access.CodeOf(Bearer(wrong)) == absl::StatusCode::kUnauthenticated);
+  }
+  const absl::Status refused = access.control.Authenticate(Bearer(wrong)).status();
+  CHECK(absl::IsResourceExhausted(refused));
+  CHECK(refused.GetPayload(server::kRetryInfoUrl).has_value());
+  CHECK(access.CodeOf(Bearer(unused.secret)) == absl::StatusCode::kResourceExhausted);
+  CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
+  CHECK(access.CodeOf(Bearer(unused.secret, "10.0.0.2")) == absl::StatusCode::kOk);
+  // A call without a token is no guess.
+  CHECK(access.CodeOf({"", "", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
+}
+
+TEST_CASE("Access: the administrator's token of a file counts", "[security]") {
+  Access access({.authentication = true, .admin_token = "correct horse battery staple"});
+  const auto caller = access.control.Authenticate(Bearer("correct horse battery staple"));
+  REQUIRE(caller.ok());
+  CHECK(caller->role == Role::kAdmin);
+  CHECK(caller->principal == "tokens/admin-token-file");
+  CHECK(access.CodeOf(Bearer("correct horse battery stapl")) == absl::StatusCode::kUnauthenticated);
+}
+
+TEST_CASE("Access: a certificate without a token has the role that is set, or none", "[security]") {
+  const Evidence certificate{"", "robot-7", "10.0.0.1"};
+  CHECK(Access().CodeOf(certificate) == absl::StatusCode::kUnauthenticated);
+  Access access({.authentication = true, .certificate_role = Role::kReader});
+  const auto caller = access.control.Authenticate(certificate);
+  REQUIRE(caller.ok());
+  CHECK(caller->principal == "certificate:robot-7");
+  CHECK(caller->role == Role::kReader);
+  // Who shows a token is judged by that.
+  const auto made = access.Make(Role::kAdmin);
+  const auto both = access.control.Authenticate({"Bearer " + made.secret, "robot-7", "10.0.0.1"});
+  REQUIRE(both.ok());
+  CHECK(both->role == Role::kAdmin);
+  CHECK(access.CodeOf({"Bearer x", "robot-7", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
+}
+
+TEST_CASE("Access: without authentication everybody is an anonymous administrator", "[security]") {
+  Access access({.authentication = false});
+  const auto caller = access.control.Authenticate(Bearer("nonsense"));
+  REQUIRE(caller.ok());
+  CHECK(caller->principal == "anonymous");
+  CHECK(caller->role == Role::kAdmin);
+}
+
+TEST_CASE("Access: nobody fills the record of changes with refused attempts", "[security]") {
+  Access access;
+  for (int i = 0; i < 100; ++i) {
+    access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7});
+  }
+  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0});
+  const auto records = access.store.ListAuditRecords(0, 1000);
+  REQUIRE(records.ok());
+  CHECK(records->size() == 11);
+  CHECK(records->front().code == 0);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,166 @@
+// Tokens over the wire: made, listed, used, revoked.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <string>
+
+#include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/operation.grpc.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Access = v1::AccessService::Stub;
+using grpc::StatusCode;
+
+v1::CreateTokenRequest Wanted(v1::Role role, const std::string& database = "") {
+  v1::CreateTokenRequest request;
+  request.set_role(role);
+  request.set_database(database);
+  return request;
+}
+
+Answer<v1::CreateTokenResponse> Make(TestServer& server, const v1::CreateTokenRequest& request,
+                                     const std::string& token = "") {
+  const auto stub = server.NewStub<v1::AccessService>();
+  return Ask(*stub, &Access::CreateToken, request, token);
+}
+
+void AskForTokens(TestServer& server) {
+  server.options().security.authentication = server::Authentication::kToken;
+  server.Restart();
+}
+
+TEST_CASE("CreateToken: says what it made, and the secret once", "[security][rpc]") {
+  TestServer server;
+  server.CreateDatabase("walks");
+  auto request = Wanted(v1::ROLE_INGESTER, "databases/walks");
+  request.set_description("the robot in the hall");
+  request.mutable_lifetime()->set_seconds(3600);
+  const auto made = Make(server, request);
+  INFO(made.status.error_message());
+  REQUIRE(made.status.ok());
+  const v1::Token& token = made.response.token();
+  CHECK(token.name().starts_with("tokens/"));
+  CHECK(token.role() == v1::ROLE_INGESTER);
+  CHECK(token.database() == "databases/walks");
+  CHECK(token.description() == "the robot in the hall");
+  CHECK(token.expire_time().seconds() == token.create_time().seconds() + 3600);
+  CHECK(!token.has_revoke_time());
+  CHECK(made.response.secret().starts_with("mdb_" + token.name().substr(7) + "_"));
+
+  const auto stub = server.NewStub<v1::AccessService>();
+  const auto listed = Ask(*stub, &Access::ListTokens, v1::ListTokensRequest());
+  REQUIRE(listed.status.ok());
+  REQUIRE(listed.response.tokens_size() == 1);
+  CHECK(listed.response.tokens(0).SerializeAsString() == token.SerializeAsString());
+}
+
+TEST_CASE("CreateToken: what makes no sense is refused by field", "[security][rpc]") {
+  TestServer server;
+  auto request = Wanted(v1::ROLE_READER);
+  CHECK(ViolatedFields(Make(server, Wanted(v1::ROLE_UNSPECIFIED)).status) == "role");
+  CHECK(ViolatedFields(Make(server, Wanted(v1::ROLE_READER, "walks")).status) == "database");
+  CHECK(Make(server, Wanted(v1::ROLE_READER, "databases/none")).status.error_code() ==
+        StatusCode::NOT_FOUND);
+  request.mutable_lifetime()->set_seconds(0);
+  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
+  request.mutable_lifetime()->set_seconds(-1);
+  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
+  request.mutable_lifetime()->set_seconds(std::int64_t{1} << 62);
+  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
+  request.clear_lifetime();
+  request.set_description(std::string(201, 'x'));
+  CHECK(ViolatedFields(Make(server, request).status) == "description");
+}
+
+TEST_CASE("ListTokens: pages in the order in which they were made", "[security][rpc]") {
+  TestServer server;
+  std::vector<std::string> names;
+  for (int i = 0; i < 5; ++i) {
+    names.push_back(Make(server, Wanted(v1::ROLE_READER)).response.token().name());
+  }
+  const auto stub = server.NewStub<v1::AccessService>();
+  std::vector<std::string> listed;
+  v1::ListTokensRequest request;
+  request.set_page_size(2);
+  do {
+    const auto page = Ask(*stub, &Access::ListTokens, request);
+    REQUIRE(page.status.ok());
+    CHECK(page.response.tokens_size() <= 2);
+    for (const auto& token : page.response.tokens()) listed.push_back(token.name());
+    request.set_page_token(page.response.next_page_token());
+  } while (!request.page_token().empty());
+  CHECK(listed == names);
+}
+
+TEST_CASE("RevokeToken: ends a token that is in use, at once and for good", "[security][rpc]") {
+  TestServer server;
+  const auto admin = Make(server, Wanted(v1::ROLE_ADMIN)).response;
+  const auto made = Make(server, Wanted(v1::ROLE_READER)).response;
+  AskForTokens(server);
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  const auto list = [&] {
+    return Ask(*databases, &v1::DatabaseService::Stub::ListDatabases, v1::ListDatabasesRequest(),
+               made.secret());
+  };
+  CHECK(list().status.ok());
+  const auto stub = server.NewStub<v1::AccessService>();
+  v1::RevokeTokenRequest request;
+  request.set_name(made.token().name());
+  const auto revoked = Ask(*stub, &Access::RevokeToken, request, admin.secret());
+  REQUIRE(revoked.status.ok());
+  CHECK(revoked.response.token().has_revoke_time());
+  CHECK(list().status.error_code() == StatusCode::UNAUTHENTICATED);
+  CHECK(list().status.error_message() == made.token().name() + " was revoked");
+  const auto again = Ask(*stub, &Access::RevokeToken, request, admin.secret());
+  CHECK(again.response.token().revoke_time().SerializeAsString() ==
+        revoked.response.token().revoke_time().SerializeAsString());
+  request.set_name("tokens/none");
+  CHECK(Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.error_code() ==
+        StatusCode::NOT_FOUND);
+}
+
+TEST_CASE("Tokens of one database: lists show that alone", "[security][rpc]") {
+  TestServer server;
+  server.CreateDatabase("a");
+  server.CreateDatabase("b");
+  const auto ingested = server.IngestFigure("a", "walk", "walk", {});
+  server.Wait(ingested.operation().name());
+  const std::string of_a = Make(server, Wanted(v1::ROLE_READER, "databases/a")).response.secret();
+  const std::string of_b = Make(server, Wanted(v1::ROLE_READER, "databases/b")).response.secret();
+  AskForTokens(server);
+
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  const auto listed =
+      Ask(*databases, &v1::DatabaseService::Stub::ListDatabases, v1::ListDatabasesRequest(), of_b);
+  REQUIRE(listed.status.ok());
+  REQUIRE(listed.response.databases_size() == 1);
+  CHECK(listed.response.databases(0).name() == "databases/b");
+  CHECK(listed.response.next_page_token().empty());
+
+  const auto operations = server.NewStub<v1::OperationService>();
+  const auto count = [&](const std::string& token) {
+    const auto answer = Ask(*operations, &v1::OperationService::Stub::ListOperations,
+                            v1::ListOperationsRequest(), token);
+    REQUIRE(answer.status.ok());
+    return answer.response.operations_size();
+  };
+  CHECK(count(of_a) == 1);
+  CHECK(count(of_b) == 0);
+  v1::GetOperationRequest request;
+  request.set_name(ingested.operation().name());
+  const auto get = [&](const std::string& token) {
+    return Ask(*operations, &v1::OperationService::Stub::GetOperation, request, token)
+        .status.error_code();
+  };
+  CHECK(get(of_a) == StatusCode::OK);
+  CHECK(get(of_b) == StatusCode::PERMISSION_DENIED);
+  // One that is not there is refused alike, so that nobody learns which are.
+  request.set_name("operations/none");
+  CHECK(get(of_b) == StatusCode::PERMISSION_DENIED);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

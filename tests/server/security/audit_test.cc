@@ -1,0 +1,122 @@
+// The record of changes: who, what, on what, from where, and how it ended.
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/operation.grpc.pb.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Access = v1::AccessService::Stub;
+using grpc::StatusCode;
+
+std::vector<v1::AuditEntry> Audit(TestServer& server, const std::string& token = "",
+                                  int page_size = 0) {
+  const auto stub = server.NewStub<v1::AccessService>();
+  std::vector<v1::AuditEntry> entries;
+  v1::ListAuditEntriesRequest request;
+  request.set_page_size(page_size);
+  do {
+    const auto page = Ask(*stub, &Access::ListAuditEntries, request, token);
+    INFO(page.status.error_message());
+    REQUIRE(page.status.ok());
+    entries.insert(entries.end(), page.response.entries().begin(), page.response.entries().end());
+    request.set_page_token(page.response.next_page_token());
+  } while (!request.page_token().empty());
+  return entries;
+}
+
+// "who method on -> code", oldest first.
+std::vector<std::string> Lines(const std::vector<v1::AuditEntry>& entries) {
+  std::vector<std::string> lines;
+  for (auto entry = entries.rbegin(); entry != entries.rend(); ++entry) {
+    lines.push_back(entry->principal() + " " + entry->method() + " " + entry->resource() + " -> " +
+                    std::to_string(entry->code()));
+  }
+  return lines;
+}
+
+template <typename Request>
+Request Named(const std::string& name) {
+  Request request;
+  request.set_name(name);
+  return request;
+}
+
+TEST_CASE("Audit: every change is recorded, newest first; questions are not", "[security][rpc]") {
+  TestServer server;
+  server.CreateDatabase("walks");
+  const auto ingested = server.IngestFigure("walks", "walk", "walk", {});
+  const std::string operation = server.Wait(ingested.operation().name()).name();
+  server.Describe("walks");
+  const auto clips = server.NewStub<v1::ClipService>();
+  const auto deleted = Ask(*clips, &v1::ClipService::Stub::DeleteClip,
+                           Named<v1::DeleteClipRequest>("databases/walks/clips/walk"));
+  REQUIRE(deleted.status.ok());
+  server.Wait(deleted.response.operation().name());
+  const auto operations = server.NewStub<v1::OperationService>();
+  Ask(*operations, &v1::OperationService::Stub::CancelOperation,
+      Named<v1::CancelOperationRequest>(operation));
+  const auto access = server.NewStub<v1::AccessService>();
+  v1::CreateTokenRequest wanted;
+  wanted.set_role(v1::ROLE_READER);
+  const auto token = Ask(*access, &Access::CreateToken, wanted).response.token();
+  Ask(*access, &Access::RevokeToken, Named<v1::RevokeTokenRequest>(token.name()));
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  Ask(*databases, &v1::DatabaseService::Stub::DeleteDatabase,
+      Named<v1::DeleteDatabaseRequest>("databases/none"));
+  Ask(*databases, &v1::DatabaseService::Stub::DeleteDatabase,
+      Named<v1::DeleteDatabaseRequest>("databases/walks"));
+
+  const auto entries = Audit(server);
+  CHECK(Lines(entries) == std::vector<std::string>{
+                              "anonymous DatabaseService.CreateDatabase databases/walks -> 0",
+                              "anonymous ClipService.IngestClip databases/walks/clips/walk -> 0",
+                              "anonymous ClipService.DeleteClip databases/walks/clips/walk -> 0",
+                              "anonymous OperationService.CancelOperation " + operation + " -> 0",
+                              "anonymous AccessService.CreateToken " + token.name() + " -> 0",
+                              "anonymous AccessService.RevokeToken " + token.name() + " -> 0",
+                              "anonymous DatabaseService.DeleteDatabase databases/none -> 5",
+                              "anonymous DatabaseService.DeleteDatabase databases/walks -> 0"});
+  for (const auto& entry : entries) {
+    CHECK(entry.peer() == "127.0.0.1");
+    CHECK(entry.request_id().size() == 16);
+    CHECK(entry.time().seconds() > 1'700'000'000);
+  }
+  // Survives a restart, and reads alike in pages.
+  server.Restart();
+  CHECK(Lines(Audit(server, "", 3)) == Lines(entries));
+}
+
+TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]") {
+  TestServer server;
+  server.CreateDatabase("walks");
+  const auto access = server.NewStub<v1::AccessService>();
+  v1::CreateTokenRequest wanted;
+  wanted.set_role(v1::ROLE_READER);
+  const auto reader = Ask(*access, &Access::CreateToken, wanted).response;
+  wanted.set_role(v1::ROLE_ADMIN);
+  const auto admin = Ask(*access, &Access::CreateToken, wanted).response;
+  server.options().security.authentication = server::Authentication::kToken;
+  server.Restart();
+
+  const auto request = Named<v1::DeleteDatabaseRequest>("databases/walks");
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  for (const std::string& token : {std::string(), reader.secret(), admin.secret()}) {
+    Ask(*databases, &v1::DatabaseService::Stub::DeleteDatabase, request, token);
+  }
+  const auto lines = Lines(Audit(server, admin.secret()));
+  REQUIRE(lines.size() == 6);
+  const std::string what = " DatabaseService.DeleteDatabase databases/walks -> ";
+  CHECK(lines[3] == "anonymous" + what + std::to_string(StatusCode::UNAUTHENTICATED));
+  CHECK(lines[4] == reader.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
+  CHECK(lines[5] == admin.token().name() + what + "0");
+}
+
+}  // namespace
+}  // namespace motiondb::tests

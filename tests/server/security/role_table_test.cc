@@ -1,0 +1,108 @@
+// The role table against the contract as it lies on disk: no call without a row, no row without a
+// call, and every row's field is there.
+#include "server/security/role_table.h"
+
+#include <google/protobuf/compiler/importer.h>
+#include <google/protobuf/descriptor.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/rpc/method.h"
+#include "server/translate/field_text.h"
+
+namespace motiondb::tests {
+namespace {
+
+using google::protobuf::FileDescriptor;
+using google::protobuf::MethodDescriptor;
+
+// Reads the .proto files themselves: what no program links cannot be forgotten.
+class Contract {
+ public:
+  Contract() {
+    const std::filesystem::path folder(MOTIONDB_PROTO_DIR);
+    tree_.MapPath("", folder.string());
+    tree_.MapPath("", "/usr/include");  // google/protobuf/*.proto
+    for (const auto& entry : std::filesystem::directory_iterator(folder / "motiondb" / "v1")) {
+      const FileDescriptor* const file =
+          importer_.Import("motiondb/v1/" + entry.path().filename().string());
+      REQUIRE(file != nullptr);
+      for (int i = 0; i < file->service_count(); ++i) {
+        for (int j = 0; j < file->service(i)->method_count(); ++j) {
+          methods_.push_back(file->service(i)->method(j));
+        }
+      }
+    }
+  }
+  const std::vector<const MethodDescriptor*>& methods() const { return methods_; }
+
+ private:
+  google::protobuf::compiler::DiskSourceTree tree_;
+  google::protobuf::compiler::Importer importer_{&tree_, nullptr};
+  std::vector<const MethodDescriptor*> methods_;
+};
+
+std::string NameOf(const MethodDescriptor& method) {
+  return method.service()->name() + "." + method.name();
+}
+
+TEST_CASE("Role table: has a row for every call of the contract, and no other", "[security]") {
+  const Contract contract;
+  REQUIRE(contract.methods().size() >= 36);
+  std::set<std::string> names;
+  for (const MethodDescriptor* const method : contract.methods()) {
+    INFO(method->full_name());
+    CHECK(method->file()->package() == "motiondb.v1");
+    CHECK(server::FindCallRule(NameOf(*method)) != nullptr);
+    names.insert(NameOf(*method));
+  }
+  for (const server::CallRule& rule : server::CallRules()) {
+    INFO(rule.method);
+    CHECK(names.contains(std::string(rule.method)));
+  }
+  CHECK(server::CallRules().size() == names.size());
+}
+
+TEST_CASE("Role table: fields are those of the requests, and scopes have what they need",
+          "[security]") {
+  const Contract contract;
+  for (const MethodDescriptor* const method : contract.methods()) {
+    INFO(method->full_name());
+    const server::CallRule& rule = *server::FindCallRule(NameOf(*method));
+    const bool one_database =
+        rule.scope == server::Scope::kDatabase || rule.scope == server::Scope::kOperation;
+    CHECK((!one_database || !rule.field.empty()));
+    if (rule.field.empty()) continue;
+    CHECK(server::FindTextField(*method->input_type(), rule.field) != nullptr);
+  }
+}
+
+TEST_CASE("Role table: what changes something is not for readers", "[security]") {
+  for (const server::CallRule& rule : server::CallRules()) {
+    INFO(rule.method);
+    CHECK((!rule.changes || rule.least_role > storage::Role::kReader));
+  }
+}
+
+TEST_CASE("Method: every request type belongs to one call", "[security]") {
+  const Contract contract;
+  std::set<std::string> types;
+  for (const MethodDescriptor* const method : contract.methods()) {
+    INFO(method->full_name());
+    CHECK(types.insert(method->input_type()->full_name()).second);
+    CHECK(server::FindMethod(*method->input_type()).name == NameOf(*method));
+  }
+  CHECK(server::MethodOf<v1::IngestClipRequest>().name == "ClipService.IngestClip");
+  CHECK(server::MethodOf<v1::PlanRequest>().rule == server::FindCallRule("QueryService.Plan"));
+  CHECK(server::FindMethod(*v1::Clip::descriptor()).rule == nullptr);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,143 @@
+#include "server/security/security_options.h"
+
+#include <sys/stat.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
+#include <string>
+
+#include "tests/support/certificates.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+using server::Authentication;
+using server::PlanSecurity;
+using server::SecurityOptions;
+
+constexpr char kLoopback[] = "127.0.0.1:0";
+constexpr char kEverywhere[] = "0.0.0.0:0";
+
+struct Files {
+  TemporaryDirectory directory;
+  Authority authority{directory / "", "authority"};
+  KeyPairFiles pair = authority.Issue("server", "localhost");
+
+  SecurityOptions Encrypted() const {
+    return {.tls = {.certificate = pair.certificate, .key = pair.key}};
+  }
+};
+
+std::string Message(const SecurityOptions& options, const char* listen = kLoopback) {
+  const auto plan = PlanSecurity(options, listen);
+  return std::string(plan.status().message());
+}
+
+TEST_CASE("Security: which addresses are this machine's alone", "[security]") {
+  for (const char* own : {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1", "unix:/run/m"}) {
+    INFO(own);
+    CHECK(server::IsLoopback(own));
+  }
+  for (const char* open : {"0.0.0.0:1", "[::]:1", "10.0.0.1:1", "localhost.example:1", "robot:1",
+                           "128.0.0.1:1", "127.0.0.1.example:1"}) {
+    INFO(open);
+    CHECK(!server::IsLoopback(open));
+  }
+}
+
+TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for", "[security]") {
+  const auto plain = PlanSecurity({}, kLoopback);
+  REQUIRE(plain.ok());
+  CHECK(!plain->access.authentication);
+  CHECK(plain->reflection);
+  CHECK(plain->warning.empty());
+  const auto tokens = PlanSecurity({.authentication = Authentication::kToken}, kLoopback);
+  REQUIRE(tokens.ok());
+  CHECK(tokens->access.authentication);
+  CHECK(!tokens->reflection);
+}
+
+TEST_CASE("Security: elsewhere TLS and tokens are needed", "[security]") {
+  const Files files;
+  const absl::Status bare = PlanSecurity({}, kEverywhere).status();
+  CHECK(absl::IsFailedPrecondition(bare));
+  CHECK_THAT(std::string(bare.message()),
+             Catch::Contains("no TLS:") && Catch::Contains("--insecure"));
+  SecurityOptions options = files.Encrypted();
+  const auto good = PlanSecurity(options, kEverywhere);
+  REQUIRE(good.ok());
+  CHECK(good->access.authentication);
+  CHECK(good->warning.empty());
+  options.authentication = Authentication::kNone;
+  CHECK_THAT(Message(options, kEverywhere), Catch::Contains("no authentication:"));
+  CHECK_THAT(Message({.authentication = Authentication::kNone}, kEverywhere),
+             Catch::Contains("no TLS and authentication:"));
+}
+
+TEST_CASE("Security: --insecure serves all the same, and says so", "[security]") {
+  const Files files;
+  const auto bare = PlanSecurity({.insecure = true}, kEverywhere);
+  REQUIRE(bare.ok());
+  CHECK(!bare->access.authentication);
+  CHECK_THAT(bare->warning, Catch::StartsWith("INSECURE: 0.0.0.0:0") &&
+                                Catch::Contains("no TLS and authentication"));
+  const auto tokens =
+      PlanSecurity({.authentication = Authentication::kToken, .insecure = true}, kEverywhere);
+  REQUIRE(tokens.ok());
+  CHECK(tokens->access.authentication);
+  CHECK_THAT(tokens->warning, Catch::Contains("no TLS."));
+  SecurityOptions options = files.Encrypted();
+  options.insecure = true;
+  const auto encrypted = PlanSecurity(options, kEverywhere);
+  REQUIRE(encrypted.ok());
+  CHECK(encrypted->access.authentication);
+  CHECK(encrypted->warning.empty());
+}
+
+TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
+  const Files files;
+  const KeyPairFiles other = files.authority.Issue("other", "other");
+  SecurityOptions options = files.Encrypted();
+  options.tls.key = other.key;
+  CHECK_THAT(Message(options), Catch::StartsWith(other.key + ": is not the key of") &&
+                                   Catch::Contains(files.pair.certificate));
+  options = files.Encrypted();
+  options.tls.certificate = "/nonexistent/server.crt";
+  CHECK_THAT(Message(options), Catch::StartsWith("/nonexistent/server.crt: cannot be read"));
+  options = files.Encrypted();
+  std::swap(options.tls.certificate, options.tls.key);
+  CHECK_THAT(Message(options), Catch::Contains("server.key: expected a certificate"));
+  options = files.Encrypted();
+  options.tls.key = files.pair.certificate;
+  CHECK_THAT(Message(options), Catch::Contains("server.crt: expected a private key"));
+  options = files.Encrypted();
+  options.tls.client_ca = files.pair.key;
+  CHECK_THAT(Message(options), Catch::Contains("server.key: expected a certificate"));
+  options = files.Encrypted();
+  options.tls.key.clear();
+  CHECK_THAT(Message(options), Catch::Contains("together"));
+  options = {};
+  options.tls.client_ca = files.authority.certificate();
+  CHECK_THAT(Message(options), Catch::Contains("need a certificate of the server"));
+  CHECK_THAT(Message({.certificate_role = storage::Role::kReader}),
+             Catch::Contains("certificate-role needs tls-client-ca"));
+}
+
+TEST_CASE("Security: the administrator's token file is kept from others", "[security]") {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "token";
+  std::ofstream(path) << "  a long enough secret of an admin\n";
+  chmod(path.c_str(), 0644);
+  CHECK_THAT(Message({.admin_token_file = path}), Catch::StartsWith(path + ": everybody"));
+  chmod(path.c_str(), 0640);
+  const auto plan = PlanSecurity({.admin_token_file = path}, kLoopback);
+  REQUIRE(plan.ok());
+  CHECK(plan->access.admin_token == "a long enough secret of an admin");
+  std::ofstream(path) << "short";
+  CHECK_THAT(Message({.admin_token_file = path}), Catch::Contains("at least 20 characters"));
+  CHECK_THAT(Message({.admin_token_file = path + "x"}), Catch::StartsWith(path + "x: "));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

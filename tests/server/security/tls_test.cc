@@ -1,0 +1,132 @@
+// A server in this process, by TLS: who is let in, and what a change of the files does.
+#include <grpcpp/create_channel.h>
+#include <spdlog/spdlog.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "server/server.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/certificates.h"
+#include "tests/support/real_data.h"
+#include "tests/support/temporary_directory.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::seconds;
+
+class TlsServer {
+ public:
+  explicit TlsServer(bool mutual) {
+    spdlog::set_level(spdlog::level::off);
+    server::ServerOptions options;
+    options.listen = "127.0.0.1:0";
+    options.engine.query_threads = 2;
+    options.security.tls = {.certificate = pair.certificate, .key = pair.key};
+    if (mutual) {
+      options.security.tls.client_ca = clients.certificate();
+      options.security.authentication = server::Authentication::kToken;
+      options.security.certificate_role = storage::Role::kIngester;
+    }
+    auto store = storage::SqliteMotionStore::Open(directory / "store.db");
+    REQUIRE(store.ok());
+    auto started = server::Server::Start(*std::move(store), options);
+    INFO(started.status().ToString());
+    REQUIRE(started.ok());
+    server = *std::move(started);
+  }
+
+  // How a call ends on a new connection that trusts `authority` and shows `own`.
+  grpc::Status Call(const Authority& authority, const KeyPairFiles& own = {}) {
+    grpc::SslCredentialsOptions pem{ReadFile(authority.certificate())};
+    if (!own.key.empty()) {
+      pem.pem_private_key = ReadFile(own.key);
+      pem.pem_cert_chain = ReadFile(own.certificate);
+    }
+    grpc::ChannelArguments arguments;
+    arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+    const auto channel =
+        grpc::CreateCustomChannel(server->address(), grpc::SslCredentials(pem), arguments);
+    if (!channel->WaitForConnected(std::chrono::system_clock::now() + seconds(1))) {
+      return {grpc::StatusCode::UNAVAILABLE, "no connection"};
+    }
+    v1::CreateDatabaseRequest request;
+    request.set_database_id("db");
+    return Ask(*v1::DatabaseService::NewStub(channel), &v1::DatabaseService::Stub::CreateDatabase,
+               request)
+        .status;
+  }
+  bool Connects(const Authority& authority, const KeyPairFiles& own = {}) {
+    return Call(authority, own).error_code() != grpc::StatusCode::UNAVAILABLE;
+  }
+  // As Connects, within a time in which the server sees its files change.
+  bool ComesToConnect(const Authority& authority) {
+    const auto end = std::chrono::steady_clock::now() + seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      if (Connects(authority)) return true;
+    }
+    return false;
+  }
+
+  TemporaryDirectory directory;
+  Authority servers{directory / "", "servers"};
+  Authority clients{directory / "", "clients"};
+  KeyPairFiles pair = servers.Issue("server", "localhost");
+  std::unique_ptr<server::Server> server;
+};
+
+TEST_CASE("TLS: a connection needs an authority that vouches for the server", "[security]") {
+  TlsServer server(false);
+  CHECK(server.Call(server.servers).ok());
+  CHECK(!server.Connects(server.clients));
+  const auto plain =
+      grpc::CreateChannel(server.server->address(), grpc::InsecureChannelCredentials());
+  CHECK(!plain->WaitForConnected(std::chrono::system_clock::now() + milliseconds(500)));
+}
+
+TEST_CASE("TLS: new certificates are taken while the server runs, bad ones are not", "[security]") {
+  TlsServer server(false);
+  const Authority next(server.directory / "", "next");
+  REQUIRE(server.Connects(server.servers));
+  CHECK(!server.Connects(next));
+
+  // A key that is not the certificate's, for longer than the server takes to look.
+  const KeyPairFiles other = next.Issue("other", "localhost");
+  const std::string good_key = ReadFile(server.pair.key);
+  std::filesystem::copy_file(other.key, server.pair.key,
+                             std::filesystem::copy_options::overwrite_existing);
+  std::this_thread::sleep_for(seconds(3));
+  CHECK(server.Connects(server.servers));
+  std::ofstream(server.pair.key) << "no key at all";
+  std::this_thread::sleep_for(milliseconds(2500));
+  CHECK(server.Connects(server.servers));
+
+  next.Issue("server", "localhost");
+  CHECK(server.ComesToConnect(next));
+  CHECK(!server.Connects(server.servers));
+}
+
+TEST_CASE("TLS: with an authority of clients, each shows a certificate and is known by it",
+          "[security]") {
+  TlsServer server(true);
+  const KeyPairFiles robot = server.clients.Issue("robot", "robot-7");
+  const KeyPairFiles stranger = server.servers.Issue("stranger", "robot-7");
+  CHECK(!server.Connects(server.servers));
+  CHECK(!server.Connects(server.servers, stranger));
+  const grpc::Status status = server.Call(server.servers, robot);
+  CHECK(status.error_code() == grpc::StatusCode::PERMISSION_DENIED);
+  CHECK(status.error_message() ==
+        "DatabaseService.CreateDatabase needs the role admin; certificate:robot-7 has the role "
+        "ingester");
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,50 @@
+#include "server/translate/access_message.h"
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/access.pb.h"
+
+namespace motiondb::tests {
+namespace {
+
+TEST_CASE("WantedToken: what a request asks for", "[server]") {
+  v1::CreateTokenRequest request;
+  request.set_role(v1::ROLE_ADMIN);
+  request.set_database("databases/walks");
+  request.set_description("for tests");
+  request.mutable_lifetime()->set_seconds(2);
+  request.mutable_lifetime()->set_nanos(500'000'000);
+  const auto wanted = server::WantedFrom(request);
+  REQUIRE(wanted.ok());
+  CHECK(wanted->role == storage::Role::kAdmin);
+  CHECK(wanted->database == "walks");
+  CHECK(wanted->description == "for tests");
+  CHECK(wanted->lifetime_us == 2'500'000);
+  request.clear_lifetime();
+  CHECK(server::WantedFrom(request)->lifetime_us == 0);
+  request.mutable_lifetime()->set_nanos(1'000'000'000);
+  CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+  request.set_role(static_cast<v1::Role>(9));
+  CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+}
+
+TEST_CASE("Token: hash and salt are not in the message", "[server]") {
+  v1::Token message;
+  server::SetToken({.id = "1f",
+                    .role = storage::Role::kReader,
+                    .description = "d",
+                    .salt = "the-salt",
+                    .secret_hash = "the-hash",
+                    .create_time_us = 1'500'000},
+                   message);
+  CHECK(message.name() == "tokens/1f");
+  CHECK(message.role() == v1::ROLE_READER);
+  CHECK(message.database().empty());
+  CHECK(message.create_time().seconds() == 1);
+  CHECK(!message.has_expire_time());
+  CHECK(!message.has_revoke_time());
+  CHECK(message.SerializeAsString().find("the-") == std::string::npos);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

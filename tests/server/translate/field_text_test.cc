@@ -1,0 +1,35 @@
+#include "server/translate/field_text.h"
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/query.pb.h"
+
+namespace motiondb::tests {
+namespace {
+
+TEST_CASE("FieldText: the text at a path, empty where the way is not there", "[server]") {
+  v1::IngestClipRequest request;
+  CHECK(server::FieldText(request, "header.parent").empty());
+  request.mutable_header()->set_parent("databases/walks");
+  CHECK(server::FieldText(request, "header.parent") == "databases/walks");
+  CHECK(server::FieldText(request, "").empty());
+  request.set_file_block("x");  // the other part of the oneof
+  CHECK(server::FieldText(request, "header.parent").empty());
+}
+
+TEST_CASE("FindTextField: only a single string will do", "[server]") {
+  const auto has = [](const char* path) {
+    return server::FindTextField(*v1::PredictSeriesRequest::descriptor(), path) != nullptr;
+  };
+  CHECK(has("prediction.database"));
+  CHECK(!has("prediction"));
+  CHECK(!has("prediction.horizon_seconds"));
+  CHECK(!has("prediction.none"));
+  CHECK(!has("every_seconds"));
+  CHECK(!has("every_seconds.database"));
+  CHECK(!has(""));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
 namespace {
@@ -174,12 +175,9 @@ NodeGaussians NodeGaussians::Grown(const Tree& tree, int first_added,
 }
 
 double NodeGaussians::LogDensity(int branch, const float* x) const {
-  using Row = Eigen::Map<const Eigen::Array<float, 1, Eigen::Dynamic>>;
   const Eigen::Index n = means_.cols();
-  const float squares = ((Row(x, n) - Row(means_.row(branch).data(), n)) *
-                         Row(inverse_deviations_.row(branch).data(), n))
-                            .square()
-                            .sum();
+  const float squares = ScaledSquares(x, means_.row(branch).data(),
+                                      inverse_deviations_.row(branch).data(), static_cast<int>(n));
   if (!std::isnan(squares)) return log_normalizers_[branch] - 0.5 * squares;
 
   // One logarithm for the variances of a few dimensions at a time: their product is far from the

@@ -60,4 +60,8 @@ void ProjectRows(const float* rows, int count, int dimensions, const double* axi
   Loops().project(rows, count, dimensions, axis, projections);
 }
 
+float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions) {
+  return Loops().scaled_squares(x, mean, factors, dimensions);
+}
+
 }  // namespace motiondb::core

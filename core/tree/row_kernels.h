@@ -1,5 +1,6 @@
-// The inner loops of the tree build, over the rows of a node: float32, frames x dimensions. The
-// same bits in vectors of any width (wide_vectors.h). Safe to call from any thread.
+// The inner loops over rows of float32 numbers, frames x dimensions: those of the tree build over
+// the rows of a node, and the distance of one row from a node's mean. The same bits in vectors of
+// any width (wide_vectors.h). Safe to call from any thread.
 #pragma once
 
 namespace motiondb::core {
@@ -29,5 +30,8 @@ double AddScatterProduct(const float* rows, int count, int stride, int padded, c
 // Inner products of rows (count x dimensions) with `axis` (padded with zeros), in double precision.
 void ProjectRows(const float* rows, int count, int dimensions, const double* axis,
                  double* projections);
+
+// The sum of ((x - mean) factor)^2 over the dimensions, in single precision; NaN where x has one.
+float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions);
 
 }  // namespace motiondb::core

@@ -25,6 +25,8 @@ struct RowLoops {
   // projections (count): inner products with `axis` (padded with zeros), in double precision.
   void (*project)(const float* rows, int count, int dimensions, const double* axis,
                   double* projections);
+  // The sum of ((x - mean) factor)^2 over the dimensions, in single precision; NaN where x has one.
+  float (*scaled_squares)(const float* x, const float* mean, const float* factors, int dimensions);
 };
 
 extern const RowLoops kPortableRowLoops;

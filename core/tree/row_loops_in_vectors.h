@@ -11,7 +11,9 @@ namespace motiondb::core {
 template <int kWidth>
 class RowLoopsInVectors {
  public:
-  static constexpr RowLoops All() { return {Add, Centre, Dot, AddMultiples, Project}; }
+  static constexpr RowLoops All() {
+    return {Add, Centre, Dot, AddMultiples, Project, ScaledSquares};
+  }
 
  private:
   static constexpr int kHalf = kWidth / 2;
@@ -156,6 +158,49 @@ class RowLoopsInVectors {
       }
       projections[r] = SumOfLanes(lanes);
     }
+  }
+
+  static float ScaledSquares(const float* x, const float* mean, const float* factors,
+                             int dimensions) {
+    const int whole = dimensions / kRowLanes * kRowLanes;
+    Floats lanes[kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < kVectors; ++v) lanes[v] = Floats{};
+    for (int d = 0; d < whole; d += kRowLanes) {
+#pragma GCC unroll 4
+      for (int v = 0; v < kVectors; ++v) {
+        const int at = d + v * kWidth;
+        const Floats z = (V::Load(x + at) - V::Load(mean + at)) * V::Load(factors + at);
+        lanes[v] += z * z;
+      }
+    }
+    // What is left is less than a step: four numbers at a time.
+    Fours sums[kRowLanes / 4];
+#pragma GCC unroll 4
+    for (int f = 0; f < kRowLanes / 4; ++f) {
+      if constexpr (kWidth == 4) {
+        sums[f] = lanes[f];
+      } else {
+        sums[f] = V::template HalfOf<Fours>(lanes[f / 2], f % 2);
+      }
+      const int at = whole + 4 * f;
+      if (at >= dimensions) continue;
+      const int few = dimensions - at;
+      const Fours z =
+          (LoadFours(x + at, few) - LoadFours(mean + at, few)) * LoadFours(factors + at, few);
+      sums[f] += z * z;
+    }
+    const Fours sum = (sums[0] + sums[1]) + (sums[2] + sums[3]);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+  }
+
+  // Up to four, then zeros.
+  static Fours LoadFours(const float* from, int count) {
+    if (count >= 4) return Vectors<4>::Load(from);
+    Fours few = {from[0]};
+    if (count > 1) few[1] = from[1];
+    if (count > 2) few[2] = from[2];
+    return few;
   }
 };
 

@@ -1,6 +1,7 @@
 #include "core/tree/row_kernels.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <vector>
 
 #include "core/motion/matrix.h"
@@ -36,6 +37,10 @@ std::vector<double> AllResults(const Rows& rows, const Eigen::VectorXf& q) {
   const Eigen::VectorXd axis = q.cast<double>();
   core::ProjectRows(rows.all.data(), rows.count, dimensions, axis.data(), projections.data());
   std::vector<double> results{total};
+  for (int r = 0; r + 2 < rows.count; ++r) {
+    results.push_back(core::ScaledSquares(rows.all.row(r).data(), rows.all.row(r + 1).data(),
+                                          rows.all.row(r + 2).data(), dimensions));
+  }
   results.insert(results.end(), sum.begin(), sum.end());
   for (const float number : centred.reshaped()) results.push_back(number);
   results.insert(results.end(), product.begin(), product.begin() + dimensions);
@@ -87,6 +92,14 @@ TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]"
       Eigen::VectorXd projections(count);
       core::ProjectRows(rows.all.data(), count, dimensions, axis.data(), projections.data());
       CHECK(projections.isApprox(exact * axis.head(dimensions), 1e-12));
+
+      const Eigen::RowVectorXf x = Eigen::RowVectorXf::Random(dimensions);
+      const double squares = core::ScaledSquares(x.data(), mean.data(), q.data(), dimensions);
+      const Eigen::RowVectorXd apart =
+          (x - mean.transpose())
+              .cast<double>()
+              .cwiseProduct(q.head(dimensions).cast<double>().transpose());
+      CHECK(squares == Approx(apart.squaredNorm()).epsilon(1e-5).margin(1e-9));
     }
   }
 }
@@ -113,6 +126,23 @@ TEST_CASE("Row kernels: the same bits in vectors of any width", "[core][tree]") 
   REQUIRE((narrow_tree.ok() && wide_tree.ok()));
   CHECK(narrow_tree->frame_order() == wide_tree->frame_order());
   CHECK(narrow_tree->branches().size() == wide_tree->branches().size());
+}
+
+TEST_CASE("Row kernels: a missing number anywhere makes the scaled squares NaN", "[core][tree]") {
+  const WideAgain again;
+  for (const bool wide : {false, true}) {
+    core::UseWideVectors(wide);
+    for (const int dimensions : {1, 7, 16, 27, 204}) {
+      const Eigen::RowVectorXf ones = Eigen::RowVectorXf::Ones(dimensions);
+      for (int d = 0; d < dimensions; ++d) {
+        Eigen::RowVectorXf x = 3 * ones;
+        CHECK(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions) ==
+              4.0f * static_cast<float>(dimensions));
+        x[d] = std::nanf("");
+        CHECK(std::isnan(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions)));
+      }
+    }
+  }
 }
 
 TEST_CASE("Row kernels: alike rows project alike wherever they stand", "[core][tree]") {

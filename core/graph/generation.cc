@@ -10,10 +10,36 @@ namespace {
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 constexpr double kRoundedAway = 1e-17;  // less than half of the last bit of 1
 
+// Emissions relative to the greatest, as logarithms: below this nothing is left of them beside what
+// the floor gives the greatest, unless the floor is smaller than any that is of use.
+constexpr double kHopeless = -600;
+constexpr double kLeastFloorOfUse = 1e-100;
+constexpr Eigen::Index kTogether = 8;  // nodes that are looked at together: neighbours are alike
+
 // log(e^a + e^b).
 double LogAdd(double a, double b) {
   const double high = std::max(a, b);
   return high == kNever ? kNever : high + std::log1p(std::exp(std::min(a, b) - high));
+}
+
+// Multiplies `forward` with exp(emission - peak). Most nodes of a large layer are hopeless, and
+// their exponentials would be most of the work: they are 0, where all that are looked at together
+// are.
+void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak, double hopeless,
+           Eigen::VectorXd& forward) {
+  const Eigen::Index nodes = forward.size();
+  const Eigen::Index whole = nodes / kTogether * kTogether;
+  for (Eigen::Index n = 0; n < whole; n += kTogether) {
+    auto part = forward.segment<kTogether>(n).array();
+    const auto relative = emission.segment<kTogether>(n).transpose().array() - peak;
+    if (relative.maxCoeff() < hopeless) {
+      part.setZero();
+    } else {
+      part *= relative.exp();
+    }
+  }
+  const Eigen::Index rest = nodes - whole;
+  forward.tail(rest).array() *= (emission.tail(rest).transpose().array() - peak).exp();
 }
 
 // The strict rule (floor 0) with every number a logarithm: slower, but no path is lost however
@@ -57,6 +83,7 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
 
   // What leaves a node with less is rounded away where it arrives, for at least the floor is there.
   const double negligible = kRoundedAway * transition_floor;
+  const double hopeless = transition_floor < kLeastFloorOfUse ? kNever : kHopeless;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
     if (t > 0) {
       // Every pair has the floor; what was seen replaces it.
@@ -72,7 +99,7 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
     }
     const double peak = emission.row(t).maxCoeff();
     if (!(peak > kNever)) return kNever;
-    forward.array() *= (emission.row(t).transpose().array() - peak).exp();
+    Weigh(emission.row(t), peak, hopeless, forward);
     const double sum = forward.sum();
     if (!(sum > 0)) return kNever;
     forward /= sum;

@@ -30,7 +30,7 @@ ModelParts FittedParts(const Model& base) {
 std::vector<ModelClip> AppendFrames(const Model& base, ConcatenatedInputs added,
                                     ModelParts& parts) {
   base.scale().Apply(added.states);
-  parts.states = base.parts().states.WithMore(added.states);
+  parts.states = base.parts().states.WithMore(std::move(added.states));
   parts.root_path.resize(parts.states.rows(), 3);
   parts.root_path << base.root_path(), added.root_path;
   parts.clips = base.clips();

@@ -37,13 +37,13 @@ MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
   if (parts.metric.empty()) return frames;
   frames.rows = StrideFrames(parts.clips, parts.settings.frame_rate_hz);
   const auto more = std::span(frames.rows.frame).subspan(known.projected.rows());
-  // The first ones have an eighth more room behind them, as SharedRows would give them.
-  const Eigen::Index room = known.projected.rows() == 0 ? std::ssize(more) / 8 : 0;
+  const bool is_first = known.projected.rows() == 0;
+  const Eigen::Index room = is_first ? RoomToGrow(std::ssize(more)) : 0;
   FrameMatrix projected(std::ssize(more) + room, parts.metric.projection.cols());
   ProjectRows(parts.metric, parts.states, more, projected, parallel);
   const Eigen::VectorXf norms = projected.topRows(std::ssize(more)).rowwise().squaredNorm();
-  frames.projected = known.projected.rows() == 0 ? SharedRows(std::move(projected), room)
-                                                 : known.projected.WithMore(projected);
+  frames.projected = is_first ? SharedRows(std::move(projected), room)
+                              : known.projected.WithMore(std::move(projected));
   frames.squared_norms.resize(frames.projected.rows());
   frames.squared_norms << known.squared_norms, norms;
   return frames;

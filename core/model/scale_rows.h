@@ -11,10 +11,6 @@
 
 namespace motiondb::core {
 
-// Rows that a model of so many frames keeps room for: it is built again before they are taken
-// (ModelDrift). They cost addresses, and no memory before they are.
-constexpr Eigen::Index RoomToGrow(Eigen::Index frames) { return frames / 8; }
-
 // Scales the first rows of `states` (rows x dimensions); the last `room` are room for more.
 inline SharedRows ScaleRows(const FeatureScale& scale, FrameMatrix states, Eigen::Index room,
                             const ParallelFor& parallel) {

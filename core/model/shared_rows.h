@@ -11,6 +11,10 @@
 
 namespace motiondb::core {
 
+// Rows that so many keep room for behind them. A model is built again before as many frames were
+// added to it (ModelDrift). They cost addresses, and no memory before they are taken.
+constexpr Eigen::Index RoomToGrow(Eigen::Index rows) { return rows / 8; }
+
 class SharedRows {
  public:
   SharedRows() = default;
@@ -31,17 +35,18 @@ class SharedRows {
     return {memory_ == nullptr ? nullptr : memory_->rows.data(), rows(), cols()};
   }
 
-  // These rows and `more` (of as many columns). Takes room behind these rows where nobody else
-  // took it, else a copy with an eighth to spare, so that adding costs what is added in the long
-  // run.
-  SharedRows WithMore(const FrameMatrix& more) const {
+  // These rows and `more` (of as many columns). Takes over `more` where there are no rows yet,
+  // takes room behind these where nobody else took it, else copies them with RoomToGrow, so that
+  // adding costs what is added in the long run.
+  SharedRows WithMore(FrameMatrix more) const {
+    if (memory_ == nullptr) return SharedRows(std::move(more));
     SharedRows grown = *this;
     grown.count_ = count_ + more.rows();
     Eigen::Index used = count_;
-    if (memory_ == nullptr || grown.count_ > memory_->rows.rows() ||
+    if (grown.count_ > memory_->rows.rows() ||
         !memory_->used.compare_exchange_strong(used, grown.count_)) {
-      FrameMatrix copy(grown.count_ + grown.count_ / 8, more.cols());
-      if (count_ > 0) copy.topRows(count_) = view();
+      FrameMatrix copy(grown.count_ + RoomToGrow(grown.count_), more.cols());
+      copy.topRows(count_) = view();
       grown.memory_ = std::make_shared<Memory>(std::move(copy), grown.count_);
     }
     grown.memory_->rows.middleRows(count_, more.rows()) = more;

@@ -1,0 +1,39 @@
+#include "core/model/shared_rows.h"
+
+#include <catch2/catch.hpp>
+#include <utility>
+
+namespace motiondb::tests {
+
+TEST_CASE("SharedRows: the first rows are taken over, not copied", "[core][model]") {
+  core::FrameMatrix first = core::FrameMatrix::Random(40, 3);
+  const core::FrameMatrix expected = first;
+  const float* const memory = first.data();
+  const core::SharedRows rows = core::SharedRows().WithMore(std::move(first));
+  CHECK(rows.view().data() == memory);
+  CHECK(rows.view() == expected);
+  CHECK(core::SharedRows().rows() == 0);
+}
+
+TEST_CASE("SharedRows: more rows come behind those that are there, which never change",
+          "[core][model]") {
+  const core::FrameMatrix all = core::FrameMatrix::Random(90, 3);
+  const core::SharedRows first(all.topRows(80));
+  const core::SharedRows copied = first.WithMore(all.middleRows(80, 2));
+  CHECK(copied.view().data() != first.view().data());
+  CHECK(copied.view() == all.topRows(82));
+  // The copy has an eighth to spare: the next rows go there.
+  const core::SharedRows grown = copied.WithMore(all.bottomRows(8));
+  CHECK(grown.view().data() == copied.view().data());
+  CHECK(grown.view() == all);
+  // Somebody took that room: others get their own.
+  const core::FrameMatrix others = core::FrameMatrix::Constant(8, 3, 7);
+  const core::SharedRows apart = copied.WithMore(others);
+  CHECK(apart.view().data() != copied.view().data());
+  CHECK(apart.view().bottomRows(8) == others);
+  CHECK(grown.view() == all);
+  CHECK(copied.view() == all.topRows(82));
+  CHECK(first.view() == all.topRows(80));
+}
+
+}  // namespace motiondb::tests

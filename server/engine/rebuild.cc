@@ -1,5 +1,7 @@
 #include "server/engine/rebuild.h"
 
+#include <spdlog/spdlog.h>
+
 #include <chrono>
 #include <memory>
 #include <utility>
@@ -65,8 +67,15 @@ absl::StatusOr<int> Commit(storage::MotionStore& store, LiveDatabase& database, 
     version = record->version;
     auto built = std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(model)});
     auto extended = ExtendSnapshot(store, database, built, options, parallel);
+    // The build is in: clips that came meanwhile can wait for the next extension.
+    if (!extended.ok()) {
+      spdlog::warn(
+          "database '{}': model {} could not be extended by the clips that came during "
+          "its build: {}",
+          database.name(), version, extended.status().ToString());
+    }
     database.set_snapshot(extended.ok() ? *std::move(extended) : std::move(built));
-    return extended.status();
+    return absl::OkStatus();
   });
   if (!status.ok()) return status;
   return version;

@@ -10,6 +10,9 @@
 
 namespace motiondb::tests {
 
+// A name that no sample has.
+inline constexpr char kUnknown[] = "no-such-thing";
+
 storage::DatabaseRecord SampleDatabase(const std::string& name);
 
 // The set that the states below are of: three markers, 18 dimensions.

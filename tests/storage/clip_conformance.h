@@ -1,0 +1,12 @@
+// The part of TestMotionStore that is about clips, and the marker set and skeletons they bring.
+#pragma once
+
+#include "tests/storage/motion_store_conformance.h"
+
+namespace motiondb::tests {
+
+void TestClips(StoreUnderTest& store);
+void TestMarkerSetOfFirstClip(StoreUnderTest& store);
+void TestSkeletons(StoreUnderTest& store);
+
+}  // namespace motiondb::tests

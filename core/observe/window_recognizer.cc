@@ -111,8 +111,9 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   shortlist_ = ranking_.TakeShortlist({});
   nearest_.assign(frames_.size(), {std::numeric_limits<float>::infinity(), 0});
   listed_.clear();
+  // Once, not with every clip: asking a call takes longer than a clip does.
+  if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
   for (const int clip : shortlist_) {
-    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     KeptClip& kept = Keep(clip);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const NearestFrame& near = kept.See(model_, rings_[i], window_->At(states, frames_[i]));

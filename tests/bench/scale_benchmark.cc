@@ -223,6 +223,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     MOTIONDB_ASSIGN_OR_RETURN(stages,
                               MakeLargeStore(making, options.size, kSeed, OnThreads(options.jobs)));
     std::filesystem::rename(making, store);
+    std::filesystem::remove(making + "-lock");  // what a store leaves beside its file
     fmt::print(stderr, "{}\n", Describe(stages));
   }
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();

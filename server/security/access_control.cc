@@ -97,7 +97,8 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
 }
 
 void AccessControl::Record(const storage::AuditRecord& record) {
-  if (IsRefusal(record.code) &&
+  const bool unknown = options_.authentication && record.principal == kAnonymous;
+  if ((unknown || IsRefusal(record.code)) &&
       !refusals_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return;
   }

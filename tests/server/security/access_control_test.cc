@@ -155,10 +155,13 @@ TEST_CASE("Access: nobody fills the record of changes with refused attempts", "[
   for (int i = 0; i < 100; ++i) {
     access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7});
   }
+  for (int i = 0; i < 100; ++i) {  // too many wrong tokens
+    access.control.Record({.principal = "anonymous", .peer = "10.0.0.1", .code = 8});
+  }
   access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0});
   const auto records = access.store.ListAuditRecords(0, 1000);
   REQUIRE(records.ok());
-  CHECK(records->size() == 11);
+  CHECK(records->size() == 21);
   CHECK(records->front().code == 0);
 }
 

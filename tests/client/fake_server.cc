@@ -1,6 +1,7 @@
 #include "tests/client/fake_server.h"
 
 #include <grpcpp/grpcpp.h>
+#include <motiondb/v1/access.grpc.pb.h>
 #include <motiondb/v1/clip.grpc.pb.h>
 #include <motiondb/v1/database.grpc.pb.h>
 #include <motiondb/v1/model.grpc.pb.h>
@@ -27,6 +28,14 @@ Status StatusOf(const FakeServer::Reply& reply) {
              : Status(static_cast<StatusCode>(reply.code), reply.message, reply.details);
 }
 
+std::map<std::string, std::string> MetadataOf(const ServerContext& context) {
+  std::map<std::string, std::string> headers;
+  for (const auto& [name, value] : context.client_metadata()) {
+    headers.emplace(std::string(name.data(), name.size()), std::string(value.data(), value.size()));
+  }
+  return headers;
+}
+
 template <typename Message>
 void Fill(const FakeServer::Reply& reply, Message* message) {
   if (!reply.messages.empty()) message->ParseFromString(reply.messages.front());
@@ -43,13 +52,14 @@ void Stream(const FakeServer::Reply& reply, grpc::ServerWriter<Message>* writer)
 
 }  // namespace
 
-#define MOTIONDB_FAKE_UNARY(Method)                                 \
-  Status Method(ServerContext*, const v1::Method##Request* request, \
-                v1::Method##Response* response) override {          \
-    fake.Keep(#Method, request->SerializeAsString());               \
-    const auto reply = fake.Next(#Method);                          \
-    Fill(reply, response);                                          \
-    return StatusOf(reply);                                         \
+#define MOTIONDB_FAKE_UNARY(Method)                                         \
+  Status Method(ServerContext* context, const v1::Method##Request* request, \
+                v1::Method##Response* response) override {                  \
+    fake.Keep(#Method, request->SerializeAsString());                       \
+    fake.KeepHeaders(#Method, MetadataOf(*context));                        \
+    const auto reply = fake.Next(#Method);                                  \
+    Fill(reply, response);                                                  \
+    return StatusOf(reply);                                                 \
   }
 
 #define MOTIONDB_FAKE_STREAM(Method)                                         \
@@ -111,6 +121,15 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
+  struct Access : v1::AccessService::Service {
+    explicit Access(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(CreateToken)
+    MOTIONDB_FAKE_UNARY(ListTokens)
+    MOTIONDB_FAKE_UNARY(RevokeToken)
+    MOTIONDB_FAKE_UNARY(ListAuditEntries)
+    FakeServer& fake;
+  };
+
   struct Operations : v1::OperationService::Service {
     explicit Operations(FakeServer& server) : fake(server) {}
     MOTIONDB_FAKE_UNARY(GetOperation)
@@ -121,13 +140,14 @@ struct FakeServer::Services {
   };
 
   explicit Services(FakeServer& fake)
-      : databases(fake), clips(fake), models(fake), queries(fake), operations(fake) {}
+      : databases(fake), clips(fake), models(fake), queries(fake), operations(fake), access(fake) {}
 
   Databases databases;
   Clips clips;
   Models models;
   Queries queries;
   Operations operations;
+  Access access;
   std::unique_ptr<grpc::Server> server;
 };
 
@@ -143,6 +163,7 @@ FakeServer::FakeServer() : services_(std::make_unique<Services>(*this)) {
   builder.RegisterService(&services_->models);
   builder.RegisterService(&services_->queries);
   builder.RegisterService(&services_->operations);
+  builder.RegisterService(&services_->access);
   services_->server = builder.BuildAndStart();
   address_ = "127.0.0.1:" + std::to_string(port);
 }
@@ -157,6 +178,17 @@ void FakeServer::Push(const std::string& rpc, Reply reply) {
 void FakeServer::Keep(const std::string& rpc, std::string request) {
   const std::lock_guard lock(mutex_);
   requests_[rpc].push_back(std::move(request));
+}
+
+void FakeServer::KeepHeaders(const std::string& rpc, Headers headers) {
+  const std::lock_guard lock(mutex_);
+  headers_[rpc].push_back(std::move(headers));
+}
+
+std::vector<FakeServer::Headers> FakeServer::HeadersOf(const std::string& rpc) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = headers_.find(rpc);
+  return found == headers_.end() ? std::vector<Headers>() : found->second;
 }
 
 FakeServer::Reply FakeServer::Next(const std::string& rpc) {

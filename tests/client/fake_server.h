@@ -52,8 +52,13 @@ class FakeServer {
     return requests;
   }
 
+  // The headers of the unary calls that came, in order.
+  using Headers = std::map<std::string, std::string>;
+  std::vector<Headers> HeadersOf(const std::string& rpc) const;
+
   // Used by the services.
   void Keep(const std::string& rpc, std::string request);
+  void KeepHeaders(const std::string& rpc, Headers headers);
   Reply Next(const std::string& rpc);
 
  private:
@@ -62,6 +67,7 @@ class FakeServer {
   mutable std::mutex mutex_;
   std::map<std::string, std::vector<Reply>> replies_;
   std::map<std::string, std::vector<std::string>> requests_;
+  std::map<std::string, std::vector<Headers>> headers_;
   std::string address_;
   std::unique_ptr<Services> services_;
 };

@@ -1,0 +1,114 @@
+// Who the client says it is, and what it does not say to whom.
+#include <grpcpp/security/credentials.h>
+#include <motiondb/client.h>
+#include <motiondb/v1/access.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/error.pb.h>
+
+#include <catch2/catch.hpp>
+#include <chrono>
+
+#include "tests/client/connect.h"
+#include "tests/client/fake_server.h"
+#include "tests/client/temporary_folder.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+using client::Client;
+using client::ClientOptions;
+
+std::string Refusal(const ClientOptions& options) {
+  const absl::Status status = Client::Connect(options).status();
+  CHECK(absl::IsInvalidArgument(status));
+  return std::string(status.message());
+}
+
+TEST_CASE("Client: every call has the token and an id of its own", "[client]") {
+  FakeServer server;
+  server.Answer("ListDatabases", v1::ListDatabasesResponse());
+  ClientOptions options;
+  options.server = server.address();
+  options.token = "mdb_1f_00";
+  const auto client = Client::Connect(options);
+  REQUIRE(client.ok());
+  REQUIRE(client->ListDatabases({}).ok());
+  REQUIRE(client->ListDatabases({}).ok());
+  const auto headers = server.HeadersOf("ListDatabases");
+  REQUIRE(headers.size() == 2);
+  CHECK(headers[0].at("authorization") == "Bearer mdb_1f_00");
+  CHECK(headers[0].at("x-request-id").size() == 16);
+  CHECK(headers[0].at("x-request-id") != headers[1].at("x-request-id"));
+  REQUIRE(ConnectTo(server.address()).ListDatabases({}).ok());
+  CHECK(!server.HeadersOf("ListDatabases")[2].contains("authorization"));
+}
+
+TEST_CASE("Client: a token does not leave the machine over plain text", "[client]") {
+  ClientOptions options;
+  options.token = "mdb_1f_00";
+  for (const char* server : {"robot:50051", "10.0.0.1:50051", "127.0.0.1.example:1"}) {
+    options.server = server;
+    CHECK_THAT(Refusal(options), Contains("plain text") && Contains(server));
+    CHECK_THAT(Refusal(options), !Contains("mdb_1f"));
+  }
+  options.server = "127.0.0.1:1";
+  options.token = "two words";
+  CHECK_THAT(Refusal(options), Contains("spaces") && !Contains("two words"));
+  options.token = "mdb_1f_00";
+  options.credentials = grpc::InsecureChannelCredentials();
+  CHECK_THAT(Refusal(options), Contains("credentials"));
+}
+
+TEST_CASE("Client: TLS files that cannot be used are named", "[client]") {
+  const TemporaryFolder folder;
+  ClientOptions options;
+  options.tls = client::TlsOptions{.ca_file = "/nonexistent/ca.crt"};
+  CHECK_THAT(Refusal(options), Contains("/nonexistent/ca.crt: cannot be read"));
+  options.tls->ca_file = folder.Write("ca.crt", "nonsense").string();
+  CHECK_THAT(Refusal(options), Contains("ca.crt: expected PEM"));
+  options.tls = client::TlsOptions{.certificate_file = "a.crt"};
+  CHECK_THAT(Refusal(options), Contains("together"));
+}
+
+// grpc-status-details-bin with a call's id, and a time to wait.
+std::string Details(const std::string& request_id, int retry_seconds) {
+  v1::Status status;
+  v1::RequestInfo info;
+  info.set_request_id(request_id);
+  auto* detail = status.add_details();
+  detail->set_type_url("type.googleapis.com/google.rpc.RequestInfo");
+  detail->set_value(info.SerializeAsString());
+  v1::RetryInfo retry;
+  retry.mutable_retry_delay()->set_seconds(retry_seconds);
+  detail = status.add_details();
+  detail->set_type_url("type.googleapis.com/google.rpc.RetryInfo");
+  detail->set_value(retry.SerializeAsString());
+  return status.SerializeAsString();
+}
+
+TEST_CASE("Client: an error carries the call's id; a fault of the server names it", "[client]") {
+  FakeServer server;
+  server.Fail("GetDatabase", 13, "a bug", Details("robot/1", 0));
+  server.Fail("GetDatabase", 14, "the server is stopping", Details("robot/2", 0));
+  server.Fail("GetDatabase", 8, "too many calls", Details("robot/3", 7));
+  server.Fail("GetDatabase", 5, "no such database");
+  const Client client = ConnectTo(server.address());
+  const absl::Status bug = client.GetDatabase({}).status();
+  CHECK(std::string(bug.message()) == "a bug (request robot/1)");
+  CHECK(client::RequestId(bug) == "robot/1");
+  const absl::Status stopping = client.GetDatabase({}).status();
+  CHECK_THAT(std::string(stopping.message()),
+             Contains("the server is stopping (request robot/2)") && Contains(server.address()));
+  CHECK(client::RequestId(stopping) == "robot/2");
+  const absl::Status busy = client.GetDatabase({}).status();
+  CHECK(std::string(busy.message()) == "too many calls");
+  CHECK(client::RequestId(busy) == "robot/3");
+  CHECK(client::RetryDelay(busy) == std::chrono::seconds(7));
+  const absl::Status plain = client.GetDatabase({}).status();
+  CHECK(client::RequestId(plain).empty());
+  CHECK(!client::RetryDelay(plain).has_value());
+}
+
+}  // namespace
+}  // namespace motiondb::tests

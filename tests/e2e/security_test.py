@@ -1,0 +1,323 @@
+"""motiondbd with TLS and tokens, as an operator sets it up, and motiondb as its users call it."""
+
+import json
+import os
+import subprocess
+import tempfile
+import time
+import unittest
+
+import programs
+
+FIGURE = """HIERARCHY
+ROOT Hips
+{
+  OFFSET 0 0 0
+  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
+  JOINT LeftUpLeg
+  {
+    OFFSET 10 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT LeftFoot
+    {
+      OFFSET 0 -80 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 0 0 10
+      }
+    }
+  }
+  JOINT RightUpLeg
+  {
+    OFFSET -10 0 0
+    CHANNELS 3 Zrotation Xrotation Yrotation
+    JOINT RightFoot
+    {
+      OFFSET 0 -80 0
+      CHANNELS 3 Zrotation Xrotation Yrotation
+      End Site
+      {
+        OFFSET 0 0 10
+      }
+    }
+  }
+}
+MOTION
+Frames: {count}
+Frame Time: 0.0166667
+"""
+
+
+def figure(count=60):
+    """A BVH file of somebody who swings their legs."""
+    lines = []
+    for i in range(count):
+        swing = 30 * ((i % 30) / 15 - 1)
+        lines.append(f"0 90 {i} 0 0 0 0 {swing} 0 0 0 0 0 {-swing} 0 0 0 0")
+    return FIGURE.replace("{count}", str(count)) + "\n".join(lines) + "\n"
+
+
+def openssl(*arguments):
+    subprocess.run(["openssl", *arguments], check=True, capture_output=True)
+
+
+NEW_KEY = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"]
+
+
+class Authority:
+    """Signs certificates; its files lie in a folder."""
+
+    def __init__(self, folder, name):
+        self.folder = folder
+        self.certificate, self.key = self.path(name + ".crt"), self.path(name + ".key")
+        openssl("req", "-x509", *NEW_KEY, "-days", "2", "-subj", "/CN=" + name,
+                "-keyout", self.key, "-out", self.certificate)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def issue(self, file, common_name, names="DNS:localhost,IP:127.0.0.1"):
+        """Writes file.crt and file.key, each in one step, as who replaces them should."""
+        with open(self.path("names"), "w") as names_file:
+            names_file.write("subjectAltName = " + names + "\n")
+        openssl("req", *NEW_KEY, "-subj", "/CN=" + common_name,
+                "-keyout", self.path("new.key"), "-out", self.path("new.csr"))
+        openssl("x509", "-req", "-days", "2", "-in", self.path("new.csr"), "-CA", self.certificate,
+                "-CAkey", self.key, "-CAcreateserial", "-extfile", self.path("names"),
+                "-out", self.path("new.crt"))
+        for suffix in (".key", ".crt"):
+            os.rename(self.path("new" + suffix), self.path(file + suffix))
+        return self.path(file + ".crt"), self.path(file + ".key")
+
+
+class SecureServer:
+    """motiondbd with flags of the test's own, its log in a file."""
+
+    def __init__(self, store, *flags, listen="127.0.0.1:0"):
+        self.log_path = store + ".log"
+        self.log_file = open(self.log_path, "a")
+        self.process = subprocess.Popen(
+            [programs.MOTIONDBD, "--store", store, "--listen", listen, "--log-level", "debug",
+             "--rebuild-delay", "0.05", *flags],
+            stdout=subprocess.PIPE, stderr=self.log_file, text=True)
+        self.address = self.process.stdout.readline().strip().rsplit(" ", 1)[-1]
+
+    def stop(self):
+        self.process.terminate()
+        code = self.process.wait(timeout=60)
+        self.process.stdout.close()
+        self.log_file.close()
+        return code
+
+    def log(self):
+        with open(self.log_path) as log:
+            return log.read()
+
+    def run(self, *arguments, token=None, flags=()):
+        environment = {key: value for key, value in os.environ.items()
+                       if not key.startswith("MOTIONDB_")}
+        if token:
+            environment["MOTIONDB_TOKEN"] = token
+        return subprocess.run(
+            [programs.MOTIONDB, "--server", self.address, *flags, *arguments],
+            capture_output=True, text=True, env=environment)
+
+
+class SecurityTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.store = self.path("motion.db")
+        self.server = None
+        with open(self.path("swing.bvh"), "w") as file:
+            file.write(figure())
+
+    def tearDown(self):
+        self.stop()
+        self.folder.cleanup()
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def start(self, *flags, **options):
+        self.stop()
+        self.server = SecureServer(self.store, *flags, **options)
+
+    def stop(self):
+        if self.server is not None:
+            self.assertEqual(self.server.stop(), 0)
+        self.server = None
+
+    def ok(self, *arguments, **options):
+        result = self.server.run(*arguments, **options)
+        self.assertEqual(result.returncode, 0, f"{arguments}: {result.stderr}")
+        return result.stdout
+
+    def refused(self, *arguments, **options):
+        result = self.server.run(*arguments, **options)
+        self.assertEqual(result.returncode, 1, f"{arguments}: {result.stdout}")
+        return result.stderr
+
+    def start_fails(self, *flags, listen="127.0.0.1:0"):
+        result = subprocess.run(
+            [programs.MOTIONDBD, "--store", self.store, "--listen", listen, *flags],
+            capture_output=True, text=True, timeout=60)
+        self.assertNotEqual(result.returncode, 0)
+        self.assertEqual(result.stdout, "")
+        return result.stderr
+
+    def make_store(self):
+        """On loopback anybody is an administrator: makes the database and the first tokens."""
+        self.start()
+        self.ok("create", "swings", "--marker-set", "source", "--min-frames", "4")
+        self.ok("ingest", "swings", self.path("swing.bvh"), "--label", "swing")
+        self.ok("create", "others")
+        make = lambda *flags: self.ok("token", "create", *flags).strip()
+        self.reader = make("--role", "reader", "--database", "swings", "--expires", "1h")
+        self.stranger = make("--role", "reader", "--database", "others")
+        self.admin = make("--role", "admin", "--description", "first")
+
+    def test_tokens_and_tls(self):
+        self.make_store()
+        authority = Authority(self.folder.name, "authority")
+        certificate, key = authority.issue("server", "localhost")
+        self.start("--tls-certificate", certificate, "--tls-key", key, listen="0.0.0.0:0")
+        port = self.server.address.rsplit(":", 1)[1]
+        self.server.address = "localhost:" + port
+        by_tls = ["--tls-ca", authority.certificate]
+        recognize = ["recognize", "swings", self.path("swing.bvh")]
+
+        self.assertIn("swing", self.ok(*recognize, token=self.reader, flags=by_tls))
+        self.assertIn("a token is needed", self.refused(*recognize, flags=by_tls))
+        self.assertIn("not one of this server's",
+                      self.refused(*recognize, token=self.reader[:-1] + "x", flags=by_tls))
+        self.assertIn("good for databases/others alone",
+                      self.refused(*recognize, token=self.stranger, flags=by_tls))
+        self.assertIn("needs the role admin",
+                      self.refused("delete", "swings", "--yes", token=self.reader, flags=by_tls))
+        # The command line shows databases that the token is good for.
+        self.assertIn("swings", self.ok("list", token=self.reader, flags=by_tls))
+        self.assertNotIn("swings", self.ok("list", token=self.stranger, flags=by_tls))
+        # Plain text gets no answer, and no token.
+        self.assertIn("no motiondb server answered",
+                      self.refused("list", flags=["--server", "127.0.0.1:" + port]))
+        self.assertIn("plain text", self.refused("list", token=self.reader,
+                                                 flags=["--server", "robot.example:" + port]))
+
+        listed = [json.loads(line) for line in
+                  self.ok("token", "list", "--json", token=self.admin, flags=by_tls).splitlines()]
+        self.assertEqual(len(listed), 3)
+        self.ok("token", "revoke", listed[0]["name"], token=self.admin, flags=by_tls)
+        self.assertIn("was revoked", self.refused(*recognize, token=self.reader, flags=by_tls))
+
+        audit = self.ok("audit", token=self.admin, flags=by_tls)
+        for part in ("AccessService.RevokeToken", "DatabaseService.DeleteDatabase",
+                     "PERMISSION_DENIED", "127.0.0.1", "ClipService.IngestClip", "anonymous"):
+            self.assertIn(part, audit)
+
+        # No secret is in the log, nor in the store's files.
+        self.stop()
+        secrets = [token.rsplit("_", 1)[1]
+                   for token in (self.reader, self.stranger, self.admin)]
+        for name in os.listdir(self.folder.name):
+            with open(self.path(name), "rb") as file:
+                contents = file.read()
+            for secret in secrets:
+                self.assertNotIn(secret.encode(), contents, name)
+        with open(self.store + ".log") as log:
+            self.assertIn("wrong token", log.read())
+
+    def test_certificates_are_replaced_while_the_server_runs(self):
+        first = Authority(self.folder.name, "first")
+        second = Authority(self.folder.name, "second")
+        certificate, key = first.issue("server", "localhost")
+        self.start("--tls-certificate", certificate, "--tls-key", key)
+        self.ok("list", flags=["--tls-ca", first.certificate])
+        self.assertIn("second.crt", self.refused("list", flags=["--tls-ca", second.certificate]))
+
+        # A pair that does not match: the server says so and keeps what it has.
+        with open(key) as file:
+            good_key = file.read()
+        with open(key, "w") as file, open(second.key) as other:
+            file.write(other.read())
+        self.wait_for_log("is not the key of the certificate")
+        self.ok("list", flags=["--tls-ca", first.certificate])
+        with open(key, "w") as file:
+            file.write(good_key)
+
+        second.issue("server", "localhost")
+        self.wait_for_log("new certificates")
+        deadline = time.time() + 20
+        while self.server.run("list", flags=["--tls-ca", second.certificate]).returncode != 0:
+            self.assertLess(time.time(), deadline)
+        self.refused("list", flags=["--tls-ca", first.certificate])
+
+    def wait_for_log(self, text):
+        deadline = time.time() + 20
+        while text not in self.server.log():
+            self.assertLess(time.time(), deadline, self.server.log())
+            time.sleep(0.1)
+
+    def test_mutual_tls(self):
+        authority = Authority(self.folder.name, "authority")
+        clients = Authority(self.folder.name, "clients")
+        certificate, key = authority.issue("server", "storage-7", "DNS:storage-7")
+        robot, robot_key = clients.issue("robot", "robot-7")
+        stranger, stranger_key = authority.issue("stranger", "robot-7")
+        self.start("--tls-certificate", certificate, "--tls-key", key,
+                   "--tls-client-ca", clients.certificate, "--authentication", "token",
+                   "--certificate-role", "admin")
+        trust = ["--tls-ca", authority.certificate, "--tls-server-name", "storage-7"]
+        shown = [*trust, "--tls-certificate", robot, "--tls-key", robot_key]
+        self.ok("create", "swings", flags=shown)
+        self.assertIn("certificate:robot-7", self.ok("audit", flags=shown))
+        self.refused("list", flags=trust)
+        self.refused("list", flags=[*trust, "--tls-certificate", stranger, "--tls-key",
+                                    stranger_key])
+        # The name in the server's certificate is looked at.
+        self.assertIn("made out to", self.refused("list", flags=shown[:2] + shown[4:]))
+
+    def test_an_administrators_token_from_a_file(self):
+        path = self.path("admin-token")
+        with open(path, "w") as file:
+            file.write("a-secret-that-an-orchestrator-made\n")
+        os.chmod(path, 0o644)
+        self.assertIn(path + ": everybody", self.start_fails("--admin-token-file", path))
+        os.chmod(path, 0o600)
+        self.start("--authentication", "token", "--admin-token-file", path)
+        self.refused("create", "swings")
+        self.refused("create", "swings", token="another")
+        flags = ["--token-file", path]
+        self.ok("create", "swings", flags=flags)
+        self.assertIn("tokens/admin-token-file", self.ok("audit", flags=flags))
+
+    def test_failed_attempts_are_limited(self):
+        self.make_store()
+        self.start("--authentication", "token", "--failures-per-minute", "3")
+        self.ok("list", token=self.reader)
+        for _ in range(3):
+            self.assertIn("not one of this server's", self.refused("list", token="mdb_0_0"))
+        self.assertIn("too many wrong tokens from 127.0.0.1", self.refused("list", token="mdb_0_0"))
+        self.ok("list", token=self.reader)  # who is known goes on
+
+    def test_it_does_not_start_in_the_open(self):
+        said = self.start_fails(listen="0.0.0.0:0")
+        self.assertIn("there is no TLS", said)
+        self.assertIn("--insecure", said)
+        self.start("--insecure", listen="0.0.0.0:0")
+        self.assertIn("INSECURE: 0.0.0.0:0", self.server.log())
+        self.ok("list")
+
+    def test_bad_files_are_named(self):
+        authority = Authority(self.folder.name, "authority")
+        certificate, _ = authority.issue("server", "localhost")
+        self.assertIn(authority.key + ": is not the key of the certificate in " + certificate,
+                      self.start_fails("--tls-certificate", certificate, "--tls-key",
+                                       authority.key))
+        self.assertIn("/nowhere.crt: cannot be read",
+                      self.start_fails("--tls-certificate", "/nowhere.crt", "--tls-key",
+                                       authority.key))
+
+
+if __name__ == "__main__":
+    programs.main()

@@ -85,20 +85,28 @@ std::vector<Eigen::Vector3d> HeadsAboveFeet(std::span<const std::string> names,
   return vectors;
 }
 
-// The way along the bones between two joints: both ends' ways to the root, less what they share.
-double PathLength(const Skeleton& skeleton, const FrameMatrix& positions, Eigen::Index frame, int a,
-                  int b) {
-  double length = 0;
-  while (a != b) {
-    int& lower = a > b ? a : b;  // a parent precedes its children
-    const int parent = skeleton.joints()[lower].parent;
-    if (parent < 0) return std::numeric_limits<double>::infinity();
-    length += (positions.block<1, 3>(frame, 3 * lower) - positions.block<1, 3>(frame, 3 * parent))
-                  .cast<double>()
-                  .norm();
-    lower = parent;
+// The way along the bones from each joint to the nearest of `ends`; infinite where none is on its
+// tree. O(joints), whatever the names: a file may call every joint a head or a foot.
+std::vector<double> WaysToNearest(const Skeleton& skeleton, const FrameMatrix& positions,
+                                  Eigen::Index frame, const std::vector<int>& ends) {
+  std::vector<double> way(static_cast<std::size_t>(skeleton.joint_count()),
+                          std::numeric_limits<double>::infinity());
+  for (const int end : ends) way[end] = 0;
+  const auto shorten = [&](int joint, int parent, int to, int from) {
+    const auto bone =
+        positions.block<1, 3>(frame, 3 * joint) - positions.block<1, 3>(frame, 3 * parent);
+    way[to] = std::min(way[to], way[from] + bone.cast<double>().norm());
+  };
+  // Up from children, which come after their parents, then down.
+  for (int joint = skeleton.joint_count() - 1; joint >= 0; --joint) {
+    const int parent = skeleton.joints()[joint].parent;
+    if (parent >= 0) shorten(joint, parent, parent, joint);
   }
-  return length;
+  for (int joint = 0; joint < skeleton.joint_count(); ++joint) {
+    const int parent = skeleton.joints()[joint].parent;
+    if (parent >= 0) shorten(joint, parent, joint, parent);
+  }
+  return way;
 }
 
 }  // namespace
@@ -132,13 +140,10 @@ std::optional<double> StatureAlongBones(const Skeleton& skeleton, const FrameMat
   for (const Joint& joint : skeleton.joints()) names.push_back(joint.name);
   const HeadsAndFeet joints = FindHeadsAndFeet(names);
   // The highest of a head's joints, and the first of a foot's: an ankle, not a toe.
+  const std::vector<double> way = WaysToNearest(skeleton, positions, 0, joints.feet);
   double stature = 0;
   for (const int head : joints.heads) {
-    double least = std::numeric_limits<double>::infinity();
-    for (const int foot : joints.feet) {
-      least = std::min(least, PathLength(skeleton, positions, 0, head, foot));
-    }
-    if (std::isfinite(least)) stature = std::max(stature, least);
+    if (std::isfinite(way[head])) stature = std::max(stature, way[head]);
   }
   if (stature <= 0) return std::nullopt;
   return stature;

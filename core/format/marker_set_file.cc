@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "core/motion/marker_limits.h"
 
 namespace motiondb::core {
 namespace {
@@ -114,6 +115,9 @@ class Reader {
       return InvalidArgument("marker '{}' is there twice", tokens[1].text);
     }
     if (mapping_) return InvalidArgument("expected all markers before the first mapping");
+    if (scheme_.set.markers.size() == kMostMarkers) {
+      return InvalidArgument("expected at most {} markers", kMostMarkers);
+    }
     scheme_.set.markers.push_back(tokens[1].text);
     return absl::OkStatus();
   }
@@ -130,6 +134,7 @@ class Reader {
 
   absl::Status ReadLeg(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 4, "leg HIP KNEE ANKLE"));
+    if (scheme_.set.landmarks.legs.size() == 2) return InvalidArgument("expected at most two legs");
     std::array<int, 3> leg;
     for (int i = 0; i < 3; ++i) {
       MOTIONDB_ASSIGN_OR_RETURN(leg[i], Marker(tokens[i + 1].text));
@@ -141,6 +146,9 @@ class Reader {
   absl::Status ReadMapping(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "mapping NAME"));
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
+    if (scheme_.mappings.size() == kMostMappings) {
+      return InvalidArgument("expected at most {} mappings", kMostMappings);
+    }
     mapping_ = MarkerMapping{tokens[1].text, {}, {}};
     mapping_->rules.resize(scheme_.set.markers.size());
     return absl::OkStatus();
@@ -150,6 +158,12 @@ class Reader {
     if (!mapping_) return InvalidArgument("expected 'mapping NAME' before its signature");
     for (std::size_t i = 1; i < tokens.size(); ++i) mapping_->signature.push_back(tokens[i].text);
     return absl::OkStatus();
+  }
+
+  // For one more point.
+  static absl::Status CheckRoom(const MarkerRule& rule, std::string_view marker) {
+    if (rule.points.size() < kMostRulePoints) return absl::OkStatus();
+    return InvalidArgument("marker '{}' is made of more than {} points", marker, kMostRulePoints);
   }
 
   // MARKER = [WEIGHT] POINT [+ [WEIGHT] POINT]... [offset JOINT X Y Z]
@@ -174,6 +188,7 @@ class Reader {
         return InvalidArgument("expected the name of a joint or marker{}",
                                weight ? " after the weight" : "");
       }
+      MOTIONDB_RETURN_IF_ERROR(CheckRoom(rule, tokens[0].text));
       rule.points.push_back({tokens[at].text, weight.value_or(1)});
       sum += rule.points.back().weight;
       ++at;
@@ -208,6 +223,7 @@ class Reader {
             mapping_->name, part.name, scheme_.set.markers[marker]);
       }
       for (const WeightedPoint& point : given[*of].points) {
+        MOTIONDB_RETURN_IF_ERROR(CheckRoom(expanded, scheme_.set.markers[marker]));
         expanded.points.push_back({point.name, part.weight * point.weight});
       }
     }

@@ -6,8 +6,24 @@
 
 namespace motiondb::core {
 
+namespace {
+
+// Longer ones serve nobody, and a file can ask for many copies of one, as BVH does with the end
+// sites of a joint.
+constexpr std::size_t kLongest = 255;  // bytes
+
+std::string Shortened(std::string text) {
+  if (text.size() <= kLongest) return text;
+  std::size_t end = kLongest;
+  while ((static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // within a character
+  text.resize(end);
+  return text;
+}
+
+}  // namespace
+
 std::string UniqueNames::Add(std::string_view name) {
-  const std::string wanted = ToUtf8(name);
+  const std::string wanted = Shortened(ToUtf8(name));
   std::string given = wanted;
   // Counts on from where the same name ended before: a file of one name takes no quadratic time.
   while (!taken_.emplace(given, 1).second) {

@@ -10,7 +10,7 @@ namespace motiondb::core {
 
 class UniqueNames {
  public:
-  // `name` as UTF-8, with "_2", "_3" ... added if it was taken before.
+  // `name` as UTF-8, cut to 255 bytes, with "_2", "_3" ... added if it was taken before.
   std::string Add(std::string_view name);
 
   // The names that had to change, as a note for the report; empty if none had to.

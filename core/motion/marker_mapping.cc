@@ -2,6 +2,7 @@
 
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
+#include "core/motion/marker_limits.h"
 #include "core/motion/marker_rules.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/states.h"
@@ -83,6 +84,12 @@ absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion) {
   for (const std::string& name : PointNames(motion)) {
     const bool end_site = std::holds_alternative<JointMotion>(motion) && name.ends_with("_end");
     if (!end_site) scheme.set.markers.push_back(name);
+  }
+  if (scheme.set.markers.size() > kMostMarkers) {
+    return InvalidArgument(
+        "the motion has {} joints or markers, and a set has at most {}: choose among them in a "
+        "marker-set file",
+        scheme.set.markers.size(), kMostMarkers);
   }
   scheme.set.landmarks = RecognizeLandmarks(scheme.set.markers);
   if (scheme.set.landmarks.left_hip < 0 || scheme.set.landmarks.right_hip < 0) {

@@ -1,0 +1,62 @@
+// Marker-set files that ask for more than a set should cost: each limit has its line.
+#include <fmt/format.h>
+
+#include "core/format/marker_set_file.h"
+#include "core/motion/marker_limits.h"
+#include "tests/core/format/reading.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+constexpr const char kHead[] = "motiondb-marker-set 1\nname n\nmarker lhip\nmarker rhip\n";
+
+std::string RefusalOf(const std::string& text) {
+  return Refusal(core::ReadMarkerSetFile({"many.markers", text}));
+}
+
+std::string Points(std::size_t count) {
+  std::string rule;
+  for (std::size_t i = 0; i < count; ++i) {
+    rule += fmt::format("{}{} p{}", i == 0 ? "" : " + ", i == 0 ? 1 : 0, i);
+  }
+  return rule;
+}
+
+TEST_CASE("Marker set: too many markers, mappings, legs and points are refused where they are",
+          "[core][format][hostile]") {
+  std::string text = kHead;
+  for (std::size_t m = 2; m <= core::kMostMarkers; ++m) text += fmt::format("marker m{}\n", m);
+  CHECK_THAT(RefusalOf(text), Contains("many.markers:259: expected at most 256 markers"));
+
+  text = kHead;
+  for (std::size_t m = 0; m <= core::kMostMappings; ++m) {
+    text += fmt::format("mapping m{}\nlhip = a\nrhip = b\n", m);
+  }
+  CHECK_THAT(RefusalOf(text), Contains("expected at most 200 mappings"));
+
+  text = std::string(kHead) + "marker knee\n";
+  for (int leg = 0; leg < 3; ++leg) text += "leg lhip knee rhip\n";
+  CHECK_THAT(RefusalOf(text), Contains("many.markers:8: expected at most two legs"));
+
+  text = std::string(kHead) + "mapping m\nlhip = " + Points(core::kMostRulePoints + 1) + "\n";
+  CHECK_THAT(RefusalOf(text), Contains("'lhip' is made of more than 32 points"));
+}
+
+TEST_CASE("Marker set: a rule made of rules is held to the same number of points",
+          "[core][format][hostile]") {
+  // Twenty points of twenty points would be four hundred, in every mapping.
+  std::string text = kHead;
+  std::string middle = "middle = ";
+  for (int i = 0; i < 20; ++i) {
+    text += fmt::format("marker m{}\n", i);
+    middle += fmt::format("{}{} m{}", i == 0 ? "" : " + ", i == 0 ? 1 : 0, i);
+  }
+  text += "marker middle\n" + middle + "\nmapping one\nlhip = a\nrhip = b\n";
+  for (int i = 0; i < 20; ++i) text += fmt::format("m{} = {}\n", i, Points(20));
+  CHECK_THAT(RefusalOf(text), Contains("'middle' is made of more than 32 points"));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -12,6 +12,11 @@ namespace {
 
 constexpr double kMaxGapSeconds = 0.5;
 
+// Beyond these nothing is a body's motion, and squares of states outgrow a float.
+constexpr float kFurthest_m = 1e5F;
+constexpr double kShortestLeg_m = 1e-3;
+constexpr double kLongestLeg_m = 1e4;
+
 using MarkerRow = Eigen::Matrix<float, 1, 3>;
 
 MarkerRow At(const MarkerMotion& motion, Eigen::Index frame, int marker) {
@@ -49,6 +54,20 @@ void Interpolate(const std::vector<bool>& valid, RootPath& path) {
     }
     before = t;
   }
+}
+
+absl::Status CheckPositions(const MarkerMotion& motion) {
+  for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
+    if (!(motion.positions_m.row(t).array().abs() > kFurthest_m).any()) continue;
+    for (int m = 0; m < static_cast<int>(motion.names.size()); ++m) {
+      const auto at = At(motion, t, m);
+      if (!(at.array().abs() > kFurthest_m).any()) continue;
+      return InvalidArgument(
+          "frame {}, marker '{}': expected positions up to {} m, got ({}, {}, {})", t,
+          motion.names[m], kFurthest_m, at[0], at[1], at[2]);
+    }
+  }
+  return absl::OkStatus();
 }
 
 }  // namespace
@@ -138,6 +157,10 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
   } else {
     MOTIONDB_ASSIGN_OR_RETURN(sequence.leg_length_m, EstimateLegLength(set, motion));
   }
+  if (!(sequence.leg_length_m >= kShortestLeg_m && sequence.leg_length_m <= kLongestLeg_m)) {
+    return InvalidArgument("leg_length_m: expected {} to {}, got {}", kShortestLeg_m, kLongestLeg_m,
+                           sequence.leg_length_m);
+  }
 
   sequence.states.resize(frames, set.dimension_count());
   for (Eigen::Index t = 0; t < frames; ++t) {
@@ -157,6 +180,7 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
                                         std::optional<double> leg_length_m,
                                         std::vector<std::string>* notes) {
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped, ApplyScheme(scheme, motion, leg_length_m));
+  MOTIONDB_RETURN_IF_ERROR(CheckPositions(mapped));
   if (gaps == Gaps::kFill) {
     // After the mapping: only markers that are used must be whole.
     MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));

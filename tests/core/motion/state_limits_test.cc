@@ -1,0 +1,87 @@
+// Motion that is no body's: markers at the end of the world, sets as large as crowds.
+#include <catch2/catch.hpp>
+#include <cmath>
+
+#include "core/motion/marker_limits.h"
+#include "core/motion/states.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+core::MarkerMotion Hips(float height_m, int frames = 4) {
+  core::MarkerMotion motion{{"lhip", "rhip", "head", "sole"}, 60, core::FrameMatrix(frames, 12)};
+  for (int t = 0; t < frames; ++t) {
+    const auto time = static_cast<float>(t);
+    motion.positions_m.row(t) << 0, 0.1F, height_m, 0, -0.1F, height_m,  //
+        0.01F * time, 0, 2 * height_m, 0, 0, 0;
+  }
+  return motion;
+}
+
+absl::StatusOr<core::StateSequence> Represented(const core::MarkerMotion& motion, core::Gaps gaps) {
+  const auto scheme = core::SourceScheme(motion);
+  REQUIRE(scheme.ok());
+  return core::Represent(*scheme, motion, 30, gaps);
+}
+
+TEST_CASE("Represent: a marker too far away is refused by frame and name",
+          "[core][motion][hostile]") {
+  for (const float far : {2e5F, 3e38F, -INFINITY}) {
+    core::MarkerMotion motion = Hips(0.9F);
+    motion.positions_m(2, 7) = far;
+    for (const core::Gaps gaps : {core::Gaps::kFill, core::Gaps::kKeep}) {
+      const auto states = Represented(motion, gaps);
+      REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
+      CHECK_THAT(std::string(states.status().message()), Contains("frame 2, marker 'head'"));
+    }
+  }
+  REQUIRE(Represented(Hips(0.9F), core::Gaps::kFill).ok());
+}
+
+TEST_CASE("Represent: joints that slide out of the world are refused", "[core][motion][hostile]") {
+  core::Joint root{.name = "hips"};
+  root.dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = Eigen::Vector3d::UnitZ()}};
+  const core::Joint left{.name = "lhip", .parent = 0, .offset_m = {0, 0.1, 0}};
+  const core::Joint right{.name = "rhip", .parent = 0, .offset_m = {0, -0.1, 0}};
+  const auto skeleton = core::Skeleton::Create("slider", {root, left, right});
+  REQUIRE(skeleton.ok());
+  core::JointMotion motion{std::make_shared<const core::Skeleton>(*skeleton), 60,
+                           core::JointMatrix::Constant(3, 1, 1e300)};
+  const auto scheme = core::SourceScheme(motion);
+  REQUIRE(scheme.ok());
+  const auto states = core::Represent(*scheme, motion, 60, core::Gaps::kFill, 0.9);
+  CHECK(states.status().code() == absl::StatusCode::kInvalidArgument);
+}
+
+TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
+          "[core][motion][hostile]") {
+  const core::MarkerMotion motion = Hips(0.9F);
+  const auto scheme = core::SourceScheme(motion);
+  REQUIRE(scheme.ok());
+  for (const double leg : {1e-30, 1e30}) {
+    const auto states = core::Represent(*scheme, motion, 60, core::Gaps::kKeep, leg);
+    REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
+    CHECK_THAT(std::string(states.status().message()), Contains("leg_length_m: "));
+  }
+  // The same size told by the markers themselves.
+  CHECK(Represented(Hips(1e-9F), core::Gaps::kKeep).status().code() ==
+        absl::StatusCode::kInvalidArgument);
+}
+
+TEST_CASE("SourceScheme: a crowd of markers makes no set", "[core][motion][hostile]") {
+  core::MarkerMotion motion = Hips(0.9F);
+  while (motion.names.size() <= core::kMostMarkers) {
+    motion.names.push_back("m" + std::to_string(motion.names.size()));
+  }
+  motion.positions_m.setZero(4, 3 * std::ssize(motion.names));
+  const auto scheme = core::SourceScheme(motion);
+  REQUIRE(scheme.status().code() == absl::StatusCode::kInvalidArgument);
+  CHECK_THAT(std::string(scheme.status().message()), Contains("at most 256"));
+  motion.names.pop_back();
+  CHECK(core::SourceScheme(motion).ok());
+}
+
+}  // namespace
+}  // namespace motiondb::tests

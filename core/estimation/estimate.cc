@@ -13,7 +13,8 @@ absl::StatusOr<Estimation> Estimate(const Model& model, const StateSequence& obs
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
   MOTIONDB_ASSIGN_OR_RETURN(PathSearch search,
                             FindNodePaths(model, scaled, options.search, cancelled));
-  const std::vector<NodeState> last = LastNodes(model, search, options.search.transition_floor);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto last,
+                            LastNodes(model, search, options.search.transition_floor, cancelled));
 
   Estimation estimation;
   estimation.layer = search.layer;

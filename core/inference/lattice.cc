@@ -5,11 +5,13 @@
 #include <limits>
 
 #include "core/inference/log_sum.h"
+#include "core/motion/patience.h"
 
 namespace motiondb::core {
 namespace {
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
+constexpr Eigen::Index kMostThrough = 1 << 20;  // candidates of one frame times those of the next
 
 // log P_t between the candidates of successive frames. The nodes of a lattice come again from frame
 // to frame, so each one's row of the graph is read once, into a table of all nodes by all nodes.
@@ -96,7 +98,8 @@ void Insert(std::vector<Step>& best, const Step& step, int count) {
 }
 
 // Best scores of paths from the first frame up to each candidate, its emission included.
-std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& log_transitions) {
+std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& log_transitions,
+                                        Patience& patience) {
   std::vector<Eigen::VectorXd> best(lattice.size());
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     best[t] = lattice[t].log_emission;
@@ -104,6 +107,7 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& 
     Eigen::VectorXd arriving = Eigen::VectorXd::Constant(best[t].size(), kNever);
     for (Eigen::Index i = 0; i < best[t - 1].size(); ++i) {
       if (best[t - 1][i] == kNever) continue;
+      if (patience.IsOver(arriving.size())) return best;
       const Eigen::VectorXd& log_transition = log_transitions.From(t - 1, i);
       arriving = arriving.cwiseMax((log_transition.array() + best[t - 1][i]).matrix());
     }
@@ -112,10 +116,38 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& 
   return best;
 }
 
+// log of what arrives at each candidate of frame t from those of the frame before, summed.
+Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eigen::Index candidates,
+                             LogTransitions& log_transitions, Patience& patience) {
+  Eigen::VectorXd arriving(candidates);
+  if (candidates * forward.size() <= kMostThrough) {
+    Eigen::MatrixXd through(candidates, forward.size());
+    for (Eigen::Index i = 0; i < forward.size(); ++i) {
+      through.col(i) = log_transitions.From(t - 1, i).array() + forward[i];
+    }
+    for (Eigen::Index j = 0; j < candidates; ++j) arriving[j] = LogSum(through.row(j));
+    return arriving;
+  }
+  // The table would outgrow the lattice by far, so each of its columns is made twice.
+  Eigen::ArrayXd peak = Eigen::ArrayXd::Constant(candidates, kNever);
+  for (Eigen::Index i = 0; i < forward.size(); ++i) {
+    if (patience.IsOver(candidates)) return arriving;
+    peak = peak.max(log_transitions.From(t - 1, i).array() + forward[i]);
+  }
+  const Eigen::ArrayXd base = (peak == kNever).select(0.0, peak);
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(candidates);
+  for (Eigen::Index i = 0; i < forward.size(); ++i) {
+    if (patience.IsOver(candidates)) return arriving;
+    sum += (log_transitions.From(t - 1, i).array() + forward[i] - base).exp();
+  }
+  return base + sum.log();
+}
+
 }  // namespace
 
 std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& graph,
-                                double transition_floor, int count) {
+                                double transition_floor, int count, const Cancelled& cancelled) {
+  Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   std::vector<std::vector<std::vector<Step>>> steps(lattice.size());  // [frame][candidate][rank]
   for (std::size_t t = 0; t < lattice.size(); ++t) {
@@ -129,6 +161,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
     }
     for (std::size_t i = 0; i < steps[t - 1].size(); ++i) {
       if (steps[t - 1][i].empty()) continue;
+      if (patience.IsOver(std::ssize(frame.nodes) * std::ssize(steps[t - 1][i]))) return {};
       const Eigen::VectorXd& log_transition =
           log_transitions.From(t - 1, static_cast<Eigen::Index>(i));
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
@@ -171,15 +204,17 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
 }
 
 std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const TransitionGraph& graph,
-                                          double transition_floor) {
+                                          double transition_floor, const Cancelled& cancelled) {
+  Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
-  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, log_transitions);
-  if (lattice.empty()) return marginals;
+  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, log_transitions, patience);
+  if (lattice.empty() || patience.IsOver(0)) return marginals;
   Eigen::VectorXd ahead = Eigen::VectorXd::Zero(marginals.back().size());
   for (std::size_t t = lattice.size() - 1; t-- > 0;) {
     const Eigen::VectorXd from_next = ahead + lattice[t + 1].log_emission;
     ahead.resize(marginals[t].size());
     for (Eigen::Index i = 0; i < ahead.size(); ++i) {
+      if (patience.IsOver(from_next.size())) return marginals;
       ahead[i] = (log_transitions.From(t, i) + from_next).maxCoeff();
     }
     marginals[t] += ahead;
@@ -188,21 +223,22 @@ std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const Transiti
 }
 
 Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGraph& graph,
-                                     double transition_floor) {
+                                     double transition_floor, const Cancelled& cancelled) {
   // In logarithms throughout: under the strict rule a path may have no share that a double can hold
   // at one frame, and be the only one left at the next.
+  Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   Eigen::VectorXd forward;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
-    Eigen::VectorXd arriving = Eigen::VectorXd::Zero(lattice[t].log_emission.size());
-    if (t > 0) {
-      Eigen::MatrixXd through(arriving.size(), forward.size());
-      for (Eigen::Index i = 0; i < forward.size(); ++i) {
-        through.col(i) = log_transitions.From(t - 1, i).array() + forward[i];
-      }
-      for (Eigen::Index j = 0; j < arriving.size(); ++j) arriving[j] = LogSum(through.row(j));
+    const Eigen::VectorXd& emission = lattice[t].log_emission;
+    if (patience.IsOver(emission.size() * emission.size())) {
+      return Eigen::VectorXd::Zero(lattice.back().log_emission.size());
     }
-    forward = arriving + lattice[t].log_emission;
+    if (t == 0) {
+      forward = emission;
+    } else {
+      forward = ArrivingSums(t, forward, emission.size(), log_transitions, patience) + emission;
+    }
   }
   const double sum = LogSum(forward);
   if (sum == kNever) return Eigen::VectorXd::Zero(forward.size());

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/graph/transition_graph.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 
@@ -32,19 +33,21 @@ struct NodePath {
 
 // The best `count` paths, in descending order, by dynamic programming that keeps `count` paths to
 // each candidate. Fewer where fewer have a probability above 0. Ties go to the smaller node.
-// O(frames * candidates^2 * count).
+// O(frames * candidates^2 * count). Once cancelled this and the functions below return early, with
+// what is of no use.
 std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& graph,
-                                double transition_floor, int count);
+                                double transition_floor, int count,
+                                const Cancelled& cancelled = {});
 
 // For each frame and candidate, the log probability of the best path through it; -infinity where
 // there is none. O(frames * candidates^2).
 std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const TransitionGraph& graph,
-                                          double transition_floor);
+                                          double transition_floor, const Cancelled& cancelled = {});
 
 // P(node at the last frame | observation), summed over all paths: one number a candidate of the
 // last frame, zeros where no path exists. O(frames * candidates^2).
 Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGraph& graph,
-                                     double transition_floor);
+                                     double transition_floor, const Cancelled& cancelled = {});
 
 // Turns log densities into log P_s(k | x) with P(k) uniform: eq. 8 over these candidates.
 void NormalizeEmission(Eigen::VectorXd& log_emission);

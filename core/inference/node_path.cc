@@ -6,11 +6,22 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "core/motion/patience.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr Eigen::Index kMaxExactCells = 1 << 25;  // frames x nodes, some 24 bytes each
+constexpr Eigen::Index kMaxCells = 1 << 25;  // frames x nodes, some 24 bytes each
+constexpr Eigen::Index kMaxSteps = 1 << 26;  // frames x nodes x paths, 16 bytes each
+
+// Nodes of the layer that the search may have in hand at each frame: with a beam, the children of
+// those that it keeps.
+Eigen::Index MostCandidates(const NodePathOptions& options, Eigen::Index nodes) {
+  if (options.max_candidates == 0) return nodes;
+  return std::min<Eigen::Index>(2 * static_cast<Eigen::Index>(options.max_candidates), nodes);
+}
+
+absl::Status Stopped() { return absl::CancelledError("the query was cancelled"); }
 
 // Candidates of one frame on the way down: nodes of the layer with their log densities.
 struct Descent {
@@ -53,13 +64,14 @@ Lattice MakeLattice(const std::vector<Descent>& frames) {
 // Keeps the candidates through which the best paths go. Where the strict rule leaves no path at
 // all, the likelihood alone decides.
 void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathOptions& options,
-           std::vector<Descent>& frames) {
+           const Cancelled& cancelled, std::vector<Descent>& frames) {
   const auto limit = static_cast<std::size_t>(options.max_candidates);
   if (std::all_of(frames.begin(), frames.end(),
                   [&](const Descent& frame) { return frame.nodes.size() <= limit; })) {
     return;
   }
-  const auto marginals = MaxMarginals(lattice, graph, options.transition_floor);
+  const auto marginals = MaxMarginals(lattice, graph, options.transition_floor, cancelled);
+  if (cancelled && cancelled()) return;
   for (std::size_t t = 0; t < frames.size(); ++t) {
     Descent& frame = frames[t];
     if (frame.nodes.size() <= limit) continue;
@@ -101,25 +113,30 @@ absl::Status CheckOptions(const NodePathOptions& options) {
 absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& observation,
                                     const NodePathOptions& options, const Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const int bottom, model.ResolveLayer(options.layer));
-  if (options.max_candidates == 0 &&
-      observation.rows() * model.tree().node_count(bottom) > kMaxExactCells) {
+  const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(bottom));
+  if (observation.rows() * candidates > kMaxCells) {
     return InvalidArgument(
-        "max_candidates: keeping all {} nodes of layer {} for {} frames would take too much memory",
-        model.tree().node_count(bottom), bottom, observation.rows());
+        "max_candidates: keeping {} of {} nodes of layer {} for {} frames would take too much "
+        "memory",
+        candidates, model.tree().node_count(bottom), bottom, observation.rows());
   }
+  Patience patience(cancelled);
   std::vector<Descent> frames;
   for (Eigen::Index t = 0; t < observation.rows(); ++t) {
     frames.push_back({{0}, {model.gaussians().LogDensity(0, observation.row(t).data())}});
   }
   for (int layer = 1; layer < bottom; ++layer) {
-    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    if (cancelled && cancelled()) return Stopped();
     for (Eigen::Index t = 0; t < observation.rows(); ++t) {
+      const auto densities = 2 * std::ssize(frames[t].nodes);
+      if (patience.IsOver(densities * observation.cols())) return Stopped();
       frames[t] = Children(model, layer, frames[t], observation.row(t).data());
     }
     if (options.max_candidates > 0 && layer + 1 < bottom) {
-      Prune(MakeLattice(frames), model.global_graph(layer + 1), options, frames);
+      Prune(MakeLattice(frames), model.global_graph(layer + 1), options, cancelled, frames);
     }
   }
+  if (cancelled && cancelled()) return Stopped();
   return MakeLattice(frames);
 }
 
@@ -129,9 +146,17 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
   PathSearch search;
   MOTIONDB_ASSIGN_OR_RETURN(search.layer, model.ResolveLayer(options.layer));
+  const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(search.layer));
+  if (observation.rows() * candidates * options.path_count > kMaxSteps) {
+    return InvalidArgument(
+        "path_count: keeping {} paths to each of {} nodes for {} frames would take too much "
+        "memory; ask for fewer paths or about a shorter observation",
+        options.path_count, candidates, observation.rows());
+  }
   MOTIONDB_ASSIGN_OR_RETURN(search.lattice, DescendTree(model, observation, options, cancelled));
   search.paths = BestPaths(search.lattice, model.global_graph(search.layer),
-                           options.transition_floor, options.path_count);
+                           options.transition_floor, options.path_count, cancelled);
+  if (cancelled && cancelled()) return Stopped();
   if (!search.paths.empty()) return search;
   if (options.max_candidates == 0) {
     return FailedPrecondition(
@@ -144,10 +169,12 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
   return FindNodePaths(model, observation, exact, cancelled);
 }
 
-std::vector<NodeState> LastNodes(const Model& model, const PathSearch& search,
-                                 double transition_floor) {
-  const Eigen::VectorXd last =
-      LastNodeDistribution(search.lattice, model.global_graph(search.layer), transition_floor);
+absl::StatusOr<std::vector<NodeState>> LastNodes(const Model& model, const PathSearch& search,
+                                                 double transition_floor,
+                                                 const Cancelled& cancelled) {
+  const Eigen::VectorXd last = LastNodeDistribution(
+      search.lattice, model.global_graph(search.layer), transition_floor, cancelled);
+  if (cancelled && cancelled()) return Stopped();
   std::vector<NodeState> nodes;
   for (Eigen::Index i = 0; i < last.size(); ++i) {
     if (last[i] > 0) nodes.push_back({search.lattice.back().nodes[i], last[i]});

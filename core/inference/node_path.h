@@ -26,7 +26,7 @@ absl::Status CheckOptions(const NodePathOptions& options);
 // `max_candidates` are kept. Returns the candidates of the layer asked for, not yet pruned, with
 // eq. 8 summed over them: over all nodes of the layer where max_candidates is 0. `observation` is
 // frames x dimensions, scaled, NaN where missing, with at least one frame. OUT_OF_RANGE for a layer
-// that is not there; CANCELLED.
+// that is not there; INVALID_ARGUMENT for more candidates than memory is given for; CANCELLED.
 absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& observation,
                                     const NodePathOptions& options,
                                     const Cancelled& cancelled = {});
@@ -38,15 +38,17 @@ struct PathSearch {
 };
 
 // The best paths (eq. 7, P(k) uniform). FAILED_PRECONDITION if no path has a probability above 0
-// (only with floor 0); otherwise as DescendTree. Fewer paths are returned where fewer exist.
+// (only with floor 0); INVALID_ARGUMENT for more paths than memory is given for; otherwise as
+// DescendTree. Fewer paths are returned where fewer exist.
 // O(layers * frames * candidates * (dimensions + candidates)).
 absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& observation,
                                          const NodePathOptions& options,
                                          const Cancelled& cancelled = {});
 
 // The nodes that the motion may be in at the last frame, summed over all paths, most probable
-// first.
-std::vector<NodeState> LastNodes(const Model& model, const PathSearch& search,
-                                 double transition_floor);
+// first. CANCELLED.
+absl::StatusOr<std::vector<NodeState>> LastNodes(const Model& model, const PathSearch& search,
+                                                 double transition_floor,
+                                                 const Cancelled& cancelled = {});
 
 }  // namespace motiondb::core

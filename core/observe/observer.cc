@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kLeastKeptSeconds = 1;  // a leg is measured over them
 constexpr double kMostSeconds = 60;
+constexpr int kMostKept = 1 << 14;  // frames: a minute at 273 Hz
+constexpr int kAskEvery = 64;       // frames taken between two looks at the clock
 constexpr float kFurthest_m = 1e5F;
 constexpr double kShortestLeg_m = 0.01;
 constexpr double kLongestLeg_m = 100;
@@ -73,6 +75,13 @@ absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
     return InvalidArgument("marker set: expected that of the model, '{}', got '{}'",
                            model.marker_set().name, scheme.set.name);
   }
+  const double rate = model.settings().frame_rate_hz;
+  if (KeptFrames(options, rate) > kMostKept) {
+    const bool window = options.window_seconds >= options.history_seconds;
+    return InvalidArgument("{}: expected at most {} frames, {:.3f} s at {} Hz",
+                           window ? "window_seconds" : "history_seconds", kMostKept,
+                           kMostKept / rate, rate);
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
   MOTIONDB_ASSIGN_OR_RETURN(
       MarkerStream stream,
@@ -106,11 +115,15 @@ std::optional<double> Observer::leg_length_m() const {
   return has_leg_length_ ? std::optional(states_.leg_length_m()) : std::nullopt;
 }
 
-absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& positions_m) {
+absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& positions_m,
+                              const Cancelled& cancelled) {
   if (positions_m.rows() == 0) return absl::OkStatus();
   MOTIONDB_RETURN_IF_ERROR(Check(first_frame, positions_m));
   for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
     const std::int64_t number = first_frame + row;
+    if (row % kAskEvery == kAskEvery - 1 && cancelled && cancelled()) {
+      return absl::CancelledError("the stream was cancelled");
+    }
     if (has_newest_ && number <= newest_) {
       ++late_frames_;
       continue;

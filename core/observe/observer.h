@@ -63,9 +63,10 @@ class Observer {
   // taken are late: passed over and counted. Numbers left out count as frames in which all is
   // missing; where they last longer than the window, the observation starts anew. INVALID_ARGUMENT,
   // and nothing is taken, if the width is not that of the names, a number is infinite or beyond 100
-  // km, or the frames' numbers overflow. No allocation for frames at the model's rate that lack no
-  // marker, after the first second.
-  absl::Status Append(std::int64_t first_frame, const FrameMatrix& positions_m);
+  // km, or the frames' numbers overflow. CANCELLED, with some of the frames taken. No allocation
+  // for frames at the model's rate that lack no marker, after the first second.
+  absl::Status Append(std::int64_t first_frame, const FrameMatrix& positions_m,
+                      const Cancelled& cancelled = {});
 
   // What the frames so far say; nullopt while there was none with both hips and a size. The labels
   // and the familiarity are those of Recognize for the last `window_seconds`, the horizons those of

@@ -152,7 +152,7 @@ absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const 
       MOTIONDB_ASSIGN_OR_RETURN(
           const PathSearch search,
           FindNodePaths(model, scaled, {.transition_floor = transition_floor}, cancelled));
-      now = LastNodes(model, search, transition_floor);
+      MOTIONDB_ASSIGN_OR_RETURN(now, LastNodes(model, search, transition_floor, cancelled));
     }
     const std::vector<int> pool = ExemplarPool(model, model.layer_count(), now, kMinPool);
     for (const Exemplar& exemplar :

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/patience.h"
+
 namespace motiondb::core {
 
 NodeForecaster::NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now)
@@ -44,9 +46,11 @@ void NodeForecaster::Step() {
   probability_ = std::move(next);
 }
 
-Eigen::RowVectorXf NodeForecaster::At(double seconds) {
+Eigen::RowVectorXf NodeForecaster::At(double seconds, const Cancelled& cancelled) {
   const auto frames = static_cast<int>(std::lround(seconds * model_.settings().frame_rate_hz));
-  for (; frames_ < frames; ++frames_) Step();
+  Patience patience(cancelled);
+  const auto step = std::ssize(probability_) + model_.global_graph(layer_).edge_count();
+  for (; frames_ < frames && !patience.IsOver(step); ++frames_) Step();
   const Eigen::RowVectorXf mean = Mean();
   Eigen::RowVectorXf positions(mean.size() / 2);
   for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {

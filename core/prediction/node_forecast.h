@@ -18,8 +18,8 @@ class NodeForecaster {
 
   // Marker positions (3 N_v, leg lengths) after `seconds`, in the reference frame of now: expected
   // means of the nodes, moved on with the hips' mean velocities. Moments must ascend. Where no node
-  // goes on, the motion stays.
-  Eigen::RowVectorXf At(double seconds);
+  // goes on, the motion stays. Once cancelled it returns early, with what is of no use.
+  Eigen::RowVectorXf At(double seconds, const Cancelled& cancelled = {});
 
  private:
   void Step();

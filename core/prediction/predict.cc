@@ -90,9 +90,10 @@ PredictedFrame InWorld(const StateSequence& past, double seconds,
 }
 
 // By the graph alone; how sure it is follows from nothing that was measured, so it is left out.
-void PredictByNodes(const Model& model, const StateSequence& past,
-                    const std::vector<NodeState>& now, const std::vector<double>& horizon_seconds,
-                    Prediction& prediction) {
+absl::Status PredictByNodes(const Model& model, const StateSequence& past,
+                            const std::vector<NodeState>& now,
+                            const std::vector<double>& horizon_seconds, const Cancelled& cancelled,
+                            Prediction& prediction) {
   std::vector<std::size_t> order(horizon_seconds.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
@@ -101,8 +102,11 @@ void PredictByNodes(const Model& model, const StateSequence& past,
   prediction.horizons.resize(horizon_seconds.size());
   NodeForecaster forecaster(model, prediction.layer, now);
   for (const std::size_t h : order) {
-    prediction.horizons[h] = InWorld(past, horizon_seconds[h], forecaster.At(horizon_seconds[h]));
+    const Eigen::RowVectorXf positions = forecaster.At(horizon_seconds[h], cancelled);
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
+    prediction.horizons[h] = InWorld(past, horizon_seconds[h], positions);
   }
+  return absl::OkStatus();
 }
 
 // What was seen up to a moment, and which frame that is.
@@ -186,7 +190,8 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   MOTIONDB_ASSIGN_OR_RETURN(const Moment moment, MomentOf(model, observation, options));
   const StateSequence& past = moment.past;
   MOTIONDB_ASSIGN_OR_RETURN(const PathSearch search, Search(model, moment, options, cancelled));
-  std::vector<NodeState> now = LastNodes(model, search, options.transition_floor);
+  MOTIONDB_ASSIGN_OR_RETURN(auto now,
+                            LastNodes(model, search, options.transition_floor, cancelled));
 
   Prediction prediction;
   prediction.at_seconds = moment.frame / observation.frame_rate_hz;
@@ -194,7 +199,8 @@ absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& obse
   prediction.state = now.front();
   prediction.next_nodes = NextNodes(model, search.layer, now);
   if (options.method == Method::kPaper) {
-    PredictByNodes(model, past, now, options.horizon_seconds, prediction);
+    MOTIONDB_RETURN_IF_ERROR(
+        PredictByNodes(model, past, now, options.horizon_seconds, cancelled, prediction));
     return prediction;
   }
   MOTIONDB_ASSIGN_OR_RETURN(const StateSequence complete,

@@ -12,7 +12,7 @@ namespace {
 
 // log of the probability that a clip's graph generates the window, by eq. 7 with P_o for P_s.
 double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_density,
-                         const RecognizeOptions& options) {
+                         const RecognizeOptions& options, const Cancelled& cancelled) {
   const auto states = static_cast<Eigen::Index>(graph.nodes.size());
   EmissionMatrix emission(log_density.rows(), states);
   for (Eigen::Index s = 0; s < states; ++s) emission.col(s) = log_density.col(graph.nodes[s]);
@@ -26,8 +26,8 @@ double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_densi
     frame.log_emission = emission.row(t);
   }
   std::vector<double> logs{-std::numeric_limits<double>::infinity()};
-  for (const NodePath& path :
-       BestPaths(lattice, graph.transitions, options.transition_floor, options.path_count)) {
+  for (const NodePath& path : BestPaths(lattice, graph.transitions, options.transition_floor,
+                                        options.path_count, cancelled)) {
     logs.push_back(path.log_probability);
   }
   return LogSum(logs);
@@ -44,9 +44,9 @@ absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int l
   std::vector<ClipScore> scores;
   for (const int clip : clips) {
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    scores.push_back(
-        {clip, ClipLogGeneration(*model.clip_graph(layer, clip), emission.log_density(), options) -
-                   evidence});
+    scores.push_back({clip, ClipLogGeneration(*model.clip_graph(layer, clip),
+                                              emission.log_density(), options, cancelled) -
+                                evidence});
   }
   return scores;
 }

@@ -10,6 +10,7 @@
 #include "core/recognition/clip_generation.h"
 #include "core/recognition/label_evidence.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/shortlist.h"
 #include "core/recognition/window_alignment.h"
 #include "core/recognition/window_emission.h"
 
@@ -18,6 +19,8 @@ namespace {
 
 constexpr Eigen::Index kMaxCells = 1
                                    << 26;  // frames of a window x nodes of the layer, 8 bytes each
+
+constexpr std::int64_t kMaxScores = 1 << 23;  // some 40 bytes each
 
 absl::Status CheckOptions(const RecognizeOptions& options) {
   if (!(options.window_seconds > 0 && std::isfinite(options.window_seconds))) {
@@ -33,6 +36,20 @@ absl::Status CheckOptions(const RecognizeOptions& options) {
     return InvalidArgument("path_count: expected 1 to 100, got {}", options.path_count);
   }
   return absl::OkStatus();
+}
+
+// What the windows of an answer hold together: a score for each clip that is compared, and each
+// label.
+absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
+  const std::int64_t clips = std::ssize(model.clips());
+  const std::int64_t labels = static_cast<std::int64_t>(Labels(model).size());
+  const std::int64_t scores =
+      labels + (align ? std::min<std::int64_t>(clips, kMostShortlisted) : clips);
+  if (windows * scores <= kMaxScores) return absl::OkStatus();
+  return InvalidArgument(
+      "hop_seconds: {} windows of {} clips and labels each would take too much memory; ask for a "
+      "longer hop or about a shorter observation",
+      windows, scores);
 }
 
 double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& emission) {
@@ -96,6 +113,16 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
         "memory; ask for shorter windows or a higher layer",
         width, model.tree().node_count(layer), layer);
   }
+
+  const Eigen::Index paths = options.generation == Generation::kTopPaths ? options.path_count : 1;
+  if (!align &&
+      static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells / paths) {
+    return InvalidArgument(
+        "path_count: {} paths of {} frames over the {} nodes of layer {} would take too much "
+        "memory; ask for fewer paths, shorter windows or a higher layer",
+        paths, width, model.tree().node_count(layer), layer);
+  }
+  MOTIONDB_RETURN_IF_ERROR(CheckAnswer(model, align, 1 + (frames - width) / hop));
 
   MetricObservation in_metric;
   if (align) {

@@ -10,13 +10,12 @@
 namespace motiondb::core {
 namespace {
 
-constexpr std::size_t kMostClips = 64;
 constexpr int kMostFrames = 24;
 constexpr int kNearNodes = 64;
 
 }  // namespace
 
-bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMostClips); }
+bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMostShortlisted); }
 
 std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMostFrames); }
 
@@ -56,13 +55,13 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
   for (const int clip : found_) {
     if (left_out.empty() || !left_out[clip]) shortlist.push_back(clip);
   }
-  const auto kept = std::min(kMostClips, shortlist.size());
+  const auto kept = std::min(kMostShortlisted, shortlist.size());
   std::partial_sort(
       shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
       [&](int a, int b) { return std::pair(-nearer_[a], a) < std::pair(-nearer_[b], b); });
   shortlist.resize(kept);
   // Where few were found nothing is lost by comparing some more.
-  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMostClips;
+  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMostShortlisted;
        ++clip) {
     if (!is_found_[clip] && (left_out.empty() || !left_out[clip])) shortlist.push_back(clip);
   }

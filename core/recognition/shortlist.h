@@ -9,6 +9,9 @@
 
 namespace motiondb::core {
 
+// Clips on a list at most.
+inline constexpr std::size_t kMostShortlisted = 64;
+
 // At most 64 clips, the nearest first. `observed`: frames x K, in the metric. A clip is as far as
 // the mean, over at most 24 of the frames spread evenly, of the squared distance to the nearest
 // mean among its nodes; only the 64 nodes nearest to a frame are looked at, and to the others it is

@@ -28,7 +28,7 @@ std::vector<core::NodeState> Exact(const core::Model& model, const core::FrameMa
       model, observation, {.layer = layer, .transition_floor = floor, .max_candidates = 0});
   INFO(search.status());
   REQUIRE(search.ok());
-  return core::LastNodes(model, *search, floor);
+  return *core::LastNodes(model, *search, floor);
 }
 
 double ProbabilityOf(const core::NodeFilter& filter, int node) {

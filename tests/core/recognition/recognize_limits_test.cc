@@ -1,0 +1,46 @@
+// What Recognize refuses to hold in memory: checked before it begins.
+#include <catch2/catch.hpp>
+
+#include "core/recognition/recognize.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+core::StateSequence Long(const core::Model& model, int frames) {
+  core::StateSequence states = WanderingClips(1, 8, model.marker_set(), 3).front().states;
+  states.states = core::FrameMatrix(states.states.row(0).replicate(frames, 1));
+  states.root_path = core::RootPath(states.root_path.row(0).replicate(frames, 1));
+  return states;
+}
+
+TEST_CASE("Recognize: a window at each of very many frames is refused",
+          "[core][recognition][hostile]") {
+  const core::Model model = SmallModel(80, 20, 2, 8, 5);
+  core::RecognizeOptions options;
+  options.hop_seconds = 1e-9;
+  for (const core::Method method : {core::Method::kBest, core::Method::kPaper}) {
+    options.method = method;
+    const auto windows = core::Recognize(model, Long(model, 130'000), options);
+    REQUIRE(windows.status().code() == absl::StatusCode::kInvalidArgument);
+    CHECK_THAT(std::string(windows.status().message()), Contains("hop_seconds: "));
+  }
+}
+
+TEST_CASE("Recognize: many paths of long windows are refused", "[core][recognition][hostile]") {
+  const core::Model model = SmallModel(3, 200, 2, 4, 5);
+  core::RecognizeOptions options;
+  options.method = core::Method::kPaper;
+  options.generation = core::Generation::kTopPaths;
+  options.path_count = 100;
+  options.whole = true;
+  const int nodes = model.tree().node_count(model.layer_count());
+  const auto windows = core::Recognize(model, Long(model, (1 << 26) / 100 / nodes + 1), options);
+  REQUIRE(windows.status().code() == absl::StatusCode::kInvalidArgument);
+  CHECK_THAT(std::string(windows.status().message()), Contains("path_count: "));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -18,9 +18,12 @@ void PutMatrix(FieldWriter& writer, const Matrix& matrix) {
 template <typename Matrix>
 void GetMatrix(FieldReader& reader, Eigen::Index rows, Eigen::Index columns, Matrix& matrix) {
   if (!reader.ok()) return;
-  const auto bytes = sizeof(float) * static_cast<std::uint64_t>(rows) * columns;
-  if (bytes > reader.remaining()) {
-    return reader.Fail(core::DataLoss("expected {} bytes, got {}", bytes, reader.remaining()));
+  // Divided, since the product of two counts that a damaged blob has may not fit a number.
+  const std::uint64_t numbers = reader.remaining() / sizeof(float);
+  if (rows != 0 &&
+      static_cast<std::uint64_t>(columns) > numbers / static_cast<std::uint64_t>(rows)) {
+    return reader.Fail(core::DataLoss("expected {} x {} numbers, got {} bytes", rows, columns,
+                                      reader.remaining()));
   }
   matrix.resize(rows, columns);
   reader.GetElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));

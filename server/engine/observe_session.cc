@@ -35,7 +35,7 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
                                                  const core::Cancelled& cancelled) {
   ObserveStep step;
   MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, TakeOverModel());
-  MOTIONDB_RETURN_IF_ERROR(observer_->Append(first_frame, positions_m));
+  MOTIONDB_RETURN_IF_ERROR(observer_->Append(first_frame, positions_m, cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(step.observed, observer_->Answer(cancelled));
   step.model_version = snapshot_->record.version;
   step.late_frames = observer_->late_frames();

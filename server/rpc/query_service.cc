@@ -28,8 +28,7 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                                                           call.engine, *subject.database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             core::Recognize(model, states, options, call.cancelled));
-  SetRecognition(windows, subject.database->name(), model, request.top_count(), response);
-  return absl::OkStatus();
+  return SetRecognition(windows, subject.database->name(), model, request.top_count(), response);
 }
 
 absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
@@ -67,7 +66,8 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
                             FindSubject(call.engine, "prediction.database", first.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("prediction.", first, model));
-  MOTIONDB_ASSIGN_OR_RETURN(const double every, Positive("every_seconds", request.every_seconds()));
+  MOTIONDB_ASSIGN_OR_RETURN(const double every,
+                            StepFrom("every_seconds", request.every_seconds(), model));
   MOTIONDB_ASSIGN_OR_RETURN(auto states, StatesFrom("prediction.observation", first.observation(),
                                                     call.engine, *subject.database));
   const auto series =

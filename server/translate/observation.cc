@@ -127,6 +127,8 @@ absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
                             Read(field, observation, engine, database, scheme->set));
+  MOTIONDB_RETURN_IF_ERROR(
+      AtField(observed.form_field, CheckFrameCount(observed.motion, engine.options().max_frames)));
   auto markers = core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m);
   if (!markers.ok()) return AtField(observed.form_field, markers.status());
   return markers;

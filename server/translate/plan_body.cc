@@ -10,6 +10,9 @@ namespace motiondb::server {
 namespace {
 
 constexpr int kShownSkeletons = 10;
+// Of a body that plays: inverse kinematics squares and cubes what moves, and every frame has all.
+constexpr int kMostDofs = 300;
+constexpr int kMostJoints = 1000;
 
 std::string KnownSkeletons(Engine& engine, const std::string& database) {
   const auto known = engine.store().ListSkeletons(database, {"", kShownSkeletons + 1});
@@ -85,8 +88,14 @@ absl::StatusOr<PlanBody> BodyFrom(const v1::PlanRequest& request, const std::str
         "robot (motiondb plan {} --skeleton NAME|FILE.urdf), or leave include_files out",
         database.name());
   }
+  const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";
+  if (body->skeleton->dof_count() > kMostDofs || body->skeleton->joint_count() > kMostJoints) {
+    return FieldViolation(
+        field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
+        kMostJoints, kMostDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
+  }
   const absl::Status fits = core::MarkerKinematics::Create(scheme, body->skeleton).status();
-  if (!fits.ok()) return AtField(body->is_robot ? "robot.urdf" : "skeleton", fits);
+  if (!fits.ok()) return AtField(field, fits);
   return body;
 }
 

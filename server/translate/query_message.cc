@@ -3,10 +3,13 @@
 #include <algorithm>
 
 #include "motiondb/v1/query.pb.h"
+#include "server/translate/field_violation.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
+
+constexpr std::size_t kMostScores = 1 << 20;  // of an answer, some 100 bytes each
 
 std::size_t Count(std::size_t all, int top_count) {
   return top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
@@ -40,8 +43,20 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames,
   }
 }
 
-void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
-                    const core::Model& model, int top_count, v1::RecognizeResponse& message) {
+absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
+                            const std::string& database, const core::Model& model, int top_count,
+                            v1::RecognizeResponse& message) {
+  std::size_t scores = 0;
+  for (const core::RecognizedWindow& window : windows) {
+    scores += Count(window.clips.size(), top_count) + window.labels.size();
+  }
+  if (scores > kMostScores) {
+    return FieldViolation(
+        "top_count",
+        "the answer would have {} clips and labels in {} windows, at most {} fit: "
+        "ask for fewer clips or a longer hop",
+        scores, windows.size(), kMostScores);
+  }
   for (const core::RecognizedWindow& window : windows) {
     v1::RecognitionWindow& to = *message.add_windows();
     to.set_start_seconds(window.start_seconds);
@@ -57,6 +72,7 @@ void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const st
     }
     SetLabels(window.labels, 0, *to.mutable_labels());
   }
+  return absl::OkStatus();
 }
 
 void SetEstimation(const core::Estimation& estimation, const core::Model& model,

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "core/estimation/estimate.h"
 #include "core/prediction/predict.h"
 #include "core/recognition/recognize.h"
@@ -21,9 +22,11 @@ class RecognizeResponse;
 
 namespace motiondb::server {
 
-// `top_count` clips a window; 0 means all.
-void SetRecognition(const std::vector<core::RecognizedWindow>& windows, const std::string& database,
-                    const core::Model& model, int top_count, v1::RecognizeResponse& message);
+// `top_count` clips a window; 0 means all. INVALID_ARGUMENT for more clips and labels than one
+// message should hold.
+absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
+                            const std::string& database, const core::Model& model, int top_count,
+                            v1::RecognizeResponse& message);
 
 void SetEstimation(const core::Estimation& estimation, const core::Model& model,
                    v1::EstimateResponse& message);

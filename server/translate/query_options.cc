@@ -11,6 +11,7 @@
 namespace motiondb::server {
 namespace {
 
+constexpr double kRounding = 1e-3;  // 0.0167 s is a frame at 60 Hz to who writes it
 constexpr int kMostPaths = 100;
 constexpr int kMostHorizons = 1000;
 constexpr int kMostOfAnything = std::numeric_limits<int>::max();
@@ -69,6 +70,14 @@ absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
 }
 
 }  // namespace
+
+absl::StatusOr<double> StepFrom(std::string_view field, double seconds, const core::Model& model) {
+  MOTIONDB_ASSIGN_OR_RETURN(const double step, Positive(field, seconds));
+  const double frame = 1 / model.settings().frame_rate_hz;
+  if (step >= frame * (1 - kRounding)) return step;
+  return FieldViolation(field, "expected at least a frame of the database, {:.6f} s, got {}", frame,
+                        step);
+}
 
 absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request,
                                                    const core::Model& model) {

@@ -23,6 +23,10 @@ absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& r
                                                    const core::Model& model);
 absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request,
                                                   const core::Model& model);
+// Time between the predictions of a series. At least a frame: in smaller steps it would say the
+// same again, without end.
+absl::StatusOr<double> StepFrom(std::string_view field, double seconds, const core::Model& model);
+
 // `prefix` leads the names of fields: "" or "prediction.".
 absl::StatusOr<core::PredictOptions> OptionsFrom(std::string_view prefix,
                                                  const v1::PredictRequest& request,

@@ -22,6 +22,11 @@ test=(
   python3-numpy      # opens what `motiondb dump` writes
 )
 demo=(assimp-testmodels)
+fuzz=(
+  clang            # the compiler that has libFuzzer
+  libclang-rt-dev  # its run-time libraries: libFuzzer and the sanitizers
+  llvm             # llvm-symbolizer: findings with names and lines
+)
 
 wanted=()
 for purpose in "$@"; do
@@ -29,7 +34,8 @@ for purpose in "$@"; do
     build) wanted+=("${build[@]}") ;;
     test) wanted+=("${test[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
-    *) echo "install_packages.sh: expected build, test or demo, got '$purpose'" >&2; exit 2 ;;
+    fuzz) wanted+=("${fuzz[@]}") ;;
+    *) echo "install_packages.sh: expected build, test, demo or fuzz, got '$purpose'" >&2; exit 2 ;;
   esac
 done
 

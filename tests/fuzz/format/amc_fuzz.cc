@@ -1,0 +1,16 @@
+// ASF files and the AMC files that move them: "<asf>\0<amc>".
+#include "core/format/amc_reader.h"
+#include "tests/fuzz/support/memory_watch.h"
+#include "tests/fuzz/support/motion_properties.h"
+#include "tests/fuzz/support/properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto [asf, amc] = tests::SplitAtZero(tests::AsText(data, size));
+  const tests::MemoryWatch watch;
+  const auto read = core::ReadAmc({"input.amc", amc}, {"input.asf", asf}, {});
+  watch.HoldsProportional(size, 1 << 20, 200);
+  tests::HoldsMotionFile(read);
+  return 0;
+}

@@ -1,0 +1,15 @@
+// BVH files.
+#include "core/format/bvh_reader.h"
+#include "tests/fuzz/support/memory_watch.h"
+#include "tests/fuzz/support/motion_properties.h"
+#include "tests/fuzz/support/properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const tests::MemoryWatch watch;
+  const auto read = core::ReadBvh({"input.bvh", tests::AsText(data, size)}, {});
+  watch.HoldsProportional(size, 1 << 20, 200);
+  tests::HoldsMotionFile(read);
+  return 0;
+}

@@ -1,0 +1,15 @@
+// C3D files.
+#include "core/format/c3d_reader.h"
+#include "tests/fuzz/support/memory_watch.h"
+#include "tests/fuzz/support/motion_properties.h"
+#include "tests/fuzz/support/properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const tests::MemoryWatch watch;
+  const auto read = core::ReadC3d({"input.c3d", tests::AsText(data, size)}, {});
+  watch.HoldsProportional(size, 1 << 20, 200);
+  tests::HoldsMotionFile(read);
+  return 0;
+}

@@ -1,0 +1,23 @@
+// Marker-set files: what is read is written and read back to the same text.
+#include "core/format/marker_set_file.h"
+#include "tests/fuzz/support/memory_watch.h"
+#include "tests/fuzz/support/properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const tests::MemoryWatch watch;
+  const auto scheme = core::ReadMarkerSetFile({"input.markers", tests::AsText(data, size)});
+  watch.HoldsProportional(size, 1 << 20, 200);
+  tests::HoldsError(scheme.status(), absl::StatusCode::kInvalidArgument);
+  if (!scheme.ok()) return 0;
+
+  for (const core::MarkerMapping& mapping : scheme->mappings) {
+    tests::Holds(mapping.rules.size() == scheme->set.markers.size(), "a rule a marker");
+  }
+  const std::string text = core::WriteMarkerSetFile(*scheme);
+  const auto again = core::ReadMarkerSetFile({"written.markers", text});
+  tests::Holds(again.ok(), "what was written can be read");
+  tests::Holds(core::WriteMarkerSetFile(*again) == text, "and is the same");
+  return 0;
+}

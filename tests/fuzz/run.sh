@@ -1,0 +1,80 @@
+#!/usr/bin/env bash
+# Builds the fuzz targets and runs each for a set number of executions, or for a time. Fails on a
+# finding, whose input is kept in build/fuzz/findings.
+#   tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]     TARGET: bvh, recognize, ... (all)
+# N executions a target (default: what the short run of CI affords, slower targets fewer), S seconds
+# a target in their place. What covers new code is kept in build/fuzz/corpus for the next run.
+set -euo pipefail
+cd "$(dirname "$0")/../.."
+
+all=(bvh amc trc c3d urdf marker_set
+     chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec
+     names ingest_stream recognize estimate predict represent observe plan)
+runs=""
+seconds=""
+targets=()
+while [ $# -gt 0 ]; do
+  case "$1" in
+    --runs) runs=$2; shift 2 ;;
+    --seconds) seconds=$2; shift 2 ;;
+    -*) echo "usage: tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]" >&2; exit 2 ;;
+    *) targets+=("$1"); shift ;;
+  esac
+done
+[ ${#targets[@]} -gt 0 ] || targets=("${all[@]}")
+
+# How many executions take some seconds.
+runs_of() {
+  case "$1" in
+    plan) echo 150 ;;
+    recognize | estimate | predict | observe) echo 1000 ;;
+    represent | ingest_stream | model_codec) echo 5000 ;;
+    *) echo 20000 ;;
+  esac
+}
+# Inputs longer than this find nothing new and cost time.
+longest_of() {
+  case "$1" in
+    names | chunk | graph_codec) echo 1024 ;;
+    *) echo 32768 ;;
+  esac
+}
+
+./deploy/install_packages.sh build test fuzz
+mkdir -p build/fuzz
+cmake --preset fuzz >build/fuzz/configure.log 2>&1 || { cat build/fuzz/configure.log >&2; exit 1; }
+cmake --build --preset fuzz --target fuzz_seeds $(printf '%s_fuzz ' "${targets[@]}")
+MOTIONDB_FUZZ_SEEDS=build/fuzz/seeds build/fuzz/tests/fuzz/fuzz_seeds >build/fuzz/seeds.log ||
+  { cat build/fuzz/seeds.log >&2; exit 1; }
+
+# Memory that a target takes is bounded by its own promises; these bounds are for what escapes them.
+limits=(-timeout=20 -rss_limit_mb=3072 -malloc_limit_mb=1024)
+export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-}"
+mkdir -p build/fuzz/findings
+figures=build/fuzz/figures.tsv
+printf 'target\texecutions\tcorpus\tnew coverage\tfindings\texec/s\n' >"$figures"
+failed=0
+for target in "${targets[@]}"; do
+  corpus=build/fuzz/corpus/$target
+  log=build/fuzz/$target.log
+  mkdir -p "$corpus"
+  amount=(-runs="${runs:-$(runs_of "$target")}")
+  [ -z "$seconds" ] || amount=(-runs="${runs:--1}" -max_total_time="$seconds")
+  dictionary=tests/fuzz/dictionaries/$target.dict
+  [ ! -f "$dictionary" ] || amount+=(-dict="$dictionary")
+  before=$(ls build/fuzz/findings | wc -l)
+  "build/fuzz/tests/fuzz/${target}_fuzz" "${limits[@]}" "${amount[@]}" -print_final_stats=1 \
+    -max_len="$(longest_of "$target")" -artifact_prefix="build/fuzz/findings/$target-" \
+    "$corpus" "build/fuzz/seeds/${target}_fuzz" >"$log" 2>&1 || failed=1
+  findings=$(($(ls build/fuzz/findings | wc -l) - before))
+  [ "$findings" -eq 0 ] || { failed=1; tail -n 60 "$log" >&2; }
+  stat() { sed -n "s/^stat::$1: *//p" "$log" | tail -n 1; }
+  first=$(sed -n 's/.*INITED *cov: \([0-9]*\).*/\1/p' "$log" | tail -n 1)
+  last=$(sed -n 's/.* cov: \([0-9]*\).*/\1/p' "$log" | tail -n 1)
+  executions=$(stat number_of_executed_units)
+  printf '%s\t%s\t%s\t%s\t%s\t%s\n' "$target" "${executions:-0}" "$(ls "$corpus" | wc -l)" \
+    "$((${last:-0} - ${first:-0}))" "$findings" "$(stat average_exec_per_sec)" >>"$figures"
+  [ -n "$executions" ] || { failed=1; tail -n 60 "$log" >&2; }
+done
+column -t -s "$(printf '\t')" "$figures"
+exit $failed

@@ -1,0 +1,52 @@
+#include "tests/fuzz/server/answer_properties.h"
+
+#include <cmath>
+#include <cstdio>
+#include <vector>
+
+#include "tests/fuzz/support/properties.h"
+
+namespace motiondb::tests {
+namespace {
+
+using google::protobuf::FieldDescriptor;
+using google::protobuf::Message;
+
+void HoldsNumber(const FieldDescriptor& field, double number) {
+  const bool is_log = field.name().starts_with("log_");
+  const bool fine = is_log ? !std::isnan(number) && number < INFINITY : std::isfinite(number);
+  if (!fine) std::fprintf(stderr, "%s: %g\n", field.full_name().c_str(), number);
+  Holds(fine, "an answer's numbers are finite");
+}
+
+}  // namespace
+
+void HoldsFinite(const Message& answer) {
+  const auto& reflection = *answer.GetReflection();
+  std::vector<const FieldDescriptor*> fields;
+  reflection.ListFields(answer, &fields);
+  for (const FieldDescriptor* const field : fields) {
+    const int count = field->is_repeated() ? reflection.FieldSize(answer, field) : 1;
+    for (int i = 0; i < count; ++i) {
+      if (field->cpp_type() == FieldDescriptor::CPPTYPE_DOUBLE) {
+        HoldsNumber(*field, field->is_repeated() ? reflection.GetRepeatedDouble(answer, field, i)
+                                                 : reflection.GetDouble(answer, field));
+      } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
+        HoldsFinite(field->is_repeated() ? reflection.GetRepeatedMessage(answer, field, i)
+                                         : reflection.GetMessage(answer, field));
+      }
+    }
+  }
+}
+
+void HoldsRefusal(const absl::Status& status) {
+  if (status.ok()) return;
+  const bool expected = absl::IsInvalidArgument(status) || absl::IsOutOfRange(status) ||
+                        absl::IsNotFound(status) || absl::IsFailedPrecondition(status) ||
+                        absl::IsResourceExhausted(status);
+  if (!expected) std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  Holds(expected, "a query's error is the client's");
+  Holds(!status.message().empty(), "an error says what was wrong");
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,38 @@
+// Estimate requests, from their bytes to the answer.
+#include "core/estimation/estimate.h"
+#include "core/motion/error.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/observation.h"
+#include "server/translate/query_message.h"
+#include "server/translate/query_options.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/server/message_mutation.h"
+#include "tests/fuzz/server/trained_engine.h"
+
+using namespace motiondb;
+
+MOTIONDB_MUTATE_AS(v1::EstimateRequest)
+
+namespace {
+
+absl::Status Estimate(const v1::EstimateRequest& request, v1::EstimateResponse& response) {
+  tests::TrainedEngine& trained = tests::Trained();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto states,
+      server::StatesFrom("observation", request.observation(), *trained.engine, *trained.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Estimate(trained.model(), states, options));
+  server::SetEstimation(answer, trained.model(), response);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  v1::EstimateRequest request;
+  if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
+  v1::EstimateResponse response;
+  tests::HoldsRefusal(Estimate(request, response));
+  tests::HoldsFinite(response);
+  return 0;
+}

@@ -1,0 +1,44 @@
+// Streams of IngestClip up to the file that they bring, and the reading of it. An input is a
+// stream's messages, each behind its length (u16).
+#include "motiondb/v1/clip.pb.h"
+#include "server/translate/ingest_stream.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/server/message_stream.h"
+#include "tests/fuzz/support/motion_properties.h"
+#include "tests/fuzz/support/properties.h"
+
+using namespace motiondb;
+
+MOTIONDB_MUTATE_STREAM_OF(v1::IngestClipRequest)
+
+namespace {
+
+constexpr std::size_t kMostBytes = 16 << 10;
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  server::IngestStream stream(kMostBytes);
+  bool taken = true;
+  tests::ForEachMessage<v1::IngestClipRequest>(data, size,
+                                               [&](const v1::IngestClipRequest& request) {
+                                                 const absl::Status status = stream.Take(request);
+                                                 tests::HoldsRefusal(status);
+                                                 taken = status.ok();
+                                                 return taken;
+                                               });
+  if (!taken) return 0;
+  const auto file = stream.Finish();
+  tests::HoldsRefusal(file.status());
+  if (!file.ok()) return 0;
+  tests::Holds(file->file_bytes.size() + file->skeleton_bytes.size() <= kMostBytes,
+               "a file is within the limit");
+  tests::Holds(file->file_name.find('/') == std::string::npos, "a file's name has no folder");
+  std::optional<core::SourceFile> skeleton;
+  if (!file->skeleton_file_name.empty()) {
+    skeleton = core::SourceFile{file->skeleton_file_name, file->skeleton_bytes};
+  }
+  tests::HoldsMotionFile(core::ReadMotionFile(file->format, {file->file_name, file->file_bytes},
+                                              skeleton, file->conventions));
+  return 0;
+}

@@ -1,0 +1,38 @@
+// Predict requests, from their bytes to the answer.
+#include "core/motion/error.h"
+#include "core/prediction/predict.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/observation.h"
+#include "server/translate/query_message.h"
+#include "server/translate/query_options.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/server/message_mutation.h"
+#include "tests/fuzz/server/trained_engine.h"
+
+using namespace motiondb;
+
+MOTIONDB_MUTATE_AS(v1::PredictRequest)
+
+namespace {
+
+absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& response) {
+  tests::TrainedEngine& trained = tests::Trained();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom("", request, trained.model()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto states,
+      server::StatesFrom("observation", request.observation(), *trained.engine, *trained.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Predict(trained.model(), states, options));
+  server::SetPrediction(answer, "db", trained.model(), response);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  v1::PredictRequest request;
+  if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
+  v1::PredictResponse response;
+  tests::HoldsRefusal(Predict(request, response));
+  tests::HoldsFinite(response);
+  return 0;
+}

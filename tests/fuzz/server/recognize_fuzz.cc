@@ -1,0 +1,37 @@
+// Recognize requests, from their bytes to the answer.
+#include "core/motion/error.h"
+#include "core/recognition/recognize.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/observation.h"
+#include "server/translate/query_message.h"
+#include "server/translate/query_options.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/server/message_mutation.h"
+#include "tests/fuzz/server/trained_engine.h"
+
+using namespace motiondb;
+
+MOTIONDB_MUTATE_AS(v1::RecognizeRequest)
+
+namespace {
+
+absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeResponse& response) {
+  tests::TrainedEngine& trained = tests::Trained();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto states,
+      server::StatesFrom("observation", request.observation(), *trained.engine, *trained.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Recognize(trained.model(), states, options));
+  return server::SetRecognition(answer, "db", trained.model(), request.top_count(), response);
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  v1::RecognizeRequest request;
+  if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
+  v1::RecognizeResponse response;
+  tests::HoldsRefusal(Recognize(request, response));
+  tests::HoldsFinite(response);
+  return 0;
+}

@@ -1,0 +1,37 @@
+// Represent requests, from their bytes to the answer.
+#include "core/motion/error.h"
+#include "motiondb/v1/observe.pb.h"
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/observation.h"
+#include "server/translate/observe_message.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/server/message_mutation.h"
+#include "tests/fuzz/server/trained_engine.h"
+#include "tests/fuzz/support/motion_properties.h"
+
+using namespace motiondb;
+
+MOTIONDB_MUTATE_AS(v1::RepresentRequest)
+
+namespace {
+
+absl::Status Represent(const v1::RepresentRequest& request, v1::RepresentResponse& response) {
+  tests::TrainedEngine& trained = tests::Trained();
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto markers, server::MarkersFrom("observation", request.observation(), *trained.engine,
+                                              *trained.database));
+  tests::HoldsMotion(markers);
+  server::SetMarkers(markers, *response.mutable_markers());
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  v1::RepresentRequest request;
+  if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
+  v1::RepresentResponse response;
+  tests::HoldsRefusal(Represent(request, response));
+  tests::HoldsFinite(response);
+  return 0;
+}

@@ -1,0 +1,60 @@
+#include "tests/fuzz/server/trained_engine.h"
+
+#include <spdlog/spdlog.h>
+
+#include <chrono>
+#include <thread>
+
+#include "tests/fuzz/support/properties.h"
+#include "tests/storage/in_memory_motion_store.h"
+#include "tests/support/stick_figure.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr int kMostFrames = 2000;  // of an observation: what a target's time limit allows
+
+void Ingest(TrainedEngine& trained, const std::string& name, const StickFigure& figure) {
+  server::IngestFile file;
+  file.file_name = name + ".bvh";
+  file.label = name;
+  file.file_bytes = WriteBvh(figure);
+  const auto in_flight = trained.engine->BeginIngest(trained.database);
+  Holds(in_flight.ok(), "an ingest begins");
+  Holds(trained.engine->Ingest(trained.database, std::move(file), {}).ok(), "a figure is stored");
+}
+
+TrainedEngine Train() {
+  spdlog::set_level(spdlog::level::off);
+  server::EngineOptions options;
+  options.rebuild_delay = std::chrono::milliseconds(0);
+  options.extend_from = std::chrono::hours(1);
+  options.query_threads = 1;
+  options.build_threads = 1;
+  options.max_frames = kMostFrames;
+  TrainedEngine trained;
+  auto engine = server::Engine::Open(std::make_unique<InMemoryMotionStore>(1), options);
+  Holds(engine.ok(), "an engine opens");
+  trained.engine = *std::move(engine);
+  const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
+  Holds(trained.engine->CreateDatabase("db", settings, {server::kSourceMarkerSet, ""}).ok(),
+        "a database is created");
+  trained.database = *trained.engine->FindDatabase("db");
+  Ingest(trained, "walk", {.act = Act::kWalk, .frame_count = 90});
+  Ingest(trained, "squat", {.act = Act::kSquat, .frame_count = 90});
+  Ingest(trained, "wave", {.act = Act::kWave, .frame_count = 90});
+  while (true) {
+    trained.snapshot = trained.database->snapshot();
+    if (trained.snapshot != nullptr && trained.model().clips().size() == 3) return trained;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+}
+
+}  // namespace
+
+TrainedEngine& Trained() {
+  static auto* const kTrained = new TrainedEngine(Train());  // outlives the threads at exit
+  return *kTrained;
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,19 @@
+// Transition graphs of a model. A decoded graph is walked as inference walks it.
+#include "storage/blob/graph_codec.h"
+#include "tests/fuzz/storage/codec_properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const auto bytes = std::as_bytes(std::span(data, size));
+  const auto graph = tests::HoldsFields(bytes, storage::GetGraph, storage::PutGraph);
+  (void)tests::HoldsFields(bytes, storage::GetClipGraph, storage::PutClipGraph);
+  if (!graph.ok()) return 0;
+  for (int node = 0; node < graph->node_count(); ++node) {
+    for (const core::Edge& edge : graph->row(node)) {
+      tests::Holds(edge.to >= 0 && edge.to < graph->node_count(), "an edge leads to a node");
+      tests::Holds(edge.count > 0, "an edge was counted");
+    }
+  }
+  return 0;
+}

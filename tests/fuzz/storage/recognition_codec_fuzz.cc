@@ -1,0 +1,16 @@
+// What recognition learned. The first byte gives the markers of the model.
+#include "storage/blob/recognition_codec.h"
+#include "tests/fuzz/storage/codec_properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  if (size < 1) return 0;
+  const Eigen::Index dimensions = 6 * (data[0] % 64);
+  const auto bytes = std::as_bytes(std::span(data + 1, size - 1));
+  (void)tests::HoldsFields(
+      bytes, [&](storage::FieldReader& reader) { return storage::GetMetric(reader, dimensions); },
+      storage::PutMetric);
+  (void)tests::HoldsFields(bytes, storage::GetRecognition, storage::PutRecognition);
+  return 0;
+}

@@ -1,0 +1,11 @@
+// Blobs of skeleton.
+#include "storage/blob/skeleton_codec.h"
+#include "tests/fuzz/storage/codec_properties.h"
+
+using namespace motiondb;
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  (void)tests::HoldsCodec(std::as_bytes(std::span(data, size)), storage::DecodeSkeleton,
+                          storage::EncodeSkeleton);
+  return 0;
+}

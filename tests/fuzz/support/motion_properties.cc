@@ -1,0 +1,65 @@
+#include "tests/fuzz/support/motion_properties.h"
+
+#include <cmath>
+#include <set>
+#include <string_view>
+
+#include "server/engine/representation.h"
+#include "tests/fuzz/support/properties.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr server::RepresentationLimits kLimits{.frame_rate_hz = 60, .max_frames = 20'000};
+
+void HoldsJoints(const core::JointMotion& motion) {
+  Holds(motion.skeleton != nullptr, "joint motion has a skeleton");
+  Holds(motion.angles.cols() == motion.skeleton->dof_count(), "a column a degree of freedom");
+  Holds(motion.angles.allFinite(), "angles are finite");
+}
+
+void HoldsMarkers(const core::MarkerMotion& motion) {
+  Holds(motion.positions_m.cols() == 3 * std::ssize(motion.names), "three columns a marker");
+  const std::set<std::string_view> distinct(motion.names.begin(), motion.names.end());
+  Holds(distinct.size() == motion.names.size(), "markers have distinct names");
+  for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
+    for (Eigen::Index m = 0; m < motion.positions_m.cols(); m += 3) {
+      const auto point = motion.positions_m.row(t).segment<3>(m);
+      Holds(point.allFinite() || point.array().isNaN().all(), "a marker is somewhere or missing");
+    }
+  }
+}
+
+void HoldsStates(const core::Motion& motion, core::Gaps gaps) {
+  const auto scheme = core::SourceScheme(motion);
+  HoldsError(scheme.status(), absl::StatusCode::kInvalidArgument);
+  if (!scheme.ok()) return;
+  const auto states = server::RepresentWithin(kLimits, *scheme, motion, gaps, std::nullopt);
+  HoldsError(states.status(), absl::StatusCode::kInvalidArgument);
+  if (!states.ok()) return;
+  Holds(states->root_path.rows() == states->states.rows(), "a root pose a frame");
+  Holds(states->root_path.allFinite(), "root poses are finite");
+  Holds(states->leg_length_m > 0 && std::isfinite(states->leg_length_m), "a leg has a length");
+  const bool whole = states->states.allFinite();
+  const bool bounded = !states->states.array().isInf().any();
+  Holds(gaps == core::Gaps::kFill ? whole : bounded, "states are finite");
+}
+
+}  // namespace
+
+void HoldsMotion(const core::Motion& motion) {
+  const double rate = server::FrameRate(motion);
+  Holds(rate > 0 && std::isfinite(rate), "a frame rate is positive");
+  if (const auto* joints = std::get_if<core::JointMotion>(&motion)) return HoldsJoints(*joints);
+  HoldsMarkers(std::get<core::MarkerMotion>(motion));
+}
+
+void HoldsMotionFile(const absl::StatusOr<core::MotionFile>& read) {
+  HoldsError(read.status(), absl::StatusCode::kInvalidArgument);
+  if (!read.ok()) return;
+  HoldsMotion(read->motion);
+  HoldsStates(read->motion, core::Gaps::kFill);
+  HoldsStates(read->motion, core::Gaps::kKeep);
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,27 @@
+#include "tests/fuzz/support/properties.h"
+
+#include <cstdio>
+#include <cstdlib>
+
+namespace motiondb::tests {
+
+void Holds(bool promise, std::string_view what) {
+  if (promise) return;
+  std::fprintf(stderr, "broken promise: %.*s\n", static_cast<int>(what.size()), what.data());
+  std::abort();
+}
+
+void HoldsError(const absl::Status& status, absl::StatusCode code) {
+  if (status.ok()) return;
+  if (status.code() != code) std::fprintf(stderr, "%s\n", status.ToString().c_str());
+  Holds(status.code() == code, "an error has the code that its reader promises");
+  Holds(!status.message().empty(), "an error says what was wrong");
+}
+
+TwoFiles SplitAtZero(std::string_view input) {
+  const std::size_t zero = input.find('\0');
+  if (zero == std::string_view::npos) return {input, {}};
+  return {input.substr(0, zero), input.substr(zero + 1)};
+}
+
+}  // namespace motiondb::tests

@@ -49,6 +49,10 @@ core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions) {
   core::MotionMetric metric;
   const auto directions = reader.Get<std::uint32_t>();
   if (directions == 0) return metric;
+  if (dimensions == 0) {
+    reader.Fail(core::DataLoss("metric: {} directions among no dimensions", directions));
+    return metric;
+  }
   const auto loadings = reader.Get<std::uint32_t>();
   GetMatrix(reader, 1, dimensions, metric.mean);
   GetMatrix(reader, dimensions, loadings, metric.loadings);

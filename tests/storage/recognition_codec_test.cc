@@ -1,0 +1,22 @@
+#include "storage/blob/recognition_codec.h"
+
+#include <catch2/catch.hpp>
+
+namespace motiondb::tests {
+namespace {
+
+TEST_CASE("Metric: directions among no dimensions are damage", "[storage][hostile]") {
+  storage::StringSink sink;
+  storage::FieldWriter writer(sink);
+  writer.PutCount(3);  // directions
+  writer.PutCount(2);  // loadings
+  writer.Put(1.0);     // noise; the matrices have no numbers
+  REQUIRE(writer.status().ok());
+  storage::SpanSource source(std::as_bytes(std::span(sink.bytes())));
+  storage::FieldReader reader(source);
+  storage::GetMetric(reader, 0);
+  CHECK(reader.Finish().code() == absl::StatusCode::kDataLoss);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -16,6 +16,7 @@
 #include "core/motion/error.h"
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
+#include "server/systemd_notify.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 
 namespace motiondb::server {
@@ -52,7 +53,10 @@ absl::Status Serve(const Settings& settings) {
   std::fflush(stdout);
   spdlog::info("store {}, listening on {}", settings.store_path, server->address());
 
+  NotifyServiceManager(fmt::format("READY=1\nSTATUS=listening on {}", server->address()));
+
   WaitForSignal(context, signals);
+  NotifyServiceManager("STOPPING=1\nSTATUS=draining");
   server->Drain(settings.grace);
   spdlog::info("drained");
   return absl::OkStatus();

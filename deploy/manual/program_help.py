@@ -1,0 +1,96 @@
+"""Reads what a program says of itself under --help, as CLI11 lays it out."""
+
+import re
+import subprocess
+from dataclasses import dataclass, field
+
+COLUMN = 30  # where CLI11's descriptions begin
+
+
+@dataclass
+class Entry:
+    """An option, a positional argument or a command."""
+    names: list      # ["-h", "--help"], ["DB"], ["ingest"]
+    value: str       # what follows the names: "FILE", "N:INT in [0 - 10]=0"
+    description: str
+
+    @property
+    def flag(self):
+        return self.names[-1]
+
+    @property
+    def choices(self):
+        """The words that the value is one of."""
+        found = re.search(r"\{([^{}]*)\}", self.value)
+        return found.group(1).split(",") if found else []
+
+
+@dataclass
+class Help:
+    words: list                                   # the command: ["operations", "list"]; [] the program
+    description: str = ""
+    usage: str = ""
+    groups: dict = field(default_factory=dict)    # heading -> entries
+    footer: str = ""
+    commands: list = field(default_factory=list)  # a Help each
+
+    @property
+    def options(self):
+        return [entry for group in self.groups.values() for entry in group
+                if entry.flag.startswith("-")]
+
+    @property
+    def positionals(self):
+        return self.groups.get("Positionals", [])
+
+    def walk(self):
+        """This, and every command under it."""
+        yield self
+        for command in self.commands:
+            yield from command.walk()
+
+
+def parse_entry(lines):
+    first = lines[0]
+    if len(lines) > 1 or len(first) <= COLUMN:
+        left, right = first, " ".join(line.strip() for line in lines[1:])
+    else:
+        left, right = first[:COLUMN], first[COLUMN:]
+    names, _, value = left.strip().partition(" ")
+    return Entry(names.split(","), value.strip(), right.strip())
+
+
+def parse(words, text):
+    result = Help(words)
+    heading, before, after = None, [], []
+    entries = []  # (heading, lines)
+    for line in text.splitlines():
+        if line.startswith("Usage: "):
+            result.usage = line.removeprefix("Usage: ")
+        elif re.fullmatch(r"[A-Z][A-Za-z ]*:", line):
+            heading = line[:-1]
+            result.groups[heading] = []
+        elif line.startswith(" " * COLUMN) and entries:
+            entries[-1][1].append(line)
+        elif line.startswith("  ") and heading:
+            entries.append((heading, [line]))
+        elif line.strip():
+            (after if result.usage else before).append(line)
+    for group, lines in entries:
+        result.groups[group].append(parse_entry(lines))
+    result.description, result.footer = " ".join(before), "\n".join(after)
+    return result
+
+
+def read(program, words=()):
+    """The program's help, with that of every command under it."""
+    answer = subprocess.run([program, *words, "--help"], capture_output=True, text=True, check=True)
+    result = parse(list(words), answer.stdout)
+    result.commands = [read(program, [*words, entry.flag])
+                       for entry in result.groups.pop("Subcommands", [])]
+    return result
+
+
+def version(program):
+    answer = subprocess.run([program, "--version"], capture_output=True, text=True, check=True)
+    return answer.stdout.split()[-1]

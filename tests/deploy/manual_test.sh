@@ -1,0 +1,65 @@
+#!/usr/bin/env bash
+# No command and no option is missing from the manual pages or the completions. What there is, is asked of
+# the programs here, without the reader that the pages are made with.
+# Arguments: motiondbd, motiondb, the folder of pages and completions.
+set -euo pipefail
+motiondbd=$1 motiondb=$2 written=$3
+command -v man >/dev/null || { echo "skipped: no man; deploy/install_packages.sh deploy-test"; exit 77; }
+
+missing=0
+count=0
+check() {  # WHERE WORD: that the text on standard input has the word
+  count=$((count + 1))
+  # Not grep -q: it would end the reader of a pipe early.
+  grep -Fe "$2" | grep -Ee "(^|[^-a-z])$2([^-a-z]|$)" >/dev/null || { echo "$1: no $2" >&2; missing=1; }
+}
+
+page() {
+  MANWIDTH=200 man --warnings -P cat -l "$written/man/$1.gz" 2>"$work/warnings" | col -b
+  [ ! -s "$work/warnings" ] || { cat "$work/warnings" >&2; missing=1; }
+}
+
+# complete PROGRAM WORD...: what a Tab after these words offers.
+complete_words() {
+  bash -c '. "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1"; printf "%s\n" "${COMPREPLY[@]}"' \
+    - "$written/completions/$1" "$@"
+}
+
+options_of() {  # PROGRAM COMMAND...
+  "$@" --help | grep -oE '^ +(-[a-z],)?--[a-z][-a-z]*' | grep -oE -- '--[a-z][-a-z]*'
+}
+
+commands_of() {  # PROGRAM COMMAND...
+  "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
+}
+
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+page motiondb.1 >"$work/motiondb"
+page motiondbd.8 >"$work/motiondbd"
+page motiondbd.conf.5 >"$work/conf"
+
+for option in $(options_of "$motiondbd"); do
+  check "motiondbd(8)" "$option" <"$work/motiondbd"
+  check "completion of motiondbd" "$option" < <(complete_words motiondbd -)
+  case "$option" in --help | --version | --config | --check-config) continue ;; esac
+  check "motiondbd.conf(5)" "${option#--}" <"$work/conf"
+done
+
+walk() {  # COMMAND...: this one, and those under it
+  local command option
+  for option in $(options_of "$motiondb" "$@"); do
+    check "motiondb(1), $*" "$option" <"$work/motiondb"
+    check "completion of motiondb $*" "$option" < <(complete_words motiondb "$@" -)
+  done
+  for command in $(commands_of "$motiondb" "$@"); do
+    check "motiondb(1)" "$* $command" < <(sed 's/^ */ /' "$work/motiondb")
+    check "completion of motiondb $*" "$command" < <(complete_words motiondb "$@" "")
+    walk "$@" "$command"
+  done
+}
+walk
+[ "$count" -gt 150 ] || { echo "only $count words were found to check" >&2; missing=1; }
+[ "$(complete_words motiondb plan --method ran)" = random ] || { echo "no values" >&2; missing=1; }
+[ "$missing" = 0 ] && echo "manual_test: $count words, each in its page and completion"
+exit "$missing"

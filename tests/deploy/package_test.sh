@@ -1,0 +1,99 @@
+#!/usr/bin/env bash
+# Builds the Debian package, installs it in a Debian of its own, and uses it: server, client, manual
+# pages, unit, completion; then removes and purges it. Arguments: the build folder.
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+build=$(cd "$1" && pwd)
+. "$here/root_folder.sh"
+need_root
+need debootstrap cpack dpkg-shlibdeps
+
+work=$(mktemp -d)
+root=$work/root
+server=
+finish() {
+  [ -z "$server" ] || kill "$server" 2>/dev/null || true
+  drop_root "$root"
+  rm -rf "$work"
+}
+trap finish EXIT
+fail() {
+  echo "package_test: $1" >&2
+  exit 1
+}
+
+echo "== the package"
+(cd "$work" && cpack --config "$build/CPackConfig.cmake" -B "$work" >"$work/cpack.log" 2>&1) ||
+  { cat "$work/cpack.log" >&2; fail "cpack"; }
+package=$(echo "$work"/motiondb_*.deb)
+dpkg-deb --info "$package" | sed -n 's/^ \(Package\|Version\|Depends\|Installed-Size\):/  &/p'
+dpkg-deb --contents "$package" | awk '{ print "  " $1, $2, $6 }' | grep -v '/ *$'
+for library in libgrpc++ libprotobuf libsqlite3 libspdlog; do
+  dpkg-deb --field "$package" Depends | grep -q "$library" || fail "does not depend on $library"
+done
+
+echo "== installed by apt"
+make_root "$root"
+cp "$package" "$root/tmp/"
+enter_root "$root" apt-get update -qq
+enter_root "$root" apt-get install -y -qq --no-install-recommends man-db bash-completion systemd \
+  >"$work/apt.log" 2>&1 || { tail "$work/apt.log" >&2; fail "apt"; }
+enter_root "$root" apt-get install -y -qq --no-install-recommends "/tmp/$(basename "$package")" \
+  >"$work/apt.log" 2>&1 || { tail "$work/apt.log" >&2; fail "apt install ./motiondb_*.deb"; }
+enter_root "$root" getent passwd motiondb | grep -q /var/lib/motiondb || fail "no user motiondb"
+[ "$(enter_root "$root" stat -c %U:%a /var/lib/motiondb)" = motiondb:750 ] || fail "folder of the store"
+as_service() {
+  enter_root "$root" setpriv --reuid motiondb --regid motiondb --clear-groups "$@"
+}
+as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | sed 's/^/  /'
+
+echo "== serves and answers, as the user of the service"
+as_service motiondbd --config /etc/motiondb/motiondbd.conf --listen 127.0.0.1:0 \
+  --log-level error >"$work/address" &
+server=$!
+for _ in $(seq 100); do
+  ! grep -q listening "$work/address" || break
+  kill -0 "$server" || fail "motiondbd ended"
+  sleep 0.1
+done
+address=$(sed -n 's/.*listening on //p' "$work/address")
+"$here/walk.py" 6 1 >"$root/tmp/walk.bvh"
+"$here/walk.py" 6 2 >"$root/tmp/run.bvh"
+ask() {
+  enter_root "$root" motiondb --server "$address" "$@"
+}
+ask create demo --marker-set source --min-frames 4 >/dev/null
+ask ingest demo /tmp/walk.bvh --label walk | tail -n 1
+ask ingest demo /tmp/run.bvh --label run | tail -n 1
+ask recognize demo /tmp/run.bvh --window all | tee "$work/answer"
+grep -q run "$work/answer" || fail "did not recognise what was stored"
+kill "$server"
+wait "$server" || fail "motiondbd did not end in order"
+server=
+
+echo "== manual pages, completion, unit"
+for page in motiondb.1 motiondbd.8 motiondbd.conf.5; do
+  enter_root "$root" env MANWIDTH=100 man -P cat "${page##*.}" "${page%.*}" >"$work/$page" ||
+    fail "no manual page $page"
+  [ "$(wc -l <"$work/$page")" -gt 40 ] || fail "manual page $page is short"
+done
+for program in motiondb motiondbd; do
+  # As a shell loads it: bash-completion finds it by the program's name.
+  enter_root "$root" bash -c ". /usr/share/bash-completion/bash_completion &&
+    _completion_loader $program; complete -p $program" | grep -q "_$program" ||
+    fail "no completion for $program"
+done
+enter_root "$root" systemd-analyze verify motiondbd.service 2>&1 | grep -v "^$" >"$work/unit" || true
+if grep -q motiondbd "$work/unit"; then
+  cat "$work/unit" >&2
+  fail "systemd-analyze verify"
+fi
+
+echo "== removed and purged: the store is left"
+enter_root "$root" apt-get purge -y -qq motiondb >"$work/apt.log" 2>&1 ||
+  { cat "$work/apt.log" >&2; fail "purge"; }
+grep "is left" "$work/apt.log"
+[ -s "$root/var/lib/motiondb/motion.db" ] || fail "purging removed the store"
+[ ! -e "$root/etc/motiondb/motiondbd.conf" ] || fail "purging left the configuration"
+[ ! -e "$root/usr/bin/motiondbd" ] || fail "purging left the server"
+echo "package_test: built, installed, used, purged"

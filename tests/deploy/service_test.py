@@ -1,0 +1,116 @@
+#!/usr/bin/python3
+"""What the system's service relies on: notification, --check-config, exit codes. Argument: motiondbd"""
+
+import os
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import unittest
+
+MOTIONDBD = sys.argv[1]
+
+
+def run(*arguments, **variables):
+    return subprocess.run([MOTIONDBD, *arguments], capture_output=True, text=True, timeout=60,
+                          env={**os.environ, **variables})
+
+
+def end(server):
+    server.kill()
+    server.wait()
+    server.stdout.close()
+
+
+class Folder(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+
+    def path(self, name):
+        return os.path.join(self.folder.name, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="utf-8") as file:
+            file.write(text)
+        return self.path(name)
+
+
+class Notification(Folder):
+    def check(self, name):
+        listener = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+        self.addCleanup(listener.close)
+        listener.bind(name.replace("@", "\0", 1) if name.startswith("@") else name)
+        listener.settimeout(60)
+        server = subprocess.Popen(
+            [MOTIONDBD, "--store", self.path("a.db"), "--listen", "127.0.0.1:0",
+             "--log-level", "warning"],
+            stdout=subprocess.PIPE, text=True, env={**os.environ, "NOTIFY_SOCKET": name})
+        self.addCleanup(end, server)
+        ready = listener.recv(4096).decode().splitlines()
+        self.assertEqual(ready[0], "READY=1")
+        address = server.stdout.readline().strip().rsplit(" ", 1)[-1]
+        self.assertEqual(ready[1], f"STATUS=listening on {address}")
+        host, port = address.rsplit(":", 1)
+        socket.create_connection((host, int(port)), timeout=10).close()  # it was true
+        server.send_signal(signal.SIGTERM)
+        self.assertEqual(listener.recv(4096).decode().splitlines()[0], "STOPPING=1")
+        self.assertEqual(server.wait(timeout=60), 0)
+
+    def test_a_socket_in_a_folder(self):
+        self.check(self.path("notify"))
+
+    def test_an_abstract_socket(self):
+        self.check(f"@motiondb-test-{os.getpid()}")
+
+
+class CheckConfig(Folder):
+    def test_prints_what_is_in_force_and_where_from(self):
+        store = self.path("motion.db")
+        config = self.write("a.conf", f'# mine\nstore = "{store}"\nthreads = 2\nmax-frames = 9\n')
+        result = run("--config", config, "--check-config", "--threads", "4",
+                     MOTIONDBD_MAX_FRAMES="7", MOTIONDBD_THREADS="3")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        lines = [line.split("#") for line in result.stdout.splitlines()]
+        settings = {setting.split("=")[0].strip(): (setting.split("=")[1].strip(), place.strip())
+                    for setting, place in lines}
+        self.assertEqual(settings["store"], (f'"{store}"', f"{config}:2"))
+        self.assertEqual(settings["threads"], ("4", "--threads"))
+        self.assertEqual(settings["max-frames"], ("7", "MOTIONDBD_MAX_FRAMES"))
+        self.assertEqual(settings["rebuild-delay"], ("0.3", "default"))
+        self.assertFalse(os.path.exists(store))
+        # What it prints is a configuration file with the same meaning.
+        again = run("--config", self.write("b.conf", result.stdout), "--check-config")
+        self.assertEqual([line.split("#")[0] for line in again.stdout.splitlines()],
+                         [line.split("#")[0] for line in result.stdout.splitlines()])
+
+    def test_a_mistake_names_file_and_line(self):
+        config = self.write("a.conf", f'store = "{self.path("a.db")}"\nthreads = -1\nlisen = "x:1"\n')
+        for arguments in (["--check-config"], []):
+            result = run("--config", config, *arguments)
+            self.assertEqual(result.returncode, 2)
+            self.assertIn(f"{config}:2: ", result.stderr)
+            self.assertIn(f"{config}:3: no such setting: lisen", result.stderr)
+            self.assertEqual(result.stdout, "")
+
+    def test_a_folder_that_is_not_there(self):
+        result = run("--store", self.path("none/a.db"), "--check-config")
+        self.assertEqual(result.returncode, 2)
+        self.assertIn("cannot write to folder", result.stderr)
+        self.assertFalse(os.path.exists(self.path("none")))
+
+    def test_an_open_store_is_left_alone(self):
+        store = self.path("a.db")
+        server = subprocess.Popen([MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0",
+                                   "--log-level", "warning"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(end, server)
+        server.stdout.readline()
+        before = os.stat(store)
+        self.assertEqual(run("--store", store, "--check-config").returncode, 0)
+        self.assertEqual(os.stat(store).st_mtime_ns, before.st_mtime_ns)
+        server.terminate()
+        self.assertEqual(server.wait(timeout=60), 0)
+
+
+unittest.main(argv=sys.argv[:1])

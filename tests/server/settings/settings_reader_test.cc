@@ -1,0 +1,247 @@
+// The three places of settings against each other.
+#include "server/settings/settings_reader.h"
+
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include "server/settings/settings_file.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+using server::EffectiveSetting;
+using server::Environment;
+using server::SettingsReader;
+using Task = SettingsReader::Task;
+
+std::vector<std::string> Read(SettingsReader& reader, std::vector<std::string> arguments,
+                              const Environment& environment = {}) {
+  arguments.insert(arguments.begin(), "motiondbd");
+  std::vector<const char*> argv;
+  for (const std::string& argument : arguments) argv.push_back(argument.c_str());
+  std::vector<std::string> messages;
+  for (const absl::Status& problem :
+       reader.Read(static_cast<int>(argv.size()), argv.data(), environment)) {
+    messages.emplace_back(problem.message());
+  }
+  return messages;
+}
+
+EffectiveSetting Find(const SettingsReader& reader, const std::string& key) {
+  for (const EffectiveSetting& setting : reader.Effective()) {
+    if (setting.key == key) return setting;
+  }
+  FAIL("no setting " + key);
+  return {};
+}
+
+std::string WriteConfig(const TemporaryDirectory& directory, const std::string& text) {
+  std::ofstream(directory / "motiondbd.conf") << text;
+  return directory / "motiondbd.conf";
+}
+
+TEST_CASE("Settings: flags beat variables, variables the file, the file the defaults",
+          "[settings]") {
+  const TemporaryDirectory directory;
+  const std::string file = WriteConfig(directory, "store = \"/s.db\"\nthreads = 3\n");
+  struct Case {
+    bool in_file, in_environment, as_flag;
+    int threads;
+    std::string source;
+  };
+  // All eight ways of setting one thing in three places.
+  for (const Case& c :
+       {Case{false, false, false, 0, "default"}, Case{true, false, false, 3, file + ":2"},
+        Case{false, true, false, 5, "MOTIONDBD_THREADS"},
+        Case{true, true, false, 5, "MOTIONDBD_THREADS"}, Case{false, false, true, 7, "--threads"},
+        Case{true, false, true, 7, "--threads"}, Case{false, true, true, 7, "--threads"},
+        Case{true, true, true, 7, "--threads"}}) {
+    CAPTURE(c.in_file, c.in_environment, c.as_flag);
+    std::vector<std::string> arguments{"--store", "/s.db"};
+    if (c.in_file) arguments.insert(arguments.end(), {"--config", file});
+    if (c.as_flag) arguments.insert(arguments.end(), {"--threads", "7"});
+    Environment environment;
+    if (c.in_environment) environment["MOTIONDBD_THREADS"] = "5";
+    SettingsReader reader;
+    CHECK(Read(reader, arguments, environment).empty());
+    CHECK(reader.settings().server.engine.query_threads == c.threads);
+    CHECK(Find(reader, "threads").value == std::to_string(c.threads));
+    CHECK(Find(reader, "threads").source == c.source);
+  }
+}
+
+TEST_CASE("Settings: every one has all three forms", "[settings]") {
+  const TemporaryDirectory directory;
+  SettingsReader defaults;
+  CHECK(Read(defaults, {"--store", "/s.db"}).empty());
+  for (const EffectiveSetting& setting : defaults.Effective()) {
+    CAPTURE(setting.key);
+    const std::string value = setting.key == "store" ? "\"/other.db\"" : setting.value;
+    const std::string file =
+        WriteConfig(directory, (setting.key == "store" ? "" : "store = '/s.db'\n") + setting.key +
+                                   " = " + value);
+    SettingsReader from_file;
+    CHECK(Read(from_file, {"--config", file}).empty());
+    CHECK(Find(from_file, setting.key).source.starts_with(file + ":"));
+    CHECK(Find(from_file, setting.key).value == value);
+
+    std::string variable = "MOTIONDBD_";
+    for (const char c : setting.key) variable += c == '-' ? '_' : static_cast<char>(toupper(c));
+    std::vector<absl::Status> none;
+    const auto parsed = server::ParseSettings("", "k = " + value, none)[0].values;
+    if (parsed.empty()) continue;  // an empty list is given by leaving it out
+    SettingsReader from_environment;
+    Environment environment{{"MOTIONDBD_STORE", "/s.db"}};
+    environment[variable] = parsed[0];
+    CHECK(Read(from_environment, {}, environment).empty());
+    CHECK(Find(from_environment, setting.key).source == variable);
+  }
+}
+
+TEST_CASE("Settings: the file is named by a flag, or else by a variable", "[settings]") {
+  const TemporaryDirectory directory;
+  const std::string file = WriteConfig(directory, "store = '/from-file.db'");
+  SettingsReader by_variable;
+  CHECK(Read(by_variable, {}, {{"MOTIONDBD_CONFIG", file}}).empty());
+  CHECK(by_variable.settings().store_path == "/from-file.db");
+  SettingsReader by_flag;
+  CHECK(Read(by_flag, {"--config", file}, {{"MOTIONDBD_CONFIG", "/absent"}}).empty());
+  SettingsReader absent;
+  const auto problems = Read(absent, {"--config", directory / "absent.conf"});
+  REQUIRE(problems.size() == 2);  // and no store
+  CHECK(problems[0].find("absent.conf: cannot be read") != std::string::npos);
+}
+
+TEST_CASE("Settings: each mistake names its place, all at once", "[settings]") {
+  const TemporaryDirectory directory;
+  const std::string file = WriteConfig(directory,
+                                       "store = '/s.db'\n"
+                                       "thread = 3\n"
+                                       "threads = -3\n"
+                                       "max-frames = many\n"
+                                       "nonsense\n"
+                                       "listen = [ 'a:1', 'b:1' ]\n"
+                                       "config = 'x'\n"
+                                       "rebuild-delay = 0.5\n");
+  SettingsReader reader;
+  const auto problems = Read(reader, {"--config", file, "--listen", "1.2.3.4:1"},
+                             {{"MOTIONDBD_LOG_LEVEL", "loud"}, {"MOTIONDBD_THRAEDS", "1"}});
+  REQUIRE(problems.size() == 8);
+  const auto names = [&](const std::string& place, const std::string& what) {
+    for (const std::string& problem : problems) {
+      if (problem.starts_with(place + ": ") && problem.find(what) != std::string::npos) return true;
+    }
+    return false;
+  };
+  for (const std::string& problem : problems) UNSCOPED_INFO(problem);
+  CHECK(names(file + ":2", "no such setting: thread"));
+  CHECK(names(file + ":3", "--threads"));
+  CHECK(names(file + ":4", "many"));
+  CHECK(names(file + ":5", "expected `key = value`"));
+  CHECK(names(file + ":6", "listen: expected one value"));
+  CHECK(names(file + ":7", "no such setting: config"));
+  CHECK(names("MOTIONDBD_LOG_LEVEL", "loud"));
+  CHECK(names("MOTIONDBD_THRAEDS", "no such setting"));
+}
+
+TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
+  for (const char* const good : {"127.0.0.1:50051", "[::1]:0", "localhost:65535", "0.0.0.0:1"}) {
+    SettingsReader reader;
+    CHECK(Read(reader, {"--store", "/s.db", "--listen", good}).empty());
+    CHECK(reader.settings().server.listen == good);
+  }
+  for (const char* const bad :
+       {"127.0.0.1", ":50051", "host:", "host:65536", "host:-1", "host:1x", "::1:50051", "[]:1"}) {
+    SettingsReader reader;
+    const auto problems = Read(reader, {"--store", "/s.db", "--listen", bad});
+    CAPTURE(bad);
+    REQUIRE(problems.size() == 1);
+    CHECK(problems[0].find("HOST:PORT") != std::string::npos);
+  }
+}
+
+TEST_CASE("Settings: units are those that the names say", "[settings]") {
+  SettingsReader reader;
+  CHECK(Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
+                      "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
+            .empty());
+  const server::Settings& settings = reader.settings();
+  CHECK(settings.server.engine.max_file_bytes == std::size_t{3} << 20);
+  CHECK(settings.server.max_message_bytes == 5 << 20);
+  CHECK(settings.server.engine.rebuild_delay == std::chrono::milliseconds(250));
+  CHECK(settings.grace == std::chrono::milliseconds(1500));
+}
+
+TEST_CASE("Settings: help and version are asked for without any setting", "[settings]") {
+  SettingsReader help;
+  CHECK(Read(help, {"--help"}, {{"MOTIONDBD_CONFIG", "/absent"}}).empty());
+  CHECK(help.task() == Task::kHelp);
+  CHECK(help.Help().find("--check-config") != std::string::npos);
+  SettingsReader version;
+  CHECK(Read(version, {"--version"}).empty());
+  CHECK(version.task() == Task::kVersion);
+  SettingsReader check;
+  CHECK(Read(check, {"--check-config", "--store", "/s.db"}).empty());
+  CHECK(check.task() == Task::kCheck);
+  SettingsReader nothing;
+  CHECK(Read(nothing, {}).size() == 1);
+  SettingsReader unknown;
+  CHECK(Read(unknown, {"--stor", "x"}).size() == 1);
+}
+
+TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "[settings]") {
+  const TemporaryDirectory directory;
+  const auto check = [&](const std::string& store) {
+    SettingsReader reader;
+    REQUIRE(Read(reader, {"--store", store}).empty());
+    return reader.Check();
+  };
+  CHECK(check(directory / "new.db").empty());
+  CHECK(!std::filesystem::exists(directory / "new.db"));
+  REQUIRE(check(directory / "none" + "/a.db").size() == 1);
+  std::filesystem::create_directory(directory / "folder");
+  REQUIRE(check(directory / "folder").size() == 1);
+  SettingsReader delays;
+  REQUIRE(Read(delays, {"--store", directory / "a.db", "--rebuild-delay", "20"}).empty());
+  CHECK(delays.Check().size() == 1);
+}
+
+// Every line of the sample that sets something, or would without its '#'.
+std::map<std::string, std::string> SampleSettings() {
+  std::ifstream file(MOTIONDBD_CONF);
+  REQUIRE(file);
+  std::map<std::string, std::string> settings;
+  std::string line;
+  while (std::getline(file, line)) {
+    if (line.starts_with("#")) line.erase(0, 1);
+    if (line.empty() || !islower(line.front())) continue;
+    std::vector<absl::Status> problems;
+    const auto parsed = server::ParseSettings(MOTIONDBD_CONF, line, problems);
+    INFO(line);
+    REQUIRE(problems.empty());
+    REQUIRE(parsed.size() == 1);
+    const std::size_t equals = line.find('=');
+    const bool is_array = line.find('[', equals) == equals + 2;
+    CHECK(settings.emplace(parsed[0].key, server::FormatValues(parsed[0].values, is_array)).second);
+  }
+  return settings;
+}
+
+TEST_CASE("Settings: the sample has every setting, with its default", "[settings]") {
+  const std::map<std::string, std::string> sample = SampleSettings();
+  SettingsReader defaults;
+  CHECK(Read(defaults, {"--store", "/var/lib/motiondb/motion.db"}).empty());
+  std::map<std::string, std::string> settings;
+  for (const EffectiveSetting& setting : defaults.Effective()) {
+    settings[setting.key] = setting.value;
+  }
+  CHECK(sample == settings);
+  SettingsReader reader;
+  CHECK(Read(reader, {"--config", MOTIONDBD_CONF}).empty());
+}
+
+}  // namespace
+}  // namespace motiondb::tests

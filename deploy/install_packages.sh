@@ -8,6 +8,9 @@ build=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libssl-dev       # tokens: random bytes and hashes
   libtinyxml2-dev  # URDF files are XML
+  python3          # manual pages and completions, from what the programs say of themselves
+  file             # what the package's programs link, for its dependencies
+  dpkg-dev
 )
 test=(
   catch2 clang-format
@@ -27,6 +30,16 @@ fuzz=(
   libclang-rt-dev  # its run-time libraries: libFuzzer and the sanitizers
   llvm             # llvm-symbolizer: findings with names and lines
 )
+deploy_test=(       # what tests/deploy uses beyond these
+  debootstrap       # a Debian to install the package in, and to make an image from
+  buildah           # builds and runs the image without a container engine
+  nginx-light       # the front
+  openssl           # certificates of a test's own
+  systemd           # systemd-analyze, which judges the unit
+  man-db            # reads the manual pages
+  bsdextrautils     # col, that takes their bold face off
+  python3-yaml      # the Kubernetes manifests
+)
 
 wanted=()
 for purpose in "$@"; do
@@ -35,7 +48,8 @@ for purpose in "$@"; do
     test) wanted+=("${test[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
-    *) echo "install_packages.sh: expected build, test, demo or fuzz, got '$purpose'" >&2; exit 2 ;;
+    deploy-test) wanted+=("${deploy_test[@]}") ;;
+    *) echo "install_packages.sh: expected build, test, demo, fuzz or deploy-test, got '$purpose'" >&2; exit 2 ;;
   esac
 done
 

@@ -48,7 +48,9 @@ as_service() {
 as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | sed 's/^/  /'
 
 echo "== serves and answers, as the user of the service"
-as_service motiondbd --config /etc/motiondb/motiondbd.conf --listen 127.0.0.1:0 \
+# Each of these becomes the next: the server has this process's number.
+chroot "$root" setpriv --reuid motiondb --regid motiondb --clear-groups \
+  motiondbd --config /etc/motiondb/motiondbd.conf --listen 127.0.0.1:0 \
   --log-level error >"$work/address" &
 server=$!
 for _ in $(seq 100); do

@@ -1,0 +1,236 @@
+#!/usr/bin/python3
+"""nginx, with deploy/nginx/motiondb.conf, before motiondbd: every query through TLS.
+
+    front_test.py MOTIONDBD MOTIONDB
+
+motiondb speaks plain gRPC to a bridge, another nginx server, that speaks TLS to the front and verifies
+its certificate: what is proxied is a real client's traffic, and between bridge and front it is encrypted.
+"""
+
+import json
+import os
+import re
+import shutil
+import socket
+import ssl
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+MOTIONDBD, MOTIONDB = sys.argv[1:3]
+HERE = os.path.dirname(os.path.abspath(__file__))
+FRONT = os.path.join(HERE, "../../deploy/nginx/motiondb.conf")
+SKIPPED = 77
+
+FRAME = """\
+daemon off;
+pid {folder}/nginx.pid;
+error_log {folder}/error.log warn;
+worker_processes 1;
+events {{ worker_connections 256; }}
+http {{
+  access_log {folder}/access.log;
+  client_body_temp_path {folder}/body;
+  proxy_temp_path {folder}/proxy;
+  fastcgi_temp_path {folder}/fastcgi;
+  uwsgi_temp_path {folder}/uwsgi;
+  scgi_temp_path {folder}/scgi;
+  include {folder}/motiondb.conf;
+
+  server {{
+    listen 127.0.0.1:{bridge} http2;
+    client_max_body_size 0;
+    grpc_read_timeout 1h;
+    grpc_send_timeout 1h;
+    location / {{
+      grpc_pass grpcs://127.0.0.1:{front};
+      grpc_ssl_verify on;
+      grpc_ssl_name motion.example.org;
+      grpc_ssl_server_name on;
+      grpc_ssl_trusted_certificate {folder}/motiondb.crt;
+    }}
+  }}
+}}
+"""
+
+
+def free_port():
+    with socket.socket() as listener:
+        listener.bind(("127.0.0.1", 0))
+        return listener.getsockname()[1]
+
+
+def replace(text, old, new):
+    assert old in text, f"{FRONT} has no {old}"
+    return text.replace(old, new)
+
+
+class WithNginx(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.mkdtemp()
+        cls.addClassCleanup(shutil.rmtree, cls.folder)
+        os.chmod(cls.folder, 0o755)
+        cls.server = cls.start_server()
+        cls.front_port, cls.bridge_port = free_port(), free_port()
+        cls.start_nginx()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder, name)
+
+    @classmethod
+    def start(cls, *command, **options):
+        process = subprocess.Popen(command, **options)
+
+        def end():
+            process.terminate()
+            process.wait(timeout=60)
+            if process.stdout:
+                process.stdout.close()
+        cls.addClassCleanup(end)
+        return process
+
+    @classmethod
+    def start_nginx(cls):
+        subprocess.run(["openssl", "req", "-x509", "-newkey", "rsa:2048", "-nodes", "-days", "2",
+                        "-subj", "/CN=motion.example.org",
+                        "-addext", "subjectAltName=DNS:motion.example.org",
+                        "-keyout", cls.path("motiondb.key"), "-out", cls.path("motiondb.crt")],
+                       check=True, capture_output=True)
+        with open(FRONT, encoding="utf-8") as file:
+            text = file.read()
+        # The file as it is, but for this test's ports and certificate.
+        text = replace(text, "server 127.0.0.1:50051;", f"server {cls.server};")
+        text = replace(text, "listen 443 ssl http2;",
+                       f"listen 127.0.0.1:{cls.front_port} ssl http2;")
+        text = replace(text, "/etc/nginx/tls/motiondb.", cls.path("motiondb."))
+        with open(cls.path("motiondb.conf"), "w", encoding="utf-8") as file:
+            file.write(text)
+        with open(cls.path("nginx.conf"), "w", encoding="utf-8") as file:
+            file.write(FRAME.format(folder=cls.folder, bridge=cls.bridge_port,
+                                    front=cls.front_port))
+        command = [shutil.which("nginx"), "-p", cls.folder, "-e", cls.path("error.log"),
+                   "-c", cls.path("nginx.conf")]
+        subprocess.run([*command, "-t", "-q"], check=True)
+        cls.start(*command)
+        for _ in range(100):
+            try:
+                socket.create_connection(("127.0.0.1", cls.front_port), timeout=1).close()
+                return
+            except OSError:
+                time.sleep(0.1)
+        raise AssertionError("nginx does not listen")
+
+    @classmethod
+    def run_motiondb(cls, *arguments):
+        return subprocess.run([MOTIONDB, "--server", f"127.0.0.1:{cls.bridge_port}", "--json",
+                               *arguments], capture_output=True, text=True, timeout=120)
+
+
+class Front(WithNginx):
+    @classmethod
+    def start_server(cls):
+        server = cls.start(MOTIONDBD, "--store", cls.path("a.db"), "--listen", "127.0.0.1:0",
+                           "--log-level", "error", stdout=subprocess.PIPE, text=True)
+        return server.stdout.readline().strip().rsplit(" ", 1)[-1]
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        for name, speed in (("walk", "1"), ("run", "2")):
+            with open(cls.path(f"{name}.bvh"), "w", encoding="utf-8") as file:
+                subprocess.run([os.path.join(HERE, "walk.py"), "6", speed], stdout=file, check=True)
+        cls.ask("create", "demo", "--marker-set", "source", "--min-frames", "4")
+        for name in ("walk", "run"):
+            cls.ask("ingest", "demo", cls.path(f"{name}.bvh"), "--label", name)
+
+    @classmethod
+    def ask(cls, *arguments):
+        result = cls.run_motiondb(*arguments)
+        assert result.returncode == 0, f"{arguments}: {result.stderr}"
+        return [json.loads(line) for line in result.stdout.splitlines()]
+
+    def directly(self, *arguments):
+        """The same, without the front."""
+        result = subprocess.run([MOTIONDB, "--server", self.server, "--json", *arguments],
+                                capture_output=True, text=True, check=True)
+        return [json.loads(line) for line in result.stdout.splitlines()]
+
+    def same(self, *arguments):
+        answer = self.ask(*arguments)
+        self.assertTrue(answer)
+        self.assertEqual(answer, self.directly(*arguments))
+        return answer
+
+    def test_recognize(self):
+        self.assertIn("run", json.dumps(self.same("recognize", "demo", self.path("run.bvh"))))
+
+    def test_estimate(self):
+        self.same("estimate", "demo", self.path("run.bvh"))
+
+    def test_predict(self):
+        self.same("predict", "demo", self.path("run.bvh"), "--at", "2", "--horizon", "0.1,0.5")
+
+    def test_plan(self):
+        answer = self.ask("plan", "demo", "--start", "walk@1", "--goal", "1,0,0",
+                          "--search-seconds", "1")
+        self.assertTrue(answer)
+
+    def test_observe(self):
+        # A stream of many messages each way.
+        answers = self.ask("observe", "demo", self.path("run.bvh"))
+        self.assertGreater(len(answers), 20)
+
+    def test_a_large_file(self):
+        # Beyond nginx's own limit of 1 MiB.
+        with open(self.path("long.bvh"), "w", encoding="utf-8") as file:
+            subprocess.run([os.path.join(HERE, "walk.py"), "240", "1.3"], stdout=file, check=True)
+        self.assertGreater(os.path.getsize(self.path("long.bvh")), 1 << 20)
+        self.same("recognize", "demo", self.path("long.bvh"), "--window", "all")
+
+    def test_errors_come_through(self):
+        result = self.run_motiondb("describe", "absent")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("absent", result.stderr)
+
+    def test_it_is_tls_and_h2(self):
+        context = ssl.create_default_context(cafile=self.path("motiondb.crt"))
+        context.set_alpn_protocols(["h2"])
+        with socket.create_connection(("127.0.0.1", self.front_port)) as plain, \
+                context.wrap_socket(plain, server_hostname="motion.example.org") as secured:
+            self.assertEqual(secured.selected_alpn_protocol(), "h2")
+            self.assertIn(secured.version(), ("TLSv1.2", "TLSv1.3"))
+        # Each call was seen by the front, too: twice in the log, by the bridge and by it.
+        with open(self.path("access.log"), encoding="utf-8") as file:
+            calls = re.findall(r'"POST (/motiondb\.v1\.\S+) HTTP/2\.0" 200', file.read())
+        self.assertGreaterEqual(calls.count("/motiondb.v1.ClipService/IngestClip"), 4)
+
+    def test_other_paths_are_no_service(self):
+        result = subprocess.run(
+            ["curl", "-s", "-D-", "--http2", "--cacert", self.path("motiondb.crt"), "--resolve",
+             f"motion.example.org:{self.front_port}:127.0.0.1",
+             f"https://motion.example.org:{self.front_port}/other"],
+            capture_output=True, text=True, check=True)
+        self.assertIn("grpc-status: 12", result.stdout)
+
+
+class WithoutServer(WithNginx):
+    @classmethod
+    def start_server(cls):
+        return f"127.0.0.1:{free_port()}"
+
+    def test_the_front_says_so_in_grpc(self):
+        result = self.run_motiondb("list")
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("motiondbd does not answer", result.stderr)
+
+
+for program in ("nginx", "openssl", "curl"):
+    if not shutil.which(program, path=os.environ["PATH"] + ":/usr/sbin"):
+        print(f"skipped: no {program}; deploy/install_packages.sh deploy-test")
+        sys.exit(SKIPPED)
+os.environ["PATH"] += ":/usr/sbin"
+unittest.main(argv=sys.argv[:1])

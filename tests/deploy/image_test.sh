@@ -1,0 +1,122 @@
+#!/usr/bin/env bash
+# Builds the image as deploy/docker/Dockerfile says, on a base made by debootstrap, without a container
+# engine; runs containers of it, asks their servers from outside, and checks that they are healthy, without
+# rights, and that the store outlives them. It compiles the project: not among what ctest runs.
+#   tests/deploy/image_test.sh MOTIONDB        the client to ask with
+set -euo pipefail
+here=$(cd "$(dirname "$0")" && pwd)
+motiondb=$(realpath "$1")
+. "$here/root_folder.sh"
+need_root
+need debootstrap buildah python3
+
+work=$(mktemp -d)
+container= run= server=
+finish() {
+  [ -z "$server" ] || kill -KILL "$server" 2>/dev/null || true
+  [ -z "$container" ] || in_storage rm "$container" >/dev/null || true
+  rm -rf "$work"
+}
+trap finish EXIT
+fail() {
+  echo "image_test: $1" >&2
+  [ ! -s "$work/log" ] || tail -n 20 "$work/log" >&2
+  exit 1
+}
+# Images of this test alone.
+driver=$(grep -qw overlay /proc/filesystems && echo overlay || echo vfs)
+in_storage() {
+  buildah --root "$cache/containers" --runroot "$work/run" --storage-driver "$driver" "$@"
+}
+
+echo "== the base image"
+base_root
+if ! in_storage inspect localhost/bookworm >/dev/null 2>&1; then
+  root=$work/root
+  mkdir "$root"
+  cp -a "$cache/bookworm/." "$root"
+  rm -f "$root/etc/apt/sources.list"
+  cp -rL /etc/apt/. "$root/etc/apt"
+  cp -rL /usr/share/keyrings/. "$root/usr/share/keyrings"
+  scratch=$(in_storage from scratch)
+  in_storage add --quiet "$scratch" "$root" / >/dev/null
+  in_storage config --cmd bash "$scratch"
+  in_storage commit --quiet --rm "$scratch" localhost/bookworm >/dev/null
+  rm -rf "$root"
+fi
+
+echo "== the image, built by the Dockerfile"
+# A compiler's cache, if there is one, serves here, too.
+mounts=()
+compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
+[ ! -d "$compiled" ] || mounts=(--volume "$compiled:/root/.cache/ccache")
+(cd "$here/../.." && in_storage bud --isolation chroot --build-arg BASE=localhost/bookworm \
+  "${mounts[@]}" -f deploy/docker/Dockerfile -t localhost/motiondb .) >"$work/log" 2>&1 || fail "buildah bud"
+grep "^STEP" "$work/log"
+: >"$work/log"
+in_storage inspect --type image --format \
+  'user {{.OCIv1.Config.User}}  volumes {{.OCIv1.Config.Volumes}}  ports {{.OCIv1.Config.ExposedPorts}}  stop {{.OCIv1.Config.StopSignal}}' \
+  localhost/motiondb | tee "$work/config"
+grep -q "user 65051:65051" "$work/config" || fail "the image's user has rights"
+grep -q "/var/lib/motiondb" "$work/config" || fail "the store is in no volume"
+
+# Beyond a container's loopback a server without TLS has to be told that this is meant.
+open=()
+store=$work/volume
+install -d -o 65051 -g 65051 "$store"
+port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+
+# The image's own program, user and variables, on this machine's network.
+start_container() {
+  local i
+  container=$(in_storage from localhost/motiondb)
+  in_storage run --isolation chroot --volume "$store:/var/lib/motiondb" "$container" -- \
+    motiondbd --listen "127.0.0.1:$port" "${open[@]}" >"$work/address" 2>"$work/log" &
+  run=$!
+  for i in $(seq 300); do
+    if grep -q listening "$work/address"; then
+      server=$(pgrep -u 65051 -f "^motiondbd --listen 127.0.0.1:$port")
+      return
+    fi
+    kill -0 "$run" 2>/dev/null || fail "the container ended"
+    sleep 0.1
+  done
+  fail "the container's server does not answer"
+}
+stop_container() {
+  [ -z "$server" ] || kill -TERM "$server" || true  # the image's stop signal
+  [ -z "$run" ] || wait "$run" || fail "the server did not end in order"
+  server= run=
+  [ -z "$container" ] || in_storage rm "$container" >/dev/null
+  container=
+}
+healthy() {
+  in_storage run --isolation chroot --env "MOTIONDBD_LISTEN=127.0.0.1:$port" "$container" -- \
+    /usr/lib/motiondb/health_check
+}
+ask() {
+  "$motiondb" --server "127.0.0.1:$port" "$@"
+}
+
+echo "== a container"
+start_container
+[ "$(ps -o uid= -p "$server" | tr -d ' ')" = 65051 ] || fail "the server has rights"
+grep -q '^CapEff:.0*$' "/proc/$server/status" || fail "the server has capabilities"
+healthy || fail "the health check says no"
+"$here/walk.py" 6 1 >"$work/walk.bvh"
+"$here/walk.py" 6 2 >"$work/run.bvh"
+ask create demo --marker-set source --min-frames 4 >/dev/null
+ask ingest demo "$work/walk.bvh" --label walk | tail -n 1
+ask ingest demo "$work/run.bvh" --label run | tail -n 1
+ask recognize demo "$work/run.bvh" --window all | tee "$work/answer"
+grep -q run "$work/answer" || fail "did not recognise what was stored"
+for program in gcc g++ cmake; do
+  ! in_storage run --isolation chroot "$container" -- which "$program" || fail "the image has $program"
+done
+
+echo "== a new container on the same volume"
+stop_container
+start_container
+ask recognize demo "$work/run.bvh" --window all | diff "$work/answer" - || fail "the store did not survive"
+stop_container
+echo "image_test: built, run, asked, unprivileged, healthy; the store outlives its container"

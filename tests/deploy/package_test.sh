@@ -91,6 +91,12 @@ if grep -q motiondbd "$work/unit"; then
   fail "systemd-analyze verify"
 fi
 
+echo "== installed again: what was changed stays"
+echo 'max-frames = 4321' >>"$root/etc/motiondb/motiondbd.conf"
+enter_root "$root" apt-get install -y -qq --reinstall "/tmp/$(basename "$package")" >"$work/apt.log" 2>&1 ||
+  { tail "$work/apt.log" >&2; fail "apt install --reinstall"; }
+as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | grep "^max-frames = 4321"
+
 echo "== removed and purged: the store is left"
 enter_root "$root" apt-get purge -y -qq motiondb >"$work/apt.log" 2>&1 ||
   { cat "$work/apt.log" >&2; fail "purge"; }

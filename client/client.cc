@@ -74,6 +74,8 @@ MOTIONDB_UNARY(ListTokens, access, AccessService)
 MOTIONDB_UNARY(RevokeToken, access, AccessService)
 MOTIONDB_UNARY(ListAuditEntries, access, AccessService)
 
+MOTIONDB_UNARY(GetServerStatus, store, StoreService)
+
 #undef MOTIONDB_UNARY
 
 absl::Status Client::ReadStates(

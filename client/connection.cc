@@ -54,7 +54,9 @@ Client::Connection::Connection(ClientOptions options)
       queries(v1::QueryService::NewStub(channel_)),
       observations(v1::ObserveService::NewStub(channel_)),
       operations(v1::OperationService::NewStub(channel_)),
-      access(v1::AccessService::NewStub(channel_)) {}
+      access(v1::AccessService::NewStub(channel_)),
+
+      store(v1::StoreService::NewStub(channel_)) {}
 
 absl::Status Client::Connection::WaitUntilConnected() const {
   if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {

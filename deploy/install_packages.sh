@@ -8,6 +8,8 @@ build=(
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libssl-dev       # tokens: random bytes and hashes
   libtinyxml2-dev  # URDF files are XML
+  nlohmann-json3-dev # log lines as JSON, and the figures that motiondb_eval writes
+  prometheus-cpp-dev # metrics: counters, histograms and their text format (its HTTP server is not used)
   python3          # manual pages and completions, from what the programs say of themselves
   file             # what the package's programs link, for its dependencies
   dpkg-dev
@@ -21,8 +23,8 @@ test=(
   libfaiss-dev       # nearest neighbours: what recognition is measured against
   libopenblas0-pthread # FAISS at its own speed: the reference BLAS is many times slower
   openssl            # certificates that tests make
-  nlohmann-json3-dev # the figures that motiondb_eval writes
   python3-numpy      # opens what `motiondb dump` writes
+  python3-prometheus-client # reads the metrics as Prometheus does
 )
 demo=(assimp-testmodels)
 fuzz=(

@@ -1,7 +1,6 @@
 // motiondbd: opens the store, serves until SIGTERM or SIGINT, and drains.
 #include <fmt/format.h>
 #include <grpc/support/log.h>
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <boost/asio/io_context.hpp>
@@ -14,6 +13,9 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "server/observability/health_server.h"
+#include "server/observability/log.h"
+#include "server/rpc/method.h"
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
 #include "server/systemd_notify.h"
@@ -22,10 +24,7 @@
 namespace motiondb::server {
 namespace {
 
-void StartLog(const std::string& level) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt("motiondbd"));
-  spdlog::set_level(spdlog::level::from_str(level));
-  spdlog::set_pattern("%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ %v");
+void LogGrpc() {
   // What gRPC cannot do comes back as a status and is told once, in our words.
   gpr_set_log_function([](gpr_log_func_args* line) { spdlog::debug("grpc: {}", line->message); });
 }
@@ -46,9 +45,20 @@ absl::Status Serve(const Settings& settings) {
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
                             PlanSecurity(settings.server.security, settings.server.listen));
   // Whatever the level of the log.
-  if (!plan.warning.empty()) fmt::print(stderr, "motiondbd: {}\n", plan.warning);
+  if (!plan.warning.empty()) Tell(settings.log.format, plan.warning);
+  // First, so that a long start can be watched.
+  const auto monitor =
+      std::make_shared<Monitor>(MonitorOptions{.methods = MethodNames(),
+                                               .store_path = settings.store_path,
+                                               .slow_call = settings.log.slow_call});
+  MOTIONDB_ASSIGN_OR_RETURN(const auto http, StartHealthServer(settings.http_listen, *monitor));
+  if (http != nullptr && !settings.http_listen.empty()) {
+    fmt::print("motiondbd: metrics at http://{}/metrics\n", http->address());
+    std::fflush(stdout);
+  }
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(settings.store_path));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto server, Server::Start(std::move(store), settings.server));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto server,
+                            Server::Start(std::move(store), settings.server, monitor));
   fmt::print("motiondbd: listening on {}\n", server->address());
   std::fflush(stdout);
   spdlog::info("store {}, listening on {}", settings.store_path, server->address());
@@ -102,10 +112,12 @@ int Run(int argc, const char* const* argv) {
     case SettingsReader::Task::kServe:
       break;
   }
-  StartLog(reader.settings().log.level);
+  const LogSettings& log = reader.settings().log;
+  StartLog(log.format, log.level);
+  LogGrpc();
   const absl::Status status = Serve(reader.settings());
   if (status.ok()) return 0;
-  fmt::print(stderr, "motiondbd: {}\n", std::string(status.message()));
+  Tell(log.format, std::string(status.message()));
   return kFailed;
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
 #include "server/security/tls.h"
@@ -30,16 +31,19 @@ constexpr std::chrono::milliseconds kFarewell{100};
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
     "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
-    "motiondb.v1.AccessService"};
+    "motiondb.v1.AccessService",    "motiondb.v1.StoreService"};
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::MotionStore> store,
-                                                      const ServerOptions& options) {
+                                                      const ServerOptions& options,
+                                                      std::shared_ptr<Monitor> monitor) {
+  if (monitor == nullptr) monitor = std::make_shared<Monitor>(MonitorOptions{MethodNames()});
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
                             PlanSecurity(options.security, options.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
-  std::unique_ptr<Server> server(new Server(std::move(engine), plan.access, options.calls));
+  std::unique_ptr<Server> server(
+      new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
   if (options.security.tls.enabled()) {
     MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls));
   }
@@ -48,9 +52,12 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
 }
 
 Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
-               const CallLimitOptions& calls)
-    : engine_(std::move(engine)),
-      host_(new CallHost{*engine_, {engine_->store().access(), access}, CallLimits(calls), {}}) {
+               const CallLimitOptions& calls, std::shared_ptr<Monitor> monitor)
+    : monitor_(std::move(monitor)),
+      engine_(std::move(engine)),
+      attachment_(*monitor_, *engine_),
+      host_(new CallHost{
+          *engine_, {engine_->store().access(), access}, CallLimits(calls), {}, *monitor_}) {
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));
@@ -58,6 +65,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeQueryService(*host_));
   services_.push_back(MakeObserveService(*host_));
   services_.push_back(MakeAccessService(*host_));
+  services_.push_back(MakeStoreService(*host_));
 }
 
 Server::~Server() { Drain(std::chrono::milliseconds(0)); }
@@ -83,11 +91,14 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   for (const char* const name : kServiceNames) {
     grpc_->GetHealthCheckService()->SetServingStatus(name, true);
   }
+  monitor_->SetTransport(tls_ != nullptr, host_->access.authentication());
+  monitor_->SetPhase(Phase::kServing);
   return absl::OkStatus();
 }
 
 void Server::Drain(std::chrono::milliseconds grace) {
   if (grpc_ == nullptr) return;
+  monitor_->SetPhase(Phase::kDraining);
   const auto latest = std::chrono::steady_clock::now() + grace;
   grpc_->GetHealthCheckService()->Shutdown();
   host_->gate.Close();

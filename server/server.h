@@ -8,6 +8,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
+#include "server/observability/monitor.h"
 #include "server/rpc/call_limits.h"
 #include "server/security/security_options.h"
 
@@ -32,16 +33,19 @@ struct ServerOptions {
 // Thread-safe. Owns the store, all threads and the socket.
 class Server {
  public:
-  // Opens the engine and answers from then on. Codes: those of the store and of PlanSecurity, and
-  // UNAVAILABLE where the address cannot be listened on.
+  // Opens the engine and answers from then on. The monitor, one of its own where it is null, sees
+  // the server from here to its end. Codes: those of the store and of PlanSecurity, and UNAVAILABLE
+  // where the address cannot be listened on.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
-                                                       const ServerOptions& options);
+                                                       const ServerOptions& options,
+                                                       std::shared_ptr<Monitor> monitor = nullptr);
   // Ends at once what still runs.
   ~Server();
 
   // HOST:PORT that clients reach it at.
   const std::string& address() const { return address_; }
   Engine& engine() { return *engine_; }
+  Monitor& monitor() { return *monitor_; }
 
   // Says NOT_SERVING to health checks, answers new calls with UNAVAILABLE, leaves builds to the
   // next server, and returns when all calls have ended; those that have not after `grace` are
@@ -49,11 +53,13 @@ class Server {
   void Drain(std::chrono::milliseconds grace);
 
  private:
-  Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
-         const CallLimitOptions& calls);
+  Server(std::unique_ptr<Engine> engine, const AccessOptions& access, const CallLimitOptions& calls,
+         std::shared_ptr<Monitor> monitor);
   absl::Status Listen(const ServerOptions& options, bool reflection);
 
+  const std::shared_ptr<Monitor> monitor_;
   const std::unique_ptr<Engine> engine_;
+  const Monitor::Attachment attachment_;
   const std::unique_ptr<CallHost> host_;
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text

@@ -12,7 +12,8 @@ cmake --preset "$preset" >"/tmp/motiondb-configure-$$.log" 2>&1 ||
 rm -f "/tmp/motiondb-configure-$$.log"
 if [ "$preset" = tsan ]; then
   # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs.
-  tests=(tree_tests graph_tests model_tests inference_tests recognition_tests storage_tests server_engine_tests)
+  tests=(tree_tests graph_tests model_tests inference_tests recognition_tests storage_tests
+         server_engine_tests server_observability_tests)
   cmake --build --preset tsan --target "${tests[@]}"
   set -- -R "^($(IFS='|'; echo "${tests[*]}"))\$" "$@"
 else

@@ -64,6 +64,7 @@ void AddOperationsCommand(CommandLine line);
 void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
+void AddStatusCommand(CommandLine line);
 void AddTokenCommand(CommandLine line);
 
 }  // namespace motiondb::client

@@ -92,6 +92,7 @@ int Run(int argc, char** argv) {
   AddOperationsCommand(line);
   AddTokenCommand(line);
   AddAuditCommand(line);
+  AddStatusCommand(line);
   app.footer(
       "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
       "extensions: .bvh, .amc (its .asf is found beside it), .trc, .c3d. Options may stand before\n"

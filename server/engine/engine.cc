@@ -84,6 +84,22 @@ absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::st
   return found->second;
 }
 
+std::vector<std::shared_ptr<LiveDatabase>> Engine::Databases() {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<LiveDatabase>> databases;
+  databases.reserve(databases_.size());
+  for (const auto& [name, database] : databases_) databases.push_back(database);
+  return databases;
+}
+
+std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatabase& database) {
+  const auto id = rebuilder_.CurrentOperation(database);
+  if (!id) return std::nullopt;
+  auto operation = operations_.Get(*id);
+  if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended since
+  return *std::move(operation);
+}
+
 absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
   if (auto snapshot = database.snapshot()) return snapshot;
   if (const auto operation = rebuilder_.CurrentOperation(database)) {

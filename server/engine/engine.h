@@ -7,6 +7,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,6 +53,12 @@ class Engine {
   absl::Status DeleteDatabase(const std::string& database);
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
+
+  // All, in order of name.
+  std::vector<std::shared_ptr<LiveDatabase>> Databases();
+
+  // The rebuild that waits or works for a database, as it stands; nothing where there is none.
+  std::optional<storage::OperationRecord> CurrentOperation(const LiveDatabase& database);
 
   // The model that answers queries now. FAILED_PRECONDITION, saying what to do, if there is none.
   absl::StatusOr<std::shared_ptr<const Snapshot>> CurrentModel(const LiveDatabase& database);

@@ -69,6 +69,17 @@ void LiveDatabase::Add(const StoredAmount& amount) {
   stored_.byte_count += amount.byte_count;
 }
 
+RebuildTally LiveDatabase::rebuilds() const {
+  const std::lock_guard lock(mutex_);
+  return rebuilds_;
+}
+
+void LiveDatabase::CountRebuild(std::int64_t RebuildTally::*outcome, double seconds) {
+  const std::lock_guard lock(mutex_);
+  ++(rebuilds_.*outcome);
+  rebuilds_.seconds += seconds;
+}
+
 absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& change) {
   const std::shared_lock lock(life_mutex_);
   if (deleted_) return core::NotFound("database '{}' was deleted", name_);

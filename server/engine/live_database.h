@@ -38,6 +38,14 @@ inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
   return {1, clip.frame_count, clip.byte_count};
 }
 
+// How the rebuilds since the start ended, and how long they took together.
+struct RebuildTally {
+  std::int64_t succeeded = 0;
+  std::int64_t failed = 0;
+  std::int64_t cancelled = 0;  // by a caller, or because the server stops
+  double seconds = 0;
+};
+
 class LiveDatabase {
  public:
   LiveDatabase(std::string name, const core::BuildSettings& settings)
@@ -60,6 +68,10 @@ class LiveDatabase {
   // Adds it, unless that would be more than a database may hold: RESOURCE_EXHAUSTED then, saying
   // what there is and which setting it meets.
   absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);
+
+  RebuildTally rebuilds() const;
+  // Counts a rebuild under one of the tally's outcomes.
+  void CountRebuild(std::int64_t RebuildTally::*outcome, double seconds);
 
   // Runs a change of what is stored, several at a time, but none once the database is deleted:
   // NOT_FOUND then.
@@ -85,6 +97,7 @@ class LiveDatabase {
   absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme_ = nullptr;
   std::shared_ptr<const Snapshot> snapshot_;
   StoredAmount stored_;
+  RebuildTally rebuilds_;
 
   std::shared_mutex life_mutex_;
   bool deleted_ = false;

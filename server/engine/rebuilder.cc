@@ -157,6 +157,7 @@ void Rebuilder::Run(Build& build) {
     book_.Advance(build.operation, fraction, stage);
     return build.stop == StopReason::kNone;
   };
+  const Clock::time_point began = Clock::now();
   absl::StatusOr<Rebuilt> rebuilt;
   try {
     rebuilt = Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress);
@@ -165,6 +166,12 @@ void Rebuilder::Run(Build& build) {
   } catch (const std::exception& error) {
     rebuilt = absl::InternalError(error.what());
   }
+  const std::chrono::duration<double> took = Clock::now() - began;
+  const auto outcome = rebuilt.ok()                      ? &RebuildTally::succeeded
+                       : build.stop != StopReason::kNone ? &RebuildTally::cancelled
+                                                         : &RebuildTally::failed;
+  // Before the operation ends, so that who waited for it finds it counted.
+  build.database->CountRebuild(outcome, took.count());
   EndOperation(build, rebuilt);
 }
 

@@ -44,9 +44,21 @@ Workers::Workers(const EngineOptions& options)
 
 Workers::~Workers() { Join(); }
 
-void Workers::Post(std::function<void()> work) { boost::asio::post(requests_, std::move(work)); }
+std::function<void()> Workers::Counted(std::function<void()> work) {
+  queued_.fetch_add(1, std::memory_order_relaxed);
+  return [this, work = std::move(work)] {
+    queued_.fetch_sub(1, std::memory_order_relaxed);
+    work();
+  };
+}
 
-void Workers::PostHeavy(std::function<void()> work) { heavy_requests_.Post(std::move(work)); }
+void Workers::Post(std::function<void()> work) {
+  boost::asio::post(requests_, Counted(std::move(work)));
+}
+
+void Workers::PostHeavy(std::function<void()> work) {
+  heavy_requests_.Post(Counted(std::move(work)));
+}
 
 core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }
 

@@ -4,6 +4,7 @@
 // Thread-safe.
 #pragma once
 
+#include <atomic>
 #include <boost/asio/thread_pool.hpp>
 #include <functional>
 
@@ -24,6 +25,9 @@ class Workers {
   void Post(std::function<void()> work);
   // The same of work that takes long: some request threads always stay with the rest.
   void PostHeavy(std::function<void()> work);
+  // Pieces of work of both kinds that no thread has begun.
+  int queued() const { return queued_.load(std::memory_order_relaxed); }
+  int request_threads() const { return request_threads_; }
 
   Executor request_executor() { return requests_.get_executor(); }
   Executor build_executor() { return builds_.get_executor(); }
@@ -39,8 +43,12 @@ class Workers {
   void Join();
 
  private:
+  // The work, counted as queued until it begins.
+  std::function<void()> Counted(std::function<void()> work);
+
   const int request_threads_;
   const int build_threads_;
+  std::atomic<int> queued_{0};
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;
   boost::asio::thread_pool extensions_;

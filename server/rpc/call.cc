@@ -1,7 +1,5 @@
 #include "server/rpc/call.h"
 
-#include <spdlog/spdlog.h>
-
 #include <exception>
 #include <new>
 
@@ -9,11 +7,6 @@
 
 namespace motiondb::server {
 namespace {
-
-bool IsOwnFault(absl::StatusCode code) {
-  return code == absl::StatusCode::kInternal || code == absl::StatusCode::kUnknown ||
-         code == absl::StatusCode::kDataLoss;
-}
 
 absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
   try {
@@ -30,9 +23,7 @@ absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler) {
   if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
-  const absl::Status status = WithoutExceptions(handler);
-  if (IsOwnFault(status.code())) spdlog::error("a call failed: {}", status.ToString());
-  return ToGrpcStatus(status);
+  return ToGrpcStatus(WithoutExceptions(handler));
 }
 
 }  // namespace motiondb::server

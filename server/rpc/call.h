@@ -12,6 +12,7 @@
 #include "core/motion/cancellation.h"
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
+#include "server/observability/log_fields.h"
 #include "server/rpc/call_entry.h"
 #include "server/rpc/call_host.h"
 
@@ -23,10 +24,11 @@ struct Call {
   core::Cancelled cancelled;                       // the deadline passed or the client went away
   std::chrono::system_clock::time_point deadline;  // far away where the client set none
   CallEntry& entry;                                // who asks
+  Monitor& monitor;                                // how the server is doing
 };
 
-// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL. Logs
-// what is the server's own fault. CANCELLED, without running the handler, where nobody waits any
+// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL.
+// CANCELLED, without running the handler, where nobody waits any
 // more.
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler);
@@ -54,9 +56,10 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
     reactor->End(std::move(admission));
     return reactor;
   }
-  reactor->entry().Post([&engine = host.engine, request, response, reactor] {
+  reactor->entry().Post([&host, request, response, reactor] {
     CallEntry& entry = reactor->entry();
-    const Call call{engine, entry.cancelled(), entry.deadline(), entry};
+    const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
+    const LogFields fields({{"request_id", entry.request_id()}});
     reactor->End(RunHandler(call.cancelled, [&]() -> absl::Status {
       MOTIONDB_RETURN_IF_ERROR(call.entry.Check(*request));
       return kHandler(call, *request, *response);

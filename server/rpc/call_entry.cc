@@ -27,6 +27,12 @@ std::chrono::system_clock::time_point Deadline(const CallHost& host,
                   std::chrono::system_clock::now() + host.limits.options().longest_call);
 }
 
+CallKind KindOf(const Method& method) {
+  if (method.weight == CallWeight::kStream) return CallKind::kFrames;
+  if (method.name == "OperationService.WaitOperation" || method.streaming) return CallKind::kWait;
+  return CallKind::kWork;
+}
+
 }  // namespace
 
 grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
@@ -37,6 +43,7 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       context_(context),
       method_(method),
       request_id_(RequestIdOf(context)),
+      watch_(host.monitor, method.name, KindOf(method)),
       deadline_(Deadline(host, context, method)),
       place_(host.limits.Enter(CallWeight::kLight, AddressOf(context))),
       ticket_(host.gate, std::move(on_close)) {}
@@ -105,6 +112,8 @@ grpc::Status CallEntry::End(grpc::Status status) {
                           Seconds(host_.limits.options().longest_call))};
   }
   if (checked_ && (method_.rule == nullptr || method_.rule->changes)) Record(status);
+  watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
+             request_id_, peer());
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }
 

@@ -16,6 +16,7 @@
 
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
+#include "server/observability/call_watch.h"
 #include "server/rpc/call_host.h"
 #include "server/rpc/method.h"
 #include "server/security/caller.h"
@@ -79,6 +80,7 @@ class CallEntry {
   const Method& method_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   const std::string request_id_;
+  CallWatch watch_;
   const std::chrono::system_clock::time_point deadline_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight

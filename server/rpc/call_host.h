@@ -2,6 +2,7 @@
 #pragma once
 
 #include "server/engine/engine.h"
+#include "server/observability/monitor.h"
 #include "server/rpc/call_gate.h"
 #include "server/rpc/call_limits.h"
 #include "server/security/access_control.h"
@@ -13,6 +14,7 @@ struct CallHost {
   AccessControl access;
   CallLimits limits;
   CallGate gate;
+  Monitor& monitor;
 };
 
 }  // namespace motiondb::server

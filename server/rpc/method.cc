@@ -16,4 +16,10 @@ Method FindMethod(const google::protobuf::Descriptor& request_type) {
   return {.name = request_type.name()};
 }
 
+std::vector<std::string> MethodNames() {
+  std::vector<std::string> names;
+  for (const CallRule& rule : CallRules()) names.emplace_back(rule.method);
+  return names;
+}
+
 }  // namespace motiondb::server

@@ -4,6 +4,7 @@
 #include <google/protobuf/descriptor.h>
 
 #include <string>
+#include <vector>
 
 #include "server/rpc/call_weight.h"
 #include "server/security/role_table.h"
@@ -26,5 +27,8 @@ const Method& MethodOf() {
   static const Method method = FindMethod(*Request::descriptor());
   return method;
 }
+
+// The names of all calls of the contract.
+std::vector<std::string> MethodNames();
 
 }  // namespace motiondb::server

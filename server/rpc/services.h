@@ -18,5 +18,6 @@ std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host);
 
 }  // namespace motiondb::server

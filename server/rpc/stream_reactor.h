@@ -28,7 +28,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
       : entry_(host, *context, MethodOf<Request>()),
-        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_} {
+        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor} {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;

@@ -20,6 +20,7 @@ namespace motiondb::server {
 // `settings` must outlive `app`. An option that is no setting is marked `configurable(false)`.
 void AddStoreSettings(CLI::App& app, Settings& settings);
 void AddNetworkSettings(CLI::App& app, Settings& settings);
+void AddHttpSettings(CLI::App& app, Settings& settings);
 void AddEngineSettings(CLI::App& app, Settings& settings);
 void AddLimitSettings(CLI::App& app, Settings& settings);
 void AddSecuritySettings(CLI::App& app, Settings& settings);

@@ -4,18 +4,22 @@
 #include <chrono>
 #include <string>
 
+#include "server/observability/log_formatter.h"
 #include "server/server.h"
 
 namespace motiondb::server {
 
 struct LogSettings {
   std::string level = "info";
+  LogFormat format = LogFormat::kText;
+  std::chrono::milliseconds slow_call{2000};  // from which on a call is logged as slow
 };
 
 struct Settings {
   std::string store_path;  // required
   LogSettings log;
   std::chrono::milliseconds grace{10'000};  // that running calls may take after SIGTERM
+  std::string http_listen;                  // as StartHealthServer takes it
   ServerOptions server;
 };
 

@@ -67,6 +67,7 @@ SettingsReader::SettingsReader()
       ->configurable(false);
   AddStoreSettings(app_, settings_);
   AddNetworkSettings(app_, settings_);
+  AddHttpSettings(app_, settings_);
   AddEngineSettings(app_, settings_);
   AddLimitSettings(app_, settings_);
   AddSecuritySettings(app_, settings_);

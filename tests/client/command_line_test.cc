@@ -23,7 +23,7 @@ TEST_CASE("motiondb: help and version succeed on standard output", "[client][cli
   CHECK(help.err == "");
   for (const char* command :
        {"create", "ingest", "list", "describe", "recognize", "estimate", "predict", "observe",
-        "plan", "dump", "export", "delete", "operations"}) {
+        "plan", "dump", "export", "delete", "operations", "status"}) {
     CHECK_THAT(help.out, Contains(command));
     CHECK(RunMotiondb("", {command, "--help"}).exit_code == 0);
   }

@@ -7,6 +7,7 @@
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
+#include <motiondb/v1/store.grpc.pb.h>
 
 #include <chrono>
 #include <thread>
@@ -139,8 +140,20 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
+  struct Store : v1::StoreService::Service {
+    explicit Store(FakeServer& server) : fake(server) {}
+    MOTIONDB_FAKE_UNARY(GetServerStatus)
+    FakeServer& fake;
+  };
+
   explicit Services(FakeServer& fake)
-      : databases(fake), clips(fake), models(fake), queries(fake), operations(fake), access(fake) {}
+      : databases(fake),
+        clips(fake),
+        models(fake),
+        queries(fake),
+        operations(fake),
+        access(fake),
+        store(fake) {}
 
   Databases databases;
   Clips clips;
@@ -148,6 +161,7 @@ struct FakeServer::Services {
   Queries queries;
   Operations operations;
   Access access;
+  Store store;
   std::unique_ptr<grpc::Server> server;
 };
 
@@ -164,6 +178,7 @@ FakeServer::FakeServer() : services_(std::make_unique<Services>(*this)) {
   builder.RegisterService(&services_->queries);
   builder.RegisterService(&services_->operations);
   builder.RegisterService(&services_->access);
+  builder.RegisterService(&services_->store);
   services_->server = builder.BuildAndStart();
   address_ = "127.0.0.1:" + std::to_string(port);
 }

@@ -16,13 +16,19 @@ MODELS = "/usr/share/assimp/models/BVH"
 
 
 class Server:
-    """motiondbd on a store file of its own."""
+    """motiondbd on a store file of its own, with further options and a place for its log."""
 
-    def __init__(self, store):
+    def __init__(self, store, *options, log=None):
         self.process = subprocess.Popen(
-            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error"],
-            stdout=subprocess.PIPE, text=True)
-        self.address = self.process.stdout.readline().strip().rsplit(" ", 1)[-1]
+            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error",
+             *options],
+            stdout=subprocess.PIPE, stderr=log, text=True)
+        self.http = None  # address of its metrics, where an option asks for them
+        for line in self.process.stdout:
+            self.address = line.strip().rsplit(" ", 1)[-1]
+            if line.startswith("motiondbd: listening on "):
+                break
+            self.http = self.address.removesuffix("/metrics")
 
     def stop(self, with_signal=signal.SIGTERM):
         self.process.send_signal(with_signal)

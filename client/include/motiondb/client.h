@@ -163,6 +163,11 @@ class Client {
   absl::StatusOr<v1::ListAuditEntriesResponse> ListAuditEntries(
       const v1::ListAuditEntriesRequest& request, CallOptions options = {}) const;
 
+  // ---- The server ------------------------------------------------------------------------------
+  // How the server is doing, as its metrics say it too. Messages: <motiondb/v1/store.pb.h>.
+  absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(
+      const v1::GetServerStatusRequest& request, CallOptions options = {}) const;
+
   // ---- Whole lists -----------------------------------------------------------------------------
   // All pages of a list, each page a call of its own. A request's page_token must be empty.
   absl::StatusOr<std::vector<v1::Database>> AllDatabases(CallOptions options = {}) const;

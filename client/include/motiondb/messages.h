@@ -96,4 +96,8 @@ class PredictSeriesResponse;
 class RecognizeRequest;
 class RecognizeResponse;
 
+// store.proto
+class GetServerStatusRequest;
+class GetServerStatusResponse;
+
 }  // namespace motiondb::v1

@@ -117,5 +117,22 @@ TEST_CASE("Reflection: is enough to ask", "[server][rpc]") {
   CHECK(response->GetReflection()->GetInt32(*response, frame_count) == 360);
 }
 
+TEST_CASE("Health: every service says that it serves", "[server][reflection]") {
+  constexpr char kCheck[] = "/grpc.health.v1.Health/Check";
+  const std::string kServing = "\x08\x01";  // HealthCheckResponse.status
+  TestServer server;
+  int ours = 0;
+  for (const std::string& service : ListServices(server)) {
+    if (!service.starts_with("motiondb.")) continue;
+    CAPTURE(service);
+    const RawAnswer answer = RawCall(server.channel(), kCheck, WithString(1, service));
+    CHECK(answer.status.ok());
+    CHECK(answer.bytes == kServing);
+    ++ours;
+  }
+  CHECK(ours >= 7);
+  CHECK(RawCall(server.channel(), kCheck, "").bytes == kServing);
+}
+
 }  // namespace
 }  // namespace motiondb::tests

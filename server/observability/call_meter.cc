@@ -1,0 +1,121 @@
+#include "server/observability/call_meter.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/histogram.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace motiondb::server {
+namespace {
+
+constexpr const char* kOther = "other";
+
+// From what one frame of a stream costs to what a plan over a large database may take.
+const prometheus::Histogram::BucketBoundaries kSeconds{
+    0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300};
+
+constexpr std::string_view kCodeNames[] = {
+    "OK",        "CANCELLED",      "UNKNOWN",           "INVALID_ARGUMENT",   "DEADLINE_EXCEEDED",
+    "NOT_FOUND", "ALREADY_EXISTS", "PERMISSION_DENIED", "RESOURCE_EXHAUSTED", "FAILED_PRECONDITION",
+    "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
+    "DATA_LOSS", "UNAUTHENTICATED"};
+
+std::size_t IndexOf(absl::StatusCode code) {
+  const auto index = static_cast<std::size_t>(code);
+  return index < std::size(kCodeNames) ? index
+                                       : static_cast<std::size_t>(absl::StatusCode::kUnknown);
+}
+
+}  // namespace
+
+bool IsOwnFault(absl::StatusCode code) {
+  return code == absl::StatusCode::kInternal || code == absl::StatusCode::kUnknown ||
+         code == absl::StatusCode::kDataLoss;
+}
+
+std::string_view CodeName(absl::StatusCode code) { return kCodeNames[IndexOf(code)]; }
+
+CallMeter::CallMeter(prometheus::Registry& registry, const std::vector<std::string>& methods)
+    : requests_(prometheus::BuildCounter()
+                    .Name("motiondb_requests_total")
+                    .Help("Calls ended, by method and status code.")
+                    .Register(registry)),
+      seconds_(prometheus::BuildHistogram()
+                   .Name("motiondb_request_seconds")
+                   .Help("How long calls took, by method; of streams, how long they were open.")
+                   .Register(registry)),
+      authentication_failures_(
+          prometheus::BuildCounter()
+              .Name("motiondb_authentication_failures_total")
+              .Help("Calls refused because the caller did not prove who it is.")
+              .Register(registry)
+              .Add({})) {
+  static_assert(std::size(kCodeNames) == Method::kCodeCount);
+  Add(kOther);
+  for (const std::string& name : methods) Add(name);
+}
+
+CallMeter::~CallMeter() = default;
+
+void CallMeter::Add(const std::string& name) {
+  auto method = std::make_unique<Method>();
+  method->name_ = name;
+  method->seconds_ = &seconds_.Add({{"method", name}}, kSeconds);
+  // A rate needs a count to begin from, and so does an alert on errors that never were before.
+  for (const auto code : {absl::StatusCode::kOk, absl::StatusCode::kInternal}) {
+    CounterOf(*method, code);
+  }
+  methods_.emplace(name, std::move(method));
+}
+
+CallMeter::Method& CallMeter::Find(std::string_view name) {
+  const auto found = methods_.find(name);
+  return found != methods_.end() ? *found->second : *methods_.find(kOther)->second;
+}
+
+prometheus::Counter& CallMeter::CounterOf(Method& method, absl::StatusCode code) {
+  auto& slot = method.by_code_[IndexOf(code)];
+  prometheus::Counter* counter = slot.load(std::memory_order_acquire);
+  if (counter == nullptr) {
+    // The family gives everyone who asks for these labels the same counter.
+    counter = &requests_.Add({{"method", method.name_}, {"code", std::string(CodeName(code))}});
+    slot.store(counter, std::memory_order_release);
+  }
+  return *counter;
+}
+
+void CallMeter::Begin(CallKind kind) {
+  open_.fetch_add(1, std::memory_order_relaxed);
+  if (kind == CallKind::kFrames) open_streams_.fetch_add(1, std::memory_order_relaxed);
+}
+
+void CallMeter::End(Method& method, CallKind kind, absl::StatusCode code, double seconds) {
+  open_.fetch_sub(1, std::memory_order_relaxed);
+  if (kind == CallKind::kFrames) open_streams_.fetch_sub(1, std::memory_order_relaxed);
+  CounterOf(method, code).Increment();
+  method.seconds_->Observe(seconds);
+  if (code == absl::StatusCode::kUnauthenticated) authentication_failures_.Increment();
+}
+
+std::int64_t CallMeter::Sum(const std::function<bool(absl::StatusCode)>& counts) const {
+  double sum = 0;
+  for (const auto& [name, method] : methods_) {
+    for (int code = 0; code < Method::kCodeCount; ++code) {
+      const prometheus::Counter* const counter =
+          method->by_code_[static_cast<std::size_t>(code)].load(std::memory_order_acquire);
+      if (counter != nullptr && counts(static_cast<absl::StatusCode>(code))) {
+        sum += counter->Value();
+      }
+    }
+  }
+  return static_cast<std::int64_t>(sum);
+}
+
+std::int64_t CallMeter::ended() const {
+  return Sum([](absl::StatusCode) { return true; });
+}
+
+std::int64_t CallMeter::failed() const { return Sum(IsOwnFault); }
+
+}  // namespace motiondb::server

@@ -1,0 +1,85 @@
+// Counts calls and how long they took, by method and code, and those under way. Thread-safe; a call
+// costs two atomic additions and the short lock that prometheus-cpp puts around a histogram, which
+// calls of one method share.
+#pragma once
+
+#include <prometheus/registry.h>
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "absl/status/status.h"
+
+namespace prometheus {
+class Counter;
+class Histogram;
+}  // namespace prometheus
+
+namespace motiondb::server {
+
+// Who decides how long a call lasts.
+enum class CallKind {
+  kWork,    // the server, by its work
+  kWait,    // somebody else: a build that is waited for, a client that sends or takes a file
+  kFrames,  // the client, which streams frames as long as it likes
+};
+
+// True of the codes that say that the server, not its caller, did something wrong.
+bool IsOwnFault(absl::StatusCode code);
+
+// "NOT_FOUND".
+std::string_view CodeName(absl::StatusCode code);
+
+class CallMeter {
+ public:
+  // One method's share. Owned by the meter.
+  class Method {
+   public:
+    const std::string& name() const { return name_; }
+
+   private:
+    friend class CallMeter;
+    static constexpr int kCodeCount = 17;
+    std::string name_;
+    std::array<std::atomic<prometheus::Counter*>, kCodeCount> by_code_{};
+    prometheus::Histogram* seconds_ = nullptr;
+  };
+
+  // The registry must outlive the meter. Methods are named "Service.Method"; each is
+  // exported from the start, with no call yet.
+  CallMeter(prometheus::Registry& registry, const std::vector<std::string>& methods);
+  ~CallMeter();
+
+  // The method of that name, or the one under which all unknown ones are counted.
+  Method& Find(std::string_view name);
+
+  void Begin(CallKind kind);
+  void End(Method& method, CallKind kind, absl::StatusCode code, double seconds);
+
+  // Calls ended, and of these those that failed by the server's own fault.
+  std::int64_t ended() const;
+  std::int64_t failed() const;
+  int open() const { return open_.load(std::memory_order_relaxed); }
+  int open_streams() const { return open_streams_.load(std::memory_order_relaxed); }
+
+ private:
+  prometheus::Counter& CounterOf(Method& method, absl::StatusCode code);
+  void Add(const std::string& name);
+  std::int64_t Sum(const std::function<bool(absl::StatusCode)>& counts) const;
+
+  prometheus::Family<prometheus::Counter>& requests_;
+  prometheus::Family<prometheus::Histogram>& seconds_;
+  prometheus::Counter& authentication_failures_;
+  std::map<std::string, std::unique_ptr<Method>, std::less<>> methods_;  // constant after the start
+  std::atomic<int> open_{0};
+  std::atomic<int> open_streams_{0};
+};
+
+}  // namespace motiondb::server

@@ -1,0 +1,20 @@
+// The health pages on a port of their own.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "absl/status/statusor.h"
+#include "server/observability/http_server.h"
+#include "server/observability/monitor.h"
+
+namespace motiondb::server {
+
+// Starts the pages at `listen`: HOST:PORT; "none" for no pages; empty for 127.0.0.1:9464, where
+// they are left out, with a warning, if another program has that port. Null where there are none.
+// Warns of an address that others can reach. The monitor must outlive the result. Codes: those of
+// HttpServer::Start.
+absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
+                                                              const Monitor& monitor);
+
+}  // namespace motiondb::server

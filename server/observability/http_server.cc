@@ -1,0 +1,152 @@
+#include "server/observability/http_server.h"
+
+#include <fmt/format.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <thread>
+#include <unordered_set>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/observability/http_connection.h"
+
+namespace motiondb::server {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+
+// How long to wait where a connection cannot be taken, as where no descriptor is left.
+constexpr std::chrono::milliseconds kRest{100};
+
+absl::StatusOr<tcp::endpoint> Resolve(const std::string& listen) {
+  const std::size_t colon = listen.rfind(':');
+  if (colon == std::string::npos || colon == 0 || colon + 1 == listen.size()) {
+    return core::InvalidArgument("HTTP: expected HOST:PORT, got '{}'", listen);
+  }
+  std::string host = listen.substr(0, colon);
+  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  asio::io_context context;
+  boost::system::error_code error;
+  const auto found = tcp::resolver(context).resolve(
+      host, listen.substr(colon + 1), tcp::resolver::passive | tcp::resolver::numeric_service,
+      error);
+  if (error || found.empty()) {
+    return core::InvalidArgument("HTTP: expected HOST:PORT, got '{}': {}", listen, error.message());
+  }
+  return found.begin()->endpoint();
+}
+
+class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
+ public:
+  BeastHttpServer(HttpPages pages, const HttpLimits& limits)
+      : pages_(std::move(pages)), limits_(limits) {}
+
+  ~BeastHttpServer() override {
+    makers_.join();
+    context_.stop();
+    if (talker_.joinable()) talker_.join();
+  }
+
+  absl::Status Listen(const std::string& listen) {
+    MOTIONDB_ASSIGN_OR_RETURN(const tcp::endpoint endpoint, Resolve(listen));
+    boost::system::error_code error;
+    acceptor_.open(endpoint.protocol(), error);
+    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
+    if (!error) acceptor_.bind(endpoint, error);
+    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
+    if (error) {
+      return absl::UnavailableError(
+          fmt::format("HTTP: cannot listen on {}: {}", listen, error.message()));
+    }
+    is_loopback_ = endpoint.address().is_loopback();
+    address_ = fmt::format("{}:{}", listen.substr(0, listen.rfind(':')),
+                           acceptor_.local_endpoint().port());
+    Accept();
+    talker_ = std::thread([this] { context_.run(); });
+    return absl::OkStatus();
+  }
+
+  const std::string& address() const override { return address_; }
+  bool is_loopback() const override { return is_loopback_; }
+
+  const HttpLimits& limits() const override { return limits_; }
+
+  const HttpPage* FindPage(std::string_view path) const override {
+    const auto found = pages_.find(path);
+    return found == pages_.end() ? nullptr : &found->second;
+  }
+
+  void MakeElsewhere(const HttpPage& page, std::function<void(HttpAnswer)> take) override {
+    asio::post(makers_, [this, &page, take = std::move(take)]() mutable {
+      asio::post(context_, [take = std::move(take), answer = page.make()]() mutable {
+        take(std::move(answer));
+      });
+    });
+  }
+
+  void OnClosed(HttpConnection& connection) override { connections_.erase(&connection); }
+
+ private:
+  void Accept() {
+    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
+      if (error) {
+        rest_.expires_after(kRest);
+        rest_.async_wait([this](const boost::system::error_code& stopped) {
+          if (!stopped) Accept();
+        });
+        return;
+      }
+      Take(std::move(socket));
+      Accept();
+    });
+  }
+
+  void Take(tcp::socket socket) {
+    if (static_cast<int>(connections_.size()) >= limits_.connections && !MakeRoom()) return;
+    const auto connection = std::make_shared<HttpConnection>(*this, std::move(socket));
+    connections_.insert(connection.get());
+    connection->Start();
+  }
+
+  // Closes the connection that has kept us waiting longest. False where each waits for us.
+  bool MakeRoom() {
+    HttpConnection* slowest = nullptr;
+    for (HttpConnection* const connection : connections_) {
+      if (!connection->waiting_since()) continue;
+      if (slowest == nullptr || *connection->waiting_since() < *slowest->waiting_since()) {
+        slowest = connection;
+      }
+    }
+    if (slowest == nullptr) return false;
+    slowest->Close();
+    return true;
+  }
+
+  const HttpPages pages_;
+  const HttpLimits limits_;
+  std::string address_;
+  bool is_loopback_ = false;
+  // Each is kept by what it waits for. Before the context, which ends what they wait for.
+  std::unordered_set<HttpConnection*> connections_;
+  asio::io_context context_;
+  tcp::acceptor acceptor_{context_};
+  asio::steady_timer rest_{context_};
+  asio::thread_pool makers_{1};
+  std::thread talker_;
+};
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<HttpServer>> HttpServer::Start(const std::string& listen,
+                                                              HttpPages pages, HttpLimits limits) {
+  auto server = std::make_unique<BeastHttpServer>(std::move(pages), limits);
+  MOTIONDB_RETURN_IF_ERROR(server->Listen(listen));
+  return server;
+}
+
+}  // namespace motiondb::server

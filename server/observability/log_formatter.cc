@@ -1,0 +1,101 @@
+#include "server/observability/log_formatter.h"
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <spdlog/pattern_formatter.h>
+
+#include <chrono>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+
+#include "server/observability/log_fields.h"
+
+namespace motiondb::server {
+namespace {
+
+using nlohmann::json;
+
+// Bytes that are no UTF-8 become U+FFFD.
+template <typename Json>
+std::string Dump(const Json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+// As it is, but for control characters, quotes and backslashes, which are escaped as in JSON.
+std::string OneLine(const std::string& text) {
+  std::string quoted = Dump(json(text));
+  return quoted.substr(1, quoted.size() - 2);
+}
+
+// A word, or a quoted string where it is none.
+std::string FieldText(const json& value) {
+  const std::string quoted = Dump(value);
+  if (!value.is_string()) return quoted;
+  const auto& word = value.get_ref<const std::string&>();
+  const bool plain = !word.empty() && quoted.size() == word.size() + 2 &&
+                     word.find_first_of(" =") == std::string::npos;
+  return plain ? word : quoted;
+}
+
+json ToJson(const LogField& field) {
+  return std::visit([](const auto& value) { return json(value); }, field.second);
+}
+
+// Puts the fields that hold on this thread, the outer before the inner.
+template <typename Put>
+void ForEachField(const LogFields* fields, const Put& put) {
+  if (fields == nullptr) return;
+  ForEachField(fields->outer(), put);
+  for (const LogField& field : fields->fields()) put(field);
+}
+
+class TextFormatter final : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& line, spdlog::memory_buf_t& out) override {
+    head_.format(line, out);
+    std::string tail = OneLine(std::string(line.payload.data(), line.payload.size()));
+    ForEachField(LogFields::Current(), [&](const LogField& field) {
+      tail += fmt::format(" {}={}", field.first, FieldText(ToJson(field)));
+    });
+    tail += '\n';
+    out.append(tail.data(), tail.data() + tail.size());
+  }
+  std::unique_ptr<formatter> clone() const override { return std::make_unique<TextFormatter>(); }
+
+ private:
+  spdlog::pattern_formatter head_{"%Y-%m-%dT%H:%M:%S.%e%z %^%l%$ ",
+                                  spdlog::pattern_time_type::local, ""};
+};
+
+class JsonFormatter final : public spdlog::formatter {
+ public:
+  void format(const spdlog::details::log_msg& line, spdlog::memory_buf_t& out) override {
+    const auto since_epoch = line.time.time_since_epoch();
+    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_epoch);
+    const auto milliseconds =
+        std::chrono::duration_cast<std::chrono::milliseconds>(since_epoch - seconds);
+    const auto level = spdlog::level::to_string_view(line.level);
+    nlohmann::ordered_json object;
+    object["time"] =
+        fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
+                    fmt::gmtime(static_cast<std::time_t>(seconds.count())), milliseconds.count());
+    object["level"] = std::string(level.data(), level.size());
+    object["message"] = std::string(line.payload.data(), line.payload.size());
+    ForEachField(LogFields::Current(),
+                 [&](const LogField& field) { object[field.first] = ToJson(field); });
+    const std::string text = Dump(object) + "\n";
+    out.append(text.data(), text.data() + text.size());
+  }
+  std::unique_ptr<formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
+};
+
+}  // namespace
+
+std::unique_ptr<spdlog::formatter> MakeLogFormatter(LogFormat format) {
+  if (format == LogFormat::kJson) return std::make_unique<JsonFormatter>();
+  return std::make_unique<TextFormatter>();
+}
+
+}  // namespace motiondb::server

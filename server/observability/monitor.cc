@@ -1,0 +1,105 @@
+#include "server/observability/monitor.h"
+
+#include <fmt/format.h>
+#include <prometheus/text_serializer.h>
+
+#include <filesystem>
+#include <mutex>
+#include <utility>
+
+#include "server/engine/clock.h"
+#include "server/engine/engine.h"
+#include "server/observability/metric_families.h"
+
+namespace motiondb::server {
+namespace {
+
+std::int64_t FileBytes(const std::string& path) {
+  std::error_code error;
+  const auto bytes = std::filesystem::file_size(path, error);
+  return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+DatabaseFigures FiguresOf(Engine& engine, const LiveDatabase& database) {
+  DatabaseFigures figures{.name = database.name(),
+                          .stored = database.stored(),
+                          .operation = engine.CurrentOperation(database),
+                          .rebuilds = database.rebuilds()};
+  if (const auto snapshot = database.snapshot()) {
+    figures.model = snapshot->record;
+    const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;
+    figures.model_age_seconds = std::max(0.0, static_cast<double>(age_us) * 1e-6);
+  }
+  return figures;
+}
+
+}  // namespace
+
+Monitor::Monitor(MonitorOptions options)
+    : options_(std::move(options)),
+      start_time_us_(NowMicroseconds()),
+      calls_(registry_, options_.methods) {}
+
+void Monitor::SetTransport(bool encrypted, bool authenticated) {
+  encrypted_ = encrypted;
+  authenticated_ = authenticated;
+}
+
+Monitor::Attachment::Attachment(Monitor& monitor, Engine& engine) : monitor_(monitor) {
+  const std::unique_lock lock(monitor_.engine_mutex_);
+  monitor_.engine_ = &engine;
+}
+
+Monitor::Attachment::~Attachment() {
+  const std::unique_lock lock(monitor_.engine_mutex_);
+  monitor_.engine_ = nullptr;
+}
+
+ServerFigures Monitor::Figures() const {
+  ServerFigures figures{.phase = phase_,
+                        .version = MOTIONDB_VERSION,
+                        .start_time_us = start_time_us_,
+                        .encrypted = encrypted_,
+                        .authenticated = authenticated_,
+                        .ended_calls = calls_.ended(),
+                        .failed_calls = calls_.failed(),
+                        .open_calls = calls_.open(),
+                        .open_streams = calls_.open_streams(),
+                        .process = ReadProcessFigures()};
+  if (!options_.store_path.empty()) {
+    figures.store_bytes = FileBytes(options_.store_path);
+    figures.log_bytes = FileBytes(options_.store_path + "-wal");
+  }
+  if (options_.damages) figures.damages = options_.damages();
+  const std::shared_lock lock(engine_mutex_);
+  if (engine_ == nullptr) return figures;
+  figures.queued_calls = engine_->workers().queued();
+  figures.request_threads = engine_->workers().request_threads();
+  for (const auto& database : engine_->Databases()) {
+    figures.databases.push_back(FiguresOf(*engine_, *database));
+  }
+  return figures;
+}
+
+Readiness Monitor::CheckReadiness() const {
+  const Phase phase = phase_;
+  if (phase == Phase::kDraining) return {false, "draining: the server is about to stop"};
+  const std::shared_lock lock(engine_mutex_);
+  if (phase == Phase::kStarting || engine_ == nullptr) {
+    return {false, "starting: models are being read"};
+  }
+  const auto read = engine_->store().ListDatabases({.limit = 1});
+  if (!read.ok()) {
+    return {false,
+            fmt::format("the store cannot be read: {}", std::string(read.status().message()))};
+  }
+  return {true, "ready"};
+}
+
+std::string Monitor::Exposition() const {
+  std::vector<prometheus::MetricFamily> families = registry_.Collect();
+  for (auto& family : FamiliesOf(Figures())) families.push_back(std::move(family));
+  return prometheus::TextSerializer().Serialize(families);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,56 @@
+// How the server is doing at one moment: what its metrics, GetServerStatus and readiness tell, each
+// in its own words.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/engine/live_database.h"
+#include "server/observability/process_figures.h"
+#include "storage/records.h"
+
+namespace motiondb::server {
+
+enum class Phase {
+  kStarting,  // models are being read
+  kServing,
+  kDraining,  // calls under way may end, no other is taken
+};
+
+struct DatabaseFigures {
+  std::string name;
+  StoredAmount stored;
+  std::optional<storage::ModelRecord> model;
+  double model_age_seconds = 0;
+  std::optional<storage::OperationRecord> operation;  // that waits or works for it
+  RebuildTally rebuilds;
+};
+
+// Something stored that was found damaged.
+struct DamageFigures {
+  std::string resource;
+  std::string description;
+};
+
+struct ServerFigures {
+  Phase phase = Phase::kStarting;
+  std::string version;
+  std::int64_t start_time_us = 0;
+  bool encrypted = false;
+  bool authenticated = false;
+  std::int64_t ended_calls = 0;
+  std::int64_t failed_calls = 0;  // by the server's own fault
+  int open_calls = 0;
+  int open_streams = 0;
+  int queued_calls = 0;
+  int request_threads = 0;
+  ProcessFigures process;
+  std::int64_t store_bytes = 0;
+  std::int64_t log_bytes = 0;
+  std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
+  std::vector<DamageFigures> damages;
+};
+
+}  // namespace motiondb::server

@@ -1,0 +1,113 @@
+#include <motiondb/v1/store.pb.h>
+
+#include <catch2/catch.hpp>
+#include <cstdint>
+#include <string>
+
+#include "client/cli/status_text.h"
+#include "tests/client/fake_server.h"
+#include "tests/client/run_motiondb.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+using Catch::StartsWith;
+using namespace client;  // NOLINT: the functions under test
+
+v1::GetServerStatusResponse SomeStatus() {
+  v1::GetServerStatusResponse status;
+  status.set_version("0.1.0");
+  status.mutable_start_time()->set_seconds(1000);
+  status.set_serving(true);
+  status.set_call_count(1200);
+  status.set_failed_call_count(3);
+  status.set_open_call_count(2);
+  status.set_open_stream_count(1);
+  status.set_memory_bytes(300 << 20);
+  status.set_store_bytes(2048);
+  auto* walks = status.add_databases();
+  walks->set_name("databases/walks");
+  walks->set_clip_count(7);
+  walks->set_frame_count(11969);
+  walks->set_model_version(3);
+  walks->mutable_model_age()->set_seconds(200);
+  walks->set_operation("operations/9");
+  walks->set_progress(0.42);
+  walks->set_stage("tree");
+  status.add_databases()->set_name("databases/empty");
+  return status;
+}
+
+TEST_CASE("DurationText: two units at most", "[client][cli]") {
+  CHECK(DurationText(-3) == "0 s");
+  CHECK(DurationText(59) == "59 s");
+  CHECK(DurationText(60) == "1 min 0 s");
+  CHECK(DurationText(3 * 3600 + 59 * 60 + 59) == "3 h 59 min");
+  CHECK(DurationText(50 * 3600) == "2 d 2 h");
+}
+
+TEST_CASE("BytesText: in a unit that a person reads", "[client][cli]") {
+  CHECK(BytesText(0) == "0 B");
+  CHECK(BytesText(1023) == "1023 B");
+  CHECK(BytesText(1536) == "1.5 KiB");
+  CHECK(BytesText(std::int64_t{3} << 40) == "3.0 TiB");
+  CHECK(BytesText(std::int64_t{3} << 52) == "12288.0 TiB");
+}
+
+TEST_CASE("StatusText: the server, then its databases and what is being rebuilt", "[client][cli]") {
+  const std::string text = StatusText(SomeStatus(), 1'065'000'000);
+  CAPTURE(text);
+  CHECK_THAT(text, StartsWith("motiondbd             0.1.0, serving\n"));
+  CHECK_THAT(text, Contains("up                    1 min 5 s\n"));
+  CHECK_THAT(text, Contains("not encrypted, anybody who reaches it may do anything\n"));
+  CHECK_THAT(text, Contains("1200 ended, 3 of them failed by the server's fault; 2 under way\n"));
+  CHECK_THAT(text, Contains("memory                300.0 MiB\n"));
+  CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B\n"));
+  CHECK_THAT(text, Contains("DATABASE  CLIPS  FRAMES  MODEL         AGE  BEING REBUILT\n"
+                            "walks         7   11969      3  3 min 20 s  [####......] 42 %  tree\n"
+                            "empty         0       0   none\n"));
+  CHECK_THAT(text, !Contains("damaged"));
+}
+
+TEST_CASE("StatusText: damages are named, but do not fill the screen", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();
+  status.clear_databases();
+  for (int i = 0; i < 8; ++i) {
+    auto* damage = status.add_damages();
+    damage->set_resource("databases/walks/clips/c" + std::to_string(i));
+    damage->set_description("checksum");
+  }
+  const std::string text = StatusText(status, 0);
+  CAPTURE(text);
+  CHECK_THAT(text, Contains("no databases yet"));
+  CHECK_THAT(text, Contains("damaged: 8") && Contains("databases/walks/clips/c4: checksum\n") &&
+                       Contains("and 3 more\n"));
+  CHECK_THAT(text, !Contains("clips/c5"));
+}
+
+TEST_CASE("motiondb status: as text and as JSON, and again and again", "[client][cli]") {
+  FakeServer server;
+  server.Answer("GetServerStatus", SomeStatus());
+  const auto text = RunMotiondb(server.address(), {"status"});
+  CAPTURE(text.err);
+  CHECK(text.exit_code == 0);
+  CHECK_THAT(text.out, Contains("walks"));
+  CHECK_THAT(RunMotiondb(server.address(), {"status", "--json"}).out,
+             StartsWith("{\"version\":\"0.1.0\"") && Contains("\"frame_count\":11969"));
+
+  FakeServer ending;
+  ending.Answer("GetServerStatus", SomeStatus());
+  ending.Answer("GetServerStatus", SomeStatus());
+  ending.Fail("GetServerStatus", 14, "gone");
+  const auto watched = RunMotiondb(ending.address(), {"status", "--json", "--watch", "0.01"});
+  CHECK(watched.exit_code == 1);
+  CHECK_THAT(watched.err, Contains("not available"));
+  const std::string line = "{\"version\"";
+  const auto second = watched.out.find(line, 1);
+  CHECK(second != std::string::npos);
+  CHECK(watched.out.find(line, second + 1) == std::string::npos);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

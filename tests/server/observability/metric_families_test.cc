@@ -1,0 +1,64 @@
+// Figures as Prometheus' text.
+#include "server/observability/metric_families.h"
+
+#include <prometheus/text_serializer.h>
+
+#include <catch2/catch.hpp>
+#include <set>
+#include <string>
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+using server::DatabaseFigures;
+using server::ServerFigures;
+
+std::string Text(const ServerFigures& figures) {
+  return prometheus::TextSerializer().Serialize(server::FamiliesOf(figures));
+}
+
+TEST_CASE("MetricFamilies: what a database without a model has", "[server][metrics]") {
+  ServerFigures figures;
+  figures.databases.push_back({.name = "walks", .stored = {7, 11969}});
+  const std::string text = Text(figures);
+  CHECK_THAT(text, Contains("motiondb_database_clips{database=\"walks\"} 7\n") &&
+                       Contains("motiondb_database_frames{database=\"walks\"} 11969\n") &&
+                       Contains("motiondb_model_version{database=\"walks\"} 0\n") &&
+                       Contains("motiondb_rebuild_pending{database=\"walks\"} 0\n") &&
+                       Contains("motiondb_rebuild_progress{database=\"walks\"} 1\n"));
+  CHECK_THAT(text, !Contains("motiondb_model_age_seconds{"));
+}
+
+TEST_CASE("MetricFamilies: a model, its rebuild and those before", "[server][metrics]") {
+  ServerFigures figures;
+  figures.databases.push_back({.name = "walks",
+                               .model = storage::ModelRecord{.version = 3, .frame_count = 100},
+                               .model_age_seconds = 12.5,
+                               .operation = storage::OperationRecord{.progress = 0.25},
+                               .rebuilds = {.succeeded = 2, .failed = 1, .seconds = 4.5}});
+  CHECK_THAT(Text(figures),
+             Contains("motiondb_model_version{database=\"walks\"} 3\n") &&
+                 Contains("motiondb_model_frames{database=\"walks\"} 100\n") &&
+                 Contains("motiondb_model_age_seconds{database=\"walks\"} 12.5\n") &&
+                 Contains("motiondb_rebuild_pending{database=\"walks\"} 1\n") &&
+                 Contains("motiondb_rebuild_progress{database=\"walks\"} 0.25\n") &&
+                 Contains("motiondb_rebuilds_total{database=\"walks\",outcome=\"failed\"} 1\n") &&
+                 Contains("motiondb_rebuild_seconds_count{database=\"walks\"} 3\n") &&
+                 Contains("motiondb_rebuild_seconds_sum{database=\"walks\"} 4.5\n"));
+}
+
+TEST_CASE("MetricFamilies: names are prometheus', each family is there once", "[server][metrics]") {
+  std::set<std::string> names;
+  for (const auto& family : server::FamiliesOf({})) {
+    CAPTURE(family.name);
+    CHECK(names.insert(family.name).second);
+    CHECK((family.name.starts_with("motiondb_") || family.name.starts_with("process_")));
+    CHECK(!family.help.empty());
+    const bool counter = family.type == prometheus::MetricType::Counter;
+    CHECK(counter == family.name.ends_with("_total"));
+  }
+}
+
+}  // namespace
+}  // namespace motiondb::tests

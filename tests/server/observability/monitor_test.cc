@@ -1,0 +1,181 @@
+// The monitor over a real engine: what moves, what goes, and reading it while all changes.
+#include "server/observability/monitor.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "server/observability/call_watch.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/gated_store.h"
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using absl::StatusCode;
+using Catch::Contains;
+using server::CallKind;
+using server::CallWatch;
+using server::Monitor;
+using server::Phase;
+
+StickFigure Walk() { return {.act = Act::kWalk, .frame_count = 60}; }
+
+TEST_CASE("Monitor: ready only while it serves", "[server][monitor]") {
+  Monitor monitor({});
+  CHECK(!monitor.CheckReadiness().ready);
+  CHECK_THAT(monitor.CheckReadiness().reason, Contains("starting"));
+  TestEngine engine;
+  {
+    const Monitor::Attachment attachment(monitor, *engine);
+    CHECK(!monitor.CheckReadiness().ready);
+    monitor.SetPhase(Phase::kServing);
+    CHECK(monitor.CheckReadiness().ready);
+    monitor.SetPhase(Phase::kDraining);
+    CHECK(!monitor.CheckReadiness().ready);
+    CHECK_THAT(monitor.CheckReadiness().reason, Contains("draining"));
+  }
+  monitor.SetPhase(Phase::kServing);
+  CHECK(!monitor.CheckReadiness().ready);  // nothing to serve with
+}
+
+// A store that can stop being readable.
+class LosableStore final : public GatedStore {
+ public:
+  explicit LosableStore(const std::atomic<bool>& lost)
+      : GatedStore(*storage::SqliteMotionStore::Open(":memory:"), std::make_shared<Gate>()),
+        lost_(lost) {}
+  absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
+      const storage::Page& page) override {
+    if (lost_) return absl::UnavailableError("disk I/O error");
+    return GatedStore::ListDatabases(page);
+  }
+
+ private:
+  const std::atomic<bool>& lost_;
+};
+
+TEST_CASE("Monitor: not ready while the store cannot be read", "[server][monitor]") {
+  std::atomic<bool> lost = false;
+  Monitor monitor({});
+  const auto engine =
+      server::Engine::Open(std::make_unique<LosableStore>(lost), TestEngine::QuickOptions());
+  REQUIRE(engine.ok());
+  const Monitor::Attachment attachment(monitor, **engine);
+  monitor.SetPhase(Phase::kServing);
+  CHECK(monitor.CheckReadiness().ready);
+  lost = true;
+  CHECK(!monitor.CheckReadiness().ready);
+  CHECK(monitor.CheckReadiness().reason == "the store cannot be read: disk I/O error");
+  lost = false;
+  CHECK(monitor.CheckReadiness().ready);
+}
+
+TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") {
+  Monitor monitor({.methods = {"QueryService.Plan", "ObserveService.Observe"}});
+  CHECK_THAT(monitor.Exposition(),
+             Contains("motiondb_requests_total{code=\"OK\",method=\"QueryService.Plan\"} 0\n"));
+  {
+    CallWatch plan(monitor, "QueryService.Plan", CallKind::kWork);
+    CallWatch stream(monitor, "ObserveService.Observe", CallKind::kFrames);
+    CallWatch unknown(monitor, "QueryService.Guess", CallKind::kWork);
+    CHECK(monitor.calls().open() == 3);
+    CHECK(monitor.calls().open_streams() == 1);
+    plan.End(StatusCode::kOk, "", "id", "peer");
+    unknown.End(StatusCode::kUnauthenticated, "", "id", "peer");
+    CHECK(monitor.calls().open() == 1);
+    CHECK(monitor.calls().ended() == 2);
+  }
+  const std::string text = monitor.Exposition();
+  CHECK_THAT(text,
+             Contains("motiondb_requests_total{code=\"OK\",method=\"QueryService.Plan\"} 1\n") &&
+                 Contains("code=\"CANCELLED\",method=\"ObserveService.Observe\"} 1\n") &&
+                 Contains("code=\"UNAUTHENTICATED\",method=\"other\"} 1\n") &&
+                 Contains("motiondb_request_seconds_count{method=\"QueryService.Plan\"} 1\n") &&
+                 Contains("motiondb_authentication_failures_total 1\n") &&
+                 Contains("motiondb_open_requests 0\n") && Contains("motiondb_open_streams 0\n"));
+  CHECK(monitor.calls().failed() == 0);
+  CallWatch(monitor, "QueryService.Plan", CallKind::kWork)
+      .End(StatusCode::kInternal, "", "id", "peer");
+  CHECK(monitor.calls().failed() == 1);
+  CHECK(monitor.Figures().ended_calls == 4);
+}
+
+TEST_CASE("Monitor: calls of many threads are all counted", "[server][monitor]") {
+  Monitor monitor({.methods = {"QueryService.Plan"}});
+  std::vector<std::thread> threads;
+  for (int thread = 0; thread < 4; ++thread) {
+    threads.emplace_back([&] {
+      for (int i = 0; i < 1000; ++i) {
+        CallWatch(monitor, "QueryService.Plan", CallKind::kWork)
+            .End(i % 2 == 0 ? StatusCode::kOk : StatusCode::kNotFound, "", "id", "peer");
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  CHECK_THAT(monitor.Exposition(),
+             Contains("{code=\"NOT_FOUND\",method=\"QueryService.Plan\"} 2000\n") &&
+                 Contains("motiondb_request_seconds_count{method=\"QueryService.Plan\"} 4000\n"));
+}
+
+TEST_CASE("Monitor: databases, their models and rebuilds, until they are deleted",
+          "[server][monitor]") {
+  TestEngine engine;
+  Monitor monitor({});
+  const Monitor::Attachment attachment(monitor, *engine);
+  engine.Create("walks");
+  engine.gate().Close();
+  const auto ingested = engine.Ingest("walks", "walk", Walk());
+  REQUIRE(ingested.ok());
+  engine.gate().AwaitArrival();
+  CHECK_THAT(monitor.Exposition(),
+             Contains("motiondb_database_clips{database=\"walks\"} 1\n") &&
+                 Contains("motiondb_rebuild_pending{database=\"walks\"} 1\n") &&
+                 Contains("motiondb_model_version{database=\"walks\"} 0\n"));
+  engine.gate().Open();
+  engine.Wait(ingested->operation.id);
+  const auto figures = monitor.Figures();
+  REQUIRE(figures.databases.size() == 1);
+  REQUIRE(figures.databases[0].model.has_value());
+  CHECK(figures.databases[0].model->version == 1);
+  CHECK(figures.databases[0].model_age_seconds < 60);
+  CHECK(figures.databases[0].rebuilds.succeeded == 1);
+  CHECK(figures.databases[0].rebuilds.seconds > 0);
+  CHECK(figures.process.resident_bytes > 1 << 20);
+  CHECK(figures.process.open_descriptors > 3);
+  REQUIRE(engine->DeleteDatabase("walks").ok());
+  CHECK_THAT(monitor.Exposition(), !Contains("walks"));
+}
+
+TEST_CASE("Monitor: read while databases come and go", "[server][monitor]") {
+  TestEngine engine;
+  Monitor monitor({});
+  const Monitor::Attachment attachment(monitor, *engine);
+  monitor.SetPhase(Phase::kServing);
+  std::atomic<bool> stop = false;
+  std::vector<std::thread> readers;
+  std::atomic<int> read = 0;
+  for (int i = 0; i < 2; ++i) {
+    readers.emplace_back([&] {
+      while (!stop) {
+        if (monitor.Exposition().find("motiondb_databases ") != std::string::npos) ++read;
+        if (!monitor.CheckReadiness().ready) stop = true;
+      }
+    });
+  }
+  for (int round = 0; round < 10; ++round) {
+    const std::string name = "db" + std::to_string(round % 3);
+    engine.Create(name);
+    CHECK(engine.Ingest(name, "walk", Walk()).ok());
+    CHECK(engine->DeleteDatabase(name).ok());
+  }
+  CHECK(!stop);
+  stop = true;
+  for (std::thread& reader : readers) reader.join();
+  CHECK(read > 0);
+  CHECK_THAT(monitor.Exposition(), Contains("motiondb_databases 0\n"));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -1,0 +1,127 @@
+// GetServerStatus, the health of each service, and what calls leave in the figures.
+#include <catch2/catch.hpp>
+#include <thread>
+
+#include "motiondb/v1/clip.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/query.grpc.pb.h"
+#include "motiondb/v1/store.grpc.pb.h"
+#include "tests/support/raw_call.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+v1::GetServerStatusResponse StatusOf(TestServer& server) {
+  const auto stub = server.NewStub<v1::StoreService>();
+  const auto answer =
+      Ask(*stub, &v1::StoreService::Stub::GetServerStatus, v1::GetServerStatusRequest());
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  return answer.response;
+}
+
+TEST_CASE("GetServerStatus: an empty server", "[server][status]") {
+  TestServer server;
+  const auto status = StatusOf(server);
+  CHECK(!status.version().empty());
+  CHECK(status.serving());
+  CHECK(!status.encrypted());
+  CHECK(!status.authenticated());
+  CHECK(status.call_count() == 0);
+  CHECK(status.open_call_count() == 1);  // this one
+  CHECK(status.memory_bytes() > 1 << 20);
+  CHECK(status.databases().empty());
+  CHECK(status.damages().empty());
+}
+
+TEST_CASE("GetServerStatus: a database while its first model is built, and after",
+          "[server][status]") {
+  TestServer server;
+  server.CreateDatabase("walks");
+  server.gate().Close();
+  const auto ingested = server.IngestFigure("walks", "walk", "walk", {.frame_count = 120});
+  server.gate().AwaitArrival();
+  const auto building = StatusOf(server);
+  REQUIRE(building.databases_size() == 1);
+  CHECK(building.databases(0).name() == "databases/walks");
+  CHECK(building.databases(0).clip_count() == 1);
+  CHECK(building.databases(0).model_version() == 0);
+  CHECK(!building.databases(0).has_model_age());
+  CHECK(building.databases(0).operation() == ingested.operation().name());
+  CHECK(!building.databases(0).stage().empty());
+  server.gate().Open();
+  server.Wait(ingested.operation().name());
+  const auto built = StatusOf(server);
+  CHECK(built.databases(0).model_version() == 1);
+  CHECK(built.databases(0).frame_count() == 120);
+  CHECK(built.databases(0).has_model_age());
+  CHECK(built.databases(0).operation().empty());
+  CHECK(built.call_count() == 4);  // created, ingested, status, waited
+  CHECK(built.failed_call_count() == 0);
+}
+
+TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto queries = server.NewStub<v1::QueryService>();
+  v1::RecognizeRequest request;
+  request.set_database("databases/db");
+  *request.mutable_observation() = ObservedWalk();
+  CHECK(Ask(*queries, &v1::QueryService::Stub::Recognize, request).status.ok());
+  request.set_database("databases/none");
+  CHECK(!Ask(*queries, &v1::QueryService::Stub::Recognize, request).status.ok());
+  {
+    grpc::ClientContext context;
+    const auto stub = server.NewStub<v1::ObserveService>();
+    const auto stream = stub->Observe(&context);
+    v1::ObserveRequest start;
+    start.mutable_start()->set_database("databases/none");
+    stream->Write(start);
+    v1::ObserveResponse response;
+    CHECK(!stream->Read(&response));
+    CHECK(stream->Finish().error_code() == grpc::StatusCode::NOT_FOUND);
+  }
+  const std::string text = server.server().monitor().Exposition();
+  CHECK_THAT(
+      text,
+      Contains("motiondb_requests_total{code=\"OK\",method=\"QueryService.Recognize\"} 1\n") &&
+          Contains("{code=\"NOT_FOUND\",method=\"QueryService.Recognize\"} 1\n") &&
+          Contains("{code=\"NOT_FOUND\",method=\"ObserveService.Observe\"} 1\n") &&
+          Contains("{code=\"OK\",method=\"ClipService.IngestClip\"} 3\n") &&
+          Contains("motiondb_open_requests 0\n") && Contains("motiondb_open_streams 0\n"));
+}
+
+TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  CHECK(server.server().monitor().CheckReadiness().ready);
+  // An ingest that takes its time keeps the server from its end.
+  const auto stub = server.NewStub<v1::ClipService>();
+  grpc::ClientContext context;
+  v1::IngestClipResponse response;
+  const auto writer = stub->IngestClip(&context, &response);
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name("walk.bvh");
+  REQUIRE(writer->Write(message));
+  while (StatusOf(server).open_call_count() < 2) std::this_thread::yield();
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
+  while (server.server().monitor().CheckReadiness().ready) std::this_thread::yield();
+  CHECK_THAT(server.server().monitor().CheckReadiness().reason, Contains("draining"));
+  CHECK(server.server().monitor().Figures().phase == server::Phase::kDraining);
+  // grpc.health.v1: the service named, and NOT_SERVING.
+  const std::string service = "motiondb.v1.StoreService";
+  const std::string check = "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
+  const RawAnswer health = RawCall(server.channel(), "/grpc.health.v1.Health/Check", check);
+  CHECK(health.bytes == "\x08\x02");
+  context.TryCancel();
+  writer->Finish();
+  draining.join();
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -55,7 +55,6 @@ Client::Connection::Connection(ClientOptions options)
       observations(v1::ObserveService::NewStub(channel_)),
       operations(v1::OperationService::NewStub(channel_)),
       access(v1::AccessService::NewStub(channel_)),
-
       store(v1::StoreService::NewStub(channel_)) {}
 
 absl::Status Client::Connection::WaitUntilConnected() const {

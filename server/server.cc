@@ -1,5 +1,6 @@
 #include "server/server.h"
 
+#include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
@@ -14,6 +15,16 @@
 
 namespace motiondb::server {
 namespace {
+
+// Both are process-wide and must be on before the first builder.
+void EnablePlugins() {
+  static const bool kEnabled = [] {
+    grpc::EnableDefaultHealthCheckService(true);
+    grpc::reflection::InitProtoReflectionServerBuilderPlugin();
+    return true;
+  }();
+  (void)kEnabled;
+}
 
 // Clients that ping are not thrown off (gRPC's own limits allow two pings in five minutes, and none
 // in two hours without a call), and peers that are gone are found.
@@ -71,14 +82,13 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
 Server::~Server() { Drain(std::chrono::milliseconds(0)); }
 
 absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
-  // Both are to be set before the builder is made.
-  grpc::EnableDefaultHealthCheckService(true);
-  SetReflection(reflection);
+  EnablePlugins();
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort(options.listen,
                            tls_ ? tls_->credentials() : grpc::InsecureServerCredentials(), &port);
   SetKeepalive(builder);
+  SetReflection(reflection, builder);
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);

@@ -1,40 +1,29 @@
 #include "server/rpc/reflection.h"
 
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
-#include <grpcpp/impl/server_initializer.h>
-#include <grpcpp/server_builder.h>
+#include <grpcpp/impl/server_builder_option.h>
 
 #include <memory>
-#include <string>
+#include <vector>
 
 namespace motiondb::server {
 namespace {
 
-thread_local bool wanted = true;
+using grpc::reflection::ProtoServerReflectionPlugin;
 
-// In the place of reflection where there is to be none.
-class Nothing final : public grpc::ServerBuilderPlugin {
+class WithoutReflection final : public grpc::ServerBuilderOption {
  public:
-  std::string name() override { return "none"; }
-  void InitServer(grpc::ServerInitializer*) override {}
-  void Finish(grpc::ServerInitializer*) override {}
-  void ChangeArguments(const std::string&, void*) override {}
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    const std::string name = ProtoServerReflectionPlugin().name();
+    std::erase_if(*plugins, [&](const auto& plugin) { return plugin->name() == name; });
+  }
 };
-
-std::unique_ptr<grpc::ServerBuilderPlugin> MakePlugin() {
-  if (!wanted) return std::make_unique<Nothing>();
-  return std::make_unique<grpc::reflection::ProtoServerReflectionPlugin>();
-}
 
 }  // namespace
 
-void SetReflection(bool on) {
-  wanted = on;
-  static const bool kAdded = [] {
-    grpc::ServerBuilder::InternalAddPluginFactory(&MakePlugin);
-    return true;
-  }();
-  (void)kAdded;
+void SetReflection(bool on, grpc::ServerBuilder& builder) {
+  if (!on) builder.SetOption(std::make_unique<WithoutReflection>());
 }
 
 }  // namespace motiondb::server

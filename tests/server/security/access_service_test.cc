@@ -4,6 +4,7 @@
 #include <string>
 
 #include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"

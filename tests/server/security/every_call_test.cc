@@ -8,7 +8,9 @@
 #include <string>
 
 #include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/error.pb.h"
+#include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/store.pb.h"
 #include "server/security/role_table.h"
 #include "tests/support/raw_call.h"

@@ -2,12 +2,11 @@
 // call, and every row's field is there.
 #include "server/security/role_table.h"
 
-#include <google/protobuf/compiler/importer.h>
 #include <google/protobuf/descriptor.h>
+#include <google/protobuf/descriptor.pb.h>
 
-#include <algorithm>
 #include <catch2/catch.hpp>
-#include <filesystem>
+#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
@@ -16,6 +15,8 @@
 #include "motiondb/v1/query.pb.h"
 #include "server/rpc/method.h"
 #include "server/translate/field_text.h"
+#include "tests/support/real_data.h"
+#include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests {
 namespace {
@@ -27,16 +28,22 @@ using google::protobuf::MethodDescriptor;
 class Contract {
  public:
   Contract() {
-    const std::filesystem::path folder(MOTIONDB_PROTO_DIR);
-    tree_.MapPath("", folder.string());
-    tree_.MapPath("", "/usr/include");  // google/protobuf/*.proto
-    for (const auto& entry : std::filesystem::directory_iterator(folder / "motiondb" / "v1")) {
-      const FileDescriptor* const file =
-          importer_.Import("motiondb/v1/" + entry.path().filename().string());
-      REQUIRE(file != nullptr);
-      for (int i = 0; i < file->service_count(); ++i) {
-        for (int j = 0; j < file->service(i)->method_count(); ++j) {
-          methods_.push_back(file->service(i)->method(j));
+    const TemporaryDirectory directory;
+    const std::string file = directory / "contract";
+    const std::string proto = MOTIONDB_PROTO_DIR;
+    const std::string command = "protoc -I " + proto +
+                                " --include_imports --descriptor_set_out=" + file + " " + proto +
+                                "/motiondb/v1/*.proto";
+    INFO(command);
+    REQUIRE(std::system(command.c_str()) == 0);
+    google::protobuf::FileDescriptorSet files;
+    REQUIRE(files.ParseFromString(ReadFile(file)));
+    for (const auto& each : files.file()) {
+      const FileDescriptor* const built = pool_.BuildFile(each);
+      REQUIRE(built != nullptr);
+      for (int i = 0; i < built->service_count(); ++i) {
+        for (int j = 0; j < built->service(i)->method_count(); ++j) {
+          methods_.push_back(built->service(i)->method(j));
         }
       }
     }
@@ -44,8 +51,7 @@ class Contract {
   const std::vector<const MethodDescriptor*>& methods() const { return methods_; }
 
  private:
-  google::protobuf::compiler::DiskSourceTree tree_;
-  google::protobuf::compiler::Importer importer_{&tree_, nullptr};
+  google::protobuf::DescriptorPool pool_;
   std::vector<const MethodDescriptor*> methods_;
 };
 

@@ -21,11 +21,11 @@ spdlog::level::level_enum LevelOf(const EndedCall& call, std::chrono::duration<d
 void LogCall(const EndedCall& call, std::chrono::duration<double> slow) {
   const auto level = LevelOf(call, slow);
   if (!spdlog::should_log(level)) return;
-  const LogFields fields({{"request_id", call.request_id},
-                          {"method", call.method},
-                          {"code", std::string(CodeName(call.code))},
-                          {"milliseconds", std::round(call.seconds * 1e6) / 1e3},
-                          {"peer", call.peer}});
+  const LogFields fields{{"request_id", call.request_id},
+                         {"method", call.method},
+                         {"code", std::string(CodeName(call.code))},
+                         {"milliseconds", std::round(call.seconds * 1e6) / 1e3},
+                         {"peer", call.peer}};
   const char* const what = level == spdlog::level::err    ? "call failed"
                            : level == spdlog::level::warn ? "slow call"
                                                           : "call";

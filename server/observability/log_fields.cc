@@ -7,7 +7,7 @@ thread_local const LogFields* current = nullptr;
 
 }  // namespace
 
-LogFields::LogFields(std::vector<LogField> fields) : fields_(std::move(fields)), outer_(current) {
+LogFields::LogFields(std::initializer_list<LogField> fields) : fields_(fields), outer_(current) {
   current = this;
 }
 

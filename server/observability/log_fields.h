@@ -2,6 +2,7 @@
 // is about, for one. JSON lines have them as members, text lines as `name=value` at the end.
 #pragma once
 
+#include <initializer_list>
 #include <string>
 #include <utility>
 #include <variant>
@@ -14,7 +15,8 @@ using LogField = std::pair<std::string, std::variant<std::string, double>>;
 // Holds on the thread that made it, within the braces that it stands in. May be nested.
 class LogFields {
  public:
-  explicit LogFields(std::vector<LogField> fields);
+  // LogFields fields{{"request_id", id}};
+  LogFields(std::initializer_list<LogField> fields);
   ~LogFields();
   LogFields(const LogFields&) = delete;
   LogFields& operator=(const LogFields&) = delete;

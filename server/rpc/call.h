@@ -59,7 +59,7 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
   reactor->entry().Post([&host, request, response, reactor] {
     CallEntry& entry = reactor->entry();
     const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
-    const LogFields fields({{"request_id", entry.request_id()}});
+    const LogFields fields{{"request_id", entry.request_id()}};
     reactor->End(RunHandler(call.cancelled, [&]() -> absl::Status {
       MOTIONDB_RETURN_IF_ERROR(call.entry.Check(*request));
       return kHandler(call, *request, *response);

@@ -77,7 +77,7 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
   }
 
   absl::Status Store() {
-    const LogFields fields({{"request_id", entry_.request_id()}});
+    const LogFields fields{{"request_id", entry_.request_id()}};
     MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
     auto ingested = engine_.Ingest(database_, std::move(file), entry_.cancelled());
     if (!ingested.ok()) return AtField("file_block", ingested.status());

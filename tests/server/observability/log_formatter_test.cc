@@ -53,8 +53,8 @@ TEST_CASE("JsonLog: any message makes one valid line", "[server][log]") {
 }
 
 TEST_CASE("JsonLog: fields are members, numbers stay numbers", "[server][log]") {
-  const LogFields outer({{"request_id", "r\"1"}});
-  const LogFields inner({{"milliseconds", 1.5}, {"method", "QueryService.Plan"}});
+  const LogFields outer{{"request_id", "r\"1"}};
+  const LogFields inner{{"milliseconds", 1.5}, {"method", "QueryService.Plan"}};
   const json object = json::parse(Line(LogFormat::kJson, "call"));
   CHECK(object["request_id"] == "r\"1");
   CHECK(object["milliseconds"] == 1.5);
@@ -70,7 +70,7 @@ TEST_CASE("TextLog: a message with a line end forges no line", "[server][log]") 
 }
 
 TEST_CASE("TextLog: fields stand at the end, quoted where they are no word", "[server][log]") {
-  const LogFields fields({{"code", "OK"}, {"empty", ""}, {"two", "a b"}, {"ms", 2.25}});
+  const LogFields fields{{"code", "OK"}, {"empty", ""}, {"two", "a b"}, {"ms", 2.25}};
   CHECK_THAT(Line(LogFormat::kText, "call"),
              Catch::EndsWith("info call code=OK empty=\"\" two=\"a b\" ms=2.25\n"));
 }
@@ -78,8 +78,8 @@ TEST_CASE("TextLog: fields stand at the end, quoted where they are no word", "[s
 TEST_CASE("LogFields: hold within their braces, on their thread", "[server][log]") {
   CHECK(LogFields::Current() == nullptr);
   {
-    const LogFields outer({{"a", "1"}});
-    const LogFields inner({{"b", "2"}});
+    const LogFields outer{{"a", "1"}};
+    const LogFields inner{{"b", "2"}};
     CHECK(LogFields::Current() == &inner);
     CHECK(inner.outer() == &outer);
     std::thread([] { CHECK(LogFields::Current() == nullptr); }).join();

@@ -60,18 +60,21 @@ in_storage inspect --type image --format \
 grep -q "user 65051:65051" "$work/config" || fail "the image's user has rights"
 grep -q "/var/lib/motiondb" "$work/config" || fail "the store is in no volume"
 
-# Beyond a container's loopback a server without TLS has to be told that this is meant.
-open=()
 store=$work/volume
 install -d -o 65051 -g 65051 "$store"
-port=$(python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])')
+# Containers of chroot share this machine's network: a free port for gRPC, and one for HTTP.
+free_port() {
+  python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
+}
+port=$(free_port)
+http=$(free_port)
 
 # The image's own program, user and variables, on this machine's network.
 start_container() {
   local i
   container=$(in_storage from localhost/motiondb)
   in_storage run --isolation chroot --volume "$store:/var/lib/motiondb" "$container" -- \
-    motiondbd --listen "127.0.0.1:$port" "${open[@]}" >"$work/address" 2>"$work/log" &
+    motiondbd --listen "127.0.0.1:$port" --http-listen "127.0.0.1:$http" >"$work/address" 2>"$work/log" &
   run=$!
   for i in $(seq 300); do
     if grep -q listening "$work/address"; then
@@ -91,7 +94,7 @@ stop_container() {
   container=
 }
 healthy() {
-  in_storage run --isolation chroot --env "MOTIONDBD_LISTEN=127.0.0.1:$port" "$container" -- \
+  in_storage run --isolation chroot --env "MOTIONDBD_HTTP_LISTEN=127.0.0.1:$http" "$container" -- \
     /usr/lib/motiondb/health_check
 }
 ask() {

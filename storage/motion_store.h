@@ -17,6 +17,7 @@
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
 #include "storage/records.h"
+#include "storage/store_upkeep.h"
 
 namespace motiondb::storage {
 
@@ -58,7 +59,7 @@ class MotionStore {
   virtual absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
                                                              const std::string& clip) = 0;
 
-  // Skeletons, in order of id; alike ones are stored once.
+  // Skeletons, in order of id; alike ones are stored once. The list passes over damaged ones.
   virtual absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                                      const std::string& skeleton) = 0;
   virtual absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
@@ -103,6 +104,9 @@ class MotionStore {
 
   // Tokens and the record of changes, kept with the motion; as long-lived as this store.
   virtual AccessStore& access() = 0;
+
+  // Checking, copying and filling the store as a whole; as long-lived as this store.
+  virtual StoreUpkeep& upkeep() = 0;
 };
 
 }  // namespace motiondb::storage

@@ -97,17 +97,20 @@ absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connecti
                                                             const Page& page) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   Statement row = connection.Query(
-      "SELECT skeleton_key, id FROM skeleton WHERE database_key = ? AND id > ? ORDER BY id LIMIT ?",
-      database_key, page.after, page.limit);
+      "SELECT skeleton_key, id FROM skeleton WHERE database_key = ? AND id > ? ORDER BY id",
+      database_key, page.after);
   std::vector<SkeletonRecord> records;
-  while (true) {
+  while (static_cast<int>(records.size()) < page.limit) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return records;
+    if (!found) break;
     std::string id = row.Text(1);
-    MOTIONDB_ASSIGN_OR_RETURN(core::Skeleton skeleton,
-                              Decode(connection, row.Integer(0), database, id));
-    records.push_back({std::move(id), std::move(skeleton)});
+    auto skeleton = Decode(connection, row.Integer(0), database, id);
+    // Damage costs the one skeleton, not the list.
+    if (absl::IsDataLoss(skeleton.status())) continue;
+    if (!skeleton.ok()) return skeleton.status();
+    records.push_back({std::move(id), *std::move(skeleton)});
   }
+  return records;
 }
 
 absl::Status DeleteUnusedSkeletons(Connection& connection, std::int64_t database_key) {

@@ -9,10 +9,14 @@
 #include "core/motion/error.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
+#include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/model_table.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/skeleton_table.h"
+#include "storage/sqlite/sqlite_backup.h"
+#include "storage/sqlite/sqlite_restore.h"
+#include "storage/sqlite/sqlite_verifier.h"
 #include "storage/sqlite/store_file.h"
 #include "storage/sqlite/token_table.h"
 #include "storage/sqlite/transaction.h"
@@ -30,6 +34,14 @@ const absl::Status& StatusOf(const absl::Status& status) { return status; }
 template <typename T>
 const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
+}
+
+absl::Status CheckWithoutDatabases(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto count,
+                            connection.QueryInteger("SELECT count(*) FROM database"));
+  if (count == 0) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "the store holds {} databases: a backup is restored into a store without any", count);
 }
 
 template <typename Work>
@@ -56,20 +68,24 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
     std::error_code error;
     file = std::filesystem::weakly_canonical(path, error).string();
     if (error) return core::InvalidArgument("cannot open '{}': {}", path, error.message());
-    MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file, options.vfs));
+    MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
     MOTIONDB_ASSIGN_OR_RETURN(lock, StoreLock::Acquire(file));
+    RemoveLeftCopies(file);
     readers = std::make_unique<ReaderPool>(file, options.vfs, options.reader_count);
   }
   MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
-  return std::unique_ptr<SqliteMotionStore>(new SqliteMotionStore(
-      std::move(lock), std::move(writer), std::move(readers), std::move(options.now_us)));
+  if (!lock) file.clear();
+  return std::unique_ptr<SqliteMotionStore>(
+      new SqliteMotionStore(std::move(file), std::move(lock), std::move(writer), std::move(readers),
+                            std::move(options.now_us)));
 }
 
-SqliteMotionStore::SqliteMotionStore(std::optional<StoreLock> lock,
+SqliteMotionStore::SqliteMotionStore(std::string path, std::optional<StoreLock> lock,
                                      std::unique_ptr<Connection> writer,
                                      std::unique_ptr<ReaderPool> readers,
                                      std::function<std::int64_t()> now_us)
-    : lock_(std::move(lock)),
+    : path_(std::move(path)),
+      lock_(std::move(lock)),
       writer_(std::move(writer)),
       readers_(std::move(readers)),
       now_us_(std::move(now_us)) {}
@@ -277,6 +293,36 @@ absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std
                                                                              int limit) {
   return Read(
       [&](Connection& connection) { return SelectAuditRecords(connection, before, limit); });
+}
+
+absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
+    core::Cancelled cancelled) {
+  return std::make_unique<SqliteVerifier>(
+      [this](const SqliteVerifier::Look& look) { return Read(look); }, std::move(cancelled));
+}
+
+absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
+    const core::Cancelled& cancelled) {
+  if (path_.empty()) return core::FailedPrecondition("a store in memory is not backed up");
+  return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
+    return SqliteBackup::Make(reader, path_, cancelled);
+  });
+}
+
+absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
+  if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
+  MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
+  return SqliteRestore::Make(path_, [this](Connection& backup) { return TakeOver(backup); });
+}
+
+absl::Status SqliteMotionStore::TakeOver(Connection& backup) {
+  const std::lock_guard lock(writer_mutex_);
+  MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
+  MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
+  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, {}));
+  // The log has the whole store now; if readers are in the way, a later write moves it.
+  writer_->Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
+  return absl::OkStatus();
 }
 
 }  // namespace motiondb::storage

@@ -30,7 +30,7 @@ struct SqliteOptions {
   std::string vfs;
 };
 
-class SqliteMotionStore final : public MotionStore, public AccessStore {
+class SqliteMotionStore final : public MotionStore, public AccessStore, public StoreUpkeep {
  public:
   // Opens the store at `path`, making it where there is none or an empty file, and upgrading one of
   // an older version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION,
@@ -85,9 +85,17 @@ class SqliteMotionStore final : public MotionStore, public AccessStore {
   absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                             int limit) override;
 
+  StoreUpkeep& upkeep() override { return *this; }
+  absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
+  // Both FAILED_PRECONDITION for a store in memory.
+  absl::StatusOr<std::unique_ptr<StoreBackup>> BeginBackup(
+      const core::Cancelled& cancelled) override;
+  absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
+
  private:
-  SqliteMotionStore(std::optional<StoreLock> lock, std::unique_ptr<Connection> writer,
-                    std::unique_ptr<ReaderPool> readers, std::function<std::int64_t()> now_us);
+  SqliteMotionStore(std::string path, std::optional<StoreLock> lock,
+                    std::unique_ptr<Connection> writer, std::unique_ptr<ReaderPool> readers,
+                    std::function<std::int64_t()> now_us);
 
   // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
   // happens, or after an error none.
@@ -104,6 +112,10 @@ class SqliteMotionStore final : public MotionStore, public AccessStore {
   // REQUIRES: writer_mutex_ is held.
   void AddTogether(const std::vector<Addition*>& additions);
 
+  // Makes the checked store of a backup this store's own.
+  absl::Status TakeOver(Connection& backup);
+
+  const std::string path_;  // empty for a store in memory
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
   std::mutex writer_mutex_;

@@ -1,6 +1,9 @@
 #include "storage/sqlite/store_file.h"
 
+#include <array>
+#include <cstdint>
 #include <filesystem>
+#include <fstream>
 #include <string_view>
 
 #include "core/motion/error.h"
@@ -11,6 +14,10 @@ namespace motiondb::storage {
 namespace {
 
 constexpr char kInMemory[] = ":memory:";
+
+// A SQLite file's header.
+constexpr std::size_t kHeaderBytes = 100;
+constexpr std::size_t kIdPlace = 68;  // of the application id
 
 // For every connection. A wait of ten seconds is long for a lock that is held for moments.
 constexpr char kCommonSetup[] = R"sql(
@@ -30,19 +37,6 @@ constexpr char kReaderSetup[] = R"sql(
 PRAGMA query_only = ON;
 PRAGMA wal_autocheckpoint = 0;
 )sql";
-
-// A path as SQLite reads it in a URI.
-std::string UriOf(std::string_view path, std::string_view query) {
-  std::string uri = "file:";
-  for (const char c : path) {
-    if (c == '%' || c == '?' || c == '#') {
-      uri += fmt::format("%{:02x}", static_cast<unsigned char>(c));
-    } else {
-      uri += c;
-    }
-  }
-  return fmt::format("{}?{}", uri, query);
-}
 
 absl::Status NotAStore(std::string_view path, std::string_view what) {
   return core::FailedPrecondition("'{}' is not a motiondb store but {}; it was left as it was",
@@ -77,7 +71,7 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
 
 }  // namespace
 
-absl::Status CheckIsStore(const std::string& path, const std::string& vfs) {
+absl::Status CheckIsStore(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
   const fs::file_status file = fs::status(path, error);
@@ -88,17 +82,20 @@ absl::Status CheckIsStore(const std::string& path, const std::string& vfs) {
   if (file.type() != fs::file_type::regular) return NotAStore(path, "something other than a file");
   if (fs::file_size(path, error) == 0) return absl::OkStatus();
 
-  // `immutable`: SQLite reads the header and touches nothing, not even a log that lies beside it.
-  auto peek =
-      Connection::Open(UriOf(path, "immutable=1"), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, vfs);
-  if (!peek.ok()) return peek.status();
-  const auto id = (*peek)->QueryInteger("PRAGMA application_id");
-  const auto pages = (*peek)->QueryInteger("PRAGMA page_count");
-  // SQLite takes a file of a few bytes for one without pages, which it would write over.
-  if (absl::IsDataLoss(id.status()) || (pages.ok() && *pages == 0))
+  // Not by SQLite, which finds a file damaged that is shorter than its first page says, as one is
+  // whose log was not moved into it to the end: a full disk or a power cut leaves it so.
+  std::array<char, kHeaderBytes> header{};
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(header.data(), header.size());
+  if (stream.bad() || !stream.is_open()) {
+    return absl::UnavailableError(fmt::format("cannot read '{}'", path));
+  }
+  if (!std::string_view(header.data(), header.size()).starts_with(kSqliteMagic)) {
     return NotAStore(path, "a file of another kind");
-  if (!id.ok()) return id.status();
-  if (*id != kApplicationId) return NotAStore(path, "another SQLite file");
+  }
+  std::uint32_t id = 0;  // big-endian
+  for (int i = 0; i < 4; ++i) id = id << 8 | static_cast<unsigned char>(header[kIdPlace + i]);
+  if (id != kApplicationId) return NotAStore(path, "another SQLite file");
   return absl::OkStatus();
 }
 

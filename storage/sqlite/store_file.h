@@ -4,15 +4,19 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "storage/sqlite/connection.h"
 
 namespace motiondb::storage {
 
+// What every SQLite file begins with.
+inline constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+
 // OK if there is nothing at `path`, an empty file or a store. Else FAILED_PRECONDITION saying what
 // it is, leaving it as it was.
-absl::Status CheckIsStore(const std::string& path, const std::string& vfs);
+absl::Status CheckIsStore(const std::string& path);
 
 // The one connection that writes and checkpoints; makes and upgrades the store. `path` may be
 // ":memory:". Its holder holds the StoreLock.

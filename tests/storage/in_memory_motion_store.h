@@ -15,6 +15,21 @@
 
 namespace motiondb::tests {
 
+// There is nothing to check or copy.
+class NoUpkeep final : public storage::StoreUpkeep {
+ public:
+  absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(core::Cancelled) override {
+    return absl::UnimplementedError("kept in memory");
+  }
+  absl::StatusOr<std::unique_ptr<storage::StoreBackup>> BeginBackup(
+      const core::Cancelled&) override {
+    return absl::UnimplementedError("kept in memory");
+  }
+  absl::StatusOr<std::unique_ptr<storage::StoreRestore>> BeginRestore() override {
+    return absl::UnimplementedError("kept in memory");
+  }
+};
+
 class InMemoryMotionStore final : public storage::MotionStore {
  public:
   explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
@@ -60,6 +75,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                                                        const std::string& before,
                                                                        int limit) override;
   storage::AccessStore& access() override { return access_; }
+  storage::StoreUpkeep& upkeep() override { return upkeep_; }
 
  private:
   struct Database {
@@ -82,6 +98,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first
   InMemoryAccessStore access_;
+  NoUpkeep upkeep_;
 };
 
 }  // namespace motiondb::tests

@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include "tests/storage/damaged_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
@@ -23,13 +24,6 @@ void Fill(const StoreFile& file) {
   REQUIRE_OK(store->AddClip(a));
   REQUIRE_OK(store->AddClip(b));
   REQUIRE_OK(store->PutModel("d", SampleModel({b})));
-}
-
-// SQL that changes a byte of a chunk. `row` tells which chunk of `table`.
-std::string ChangeByte(const std::string& table, int place, const std::string& row) {
-  const std::string at = std::to_string(place);
-  return "UPDATE " + table + " SET chunk = CAST(substr(chunk, 1, " + at +
-         ") || x'A5' || substr(chunk, " + at + " + 2) AS BLOB) WHERE " + row;
 }
 
 const char kStatesOfA[] =
@@ -108,6 +102,10 @@ TEST_CASE("SqliteMotionStore: a damaged skeleton is named and does not stop inge
   const auto store = file.Open();
   REQUIRE_ERROR(store->GetSkeleton("d", "human"), StatusCode::kDataLoss, "skeleton 'human'");
   REQUIRE(Require(store->AddClip(SampleClip("d", "c", 3))).skeleton_id == "human-2");
+  // Lists pass over it.
+  const auto listed = Require(store->ListSkeletons("d", {.limit = 1}));
+  REQUIRE(listed.size() == 1);
+  REQUIRE(listed[0].id == "human-2");
 }
 
 TEST_CASE("SqliteMotionStore: a page that SQLite finds damaged is data loss", "[storage][damage]") {

@@ -6,6 +6,7 @@
 
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
 namespace motiondb::tests {
@@ -39,24 +40,6 @@ class Faults {
     most_pages = 0;
   }
 };
-
-// All that can be read of a database, as text.
-std::string Dump(storage::MotionStore& store) {
-  std::string text;
-  for (const auto& clip : Require(store.ListClips("d", {}))) {
-    text += clip.id + " " + clip.skeleton_id + " " +
-            Require(store.ReadClipSource("d", clip.id)).file_bytes;
-    text += Encoded(Require(store.ReadClipStates("d", clip.id)));
-  }
-  for (const auto& skeleton : Require(store.ListSkeletons("d", {}))) text += skeleton.id;
-  for (const auto& model : Require(store.ListModels("d", 0, 100))) {
-    text += std::to_string(model.version) + (model.current ? "*" : "");
-  }
-  const auto model = store.ReadModel("d", core::Serially);
-  if (model.ok()) text += Encoded(model->parts());
-  for (const auto& operation : Require(store.ListOperations("d", "", 100))) text += operation.id;
-  return text;
-}
 
 }  // namespace
 

@@ -125,6 +125,7 @@ class GatedStore : public storage::MotionStore {
     return store_->ListOperations(database, before, limit);
   }
   storage::AccessStore& access() override { return store_->access(); }
+  storage::StoreUpkeep& upkeep() override { return store_->upkeep(); }
 
  private:
   const std::unique_ptr<storage::MotionStore> store_;

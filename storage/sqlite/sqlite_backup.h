@@ -1,0 +1,38 @@
+// A backup of a SQLite store. First all pages go to a file beside the store, so that the moment
+// that the copy is of, which the log must keep, does not last as long as the slowest client.
+#pragma once
+
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "storage/blob/sha256.h"
+#include "storage/sqlite/connection.h"
+#include "storage/sqlite/copy_file.h"
+#include "storage/store_upkeep.h"
+
+namespace motiondb::storage {
+
+class SqliteBackup final : public StoreBackup {
+ public:
+  // `reader` is a reader of the store at `store_path`, in a transaction; no longer needed then.
+  static absl::StatusOr<std::unique_ptr<SqliteBackup>> Make(Connection& reader,
+                                                            const std::string& store_path,
+                                                            const core::Cancelled& cancelled);
+
+  std::int64_t total_bytes() const override;
+  absl::StatusOr<bool> Read(std::string& block) override;
+
+ private:
+  explicit SqliteBackup(const std::string& store_path) : file_(store_path, "backup") {}
+
+  CopyFile file_;
+  std::ifstream stream_;
+  std::int64_t file_bytes_ = 0;
+  std::int64_t read_bytes_ = 0;
+  Sha256 digest_;
+  bool ended_ = false;
+};
+
+}  // namespace motiondb::storage

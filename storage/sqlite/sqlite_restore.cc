@@ -1,0 +1,130 @@
+#include "storage/sqlite/sqlite_restore.h"
+
+#include <cerrno>
+#include <cstring>
+#include <utility>
+#include <vector>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/audit_table.h"
+#include "storage/sqlite/backup_format.h"
+#include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/sqlite_verifier.h"
+#include "storage/sqlite/store_file.h"
+#include "storage/sqlite/token_table.h"
+#include "storage/sqlite/transaction.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr char kIn[] = "the backup";
+
+absl::Status NoBackup() {
+  return core::DataLoss("this is not a backup of motiondb, or its beginning is damaged");
+}
+
+// The first damage in the whole store, if there is any.
+absl::Status CheckWhole(Connection& connection) {
+  SqliteVerifier verifier(
+      [&](const SqliteVerifier::Look& look) -> absl::Status {
+        MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
+                                  Transaction::Begin(connection, Transaction::Kind::kRead));
+        return look(connection);
+      },
+      {});
+  std::vector<Damage> found;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool more, verifier.Step(found));
+    if (!found.empty()) {
+      const Damage& first = found.front();
+      const char* const colon = first.resource.empty() ? "" : ": ";
+      return core::DataLoss("{}{}{}", first.resource, colon, first.description);
+    }
+    if (!more) return absl::OkStatus();
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::string& store_path,
+                                                                   TakeOver take_over) {
+  std::unique_ptr<SqliteRestore> restore(new SqliteRestore(store_path, std::move(take_over)));
+  restore->stream_.open(restore->file_.path(), std::ios::binary | std::ios::trunc);
+  if (!restore->stream_) {
+    return absl::UnavailableError(
+        fmt::format("cannot write '{}': {}", restore->file_.path(), std::strerror(errno)));
+  }
+  return restore;
+}
+
+absl::Status SqliteRestore::Append(std::string_view bytes) {
+  tail_ += bytes;
+  if (!begun_ && tail_.size() >= kSqliteMagic.size()) {
+    // What is no backup at all need not be sent to its end.
+    if (!tail_.starts_with(kSqliteMagic)) return NoBackup();
+    begun_ = true;
+  }
+  if (tail_.size() <= kBackupTrailerBytes) return absl::OkStatus();
+  const std::size_t ready = tail_.size() - kBackupTrailerBytes;
+  MOTIONDB_RETURN_IF_ERROR(Write(std::string_view(tail_).substr(0, ready)));
+  tail_.erase(0, ready);
+  return absl::OkStatus();
+}
+
+absl::Status SqliteRestore::Write(std::string_view bytes) {
+  digest_.Update(bytes);
+  errno = 0;
+  stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream_.flush();
+  if (stream_) return absl::OkStatus();
+  const std::string message =
+      fmt::format("cannot write '{}': {}", file_.path(), std::strerror(errno == 0 ? EIO : errno));
+  return errno == ENOSPC || errno == EDQUOT ? absl::ResourceExhaustedError(message)
+                                            : absl::UnavailableError(message);
+}
+
+absl::Status SqliteRestore::CheckSum() {
+  if (!begun_) return NoBackup();
+  if (!tail_.starts_with(kBackupMark) || tail_.size() != kBackupTrailerBytes) {
+    return core::DataLoss("the backup is cut off: the checksum that it ends with is missing");
+  }
+  digest_.Update(kBackupMark);
+  if (std::string_view(tail_).substr(kBackupMark.size()) != digest_.Finish()) {
+    return core::DataLoss("the backup is damaged: its checksum does not match");
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SqliteRestore::Finish() {
+  MOTIONDB_RETURN_IF_ERROR(CheckSum());
+  stream_.close();
+  if (const absl::Status store = CheckIsStore(file_.path()); !store.ok()) return NoBackup();
+  // Migrates it, too.
+  auto backup = OpenWriter(file_.path(), "");
+  if (!backup.ok()) return In(kIn, backup.status());
+  MOTIONDB_RETURN_IF_ERROR(In(kIn, CheckWhole(**backup)));
+  return take_over_(**backup);
+}
+
+absl::Status KeepAccess(Connection& target, Connection& backup) {
+  MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
+                            Transaction::Begin(backup, Transaction::Kind::kWrite));
+  constexpr int kLimit = 1000;
+  std::string after;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto tokens, SelectTokens(target, after, kLimit));
+    if (tokens.empty()) break;
+    for (const TokenRecord& token : tokens) {
+      MOTIONDB_RETURN_IF_ERROR(backup.Query("DELETE FROM token WHERE id = ?", token.id).Run());
+      MOTIONDB_RETURN_IF_ERROR(InsertToken(backup, token));
+    }
+    after = tokens.back().id;
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto newest_first, SelectAuditRecords(target, 0, kAuditLimit));
+  for (auto record = newest_first.rbegin(); record != newest_first.rend(); ++record) {
+    MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(backup, *record));
+  }
+  return transaction.Commit();
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,44 @@
+// A backup on its way into a SQLite store: gathered in a file beside the store, checked there, and
+// copied into the store by the one connection that writes, in one transaction.
+#pragma once
+
+#include <fstream>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "storage/blob/sha256.h"
+#include "storage/sqlite/connection.h"
+#include "storage/sqlite/copy_file.h"
+#include "storage/store_upkeep.h"
+
+namespace motiondb::storage {
+
+class SqliteRestore final : public StoreRestore {
+ public:
+  // `take_over` copies from a connection to the backup's store, which has passed all checks.
+  using TakeOver = std::function<absl::Status(Connection& backup)>;
+  static absl::StatusOr<std::unique_ptr<SqliteRestore>> Make(const std::string& store_path,
+                                                             TakeOver take_over);
+
+  absl::Status Append(std::string_view bytes) override;
+  absl::Status Finish() override;
+
+ private:
+  SqliteRestore(const std::string& store_path, TakeOver take_over)
+      : file_(store_path, "restore"), take_over_(std::move(take_over)) {}
+  absl::Status Write(std::string_view bytes);
+  absl::Status CheckSum();
+
+  CopyFile file_;
+  std::ofstream stream_;
+  Sha256 digest_;
+  std::string tail_;  // the last bytes so far, which may be the trailer
+  bool begun_ = false;
+  const TakeOver take_over_;
+};
+
+// Brings what a target has of tokens and records of changes to a backup that will take its place.
+absl::Status KeepAccess(Connection& target, Connection& backup);
+
+}  // namespace motiondb::storage

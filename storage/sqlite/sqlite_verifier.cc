@@ -1,0 +1,293 @@
+#include "storage/sqlite/sqlite_verifier.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/blob/crc32.h"
+#include "storage/blob/model_codec.h"
+#include "storage/blob/skeleton_codec.h"
+#include "storage/blob/states_codec.h"
+#include "storage/sqlite/clip_table.h"
+#include "storage/sqlite/database_table.h"
+#include "storage/sqlite/operation_table.h"
+#include "storage/sqlite/token_table.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr std::int64_t kStepBytes = 4 << 20;
+constexpr int kStepRows = 256;
+constexpr std::size_t kBufferBytes = 64 << 10;
+// A model's parts are decoded up to here; decoded they take about as much memory again.
+constexpr std::int64_t kDecodedModelBytes = 16 << 20;
+// Share of the work that checking the file is taken for.
+constexpr double kFileShare = 0.2;
+
+std::string MemberName(const std::string& database, const char* collection, const std::string& id) {
+  return fmt::format("databases/{}/{}/{}", database, collection, id);
+}
+
+// Reads so many bytes, handing them on in pieces.
+absl::Status ReadPieces(ByteSource& source, std::uint64_t bytes,
+                        const std::function<void(std::span<const std::byte>)>& take) {
+  std::vector<std::byte> buffer(std::min<std::uint64_t>(bytes, kBufferBytes));
+  while (bytes > 0) {
+    const auto piece = std::span(buffer).first(std::min<std::uint64_t>(bytes, buffer.size()));
+    MOTIONDB_RETURN_IF_ERROR(source.Read(piece));
+    take(piece);
+    bytes -= piece.size();
+  }
+  return absl::OkStatus();
+}
+
+// Lets SQLite's own long statements be cancelled while it lives.
+class Interruptible {
+ public:
+  Interruptible(Connection& connection, const core::Cancelled& cancelled)
+      : connection_(connection), cancelled_(cancelled) {
+    constexpr int kSteps = 10'000;
+    const auto ask = [](void* self) {
+      const auto& asked = static_cast<Interruptible*>(self)->cancelled_;
+      return asked && asked() ? 1 : 0;
+    };
+    sqlite3_progress_handler(connection_.handle(), kSteps, ask, this);
+  }
+  ~Interruptible() { sqlite3_progress_handler(connection_.handle(), 0, nullptr, nullptr); }
+
+ private:
+  Connection& connection_;
+  const core::Cancelled& cancelled_;
+};
+
+}  // namespace
+
+absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
+  const std::int64_t bytes_before = totals_.byte_count;
+  const Phase phase = phase_;
+  const absl::Status status = read_([&](Connection& connection) -> absl::Status {
+    if (phase == Phase::kFile) return CheckFile(connection);
+    if (phase == Phase::kRecords) return CheckRecords(connection);
+    for (int row = 0; row < kStepRows && totals_.byte_count - bytes_before < kStepBytes; ++row) {
+      if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
+      absl::StatusOr<bool> more = false;
+      if (phase == Phase::kClips) more = CheckClip(connection);
+      if (phase == Phase::kSkeletons) more = CheckSkeleton(connection);
+      if (phase == Phase::kModels) more = CheckModel(connection);
+      if (!more.ok()) return more.status();
+      if (!*more) {
+        Advance();
+        break;
+      }
+    }
+    return absl::OkStatus();
+  });
+  if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
+  if (!status.ok()) {
+    // Rows that cannot be gone through cost what comes after them of their kind.
+    MOTIONDB_RETURN_IF_ERROR(Note("", status));
+    if (phase_ == phase) Advance();
+  }
+  found.insert(found.end(), std::make_move_iterator(found_.begin()),
+               std::make_move_iterator(found_.end()));
+  found_.clear();
+  return phase_ != Phase::kDone;
+}
+
+double SqliteVerifier::progress() const {
+  if (phase_ == Phase::kFile) return 0;
+  if (phase_ == Phase::kDone) return 1;
+  const double read = static_cast<double>(totals_.byte_count) / static_cast<double>(file_bytes_);
+  return kFileShare + (1 - kFileShare) * std::min(1.0, read);
+}
+
+void SqliteVerifier::Advance() {
+  phase_ = static_cast<Phase>(static_cast<int>(phase_) + 1);
+  last_key_ = 0;
+}
+
+absl::Status SqliteVerifier::Note(const std::string& resource, const absl::Status& status) {
+  switch (status.code()) {
+    case absl::StatusCode::kOk:
+    case absl::StatusCode::kNotFound:  // deleted meanwhile
+      return absl::OkStatus();
+    case absl::StatusCode::kCancelled:
+    case absl::StatusCode::kResourceExhausted:
+      return status;
+    default:
+      ++totals_.damage_count;
+      found_.push_back({resource, std::string(status.message())});
+      return absl::OkStatus();
+  }
+}
+
+absl::Status SqliteVerifier::CheckFile(Connection& connection) {
+  const Interruptible interruptible(connection, cancelled_);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, connection.QueryInteger("PRAGMA page_count"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, connection.QueryInteger("PRAGMA page_size"));
+  file_bytes_ = std::max<std::int64_t>(1, pages * page_bytes);
+  Statement structure = connection.Query("PRAGMA integrity_check(20)");
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool row, structure.Step());
+    if (!row) break;
+    if (const std::string text = structure.Text(0); text != "ok") {
+      MOTIONDB_RETURN_IF_ERROR(Note("", core::DataLoss("the file: {}", text)));
+    }
+  }
+  Statement reference = connection.Query("PRAGMA foreign_key_check");
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool row, reference.Step());
+    if (!row) break;
+    MOTIONDB_RETURN_IF_ERROR(
+        Note("", core::DataLoss("the file: row {} of table {} refers to a row of table {} that is "
+                                "not there",
+                                reference.Integer(1), reference.Text(0), reference.Text(2))));
+  }
+  Advance();
+  return absl::OkStatus();
+}
+
+absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
+  Statement row = connection.Query(
+      "SELECT clip_key, name, id, deleted, frame_count, root_path_crc, ifnull((SELECT version FROM "
+      "model WHERE model.database_key = clip.database_key AND current = 1), 0) FROM clip "
+      "JOIN database USING (database_key) WHERE clip_key > ? ORDER BY clip_key LIMIT 1",
+      last_key_);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return false;
+  last_key_ = row.Integer(0);
+  const std::string database = row.Text(1);
+  const std::string id = row.Text(2);
+  const auto frames = row.Integer<std::int32_t>(4);
+  const auto crc = row.Integer<std::uint32_t>(5);
+  if (row.Integer(3) != 0) {
+    // Deleted, but the current model has its states.
+    const std::string model = MemberName(database, "models", std::to_string(row.Integer(6)));
+    MOTIONDB_RETURN_IF_ERROR(Note(model, In(fmt::format("deleted clip '{}'", id),
+                                            CheckStates(connection, last_key_, frames, crc))));
+    return true;
+  }
+  ++totals_.clip_count;
+  const std::string name = MemberName(database, "clips", id);
+  const BlobOwner owner = ClipOwner(last_key_);
+  MOTIONDB_RETURN_IF_ERROR(Note(name, SelectClip(connection, database, id).status()));
+  MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kMotionFile)));
+  MOTIONDB_RETURN_IF_ERROR(Note(name, CheckBytes(connection, owner, BlobKind::kSkeletonFile)));
+  MOTIONDB_RETURN_IF_ERROR(Note(name, CheckStates(connection, last_key_, frames, crc)));
+  return true;
+}
+
+absl::StatusOr<bool> SqliteVerifier::CheckSkeleton(Connection& connection) {
+  Statement row = connection.Query(
+      "SELECT skeleton_key, name, id FROM skeleton JOIN database USING (database_key) "
+      "WHERE skeleton_key > ? ORDER BY skeleton_key LIMIT 1",
+      last_key_);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return false;
+  last_key_ = row.Integer(0);
+  ++totals_.skeleton_count;
+  const absl::Status read =
+      ReadBlob(connection, {"skeleton", last_key_}, BlobKind::kSkeleton, [&](ByteSource& source) {
+        totals_.byte_count += static_cast<std::int64_t>(source.remaining());
+        return DecodeSkeleton(source).status();
+      });
+  MOTIONDB_RETURN_IF_ERROR(Note(MemberName(row.Text(1), "skeletons", row.Text(2)), read));
+  return true;
+}
+
+absl::StatusOr<bool> SqliteVerifier::CheckModel(Connection& connection) {
+  Statement row = connection.Query(
+      "SELECT model_key, name, version, COALESCE(base_key, model_key), clip_count, frame_count "
+      "FROM model JOIN database USING (database_key) WHERE current = 1 AND model_key > ? "
+      "ORDER BY model_key LIMIT 1",
+      last_key_);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  if (!found) return false;
+  last_key_ = row.Integer(0);
+  ++totals_.model_count;
+  MOTIONDB_RETURN_IF_ERROR(
+      Note(MemberName(row.Text(1), "models", row.Text(2)),
+           CheckModelParts(connection, row.Integer(3), row.Integer(4), row.Integer(5))));
+  return true;
+}
+
+absl::Status SqliteVerifier::CheckRecords(Connection& connection) {
+  Page page;
+  while (true) {
+    const auto databases = SelectDatabases(connection, page);
+    MOTIONDB_RETURN_IF_ERROR(Note("", databases.status()));
+    if (!databases.ok() || databases->empty()) break;
+    totals_.database_count += static_cast<std::int32_t>(databases->size());
+    page.after = databases->back().name;
+  }
+  std::string last;
+  constexpr int kLimit = 1000;
+  while (true) {
+    const auto operations = SelectOperations(connection, "", last, kLimit);
+    MOTIONDB_RETURN_IF_ERROR(Note("", operations.status()));
+    if (!operations.ok() || operations->empty()) break;
+    last = operations->back().id;
+  }
+  last.clear();
+  while (true) {
+    const auto tokens = SelectTokens(connection, last, kLimit);
+    MOTIONDB_RETURN_IF_ERROR(Note("", tokens.status()));
+    if (!tokens.ok() || tokens->empty()) break;
+    last = tokens->back().id;
+  }
+  Advance();
+  return absl::OkStatus();
+}
+
+absl::Status SqliteVerifier::CheckBytes(Connection& connection, const BlobOwner& owner,
+                                        BlobKind kind) {
+  return ReadBlob(connection, owner, kind, [&](ByteSource& source) -> absl::Status {
+    totals_.byte_count += static_cast<std::int64_t>(source.remaining());
+    MOTIONDB_RETURN_IF_ERROR(ReadPieces(source, source.remaining(), [](auto) {}));
+    return source.Finish();
+  });
+}
+
+absl::Status SqliteVerifier::CheckStates(Connection& connection, std::int64_t clip_key,
+                                         std::int32_t frames, std::uint32_t root_path_crc) {
+  const auto decode = [&](ByteSource& source) -> absl::Status {
+    totals_.byte_count += static_cast<std::int64_t>(source.remaining());
+    MOTIONDB_ASSIGN_OR_RETURN(const StatesHeader header, DecodeStatesHeader(source));
+    if (header.frame_count != frames) {
+      return core::DataLoss("states: expected {} frames, got {}", frames, header.frame_count);
+    }
+    const auto state_bytes = sizeof(float) * static_cast<std::uint64_t>(header.frame_count) *
+                             static_cast<std::uint64_t>(header.dimension_count);
+    MOTIONDB_RETURN_IF_ERROR(ReadPieces(source, state_bytes, [](auto) {}));
+    std::uint32_t crc = 0;
+    MOTIONDB_RETURN_IF_ERROR(
+        ReadPieces(source, source.remaining(), [&](auto piece) { crc = Crc32(piece, crc); }));
+    if (crc != root_path_crc) {
+      return core::DataLoss("states: their root path is not the clip's");
+    }
+    return source.Finish();
+  };
+  return ReadBlob(connection, ClipOwner(clip_key), BlobKind::kStates, decode);
+}
+
+absl::Status SqliteVerifier::CheckModelParts(Connection& connection, std::int64_t built_key,
+                                             std::int64_t clip_count, std::int64_t frame_count) {
+  Statement clips = connection.Query(
+      "SELECT count(*), ifnull(sum(frame_count), 0) FROM model_clip JOIN clip USING (clip_key) "
+      "WHERE model_key = ?",
+      built_key);
+  MOTIONDB_RETURN_IF_ERROR(clips.Step().status());
+  if (clips.Integer(0) != clip_count || clips.Integer(1) != frame_count) {
+    return core::DataLoss("parts: expected {} clips with {} frames, got {} with {}", clip_count,
+                          frame_count, clips.Integer(0), clips.Integer(1));
+  }
+  const BlobOwner owner{"model", built_key};
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes,
+                            BlobBytes(connection, owner, BlobKind::kModel));
+  if (bytes > kDecodedModelBytes) return CheckBytes(connection, owner, BlobKind::kModel);
+  totals_.byte_count += bytes;
+  return ReadBlob(connection, owner, BlobKind::kModel, bytes,
+                  [](ByteSource& source) { return DecodeModel(source).status(); });
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,85 @@
+// A file system without room, a real one: a small tmpfs, where a test may mount it.
+#include <sys/mount.h>
+
+#include <catch2/catch.hpp>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+constexpr std::size_t kMegabyte = std::size_t{1} << 20;
+
+class SmallFileSystem {
+ public:
+  SmallFileSystem() : path_(folder_ / "small") {
+    std::filesystem::create_directory(path_);
+    mounted_ = mount("tmpfs", path_.c_str(), "tmpfs", 0, "size=6m") == 0;
+    error_ = errno;
+  }
+  ~SmallFileSystem() {
+    if (mounted_) umount(path_.c_str());
+  }
+  bool mounted() const { return mounted_; }
+  std::string error() const { return std::strerror(error_); }
+  std::string operator/(const std::string& name) const { return path_ + "/" + name; }
+
+ private:
+  TemporaryDirectory folder_;
+  const std::string path_;
+  bool mounted_ = false;
+  int error_ = 0;
+};
+
+}  // namespace
+
+TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
+  const SmallFileSystem disk;
+  if (!disk.mounted()) {
+    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
+    return;
+  }
+  const std::string path = disk / "store.db";
+  std::string before;
+  {
+    const auto store = Require(storage::SqliteMotionStore::Open(path));
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+    before = Dump(*store);
+    auto large = SampleClip("d", "large", 2);
+    large.file_bytes.assign(8 * kMegabyte, 'x');
+    for (int i = 0; i < 3; ++i) {
+      REQUIRE_ERROR(store->AddClip(large), absl::StatusCode::kResourceExhausted, "full");
+      REQUIRE(Dump(*store) == before);
+    }
+  }
+  // Others fill the rest: the store can be opened and read, and says why it takes nothing.
+  std::ofstream filler(disk / "filler", std::ios::binary);
+  for (const std::string block(4096, 'x'); filler.write(block.data(), 4096).flush();) {
+  }
+  filler.close();
+  {
+    const auto store = Require(storage::SqliteMotionStore::Open(path));
+    REQUIRE(Dump(*store) == before);
+    REQUIRE_ERROR(store->AddClip(SampleClip("d", "run", 3)), absl::StatusCode::kResourceExhausted,
+                  "full");
+    REQUIRE_ERROR(store->upkeep().BeginBackup({}), absl::StatusCode::kResourceExhausted, "full");
+    std::filesystem::remove(disk / "filler");
+    REQUIRE_OK(store->AddClip(SampleClip("d", "run", 3)));
+    REQUIRE_OK(store->upkeep().BeginBackup({}));
+    REQUIRE(Findings(*store).empty());
+  }
+  const auto store = Require(storage::SqliteMotionStore::Open(path));
+  REQUIRE(Require(store->ListClips("d", {})).size() == 2);
+}
+
+}  // namespace motiondb::tests

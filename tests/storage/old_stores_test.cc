@@ -1,0 +1,55 @@
+// Stores that former versions wrote open, and hold what they held.
+#include <catch2/catch.hpp>
+#include <fstream>
+
+#include "storage/sqlite/schema.h"
+#include "tests/storage/old_store.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests {
+
+TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
+          "[storage][migration]") {
+  const int version = GENERATE(1, 2);
+  const StoreFile file;
+  std::ofstream(file.path(), std::ios::binary) << OldStore(version);
+  REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
+  {
+    const auto store = file.Open();
+    REQUIRE(Findings(*store).empty());
+    const auto clips = Require(store->ListClips("walks", {}));
+    REQUIRE(clips.size() == 2);
+    REQUIRE(clips[0].id == "squat");
+    REQUIRE(clips[1].id == "walk");
+    REQUIRE(clips[1].frame_count == 90);
+    const core::Model model = Require(store->ReadModel("walks", core::Serially));
+    REQUIRE(model.clips().size() == 2);
+    REQUIRE(model.frame_count() == 180);
+    REQUIRE(model.layer_count() == 5);
+    const auto models = Require(store->ListModels("walks", 0, 10));
+    REQUIRE(models.size() == 3);
+    REQUIRE(models[0].version == 3);
+    REQUIRE(models[0].current);
+    REQUIRE(models[0].added_clip_count == 0);
+    REQUIRE(Require(store->FindModelGap("walks")).empty());
+    REQUIRE(Require(store->ListOperations("walks", "", 10)).size() == 3);
+    REQUIRE(Require(store->ReadClipSource("walks", "walk")).file_bytes.starts_with("HIERARCHY"));
+    REQUIRE_OK(store->GetSkeleton("walks", clips[0].skeleton_id));
+    // It can be written to, with what the schema has had since.
+    REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
+    REQUIRE_OK(store->DeleteClip("walks", "squat"));
+  }
+  REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(storage::Migrations().size()));
+  REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");
+}
+
+TEST_CASE("SqliteMotionStore: every former version has its store among the tests",
+          "[storage][migration]") {
+  for (int version = 1; version < static_cast<int>(storage::Migrations().size()); ++version) {
+    REQUIRE_FALSE(OldStore(version).empty());
+  }
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,58 @@
+#include "tests/storage/store_dump.h"
+
+#include <vector>
+
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+
+namespace motiondb::tests {
+namespace {
+
+std::string DumpDatabase(storage::MotionStore& store, const std::string& database) {
+  std::string text = database + ":";
+  for (const auto& clip : Require(store.ListClips(database, {}))) {
+    const auto source = Require(store.ReadClipSource(database, clip.id));
+    text += clip.id + " " + clip.skeleton_id + " " + source.file_bytes + source.skeleton_bytes;
+    text += Encoded(Require(store.ReadClipStates(database, clip.id)));
+  }
+  for (const auto& skeleton : Require(store.ListSkeletons(database, {}))) text += skeleton.id;
+  for (const auto& model : Require(store.ListModels(database, 0, 100))) {
+    text += std::to_string(model.version) + (model.current ? "*" : "");
+  }
+  const auto model = store.ReadModel(database, core::Serially);
+  if (model.ok()) {
+    text += Encoded(model->parts());
+  } else {
+    REQUIRE(absl::IsNotFound(model.status()));
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string Dump(storage::MotionStore& store) {
+  std::string text;
+  for (const auto& database : Require(store.ListDatabases({}))) {
+    text += DumpDatabase(store, database.name);
+  }
+  for (const auto& operation : Require(store.ListOperations("", "", 100))) text += operation.id;
+  for (const auto& token : Require(store.access().ListTokens("", 100))) {
+    text += token.id + std::to_string(token.revoke_time_us);
+  }
+  for (const auto& record : Require(store.access().ListAuditRecords(0, 100))) {
+    text += record.request_id;
+  }
+  return text;
+}
+
+std::string Findings(storage::MotionStore& store) {
+  const auto verifier = Require(store.upkeep().BeginVerify({}));
+  std::vector<storage::Damage> found;
+  while (Require(verifier->Step(found))) REQUIRE(verifier->progress() <= 1);
+  std::string text;
+  for (const auto& damage : found) text += damage.resource + ": " + damage.description + "\n";
+  REQUIRE(verifier->totals().damage_count == static_cast<int>(found.size()));
+  return text;
+}
+
+}  // namespace motiondb::tests

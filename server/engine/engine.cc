@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -145,6 +146,7 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   const absl::Status deleted = live->WhileAlive([&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
     MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip));
+    live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
     MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
@@ -153,6 +155,26 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   MOTIONDB_RETURN_IF_ERROR(deleted);
   skeletons_.Clear();
   return operation;
+}
+
+std::vector<storage::Damage> Engine::damages() {
+  std::vector<storage::Damage> damages;
+  {
+    const std::lock_guard lock(mutex_);
+    for (const auto& [name, live] : databases_) {
+      for (const auto& [clip, what] : live->unreadable()) {
+        damages.push_back({fmt::format("databases/{}/clips/{}", name, clip), what});
+      }
+    }
+  }
+  for (storage::Damage& damage : damages_.List()) {
+    const bool known = std::ranges::any_of(damages, [&](const storage::Damage& other) {
+      return other.resource == damage.resource && other.description == damage.description;
+    });
+    if (!known) damages.push_back(std::move(damage));
+  }
+  if (damages.size() > DamageBook::kLimit) damages.resize(DamageBook::kLimit);
+  return damages;
 }
 
 absl::StatusOr<storage::OperationRecord> Engine::CancelOperation(const std::string& operation) {

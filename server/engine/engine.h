@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "server/engine/damage_book.h"
 #include "server/engine/extender.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
@@ -25,6 +26,12 @@
 
 namespace motiondb::server {
 
+// How much a store holds.
+struct StoreAmount {
+  std::int32_t database_count = 0;
+  std::int64_t clip_count = 0;
+};
+
 struct Ingested {
   storage::ClipRecord clip;
   storage::OperationRecord operation;
@@ -33,7 +40,8 @@ struct Ingested {
 class Engine {
  public:
   // Reads the stored models, without building any, and takes up what a former server left undone. A
-  // model that cannot be read, or was built from other clips than there are, is rebuilt.
+  // model that cannot be read, or was built from other clips than there are, is rebuilt. What is
+  // damaged is left out and told by damages(); the rest is served.
   static absl::StatusOr<std::unique_ptr<Engine>> Open(std::unique_ptr<storage::MotionStore> store,
                                                       const EngineOptions& options);
   ~Engine();
@@ -75,6 +83,14 @@ class Engine {
   // Returns the operation as it then stands. NOT_FOUND.
   absl::StatusOr<storage::OperationRecord> CancelOperation(const std::string& operation);
 
+  // What was found damaged since the start, at most a hundred things.
+  std::vector<storage::Damage> damages();
+  // For what finds damage elsewhere.
+  void NoteDamage(const storage::Damage& damage) { damages_.Note(damage); }
+
+  // Takes over a backup that has come in whole (StoreRestore::Finish) and serves what it brings.
+  absl::StatusOr<StoreAmount> Restore(storage::StoreRestore& restore);
+
   // Stops builds, whose operations stay PENDING for the next server, and ends all waiting for
   // operations. Queries go on.
   void Drain();
@@ -86,10 +102,13 @@ class Engine {
   absl::Status LoadDatabase(const storage::DatabaseRecord& record);
   absl::Status ResumeOperations();
   absl::Status RebuildWhereNeeded();
+  // Whether the model knows the clips that can be read, and may stay.
+  absl::StatusOr<bool> IsCurrent(LiveDatabase& database);
 
   const EngineOptions options_;
   const std::unique_ptr<storage::MotionStore> store_;
   OperationBook operations_;
+  DamageBook damages_;
   SkeletonCache skeletons_;
   Workers workers_;
   Rebuilder rebuilder_;

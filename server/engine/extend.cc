@@ -14,16 +14,28 @@ bool HasDrifted(const storage::ModelRecord& record) {
   return core::ModelDrift{added, record.stale_share}.IsLarge();
 }
 
+absl::StatusOr<storage::ModelGap> FindReadableGap(storage::MotionStore& store,
+                                                  const LiveDatabase& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(storage::ModelGap gap, store.FindModelGap(database.name()));
+  const auto unreadable = database.unreadable();
+  std::erase_if(gap.missing, [&](const std::string& clip) { return unreadable.contains(clip); });
+  return gap;
+}
+
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
-    storage::MotionStore& store, const std::string& database, const std::vector<std::string>& clips,
+    storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
     const std::function<bool(std::size_t)>& go_on) {
   std::vector<core::BuildInput> inputs;
   inputs.reserve(clips.size());
   for (const std::string& clip : clips) {
     if (!go_on(inputs.size())) return absl::CancelledError("stopped");
-    const auto record = store.GetClip(database, clip);
-    auto states = record.ok() ? store.ReadClipStates(database, clip) : record.status();
+    const auto record = store.GetClip(database.name(), clip);
+    auto states = record.ok() ? store.ReadClipStates(database.name(), clip) : record.status();
     if (absl::IsNotFound(states.status())) continue;
+    if (absl::IsDataLoss(states.status())) {
+      database.NoteUnreadable(clip, std::string(states.status().message()));
+      continue;
+    }
     if (!states.ok()) return states.status();
     inputs.push_back({clip, record->label, *std::move(states), record->subject});
   }
@@ -34,10 +46,10 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> ExtendSnapshot(
     storage::MotionStore& store, LiveDatabase& database, std::shared_ptr<const Snapshot> snapshot,
     const EngineOptions& options, const core::ParallelFor& parallel) {
   if (snapshot->record.build_seconds < options.extend_from.count()) return snapshot;
-  MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, store.FindModelGap(database.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, FindReadableGap(store, database));
   if (gap.missing.empty() || !snapshot->model.tree().has_planes()) return snapshot;
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database.name(), gap.missing,
-                                                    [](std::size_t) { return true; }));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto inputs, ReadInputs(store, database, gap.missing, [](std::size_t) { return true; }));
   if (inputs.empty()) return snapshot;
   MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
                             core::ExtendModel(snapshot->model, std::move(inputs), parallel));

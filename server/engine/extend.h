@@ -20,10 +20,15 @@ namespace motiondb::server {
 // (core::ModelDrift).
 bool HasDrifted(const storage::ModelRecord& record);
 
+// How the model differs from the clips whose states can be read, as far as is known.
+absl::StatusOr<storage::ModelGap> FindReadableGap(storage::MotionStore& store,
+                                                  const LiveDatabase& database);
+
 // The states of these clips as a model takes them; a clip that was deleted meanwhile is passed
-// over. CANCELLED if `go_on`, asked before each with how many were read, returns false.
+// over, and one that is damaged, which the database then knows. CANCELLED if `go_on`, asked before
+// each with how many were read, returns false.
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
-    storage::MotionStore& store, const std::string& database, const std::vector<std::string>& clips,
+    storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
     const std::function<bool(std::size_t)>& go_on);
 
 // Extends the store's current model, which is `snapshot`, by the clips that it does not know, and

@@ -1,5 +1,7 @@
 #include "server/engine/live_database.h"
 
+#include <spdlog/spdlog.h>
+
 #include <utility>
 
 #include "core/motion/error.h"
@@ -78,6 +80,22 @@ void LiveDatabase::CountRebuild(std::int64_t RebuildTally::*outcome, double seco
   const std::lock_guard lock(mutex_);
   ++(rebuilds_.*outcome);
   rebuilds_.seconds += seconds;
+}
+
+void LiveDatabase::NoteUnreadable(const std::string& clip, const std::string& what) {
+  const std::lock_guard lock(mutex_);
+  if (!unreadable_.emplace(clip, what).second) return;
+  spdlog::error("database '{}': clip '{}' is damaged and left out: {}", name_, clip, what);
+}
+
+void LiveDatabase::ForgetUnreadable(const std::string& clip) {
+  const std::lock_guard lock(mutex_);
+  unreadable_.erase(clip);
+}
+
+std::map<std::string, std::string> LiveDatabase::unreadable() const {
+  const std::lock_guard lock(mutex_);
+  return unreadable_;
 }
 
 absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& change) {

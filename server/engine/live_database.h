@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
@@ -73,6 +74,12 @@ class LiveDatabase {
   // Counts a rebuild under one of the tally's outcomes.
   void CountRebuild(std::int64_t RebuildTally::*outcome, double seconds);
 
+  // Clips whose stored states are damaged, with what is wrong: models are built without them.
+  // Noting one that is known changes nothing.
+  void NoteUnreadable(const std::string& clip, const std::string& what);
+  void ForgetUnreadable(const std::string& clip);
+  std::map<std::string, std::string> unreadable() const;
+
   // Runs a change of what is stored, several at a time, but none once the database is deleted:
   // NOT_FOUND then.
   absl::Status WhileAlive(const std::function<absl::Status()>& change);
@@ -98,6 +105,7 @@ class LiveDatabase {
   std::shared_ptr<const Snapshot> snapshot_;
   StoredAmount stored_;
   RebuildTally rebuilds_;
+  std::map<std::string, std::string> unreadable_;
 
   std::shared_mutex life_mutex_;
   bool deleted_ = false;

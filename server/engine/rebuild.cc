@@ -39,7 +39,7 @@ absl::StatusOr<int> VersionThatStays(storage::MotionStore& store, LiveDatabase& 
   const std::lock_guard lock(database.model_mutex());
   const std::shared_ptr<const Snapshot> current = database.snapshot();
   if (current == nullptr) return 0;
-  MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, store.FindModelGap(database.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, FindReadableGap(store, database));
   return gap.empty() && !HasDrifted(current->record) ? current->record.version : 0;
 }
 
@@ -92,8 +92,13 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
     const double share = static_cast<double>(read) / static_cast<double>(ids.size());
     return progress(kReadShare * share, "reading clips");
   };
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database.name(), ids, read_progress));
-  if (inputs.empty()) return absl::AbortedError("all clips were deleted meanwhile");
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, ids, read_progress));
+  if (inputs.empty()) {
+    if (database.unreadable().empty())
+      return absl::AbortedError("all clips were deleted meanwhile");
+    return core::DataLoss("database '{}': no clip can be read, all are damaged: {}",
+                          database.name(), database.unreadable().begin()->second);
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   if (scheme == nullptr) {
     return absl::InternalError(

@@ -21,9 +21,10 @@ struct Rebuilt {
 // Makes the model know the clips there are. New ones are made known to the previous model first
 // (Extend), which answers queries until the new one is stored; where no clip was deleted and it has
 // not drifted (HasDrifted), it stays, and its version is returned. Else takes as long as a build.
-// Clips that come during the build are made known to the new model before it answers. Thread-safe,
-// but the caller runs one a database at a time. Codes: CANCELLED (progress said stop), NOT_FOUND
-// (the database was deleted), and those of the store and of core::BuildModel.
+// Clips that come during the build are made known to the new model before it answers. Clips that
+// are damaged are left out; DATA_LOSS if no other is left. Thread-safe, but the caller runs one a
+// database at a time. Codes: CANCELLED (progress said stop), NOT_FOUND (the database was deleted),
+// and those of the store and of core::BuildModel.
 absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
                                 const EngineOptions& options, const core::ParallelFor& parallel,
                                 const core::BuildProgress& progress);

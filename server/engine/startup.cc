@@ -14,7 +14,8 @@ namespace {
 // The current model with its record; null if there is none, or none that can be read.
 std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
                                              const std::string& database,
-                                             const core::ParallelFor& parallel) {
+                                             const core::ParallelFor& parallel,
+                                             DamageBook& damages) {
   auto model = store.ReadModel(database, parallel);
   if (absl::IsNotFound(model.status())) return nullptr;
   auto newest = store.ListModels(database, 0, 1);
@@ -22,6 +23,11 @@ std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
   if (!status.ok() || newest->empty()) {
     spdlog::error("database '{}': its model cannot be read and is built anew: {}", database,
                   status.ToString());
+    if (absl::IsDataLoss(status)) {
+      const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
+      damages.Note({fmt::format("databases/{}/models/{}", database, version),
+                    std::string(status.message())});
+    }
     return nullptr;
   }
   return std::make_shared<const Snapshot>(Snapshot{newest->front(), *std::move(model)});
@@ -42,7 +48,14 @@ absl::Status Engine::LoadDatabases() {
   storage::Page page;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListDatabases(page));
-    for (const auto& record : records) MOTIONDB_RETURN_IF_ERROR(LoadDatabase(record));
+    for (const auto& record : records) {
+      const absl::Status loaded = LoadDatabase(record);
+      if (absl::IsDataLoss(loaded)) {
+        damages_.Note({"databases/" + record.name, std::string(loaded.message())});
+      } else if (!loaded.ok()) {
+        return loaded;
+      }
+    }
     if (static_cast<int>(records.size()) < page.limit) return absl::OkStatus();
     page.after = records.back().name;
   }
@@ -51,15 +64,21 @@ absl::Status Engine::LoadDatabases() {
 absl::Status Engine::LoadDatabase(const storage::DatabaseRecord& record) {
   auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
   auto scheme = StoredScheme(record);
-  if (!scheme.ok()) spdlog::error("{}", scheme.status().ToString());
+  if (!scheme.ok()) {
+    damages_.Note({"databases/" + record.name, std::string(scheme.status().message())});
+  }
   live->set_scheme(std::move(scheme));
+  {
+    // Also where its clips cannot be listed: what is left of it can be deleted then.
+    const std::lock_guard lock(mutex_);
+    databases_[record.name] = live;
+  }
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) live->AddStored(AmountOf(clip));
-  live->set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel()));
+  live->set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
   const auto snapshot = live->snapshot();
   spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);
-  databases_[record.name] = std::move(live);
   return absl::OkStatus();
 }
 
@@ -87,18 +106,54 @@ absl::Status Engine::ResumeOperations() {
 
 absl::Status Engine::RebuildWhereNeeded() {
   // A copy: an operation that was resumed may be at work on the databases already.
-  const auto databases = databases_;
+  const auto databases = [this] {
+    const std::lock_guard lock(mutex_);
+    return databases_;
+  }();
   for (const auto& [name, live] : databases) {
     if (rebuilder_.CurrentOperation(*live)) continue;
-    MOTIONDB_ASSIGN_OR_RETURN(const storage::ModelGap gap, store_->FindModelGap(name));
-    const auto snapshot = live->snapshot();
-    const bool current = snapshot == nullptr ? live->stored().clip_count == 0
-                                             : gap.empty() && !HasDrifted(snapshot->record);
-    if (current) continue;
+    const auto current = IsCurrent(*live);
+    if (absl::IsDataLoss(current.status())) {
+      damages_.Note({"databases/" + name, std::string(current.status().message())});
+      continue;
+    }
+    if (!current.ok()) return current.status();
+    if (*current) continue;
     spdlog::info("database '{}': its model is not of its clips and is built anew", name);
     MOTIONDB_RETURN_IF_ERROR(rebuilder_.Request(live).status());
   }
   return absl::OkStatus();
+}
+
+absl::StatusOr<bool> Engine::IsCurrent(LiveDatabase& database) {
+  const auto snapshot = database.snapshot();
+  if (snapshot == nullptr) return database.stored().clip_count == 0;
+  MOTIONDB_ASSIGN_OR_RETURN(storage::ModelGap gap, store_->FindModelGap(database.name()));
+  // The model may lack clips because they are damaged. The first that can be read tells that it is
+  // not so, and the rebuild reads the rest.
+  for (const std::string& clip : std::exchange(gap.missing, {})) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const auto read, ReadInputs(*store_, database, {clip}, [](std::size_t) { return true; }));
+    if (!read.empty()) return false;
+  }
+  return gap.empty() && !HasDrifted(snapshot->record);
+}
+
+absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore) {
+  // Nobody creates a database meanwhile.
+  const std::lock_guard naming(naming_mutex_);
+  MOTIONDB_RETURN_IF_ERROR(restore.Finish());
+  skeletons_.Clear();
+  MOTIONDB_RETURN_IF_ERROR(LoadDatabases());
+  MOTIONDB_RETURN_IF_ERROR(ResumeOperations());
+  MOTIONDB_RETURN_IF_ERROR(RebuildWhereNeeded());
+  const std::lock_guard lock(mutex_);
+  StoreAmount amount;
+  amount.database_count = static_cast<std::int32_t>(databases_.size());
+  for (const auto& [name, live] : databases_) amount.clip_count += live->stored().clip_count;
+  spdlog::info("restored a backup: {} databases, {} clips", amount.database_count,
+               amount.clip_count);
+  return amount;
 }
 
 }  // namespace motiondb::server

@@ -78,13 +78,13 @@ absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store,
 }
 
 // A model built of all clips, in the order that a server builds in.
-absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, const server::LiveDatabase& live,
+absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, server::LiveDatabase& live,
                                       const core::ParallelFor& parallel) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, live.name()));
   std::vector<std::string> ids;
   for (const auto& record : records) ids.push_back(record.id);
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto inputs, server::ReadInputs(store, live.name(), ids, [](std::size_t) { return true; }));
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs,
+                            server::ReadInputs(store, live, ids, [](std::size_t) { return true; }));
   return core::BuildModel(live.settings(), live.snapshot()->model.marker_set(), std::move(inputs),
                           parallel, nullptr);
 }

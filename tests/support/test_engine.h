@@ -26,6 +26,7 @@ class TestEngine {
 
   server::Engine* operator->() { return engine_.get(); }
   server::Engine& operator*() { return *engine_; }
+  std::string store_path() const { return directory_ / "store.db"; }
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
   // From the next Start on.

@@ -1,0 +1,159 @@
+// A damaged blob costs what it is of, and is named; the rest is built and served.
+#include <sqlite3.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+#include <vector>
+
+#include "tests/storage/damaged_store.h"
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using storage::OperationState;
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+// Clips a, b and c with a model; the engine is stopped.
+void Fill(TestEngine& engine) {
+  engine.Create("db");
+  engine.Ingest("db", "a", Walk(0)).value();
+  engine.Ingest("db", "b", Walk(1)).value();
+  engine.Wait(engine.Ingest("db", "c", Walk(2))->operation.id);
+  engine.Stop();
+}
+
+void Sql(const TestEngine& engine, const std::string& script) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(engine.store_path().c_str(), &database) == SQLITE_OK);
+  const int code = sqlite3_exec(database, script.c_str(), nullptr, nullptr, nullptr);
+  sqlite3_close(database);
+  REQUIRE(code == SQLITE_OK);
+}
+
+// Waits for all operations there are.
+void Settle(TestEngine& engine) {
+  for (const auto& operation : *engine->operations().List("db", "", 100)) {
+    engine.Wait(operation.id);
+  }
+}
+
+std::string ClipsOfModel(TestEngine& engine) {
+  const auto snapshot = (*engine->FindDatabase("db"))->snapshot();
+  if (snapshot == nullptr) return "none";
+  std::string ids;
+  for (const auto& clip : snapshot->model.clips()) ids += clip.id;
+  return ids;
+}
+
+std::string Damaged(TestEngine& engine) {
+  std::string resources;
+  for (const auto& damage : engine->damages()) resources += damage.resource + " ";
+  return resources;
+}
+
+}  // namespace
+
+TEST_CASE("Damage: a clip is left out and named, at start and later", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "ac");
+  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/clips/b "));
+  const int version = engine.ModelVersion("db");
+  const auto operations = engine->operations().List("db", "", 100)->size();
+  engine.Stop();
+
+  // The model lacks a clip for good reason: it is not built again.
+  engine.Start();
+  CHECK(engine.ModelVersion("db") == version);
+  CHECK(engine->operations().List("db", "", 100)->size() == operations);
+  CHECK(Damaged(engine) == "databases/db/clips/b ");
+
+  // Others come and go.
+  engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
+  CHECK(ClipsOfModel(engine) == "acd");
+  engine.Wait(engine->DeleteClip("db", "b")->id);
+  CHECK(Damaged(engine).empty());
+  engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
+  CHECK(ClipsOfModel(engine) == "abcd");
+}
+
+TEST_CASE("Damage: a clip is left out where a model is extended", "[server][damage]") {
+  auto options = TestEngine::QuickOptions();
+  options.extend_from = std::chrono::seconds(0);
+  TestEngine engine(options);
+  Fill(engine);
+  Sql(engine, "DELETE FROM model_clip WHERE clip_key = (SELECT clip_key FROM clip WHERE id = 'c')");
+  Sql(engine, ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "ac");
+}
+
+TEST_CASE("Damage: a model is built anew from the clips", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, ChangeByte("model_chunk", 100, "position = 0"));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "abc");
+  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/models/"));
+}
+
+TEST_CASE("Damage: a source or a skeleton costs the model nothing", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, ChangeByte("clip_chunk", 26, ChunksOf("b", 1)));
+  Sql(engine, ChangeByte("skeleton_chunk", 60, "1"));
+  engine.Start();
+  CHECK(ClipsOfModel(engine) == "abc");
+  CHECK(Damaged(engine).empty());  // nobody needed them yet
+  engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
+  CHECK(ClipsOfModel(engine) == "abcd");
+}
+
+TEST_CASE("Damage: a database without a clip that can be read says so", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, ChangeByte("clip_chunk", 100, "kind = 3"));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "none");
+  const auto newest = engine->operations().List("db", "", 1)->front();
+  CHECK(newest.state == OperationState::kFailed);
+  CHECK_THAT(newest.error_message, Catch::Contains("all are damaged"));
+  engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
+  CHECK(ClipsOfModel(engine) == "d");
+}
+
+TEST_CASE("Restore: what a backup brings is served at once", "[server][damage]") {
+  TestEngine from;
+  from.Create("db");
+  from.Wait(from.Ingest("db", "a", Walk(0))->operation.id);
+  auto backup = from->store().upkeep().BeginBackup({});
+  REQUIRE(backup.ok());
+  TestEngine to;
+  auto restore = to->store().upkeep().BeginRestore();
+  REQUIRE(restore.ok());
+  std::string block;
+  while (*(*backup)->Read(block)) REQUIRE((*restore)->Append(block).ok());
+  to.gate().Close();  // a build would stop here
+  const auto restored = to->Restore(**restore);
+  INFO(restored.status().ToString());
+  REQUIRE(restored.ok());
+  CHECK(restored->database_count == 1);
+  CHECK(restored->clip_count == 1);
+  const auto snapshot = (*to->FindDatabase("db"))->snapshot();
+  REQUIRE(snapshot != nullptr);
+  CHECK(snapshot->model.states() == (*from->FindDatabase("db"))->snapshot()->model.states());
+  CHECK(snapshot->record.version == 1);
+  to.gate().Open();
+  to.Wait(to.Ingest("db", "b", Walk(1))->operation.id);
+  CHECK(ClipsOfModel(to) == "ab");
+}
+
+}  // namespace motiondb::tests

@@ -51,6 +51,7 @@ CLI::Validator PositiveNumber();
 CLI::Validator NonNegativeNumber();
 
 void AddAuditCommand(CommandLine line);
+void AddBackupCommand(CommandLine line);
 void AddCreateCommand(CommandLine line);
 void AddDeleteCommand(CommandLine line);
 void AddDescribeCommand(CommandLine line);
@@ -64,7 +65,9 @@ void AddOperationsCommand(CommandLine line);
 void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
+void AddRestoreCommand(CommandLine line);
 void AddStatusCommand(CommandLine line);
 void AddTokenCommand(CommandLine line);
+void AddVerifyCommand(CommandLine line);
 
 }  // namespace motiondb::client

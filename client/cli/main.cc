@@ -93,6 +93,9 @@ int Run(int argc, char** argv) {
   AddTokenCommand(line);
   AddAuditCommand(line);
   AddStatusCommand(line);
+  AddBackupCommand(line);
+  AddRestoreCommand(line);
+  AddVerifyCommand(line);
   app.footer(
       "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
       "extensions: .bvh, .amc (its .asf is found beside it), .trc, .c3d. Options may stand before\n"

@@ -20,6 +20,7 @@
 #include <motiondb/messages.h>
 #include <motiondb/observe_stream.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -167,6 +168,28 @@ class Client {
   // How the server is doing, as its metrics say it too. Messages: <motiondb/v1/store.pb.h>.
   absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(
       const v1::GetServerStatusRequest& request, CallOptions options = {}) const;
+
+  // ---- The store as a whole --------------------------------------------------------------------
+  // Checks all that is stored, calling `on_message` (which may be null) with progress and with what
+  // is damaged; returns what was read. Damage is no error: see its damage_count. An error from
+  // `on_message` ends the call and is returned.
+  absl::StatusOr<v1::VerifySummary> VerifyStore(
+      const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message = {},
+      CallOptions options = {}) const;
+  // Writes a backup to `path`.part, and gives it its name when it is whole and its checksum right:
+  // what is at `path` is never half a backup. Calls `on_progress` (which may be null) with the
+  // share, 0 to 1, that is there. ALREADY_EXISTS rather than replacing a file, unless `overwrite`;
+  // DATA_LOSS if the checksum is wrong; UNKNOWN for a file that cannot be written. On an error
+  // nothing is left. Returns the bytes of the backup.
+  absl::StatusOr<std::int64_t> BackupStore(const std::filesystem::path& path,
+                                           bool overwrite = false,
+                                           const std::function<void(double)>& on_progress = {},
+                                           CallOptions options = {}) const;
+  // Sends a backup to a server whose store is empty. Memory does not grow with the file.
+  // `on_progress` as above, of what was sent. NOT_FOUND or UNKNOWN for a file that cannot be read.
+  absl::StatusOr<v1::RestoreStoreResponse> RestoreStore(
+      const std::filesystem::path& path, const std::function<void(double)>& on_progress = {},
+      CallOptions options = {}) const;
 
   // ---- Whole lists -----------------------------------------------------------------------------
   // All pages of a list, each page a call of its own. A request's page_token must be empty.

@@ -86,6 +86,13 @@ class PlanRequest;
 class PlanResponse;
 class PlannedMotion;
 
+// store.proto
+class BackupStoreRequest;
+class RestoreStoreResponse;
+class VerifyStoreRequest;
+class VerifyStoreResponse;
+class VerifySummary;
+
 // query.proto
 class EstimateRequest;
 class EstimateResponse;

@@ -1,0 +1,46 @@
+// A backup on disk: written under another name until it is whole. Not thread-safe.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <string>
+
+#include "absl/status/status.h"
+
+struct evp_md_ctx_st;
+
+namespace motiondb::client {
+
+class BackupFile {
+ public:
+  BackupFile();
+  BackupFile(const BackupFile&) = delete;
+  BackupFile& operator=(const BackupFile&) = delete;
+  ~BackupFile();  // removes what was not completed
+
+  // ALREADY_EXISTS where there is a file, unless `overwrite`.
+  absl::Status Open(const std::filesystem::path& path, bool overwrite);
+  absl::Status Append(const std::string& block);
+  // Brings it to the disk and gives it its name. DATA_LOSS unless its last 32 bytes are the SHA-256
+  // of those before.
+  absl::Status Complete();
+
+  std::int64_t bytes() const { return bytes_; }
+
+ private:
+  struct Free {
+    void operator()(evp_md_ctx_st* context) const;
+  };
+  absl::Status WriteFailed() const;
+
+  std::filesystem::path path_;
+  std::filesystem::path part_;
+  int file_ = -1;  // descriptor
+  std::unique_ptr<evp_md_ctx_st, Free> digest_;
+  std::string tail_;  // the last bytes so far, which may be the checksum
+  std::int64_t bytes_ = 0;
+};
+
+}  // namespace motiondb::client

@@ -1,0 +1,100 @@
+// The store as a whole: checked, copied, filled.
+#include <fmt/format.h>
+
+#include <fstream>
+
+#include "client/backup_file.h"
+#include "client/connection.h"
+
+namespace motiondb::client {
+namespace {
+
+// The largest block that the contract allows.
+constexpr size_t kBlockBytes = size_t{1} << 20;
+
+double Share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+}  // namespace
+
+absl::StatusOr<v1::VerifySummary> Client::VerifyStore(
+    const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message,
+    CallOptions options) const {
+  v1::VerifySummary summary;
+  bool ended = false;
+  const std::function<absl::Status(const v1::VerifyStoreResponse&)> keep =
+      [&](const v1::VerifyStoreResponse& message) {
+        if (message.has_summary()) {
+          summary = message.summary();
+          ended = true;
+        }
+        return on_message ? on_message(message) : absl::OkStatus();
+      };
+  const absl::Status status =
+      connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::VerifyStore,
+                              v1::VerifyStoreRequest(), keep, options);
+  if (!status.ok()) return status;
+  if (!ended) return absl::DataLossError("the verification ended without a summary");
+  return summary;
+}
+
+absl::StatusOr<std::int64_t> Client::BackupStore(const std::filesystem::path& path, bool overwrite,
+                                                 const std::function<void(double)>& on_progress,
+                                                 CallOptions options) const {
+  BackupFile file;
+  if (const absl::Status opened = file.Open(path, overwrite); !opened.ok()) return opened;
+  double total = 0;
+  const std::function<absl::Status(const v1::BackupStoreResponse&)> take =
+      [&](const v1::BackupStoreResponse& message) {
+        if (message.total_bytes() > 0) total = static_cast<double>(message.total_bytes());
+        const absl::Status written = file.Append(message.block());
+        if (written.ok() && on_progress) {
+          on_progress(Share(static_cast<double>(file.bytes()), total));
+        }
+        return written;
+      };
+  const absl::Status status =
+      connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::BackupStore,
+                              v1::BackupStoreRequest(), take, options);
+  if (!status.ok()) return status;
+  if (const absl::Status whole = file.Complete(); !whole.ok()) return whole;
+  return file.bytes();
+}
+
+absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
+    const std::filesystem::path& path, const std::function<void(double)>& on_progress,
+    CallOptions options) const {
+  std::error_code error;
+  const auto total = std::filesystem::file_size(path, error);
+  if (error) return absl::NotFoundError(fmt::format("{}: {}", path.string(), error.message()));
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return absl::UnknownError(fmt::format("{}: cannot be opened", path.string()));
+
+  grpc::ClientContext context;
+  connection_->Prepare(context, options);
+  v1::RestoreStoreResponse response;
+  const auto writer = connection_->store->RestoreStore(&context, &response);
+  v1::RestoreStoreRequest message;
+  double sent = 0;
+  while (file) {
+    std::string& block = *message.mutable_block();
+    block.resize(kBlockBytes);
+    file.read(block.data(), static_cast<std::streamsize>(block.size()));
+    if (file.bad()) break;
+    block.resize(static_cast<size_t>(file.gcount()));
+    // How the call finishes says why it was ended early.
+    if (block.empty() || !writer->Write(message)) break;
+    sent += static_cast<double>(block.size());
+    if (on_progress) on_progress(Share(sent, static_cast<double>(total)));
+  }
+  const bool unreadable = file.bad();
+  if (unreadable) context.TryCancel();
+  writer->WritesDone();
+  const grpc::Status finished = writer->Finish();
+  if (unreadable) return absl::UnknownError(fmt::format("{}: cannot be read", path.string()));
+  if (const absl::Status status = connection_->Finish(finished, options); !status.ok()) {
+    return status;
+  }
+  return response;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,139 @@
+#!/usr/bin/python3
+"""backup, restore and verify with the real programs.
+
+    backup_test.py MOTIONDBD MOTIONDB DATA_FOLDER
+"""
+
+import json
+import os
+import sqlite3
+import threading
+
+from figure import write_bvh
+from programs import Server, WithServer, main
+
+
+class Backup(WithServer):
+    def setUp(self):
+        super().setUp()
+        self.server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
+        self.ingest(self.server, *range(6))
+        write_bvh(self.path("seen.bvh"), seed=2, frames=40)
+
+    def ingest(self, server, *seeds):
+        paths = []
+        for seed in seeds:
+            paths.append(self.path(f"clip{seed}.bvh"))
+            write_bvh(paths[-1], seed)
+        server.ask("ingest", "d", *paths, "--label", "moves")
+
+    def answers(self, server):
+        """What a server says about an observation, but for how long it took."""
+        described = server.ask_one("describe", "d")
+        described.pop("build_seconds")
+        return [described, server.ask("list", "d"),
+                server.ask_one("recognize", "d", self.path("seen.bvh")),
+                server.ask_one("estimate", "d", self.path("seen.bvh")),
+                server.ask_one("predict", "d", self.path("seen.bvh"), "--at", "0.5")]
+
+    def test_a_restored_server_gives_the_same_answers(self):
+        backup = self.path("copy.mdb")
+        said = self.server.ask_one("backup", backup)
+        self.assertEqual(said["total_bytes"], os.path.getsize(backup))
+        self.assertFalse(os.path.exists(backup + ".part"))
+        other = Server(self.path("other.db"))
+        try:
+            self.assertEqual(other.ask_one("restore", backup),
+                             {"database_count": 1, "clip_count": 6})
+            self.assertEqual(self.answers(other), self.answers(self.server))
+            self.assertEqual(other.run("verify").returncode, 0)
+            # The model was read, and not built again: its version is the same. It goes on from there.
+            version = other.ask_one("describe", "d")["model_version"]
+            self.ingest(other, 50)
+            self.assertEqual(other.ask_one("describe", "d")["model_version"], version + 1)
+            again = other.run("restore", backup)
+            self.assertNotEqual(again.returncode, 0)
+            self.assertIn("without any", again.stderr)
+        finally:
+            other.stop()
+
+    def test_backups_are_taken_while_clips_come(self):
+        stop = threading.Event()
+        failures = []
+
+        def press_on():
+            seed = 100
+            while not stop.is_set():
+                try:
+                    self.ingest(self.server, seed)
+                    self.server.ask_one("recognize", "d", self.path("seen.bvh"))
+                except AssertionError as error:
+                    failures.append(error)
+                seed += 1
+
+        thread = threading.Thread(target=press_on)
+        thread.start()
+        for number in range(3):
+            self.server.ask_one("backup", self.path(f"copy{number}.mdb"))
+        stop.set()
+        thread.join()
+        self.assertEqual(failures, [])
+        other = Server(self.path("other.db"))
+        try:
+            other.ask_one("restore", self.path("copy2.mdb"))
+            self.assertEqual(other.run("verify").returncode, 0)
+            other.ask_one("recognize", "d", self.path("seen.bvh"))
+        finally:
+            other.stop()
+
+    def test_a_damaged_backup_is_refused(self):
+        backup = self.path("copy.mdb")
+        self.server.ask_one("backup", backup)
+        with open(backup, "rb") as file:
+            good = file.read()
+        other = Server(self.path("other.db"))
+        try:
+            for damaged, expected in ((good[:-100], "cut off"), (good[:100], "cut off"),
+                                      (b"not at all", "not a backup"),
+                                      (good[:5000] + b"\0\1\2\3" + good[5004:], "checksum")):
+                with open(self.path("damaged.mdb"), "wb") as file:
+                    file.write(damaged)
+                refused = other.run("restore", self.path("damaged.mdb"))
+                self.assertNotEqual(refused.returncode, 0)
+                self.assertIn(expected, refused.stderr)
+                self.assertEqual(other.ask("list"), [])
+            other.ask_one("restore", backup)
+        finally:
+            other.stop()
+
+    def test_files_are_not_replaced(self):
+        backup = self.path("copy.mdb")
+        self.server.ask_one("backup", backup)
+        self.assertIn("exists already", self.server.run("backup", backup).stderr)
+        self.assertEqual(self.server.run("backup", backup, "--force").returncode, 0)
+        self.assertNotEqual(self.server.run("backup", self.path("no/folder/x")).returncode, 0)
+        self.assertNotEqual(self.server.run("restore", self.path("missing")).returncode, 0)
+
+    def test_verify_names_damage_which_costs_the_clip_alone(self):
+        summary = json.loads(self.server.run("--json", "verify").stdout.splitlines()[-1])
+        self.assertEqual(summary["summary"]["clip_count"], 6)
+        self.server.stop()
+        with sqlite3.connect(self.store) as store:
+            store.execute("UPDATE clip_chunk SET chunk = CAST(substr(chunk, 1, 100) || x'A5A5' || "
+                          "substr(chunk, 103) AS BLOB) WHERE kind = 3 AND clip_key = "
+                          "(SELECT clip_key FROM clip WHERE id = 'clip3')")
+        store.close()
+        self.server = Server(self.store)
+        verified = self.server.run("verify")
+        self.assertNotEqual(verified.returncode, 0)
+        self.assertIn("damaged: databases/d/clips/clip3: states: chunk 0", verified.stdout)
+        # The others are built into a model, and the clip can be replaced.
+        self.ingest(self.server, 60)
+        self.assertEqual(self.server.ask_one("describe", "d")["clip_count"], 6)
+        self.assertEqual(self.server.run("delete", "d", "clip3").returncode, 0)
+        self.ingest(self.server, 3)
+        self.assertEqual(self.server.ask_one("describe", "d")["clip_count"], 7)
+        self.assertEqual(self.server.run("verify").returncode, 0)
+
+
+main()

@@ -17,11 +17,6 @@ void Lane::Post(std::function<void()> work) {
   Start(std::move(work));
 }
 
-std::size_t Lane::queue_length() const {
-  const std::lock_guard lock(mutex_);
-  return waiting_.size();
-}
-
 void Lane::Start(std::function<void()> work) {
   boost::asio::post(pool_, [this, work = std::move(work)] {
     work();

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <boost/asio/thread_pool.hpp>
-#include <cstddef>
 #include <deque>
 #include <functional>
 #include <mutex>
@@ -19,15 +18,12 @@ class Lane {
   // Runs a piece of work, which must not throw, on a thread of the pool.
   void Post(std::function<void()> work);
 
-  // Pieces that wait.
-  std::size_t queue_length() const;
-
  private:
   void Start(std::function<void()> work);
   void Next();
 
   boost::asio::thread_pool& pool_;
-  mutable std::mutex mutex_;
+  std::mutex mutex_;
   int free_;
   std::deque<std::function<void()>> waiting_;
 };

@@ -70,11 +70,11 @@ ServerFigures Monitor::Figures() const {
     figures.store_bytes = FileBytes(options_.store_path);
     figures.log_bytes = FileBytes(options_.store_path + "-wal");
   }
-  if (options_.damages) figures.damages = options_.damages();
   const std::shared_lock lock(engine_mutex_);
   if (engine_ == nullptr) return figures;
   figures.queued_calls = engine_->workers().queued();
   figures.request_threads = engine_->workers().request_threads();
+  figures.damages = engine_->damages();
   for (const auto& database : engine_->Databases()) {
     figures.databases.push_back(FiguresOf(*engine_, *database));
   }

@@ -7,7 +7,6 @@
 
 #include <atomic>
 #include <chrono>
-#include <functional>
 #include <shared_mutex>
 #include <string>
 #include <vector>
@@ -23,8 +22,6 @@ struct MonitorOptions {
   std::vector<std::string> methods;           // see CallMeter
   std::string store_path;                     // of the file whose size is told; empty: none is
   std::chrono::milliseconds slow_call{2000};  // from which on a call is logged as slow; 0: none is
-  // What was found damaged since the start, at most a hundred things. Empty: nothing is known.
-  std::function<std::vector<DamageFigures>()> damages;
 };
 
 struct Readiness {

@@ -10,6 +10,7 @@
 #include "server/engine/live_database.h"
 #include "server/observability/process_figures.h"
 #include "storage/records.h"
+#include "storage/store_upkeep.h"
 
 namespace motiondb::server {
 
@@ -28,12 +29,6 @@ struct DatabaseFigures {
   RebuildTally rebuilds;
 };
 
-// Something stored that was found damaged.
-struct DamageFigures {
-  std::string resource;
-  std::string description;
-};
-
 struct ServerFigures {
   Phase phase = Phase::kStarting;
   std::string version;
@@ -50,7 +45,7 @@ struct ServerFigures {
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;
   std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
-  std::vector<DamageFigures> damages;
+  std::vector<storage::Damage> damages;    // found since the start, at most 100
 };
 
 }  // namespace motiondb::server

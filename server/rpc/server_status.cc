@@ -51,7 +51,7 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   for (const DatabaseFigures& database : figures.databases) {
     SetDatabase(database, *response.add_databases());
   }
-  for (const DamageFigures& damage : figures.damages) {
+  for (const storage::Damage& damage : figures.damages) {
     v1::Damage& found = *response.add_damages();
     found.set_resource(ValidUtf8(damage.resource, kTextLimit));
     found.set_description(ValidUtf8(damage.description, kTextLimit));

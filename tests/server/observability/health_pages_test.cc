@@ -43,15 +43,13 @@ TEST_CASE("HealthPages: metrics are Prometheus' text, with the sizes of the stor
   const std::string store = directory / "store.db";
   std::ofstream(store) << std::string(1000, 'x');
   std::ofstream(store + "-wal") << std::string(300, 'x');
-  Monitor monitor({.store_path = store, .damages = [] {
-                     return std::vector<server::DamageFigures>{{"databases/a/clips/b", "torn"}};
-                   }});
+  Monitor monitor({.store_path = store});
   const auto started = server::StartHealthServer("127.0.0.1:0", monitor);
   REQUIRE(started.ok());
   CHECK_THAT(Fetch((*started)->address(), "/metrics"),
              Contains("Content-Type: text/plain; version=0.0.4; charset=utf-8\r\n") &&
                  Contains("motiondb_store_bytes 1000\n") && Contains("motiondb_log_bytes 300\n") &&
-                 Contains("motiondb_damages 1\n") && Contains("motiondb_serving 0\n"));
+                 Contains("motiondb_damages 0\n") && Contains("motiondb_serving 0\n"));
 }
 
 TEST_CASE("HealthServer: none, and an address that is taken", "[server][http]") {

@@ -35,20 +35,26 @@ class Load:
 
     def ingest(self, server):
         with self.lock:
-            number = self.next_clip
-            self.next_clip += 1
-            self.sent.add(f"c{number}")
-        path = f"{self.folder}/c{number}.bvh"
-        write_bvh(path, number)
-        if server.run("ingest", "d", path, "--label", f"l{number % 3}").returncode == 0:
-            with self.lock:
-                self.stored.add(f"c{number}")
-                self.acknowledged["ingest"] += 1
-        os.remove(path)
+            numbers = range(self.next_clip, self.next_clip + 3)
+            self.next_clip += len(numbers)
+            clips = [f"c{number}" for number in numbers]
+            self.sent.update(clips)
+        paths = [f"{self.folder}/{clip}.bvh" for clip in clips]
+        for path, number in zip(paths, numbers):
+            write_bvh(path, number)
+        # Each clip is printed as it is acknowledged.
+        printed = server.run("--json", "ingest", "d", *paths).stdout
+        with self.lock:
+            for clip in clips:
+                if f"/clips/{clip}\"" in printed:
+                    self.stored.add(clip)
+                    self.acknowledged["ingest"] += 1
+        for path in paths:
+            os.remove(path)
 
     def delete(self, server, choice):
         with self.lock:
-            if len(self.stored) < 6:
+            if len(self.stored) < 4:
                 return
             clip = choice(sorted(self.stored))
             self.stored.remove(clip)  # from now on it may be there or not

@@ -34,9 +34,9 @@ void Sql(const TestEngine& engine, const std::string& script) {
 
 // Waits for all operations there are.
 void Settle(TestEngine& engine) {
-  for (const auto& operation : *engine->operations().List("db", "", 100)) {
-    engine.Wait(operation.id);
-  }
+  const auto operations = engine->operations().List("db", "", 100);
+  REQUIRE(operations.ok());
+  for (const auto& operation : *operations) engine.Wait(operation.id);
 }
 
 std::string ClipsOfModel(TestEngine& engine) {

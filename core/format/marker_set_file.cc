@@ -20,7 +20,8 @@ struct Token {
   bool quoted = false;  // a quoted token is a name, never a number or a sign
 };
 
-// One line cut at blanks; "..." keeps blanks in a name, # starts a comment.
+// One line cut at blanks; "..." keeps blanks in a name, and "" in it is a quote; # starts a
+// comment.
 absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
   std::vector<Token> tokens;
   for (std::size_t i = 0; i < line.size();) {
@@ -29,10 +30,16 @@ absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
     } else if (line[i] == '#') {
       break;
     } else if (line[i] == '"') {
-      const std::size_t end = line.find('"', i + 1);
-      if (end == std::string_view::npos) return InvalidArgument("expected a closing quote");
-      tokens.push_back({std::string(line.substr(i + 1, end - i - 1)), true});
-      i = end + 1;
+      Token name{.quoted = true};
+      for (bool open = true; open;) {
+        const std::size_t end = line.find('"', ++i);
+        if (end == std::string_view::npos) return InvalidArgument("expected a closing quote");
+        name.text += line.substr(i, end - i);
+        i = end + 1;
+        open = line.substr(i).starts_with('"');  // doubled: a quote of the name
+        if (open) name.text += '"';
+      }
+      tokens.push_back(std::move(name));
     } else {
       const std::size_t end = std::min(line.find_first_of(" \t#", i), line.size());
       tokens.push_back({std::string(line.substr(i, end - i)), false});
@@ -260,7 +267,10 @@ class Reader {
 std::string Quoted(const std::string& name) {
   const bool plain = !name.empty() && name.find_first_of(" \t#\"=+") == std::string::npos &&
                      !Number({name, false}) && name != "offset";
-  return plain ? name : '"' + name + '"';
+  if (plain) return name;
+  std::string quoted = "\"";
+  for (const char c : name) quoted += c == '"' ? "\"\"" : std::string(1, c);
+  return quoted + '"';
 }
 
 }  // namespace

@@ -58,5 +58,20 @@ TEST_CASE("Marker set: a rule made of rules is held to the same number of points
   CHECK_THAT(RefusalOf(text), Contains("'middle' is made of more than 32 points"));
 }
 
+// A `source` database keeps its first clip's names as such a file: one that cannot be read back
+// would be lost at the next start.
+TEST_CASE("Marker set: names with quotes, signs and blanks come back as they were",
+          "[core][format][hostile]") {
+  core::MarkerScheme scheme;
+  scheme.set.markers = {"l\"hip", "\"", "\"\"", "a b", "#", "=", "1", "offset", "\xC3\xA4"};
+  scheme.set.landmarks = {.left_hip = 0, .right_hip = 1, .legs = {}};
+  const std::string text = core::WriteMarkerSetFile(scheme);
+  const auto read = core::ReadMarkerSetFile({"odd.markers", text});
+  INFO(MessageOf(read.status()));
+  REQUIRE(read.ok());
+  CHECK(read->set.markers == scheme.set.markers);
+  CHECK(core::WriteMarkerSetFile(*read) == text);
+}
+
 }  // namespace
 }  // namespace motiondb::tests

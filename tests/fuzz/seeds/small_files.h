@@ -104,6 +104,10 @@ rfemur 1 2 3 0.1
 root 9.4 17.8 -17.3 -2.0 -2.5 -3.8
 lfemur 5 6 7
 rfemur 1 2 3 0.1
+3
+root 9.5 17.8 -17.3 -2.0 -2.5 -3.8
+lfemur 5 6 8
+rfemur 1 2 4 0.1
 )";
 
 inline std::string SmallAmcWithAsf() {

@@ -1,5 +1,8 @@
 #include "tests/fuzz/server/message_mutation.h"
 
+#include <google/protobuf/stubs/logging.h>
+
+#include <algorithm>
 #include <cstring>
 #include <iterator>
 #include <limits>
@@ -163,6 +166,11 @@ class Mutation {
 
 std::size_t MutateMessage(Message& message, std::uint8_t* data, std::size_t size, std::size_t most,
                           unsigned seed) {
+  static const bool kQuiet = [] {  // text that is not UTF-8 is what this is about
+    google::protobuf::SetLogHandler(nullptr);
+    return true;
+  }();
+  (void)kQuiet;
   Random random(seed);
   if (random() % 8 == 0 || !message.ParseFromArray(data, static_cast<int>(size))) {
     return LLVMFuzzerMutate(data, size, most);

@@ -5,9 +5,10 @@
 #include <chrono>
 #include <thread>
 
+#include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/fuzz/support/properties.h"
-#include "tests/storage/in_memory_motion_store.h"
 #include "tests/support/stick_figure.h"
+#include "tests/support/temporary_directory.h"
 
 namespace motiondb::tests {
 namespace {
@@ -33,7 +34,10 @@ TrainedEngine Train() {
   options.build_threads = 1;
   options.max_frames = kMostFrames;
   TrainedEngine trained;
-  auto engine = server::Engine::Open(std::make_unique<InMemoryMotionStore>(1), options);
+  static const TemporaryDirectory kDirectory;  // goes at exit
+  auto store = storage::SqliteMotionStore::Open(kDirectory / "store.db");
+  Holds(store.ok(), "a store opens");
+  auto engine = server::Engine::Open(*std::move(store), options);
   Holds(engine.ok(), "an engine opens");
   trained.engine = *std::move(engine);
   const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
@@ -58,3 +62,9 @@ TrainedEngine& Trained() {
 }
 
 }  // namespace motiondb::tests
+
+// Before the first input, whose time it would be counted as.
+extern "C" int LLVMFuzzerInitialize(int*, char***) {
+  motiondb::tests::Trained();
+  return 0;
+}

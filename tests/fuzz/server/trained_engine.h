@@ -1,5 +1,5 @@
 // An engine with one database, "db", that knows a walk, a squat and a wave: what fuzzed queries are
-// put to. Made once a process, in memory; no socket.
+// put to. Made once a process; no socket.
 #pragma once
 
 #include <memory>

@@ -50,7 +50,7 @@ echo "== the image, built by the Dockerfile"
 mounts=()
 compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
 [ ! -d "$compiled" ] || mounts=(--volume "$compiled:/root/.cache/ccache")
-(cd "$here/../.." && in_storage bud --layers --isolation chroot --build-arg BASE=localhost/bookworm \
+(cd "$here/../.." && in_storage bud --isolation chroot --build-arg BASE=localhost/bookworm \
   "${mounts[@]}" -f deploy/docker/Dockerfile -t localhost/motiondb .) >"$work/log" 2>&1 || fail "buildah bud"
 grep "^STEP" "$work/log"
 : >"$work/log"

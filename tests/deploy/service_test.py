@@ -1,5 +1,8 @@
 #!/usr/bin/python3
-"""What the system's service relies on: notification, --check-config, exit codes. Argument: motiondbd"""
+"""What service managers and containers rely on: notification, --check-config, exit codes, health.
+
+    service_test.py MOTIONDBD
+"""
 
 import os
 import signal
@@ -111,6 +114,42 @@ class CheckConfig(Folder):
         self.assertEqual(os.stat(store).st_mtime_ns, before.st_mtime_ns)
         server.terminate()
         self.assertEqual(server.wait(timeout=60), 0)
+
+
+class HealthCheck(Folder):
+    """The image's: by HTTP where there is any, else by the port of gRPC."""
+
+    CHECK = os.path.join(os.path.dirname(os.path.abspath(__file__)),
+                         "../../deploy/docker/health_check.sh")
+
+    def healthy(self, **variables):
+        return subprocess.run([self.CHECK], env={**os.environ, **variables}, timeout=60,
+                              capture_output=True).returncode == 0
+
+    def start(self, http):
+        server = subprocess.Popen([MOTIONDBD, "--store", self.path("a.db"), "--listen", "127.0.0.1:0",
+                                   "--http-listen", http, "--log-level", "warning"],
+                                  stdout=subprocess.PIPE, text=True)
+        self.addCleanup(end, server)
+        return server
+
+    def test_by_http(self):
+        server = self.start("127.0.0.1:0")
+        http = server.stdout.readline().split("http://")[1].split("/")[0]
+        self.assertIn("listening on", server.stdout.readline())
+        self.assertTrue(self.healthy(MOTIONDBD_HTTP_LISTEN=http))
+        server.terminate()
+        server.wait(timeout=60)
+        self.assertFalse(self.healthy(MOTIONDBD_HTTP_LISTEN=http))
+
+    def test_without_http(self):
+        server = self.start("none")
+        address = server.stdout.readline().strip().rsplit(" ", 1)[-1]
+        variables = {"MOTIONDBD_HTTP_LISTEN": "none", "MOTIONDBD_LISTEN": address}
+        self.assertTrue(self.healthy(**variables))
+        server.terminate()
+        server.wait(timeout=60)
+        self.assertFalse(self.healthy(**variables))
 
 
 unittest.main(argv=sys.argv[:1])

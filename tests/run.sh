@@ -19,4 +19,4 @@ if [ "$preset" = tsan ]; then
 else
   cmake --build --preset "$preset"
 fi
-ctest --test-dir "build/$preset" --output-on-failure --timeout 900 "$@"
+ctest --test-dir "build/$preset" --output-on-failure --timeout 900 --parallel "$(nproc)" "$@"

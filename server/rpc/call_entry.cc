@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/engine/clock.h"
 #include "server/rpc/call_evidence.h"
 #include "server/security/authorize.h"
 #include "server/translate/field_text.h"

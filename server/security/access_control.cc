@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "core/motion/error.h"
+#include "server/engine/clock.h"
 #include "server/security/secret.h"
 #include "server/translate/retry_info.h"
 
@@ -36,12 +37,6 @@ std::string BearerOf(const std::string& authorization) {
 std::string AdminSalt() { return RandomHex(16).value_or(""); }
 
 }  // namespace
-
-std::int64_t NowMicroseconds() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& options)
     : store_(store),

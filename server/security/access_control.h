@@ -53,7 +53,4 @@ class AccessControl {
   AttemptLimit refusals_;
 };
 
-// Microseconds since the Unix epoch.
-std::int64_t NowMicroseconds();
-
 }  // namespace motiondb::server

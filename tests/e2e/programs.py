@@ -19,9 +19,9 @@ class Server:
     """motiondbd on a store file of its own, with further options and a place for its log."""
 
     def __init__(self, store, *options, log=None):
+        level = [] if "--log-level" in options else ["--log-level", "error"]
         self.process = subprocess.Popen(
-            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error",
-             *options],
+            [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
             stdout=subprocess.PIPE, stderr=log, text=True)
         self.http = None  # address of its metrics, where an option asks for them
         for line in self.process.stdout:

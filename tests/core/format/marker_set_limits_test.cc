@@ -63,6 +63,7 @@ TEST_CASE("Marker set: a rule made of rules is held to the same number of points
 TEST_CASE("Marker set: names with quotes, signs and blanks come back as they were",
           "[core][format][hostile]") {
   core::MarkerScheme scheme;
+  scheme.set.name = "an \"odd\" set";
   scheme.set.markers = {"l\"hip", "\"", "\"\"", "a b", "#", "=", "1", "offset", "\xC3\xA4"};
   scheme.set.landmarks = {.left_hip = 0, .right_hip = 1, .legs = {}};
   const std::string text = core::WriteMarkerSetFile(scheme);

@@ -20,8 +20,8 @@ using std::chrono::milliseconds;
 using std::chrono::seconds;
 
 constexpr int kMostFrames = 30'000;
-constexpr milliseconds kSoon{300};  // the deadline of a request that would take minutes
-constexpr seconds kFreeAgain{20};   // far less than that, however slow the machine
+constexpr milliseconds kSoon{50};  // the deadline of a request that would take far longer
+constexpr seconds kFreeAgain{20};  // far less than that, however slow the machine
 constexpr int kAny = std::numeric_limits<int>::max();
 
 server::ServerOptions OneThread() {
@@ -162,7 +162,8 @@ TEST_CASE("Hostile request: counts are held to what memory is given for",
   Victim victim;
   v1::EstimateRequest estimate;
   estimate.set_database("databases/db");
-  *estimate.mutable_observation() = victim.Markers(25'000);
+  *estimate.mutable_observation() = victim.Markers(kMostFrames);
+  estimate.set_max_candidates(0);
   estimate.set_path_count(100);
   const auto many_paths = Ask(victim.query(), &v1::QueryService::Stub::Estimate, estimate).status;
   CHECK(many_paths.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
@@ -194,12 +195,14 @@ TEST_CASE("Hostile request: a robot of many joints is refused", "[server][rpc][h
   plan.set_database("databases/db");
   plan.mutable_goal()->set_x_m(1);
   plan.mutable_robot()->set_file_name("chain.urdf");
-  for (const char* const type : {"continuous", "fixed"}) {
+  const auto refusal = [&](const char* type) {
     plan.mutable_robot()->set_urdf(Chain(20'000, type));
     const auto refused = Ask(victim.query(), &v1::QueryService::Stub::Plan, plan).status;
     CheckRefused(refused, "robot.urdf");
-    CHECK_THAT(refused.error_message(), Contains("at most 1000 joints"));
-  }
+    return refused.error_message();
+  };
+  CHECK_THAT(refusal("continuous"), Contains("at most 300 degrees of freedom"));
+  CHECK_THAT(refusal("fixed"), Contains("at most 1000 joints"));
 }
 
 TEST_CASE("Hostile request: a series of predictions that would not go on is refused",
@@ -216,6 +219,23 @@ TEST_CASE("Hostile request: a series of predictions that would not go on is refu
     CHECK_FALSE(reader->Read(&response));
     CheckRefused(reader->Finish(), "every_seconds");
   }
+}
+
+TEST_CASE("Hostile request: a series that nobody reads ends with its client",
+          "[server][rpc][hostile]") {
+  Victim victim;
+  v1::PredictSeriesRequest series;
+  series.mutable_prediction()->set_database("databases/db");
+  *series.mutable_prediction()->mutable_observation() = victim.Markers(20'000);
+  series.set_every_seconds(1.0 / 60);
+  grpc::ClientContext context;
+  const auto reader = victim.query().PredictSeries(&context, series);
+  v1::PredictSeriesResponse moment;
+  REQUIRE(reader->Read(&moment));
+  context.TryCancel();
+  while (reader->Read(&moment)) {
+  }
+  CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
 TEST_CASE("Hostile request: a set as large as a crowd is refused, in a file and as a source",

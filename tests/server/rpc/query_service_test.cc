@@ -114,21 +114,6 @@ TEST_CASE("QueryService: predicts, and a series is as many predictions", "[serve
   }
 }
 
-TEST_CASE("QueryService: a series that nobody reads ends with its client", "[server][rpc]") {
-  const auto stub = Trained().NewStub<v1::QueryService>();
-  v1::PredictSeriesRequest series;
-  *series.mutable_prediction() = About<v1::PredictRequest>("db");
-  series.set_every_seconds(1e-6);
-  grpc::ClientContext context;
-  const auto reader = stub->PredictSeries(&context, series);
-  v1::PredictSeriesResponse moment;
-  REQUIRE(reader->Read(&moment));
-  context.TryCancel();
-  while (reader->Read(&moment)) {
-  }
-  CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
-}
-
 TEST_CASE("QueryService: markers and joints observe as well as files", "[server][rpc]") {
   TestServer& server = Trained();
   const auto stub = server.NewStub<v1::QueryService>();

@@ -78,6 +78,8 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
 
   absl::Status Store() {
     const LogFields fields{{"request_id", entry_.request_id()}};
+    // A stream without any message was not checked yet.
+    MOTIONDB_RETURN_IF_ERROR(database_ == nullptr ? entry_.Check(message_) : entry_.Recheck());
     MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
     auto ingested = engine_.Ingest(database_, std::move(file), entry_.cancelled());
     if (!ingested.ok()) return AtField("file_block", ingested.status());

@@ -10,6 +10,7 @@
 #include "server/rpc/silence_limit.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/observe_message.h"
+#include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
 namespace {
@@ -30,7 +31,9 @@ class ObserveReactor final
   }
 
   void OnReadDone(bool ok) override {
-    // Half-closed; where the call was cancelled instead, nobody reads the status.
+    // Half-closed; where the call was cancelled instead, nobody reads the status. A stream without
+    // any message was not checked yet.
+    if (!ok && session_ == nullptr) return End(ToGrpcStatus(entry_.Check(request_)));
     if (!ok) return End(grpc::Status::OK);
     Do(Turn::kServer, [this] { entry_.Post([this] { Work(); }); });
   }

@@ -83,10 +83,4 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
   return found->second;
 }
 
-void TokenBook::Forget() {
-  const std::lock_guard lock(mutex_);
-  for (const auto& [id, token] : known_) token->End();
-  known_.clear();
-}
-
 }  // namespace motiondb::server

@@ -55,9 +55,6 @@ class TokenBook {
   // the codes of the store.
   absl::StatusOr<std::shared_ptr<const KnownToken>> Find(std::string_view text);
 
-  // The store holds other tokens from now on: those known until now end.
-  void Forget();
-
  private:
   storage::AccessStore& store_;
   mutable std::shared_mutex mutex_;

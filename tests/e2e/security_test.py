@@ -8,55 +8,7 @@ import time
 import unittest
 
 import programs
-
-FIGURE = """HIERARCHY
-ROOT Hips
-{
-  OFFSET 0 0 0
-  CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
-  JOINT LeftUpLeg
-  {
-    OFFSET 10 0 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    JOINT LeftFoot
-    {
-      OFFSET 0 -80 0
-      CHANNELS 3 Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 0 10
-      }
-    }
-  }
-  JOINT RightUpLeg
-  {
-    OFFSET -10 0 0
-    CHANNELS 3 Zrotation Xrotation Yrotation
-    JOINT RightFoot
-    {
-      OFFSET 0 -80 0
-      CHANNELS 3 Zrotation Xrotation Yrotation
-      End Site
-      {
-        OFFSET 0 0 10
-      }
-    }
-  }
-}
-MOTION
-Frames: {count}
-Frame Time: 0.0166667
-"""
-
-
-def figure(count=60):
-    """A BVH file of somebody who swings their legs."""
-    lines = []
-    for i in range(count):
-        swing = 30 * ((i % 30) / 15 - 1)
-        lines.append(f"0 90 {i} 0 0 0 0 {swing} 0 0 0 0 0 {-swing} 0 0 0 0")
-    return FIGURE.replace("{count}", str(count)) + "\n".join(lines) + "\n"
-
+from figure import write_bvh
 
 def openssl(*arguments):
     subprocess.run(["openssl", *arguments], check=True, capture_output=True)
@@ -114,13 +66,13 @@ class SecureServer:
         with open(self.log_path) as log:
             return log.read()
 
-    def run(self, *arguments, token=None, flags=()):
+    def run(self, *arguments, token=None, flags=(), address=None):
         environment = {key: value for key, value in os.environ.items()
                        if not key.startswith("MOTIONDB_")}
         if token:
             environment["MOTIONDB_TOKEN"] = token
         return subprocess.run(
-            [programs.MOTIONDB, "--server", self.address, *flags, *arguments],
+            [programs.MOTIONDB, "--server", address or self.address, *flags, *arguments],
             capture_output=True, text=True, env=environment)
 
 
@@ -129,8 +81,7 @@ class SecurityTest(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.store = self.path("motion.db")
         self.server = None
-        with open(self.path("swing.bvh"), "w") as file:
-            file.write(figure())
+        write_bvh(self.path("swing.bvh"), seed=2, frames=60)
 
     def tearDown(self):
         self.stop()
@@ -200,9 +151,9 @@ class SecurityTest(unittest.TestCase):
         self.assertNotIn("swings", self.ok("list", token=self.stranger, flags=by_tls))
         # Plain text gets no answer, and no token.
         self.assertIn("no motiondb server answered",
-                      self.refused("list", flags=["--server", "127.0.0.1:" + port]))
+                      self.refused("list", address="127.0.0.1:" + port))
         self.assertIn("plain text", self.refused("list", token=self.reader,
-                                                 flags=["--server", "robot.example:" + port]))
+                                                 address="robot.example:" + port))
 
         listed = [json.loads(line) for line in
                   self.ok("token", "list", "--json", token=self.admin, flags=by_tls).splitlines()]

@@ -44,7 +44,12 @@ RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::stri
     grpc::ByteBuffer response;
     if (Next(queue)) {
       call->Read(&response, nullptr);
-      if (Next(queue)) answer.bytes = ToString(response);
+      bool more = Next(queue);
+      if (more) answer.bytes = ToString(response);
+      while (more) {  // the status comes after the last message
+        call->Read(&response, nullptr);
+        more = Next(queue);
+      }
     }
   }
   call->Finish(&answer.status, nullptr);

@@ -18,7 +18,8 @@ struct RawAnswer {
 
 using Headers = std::vector<std::pair<std::string, std::string>>;
 
-// Sends one request message and reads one response message: a unary call, or one turn of a stream.
+// Sends one request message and reads the responses, of which the first is kept: a unary call, or
+// one turn of a stream.
 RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
                   const std::string& request, const Headers& headers = {});
 

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "server/engine/clock.h"
 #include "server/security/secret.h"
 #include "server/translate/retry_info.h"
 #include "tests/storage/in_memory_access_store.h"

@@ -16,7 +16,7 @@ TEST_CASE("Keepalive: a client that pings all the time, with and without a call,
   TestServer server;
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1100);  // ordinary clients: 10 to 20 s
+  arguments.SetInt(GRPC_ARG_KEEPALIVE_TIME_MS, 1500);  // ordinary clients: 10 to 20 s
   arguments.SetInt(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
   arguments.SetInt(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   const auto channel = grpc::CreateCustomChannel(server.server().address(),

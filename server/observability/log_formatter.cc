@@ -15,7 +15,7 @@
 namespace motiondb::server {
 namespace {
 
-using nlohmann::json;
+using json = nlohmann::ordered_json;  // fields stay in the order in which they were given
 
 // Bytes that are no UTF-8 become U+FFFD.
 template <typename Json>
@@ -43,12 +43,17 @@ json ToJson(const LogField& field) {
   return std::visit([](const auto& value) { return json(value); }, field.second);
 }
 
-// Puts the fields that hold on this thread, the outer before the inner.
-template <typename Put>
-void ForEachField(const LogFields* fields, const Put& put) {
+void Collect(const LogFields* fields, json& object) {
   if (fields == nullptr) return;
-  ForEachField(fields->outer(), put);
-  for (const LogField& field : fields->fields()) put(field);
+  Collect(fields->outer(), object);
+  for (const LogField& field : fields->fields()) object[field.first] = ToJson(field);
+}
+
+// The fields that hold on this thread, the outer before the inner; of two of a name the inner.
+json CurrentFields() {
+  json object = json::object();
+  Collect(LogFields::Current(), object);
+  return object;
 }
 
 class TextFormatter final : public spdlog::formatter {
@@ -56,9 +61,10 @@ class TextFormatter final : public spdlog::formatter {
   void format(const spdlog::details::log_msg& line, spdlog::memory_buf_t& out) override {
     head_.format(line, out);
     std::string tail = OneLine(std::string(line.payload.data(), line.payload.size()));
-    ForEachField(LogFields::Current(), [&](const LogField& field) {
-      tail += fmt::format(" {}={}", field.first, FieldText(ToJson(field)));
-    });
+    const json fields = CurrentFields();
+    for (const auto& [name, value] : fields.items()) {
+      tail += fmt::format(" {}={}", name, FieldText(value));
+    }
     tail += '\n';
     out.append(tail.data(), tail.data() + tail.size());
   }
@@ -83,8 +89,7 @@ class JsonFormatter final : public spdlog::formatter {
                     fmt::gmtime(static_cast<std::time_t>(seconds.count())), milliseconds.count());
     object["level"] = std::string(level.data(), level.size());
     object["message"] = std::string(line.payload.data(), line.payload.size());
-    ForEachField(LogFields::Current(),
-                 [&](const LogField& field) { object[field.first] = ToJson(field); });
+    object.update(CurrentFields());
     const std::string text = Dump(object) + "\n";
     out.append(text.data(), text.data() + text.size());
   }

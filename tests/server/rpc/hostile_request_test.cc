@@ -19,7 +19,7 @@ using Catch::Contains;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr int kMostFrames = 30'000;
+constexpr int kMostFrames = 100'000;
 constexpr milliseconds kSoon{50};  // the deadline of a request that would take far longer
 constexpr seconds kFreeAgain{20};  // far less than that, however slow the machine
 constexpr int kAny = std::numeric_limits<int>::max();
@@ -171,7 +171,7 @@ TEST_CASE("Hostile request: counts are held to what memory is given for",
 
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
-  *recognize.mutable_observation() = victim.Markers(25'000);
+  *recognize.mutable_observation() = victim.Markers(kMostFrames);
   recognize.set_method(v1::PAPER);
   recognize.set_whole(true);
   recognize.set_generation(v1::GENERATION_TOP_PATHS);

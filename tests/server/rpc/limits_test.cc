@@ -1,13 +1,14 @@
 // What a client may take of a server: calls at a time, time, silence.
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <memory>
 #include <string>
-#include <thread>
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/error.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/operation.pb.h"
 #include "server/security/role_table.h"
 #include "tests/support/test_server.h"
 
@@ -44,6 +45,37 @@ v1::ObserveRequest Start() {
   return request;
 }
 
+// A stream whose place is sure: its first frame was answered. Ends in order.
+class AnsweredStream {
+ public:
+  explicit AnsweredStream(TestServer& server)
+      : stub_(server.NewStub<v1::ObserveService>()), stream_(stub_->Observe(&context_)) {
+    v1::RepresentRequest represent;
+    represent.set_database("databases/db");
+    *represent.mutable_observation() = ObservedWalk();
+    const auto walk = Ask(*stub_, &v1::ObserveService::Stub::Represent, represent);
+    REQUIRE(walk.status.ok());
+    const v1::MarkerObservation& markers = walk.response.markers();
+    REQUIRE(stream_->Write(Start()));
+    v1::ObserveRequest frame;
+    frame.mutable_frames()->set_frame_count(1);
+    frame.mutable_frames()->set_positions(
+        markers.positions().substr(0, markers.positions().size() / markers.frame_count()));
+    REQUIRE(stream_->Write(frame));
+    v1::ObserveResponse answer;
+    REQUIRE(stream_->Read(&answer));
+  }
+  ~AnsweredStream() {
+    stream_->WritesDone();
+    CHECK(stream_->Finish().ok());
+  }
+
+ private:
+  const std::unique_ptr<v1::ObserveService::Stub> stub_;
+  grpc::ClientContext context_;
+  const std::unique_ptr<grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>> stream_;
+};
+
 TEST_CASE("CallWeight: every call that is heavy or lasts is one of the contract",
           "[server][limits]") {
   int heavy = 0;
@@ -72,26 +104,13 @@ TEST_CASE("Limits: more streams than there may be are refused, with when to try 
     return stream->Finish();
   };
   {
-    grpc::ClientContext first_context;
-    grpc::ClientContext second_context;
-    const auto first = stub->Observe(&first_context);
-    const auto second = stub->Observe(&second_context);
-    first->Write(Start());
-    second->Write(Start());
-    grpc::Status status;
-    // The two have their places when the server has read their first messages.
-    for (int i = 0; i < 100 && status.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED; ++i) {
-      status = refused();
-      std::this_thread::sleep_for(milliseconds(20));
-    }
+    const AnsweredStream first(server);
+    const AnsweredStream second(server);
+    const grpc::Status status = refused();
     INFO(status.error_message());
     CHECK(status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
     CHECK(status.error_message().find("--max-streams-per-client") != std::string::npos);
     CHECK(RetrySeconds(status) > 0);
-    first->WritesDone();
-    second->WritesDone();
-    CHECK(first->Finish().ok());
-    CHECK(second->Finish().ok());
   }
   CHECK(refused().error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED);
 }

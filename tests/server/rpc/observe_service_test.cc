@@ -8,6 +8,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
+#include "motiondb/v1/store.grpc.pb.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -249,7 +250,12 @@ TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rp
   Stream idle(server);
   REQUIRE(idle.Send(Start(motion)));
   idle.Ask(Frames(motion, 0, 4, 0));
-  Stream silent(server);  // has not even started
+  Stream silent(server);  // has not even started, but the server knows of it
+  const auto store = server.NewStub<v1::StoreService>();
+  while (tests::Ask(*store, &v1::StoreService::Stub::GetServerStatus, {})
+             .response.open_stream_count() < 2) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
   v1::ObserveResponse none;
   CHECK_FALSE(idle.Receive(none));

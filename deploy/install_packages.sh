@@ -31,6 +31,7 @@ fuzz=(
   clang            # the compiler that has libFuzzer
   libclang-rt-dev  # its run-time libraries: libFuzzer and the sanitizers
   llvm             # llvm-symbolizer: findings with names and lines
+  bsdextrautils    # column: the table of what was run
 )
 deploy_test=(       # what tests/deploy uses beyond these
   debootstrap       # a Debian to install the package in, and to make an image from

@@ -48,7 +48,7 @@ MOTIONDB_FUZZ_SEEDS=build/fuzz/seeds build/fuzz/tests/fuzz/fuzz_seeds >build/fuz
   { cat build/fuzz/seeds.log >&2; exit 1; }
 
 # Memory that a target takes is bounded by its own promises; these bounds are for what escapes them.
-limits=(-timeout=20 -rss_limit_mb=3072 -malloc_limit_mb=1024)
+limits=(-timeout=60 -rss_limit_mb=3072 -malloc_limit_mb=1024)
 export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-}"
 mkdir -p build/fuzz/findings
 figures=build/fuzz/figures.tsv

@@ -2,13 +2,13 @@
 # Builds the fuzz targets and runs each for a set number of executions, or for a time. Fails on a
 # finding, whose input is kept in build/fuzz/findings.
 #   tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]     TARGET: bvh, recognize, ... (all)
-# N executions a target (default: what the short run of CI affords, slower targets fewer), S seconds
+# N executions a target (default: some seconds' worth, slower targets fewer), S seconds
 # a target in their place. What covers new code is kept in build/fuzz/corpus for the next run.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
-all=(bvh amc trc c3d urdf marker_set
-     chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec
+files=(bvh amc trc c3d urdf marker_set)
+all=("${files[@]}" chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec
      names ingest_stream recognize estimate predict represent observe plan)
 runs=""
 seconds=""
@@ -43,9 +43,15 @@ longest_of() {
 ./deploy/install_packages.sh build test fuzz
 mkdir -p build/fuzz
 cmake --preset fuzz >build/fuzz/configure.log 2>&1 || { cat build/fuzz/configure.log >&2; exit 1; }
-cmake --build --preset fuzz --target fuzz_seeds $(printf '%s_fuzz ' "${targets[@]}")
-MOTIONDB_FUZZ_SEEDS=build/fuzz/seeds build/fuzz/tests/fuzz/fuzz_seeds >build/fuzz/seeds.log ||
-  { cat build/fuzz/seeds.log >&2; exit 1; }
+seeds=(fuzz_motion_seeds)
+for target in "${targets[@]}"; do
+  [[ " ${files[*]} " == *" $target "* ]] || seeds=(fuzz_motion_seeds fuzz_stored_seeds)
+done
+cmake --build --preset fuzz --target "${seeds[@]}" "${targets[@]/%/_fuzz}"
+for program in "${seeds[@]}"; do
+  MOTIONDB_FUZZ_SEEDS=build/fuzz/seeds "build/fuzz/tests/fuzz/$program" >build/fuzz/seeds.log ||
+    { cat build/fuzz/seeds.log >&2; exit 1; }
+done
 
 # Memory that a target takes is bounded by its own promises; these bounds are for what escapes them.
 limits=(-timeout=60 -rss_limit_mb=3072 -malloc_limit_mb=1024)

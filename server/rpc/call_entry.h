@@ -61,11 +61,8 @@ class CallEntry {
   const std::string& request_id() const { return request_id_; }
   // As gRPC has it: "ipv4:127.0.0.1:50000".
   std::string peer() const { return context_.peer(); }
-  // Nothing before a Check that the caller passed.
-  const std::optional<Caller>& caller() const { return caller_; }
   // The id of the one database that the caller may see; empty: all.
   std::string database() const { return caller_.has_value() ? caller_->database : ""; }
-  std::chrono::steady_clock::time_point began() const { return began_; }
   AccessControl& access() { return host_.access; }
 
   // What the call turned out to be about, for the record of changes: a resource name.
@@ -78,14 +75,13 @@ class CallEntry {
   CallHost& host_;
   const grpc::CallbackServerContext& context_;
   const Method& method_;
-  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   const std::string request_id_;
   CallWatch watch_;
   const std::chrono::system_clock::time_point deadline_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
   bool checked_ = false;
-  std::optional<Caller> caller_;
+  std::optional<Caller> caller_;  // nothing before a Check that the caller passed
   std::string principal_ = kAnonymous;
   std::string resource_;
   const CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes

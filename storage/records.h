@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "core/model/model.h"
 #include "core/motion/skeleton.h"
 #include "core/motion/states.h"
+#include "storage/access_store.h"
 
 namespace motiondb::storage {
 
@@ -50,6 +52,9 @@ struct NewClip {
   core::StateSequence states;  // not scaled
   std::optional<core::Skeleton> skeleton;
   std::optional<std::string> marker_set_text;  // first clip of a `source` database: its scheme
+  // The entry of the record of changes that is kept in the same transaction, of the clip as stored;
+  // empty: none. May be called more than once, and from another thread that adds a clip.
+  std::function<AuditRecord(const ClipRecord&)> audit;
 };
 
 struct ClipSource {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/model/model.h"
+#include "core/tree/row_product.h"
 
 namespace motiondb::core {
 namespace {
@@ -21,14 +22,14 @@ void ProjectRows(const MotionMetric& metric, const SharedRows& states, std::span
     for (Eigen::Index r = 0; r < gathered.rows(); ++r) {
       gathered.row(r) = states.row(rows[first + r]) - metric.mean;
     }
-    projected.middleRows(first, gathered.rows()).noalias() = gathered * metric.projection;
+    projected.middleRows(first, gathered.rows()) = RowProduct(gathered, metric.projection);
   });
 }
 
 }  // namespace
 
 FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states) {
-  return (states.rowwise() - metric.mean) * metric.projection;
+  return RowProduct(states.rowwise() - metric.mean, metric.projection);
 }
 
 MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,

@@ -1,6 +1,7 @@
 #include "core/observe/metric_window.h"
 
 #include "core/recognition/unseen_dimensions.h"
+#include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
 
@@ -19,7 +20,10 @@ void MetricWindow::Make(const ObservedStates& states, std::int64_t frame, Metric
   model_.scale().Apply(made.state);
   if (made.state.hasNaN()) FillUnseen(metric, made.state.row(0));
   difference_ = made.state.row(0) - metric.mean;
-  made.projected.noalias() = metric.projection.transpose() * difference_.transpose();
+  made.projected.resize(metric.projection.cols());
+  MultiplyRows(difference_.data(), 1, static_cast<int>(difference_.size()),
+               metric.projection.data(), static_cast<int>(made.projected.size()),
+               made.projected.data());
   made.squared_norm = made.projected.squaredNorm();
   made.nearest = -1;
   if (ListsAll(static_cast<int>(model_.clips().size()))) return;
@@ -44,8 +48,11 @@ const MetricFrame& MetricWindow::At(const ObservedStates& states, std::int64_t f
 double MetricWindow::SquaredDifference(std::int64_t frame, int stored_frame) {
   MetricFrame& kept = frames_[Place(frame)];
   if (kept.nearest != stored_frame) {
+    const auto dimensions = static_cast<int>(kept.state.cols());
     difference_ = kept.state.row(0) - model_.states().row(stored_frame);
-    whitened_.noalias() = difference_ * model_.metric().whitening;
+    whitened_.resize(dimensions);
+    MultiplyRows(difference_.data(), 1, dimensions, model_.metric().whitening.data(), dimensions,
+                 whitened_.data());
     kept.squared_difference = whitened_.squaredNorm();
     kept.nearest = stored_frame;
   }

@@ -6,6 +6,7 @@
 
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/shortlist.h"
+#include "core/tree/row_product.h"
 
 namespace motiondb::core {
 namespace {
@@ -20,7 +21,7 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
     differences.row(static_cast<Eigen::Index>(i)) =
         observation.states.row(compared[i]) - model.states().row(nearest[i].frame);
   }
-  const FrameMatrix whitened = differences * observation.MetricFor(model).whitening;
+  const FrameMatrix whitened = RowProduct(differences, observation.MetricFor(model).whitening);
   return FamiliarityOfDifference(static_cast<double>(whitened.squaredNorm()) /
                                  static_cast<double>(whitened.size()));
 }

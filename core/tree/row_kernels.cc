@@ -60,6 +60,11 @@ void ProjectRows(const float* rows, int count, int dimensions, const double* axi
   Loops().project(rows, count, dimensions, axis, projections);
 }
 
+void MultiplyRows(const float* rows, int count, int dimensions, const float* matrix, int columns,
+                  float* product) {
+  Loops().multiply(rows, count, dimensions, matrix, columns, product);
+}
+
 float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions) {
   return Loops().scaled_squares(x, mean, factors, dimensions);
 }

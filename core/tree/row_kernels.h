@@ -31,6 +31,12 @@ double AddScatterProduct(const float* rows, int count, int stride, int padded, c
 void ProjectRows(const float* rows, int count, int dimensions, const double* axis,
                  double* projections);
 
+// Writes rows (count x dimensions) times `matrix` (dimensions x columns), both row after row, to
+// `product` (count x columns), in single precision. A row's product does not depend on the rows
+// beside it.
+void MultiplyRows(const float* rows, int count, int dimensions, const float* matrix, int columns,
+                  float* product);
+
 // The sum of ((x - mean) factor)^2 over the dimensions, in single precision; NaN where x has one.
 float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions);
 

@@ -25,6 +25,10 @@ struct RowLoops {
   // projections (count): inner products with `axis` (padded with zeros), in double precision.
   void (*project)(const float* rows, int count, int dimensions, const double* axis,
                   double* projections);
+  // product (count x columns): rows times `matrix` (dimensions x columns, row after row); each
+  // number is summed over the dimensions one after the other.
+  void (*multiply)(const float* rows, int count, int dimensions, const float* matrix, int columns,
+                   float* product);
   // The sum of ((x - mean) factor)^2 over the dimensions, in single precision; NaN where x has one.
   float (*scaled_squares)(const float* x, const float* mean, const float* factors, int dimensions);
 };

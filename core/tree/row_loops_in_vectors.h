@@ -12,7 +12,7 @@ template <int kWidth>
 class RowLoopsInVectors {
  public:
   static constexpr RowLoops All() {
-    return {Add, Centre, Dot, AddMultiples, Project, ScaledSquares};
+    return {Add, Centre, Dot, AddMultiples, Project, Multiply, ScaledSquares};
   }
 
  private:
@@ -157,6 +157,59 @@ class RowLoopsInVectors {
         lanes[v] += V::Widened(V::LoadFew(rows + at, dimensions - at)) * V::LoadDoubles(axis + at);
       }
       projections[r] = SumOfLanes(lanes);
+    }
+  }
+
+  // Sums of a few rows times a few vectors of columns, as many as the registers hold.
+  static void Multiply(const float* rows, int count, int dimensions, const float* matrix,
+                       int columns, float* product) {
+    int r = 0;
+    for (; r + 4 <= count; r += 4)
+      MultiplyFew<4, 2>(rows + r * dimensions, dimensions, matrix, columns, product + r * columns);
+    for (; r < count; ++r)
+      MultiplyFew<1, 8>(rows + r * dimensions, dimensions, matrix, columns, product + r * columns);
+  }
+
+  template <int kRows, int kWide>
+  static void MultiplyFew(const float* rows, int dimensions, const float* matrix, int columns,
+                          float* product) {
+    int c = 0;
+    for (; c + kWide * kWidth <= columns; c += kWide * kWidth)
+      MultiplyBlock<V, kRows, kWide>(rows, dimensions, matrix + c, columns, product + c);
+    for (; c + kWidth <= columns; c += kWidth)
+      MultiplyBlock<V, kRows, 1>(rows, dimensions, matrix + c, columns, product + c);
+    for (; c + 4 <= columns; c += 4)
+      MultiplyBlock<Vectors<4>, kRows, 1>(rows, dimensions, matrix + c, columns, product + c);
+    for (; c < columns; ++c) {
+      for (int r = 0; r < kRows; ++r) {
+        float sum = 0;
+        for (int d = 0; d < dimensions; ++d)
+          sum += rows[r * dimensions + d] * matrix[d * columns + c];
+        product[r * columns + c] = sum;
+      }
+    }
+  }
+
+  template <typename Wide, int kRows, int kWide>
+  static void MultiplyBlock(const float* rows, int dimensions, const float* matrix, int columns,
+                            float* product) {
+    constexpr int kStep = 2 * Wide::kHalf;
+    typename Wide::Floats sums[kRows][kWide];
+#pragma GCC unroll 4
+    for (int r = 0; r < kRows; ++r) {
+#pragma GCC unroll 8
+      for (int v = 0; v < kWide; ++v) sums[r][v] = typename Wide::Floats{};
+    }
+    for (int d = 0; d < dimensions; ++d) {
+#pragma GCC unroll 8
+      for (int v = 0; v < kWide; ++v) {
+        const auto factors = Wide::Load(matrix + d * columns + v * kStep);
+#pragma GCC unroll 4
+        for (int r = 0; r < kRows; ++r) sums[r][v] += factors * rows[r * dimensions + d];
+      }
+    }
+    for (int r = 0; r < kRows; ++r) {
+      for (int v = 0; v < kWide; ++v) Wide::Store(sums[r][v], product + r * columns + v * kStep);
     }
   }
 

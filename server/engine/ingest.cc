@@ -60,6 +60,7 @@ storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
   clip.id_is_fixed = !file.clip_id.empty();
   clip.file_bytes = std::move(file.file_bytes);
   clip.skeleton_bytes = std::move(file.skeleton_bytes);
+  clip.audit = std::move(file.audit);
   clip.states = std::move(states);
   if (const auto* joints = std::get_if<core::JointMotion>(&source.motion)) {
     clip.skeleton = *joints->skeleton;

@@ -25,6 +25,8 @@ struct IngestFile {
   std::string clip_id;  // empty: from file_name
   std::string file_bytes;
   std::string skeleton_bytes;
+  // As storage::NewClip has it.
+  std::function<storage::AuditRecord(const storage::ClipRecord&)> audit;
 };
 
 // Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns

@@ -112,7 +112,11 @@ grpc::Status CallEntry::End(grpc::Status status) {
               fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
                           Seconds(host_.limits.options().longest_call))};
   }
-  if (checked_ && (method_.rule == nullptr || method_.rule->changes)) Record(status);
+  if (checked_ && (method_.rule == nullptr || method_.rule->changes) &&
+      !(recorded_ && status.ok())) {
+    host_.access.Record(Record(status.error_code()));
+  }
+  own_place_ = {};  // before the client sees the end, and may come again
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
   return status.ok() ? status : WithRequestInfo(status, request_id_);
@@ -124,16 +128,22 @@ std::string CallEntry::Subject(const google::protobuf::Message& request) const {
   return text.empty() ? text : fmt::format("{}{}", rule.collection, text);
 }
 
-void CallEntry::Record(const grpc::Status& status) {
+storage::AuditRecord CallEntry::RecordWithChange(std::string resource) {
+  resource_ = std::move(resource);
+  recorded_ = true;
+  return Record(grpc::StatusCode::OK);
+}
+
+storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
   record.principal = principal_;
   record.peer = AddressOf(context_);
   record.method = method_.name;
   record.resource = ValidUtf8(resource_, kResourceLimit);
-  record.code = status.error_code();
+  record.code = code;
   record.request_id = request_id_;
-  host_.access.Record(record);
+  return record;
 }
 
 }  // namespace motiondb::server

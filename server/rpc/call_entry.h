@@ -67,10 +67,13 @@ class CallEntry {
 
   // What the call turned out to be about, for the record of changes: a resource name.
   void set_resource(std::string resource) { resource_ = std::move(resource); }
+  // For a store that keeps the record with the change itself, in one transaction: End then keeps
+  // none, unless the call fails after all.
+  storage::AuditRecord RecordWithChange(std::string resource);
 
  private:
   std::string Subject(const google::protobuf::Message& request) const;
-  void Record(const grpc::Status& status);
+  storage::AuditRecord Record(grpc::StatusCode code) const;
 
   CallHost& host_;
   const grpc::CallbackServerContext& context_;
@@ -81,6 +84,7 @@ class CallEntry {
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
   bool checked_ = false;
+  bool recorded_ = false;
   std::optional<Caller> caller_;  // nothing before a Check that the caller passed
   std::string principal_ = kAnonymous;
   std::string resource_;

@@ -12,6 +12,7 @@
 #include "server/translate/field_violation.h"
 #include "server/translate/ingest_stream.h"
 #include "server/translate/operation_message.h"
+#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
@@ -81,10 +82,12 @@ class IngestReactor final : public grpc::ServerReadReactor<v1::IngestClipRequest
     // A stream without any message was not checked yet.
     MOTIONDB_RETURN_IF_ERROR(database_ == nullptr ? entry_.Check(message_) : entry_.Recheck());
     MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
+    file.audit = [this](const storage::ClipRecord& clip) {
+      return entry_.RecordWithChange(ClipName(clip.database, clip.id));
+    };
     auto ingested = engine_.Ingest(database_, std::move(file), entry_.cancelled());
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
-    entry_.set_resource(response_.clip().name());
     SetOperation(ingested->operation, *response_.mutable_operation());
     in_flight_.reset();
     return absl::OkStatus();

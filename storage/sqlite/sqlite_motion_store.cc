@@ -44,6 +44,14 @@ absl::Status CheckWithoutDatabases(Connection& connection) {
       "the store holds {} databases: a backup is restored into a store without any", count);
 }
 
+absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewClip& clip) {
+  auto added = InsertClip(connection, clip);
+  if (added.ok() && clip.audit) {
+    MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, clip.audit(*added)));
+  }
+  return added;
+}
+
 template <typename Work>
 auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
     -> std::invoke_result_t<Work, Connection&> {
@@ -150,7 +158,7 @@ void SqliteMotionStore::AddTogether(const std::vector<Addition*>& additions) {
     const absl::Status all =
         InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
           for (Addition* const addition : additions) {
-            addition->added = InsertClip(connection, *addition->clip);
+            addition->added = InsertWithRecord(connection, *addition->clip);
             if (!addition->added->ok()) return addition->added->status();
           }
           return absl::OkStatus();
@@ -161,7 +169,7 @@ void SqliteMotionStore::AddTogether(const std::vector<Addition*>& additions) {
   for (Addition* const addition : additions) {
     addition->added = InTransaction(
         *writer_, Transaction::Kind::kWrite,
-        [&](Connection& connection) { return InsertClip(connection, *addition->clip); });
+        [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
   }
 }
 

@@ -52,7 +52,7 @@ compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
 [ ! -d "$compiled" ] || mounts=(--volume "$compiled:/root/.cache/ccache")
 (cd "$here/../.." && in_storage bud --isolation chroot --build-arg BASE=localhost/bookworm \
   "${mounts[@]}" -f deploy/docker/Dockerfile -t localhost/motiondb .) >"$work/log" 2>&1 || fail "buildah bud"
-grep "^STEP" "$work/log"
+grep -o "STEP .*" "$work/log"
 : >"$work/log"
 in_storage inspect --type image --format \
   'user {{.OCIv1.Config.User}}  volumes {{.OCIv1.Config.Volumes}}  ports {{.OCIv1.Config.ExposedPorts}}  stop {{.OCIv1.Config.StopSignal}}' \

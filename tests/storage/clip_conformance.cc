@@ -72,6 +72,18 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
     REQUIRE_OK(store->AddClip(SampleClip("e", "other", 1)));
   }
+  SECTION("its entry of the record of changes is kept with it, as it was stored, or not at all") {
+    NewClip noted = SampleClip("d", "walk", 2);
+    noted.audit = [](const ClipRecord& stored) {
+      return storage::AuditRecord{.method = "Ingest", .resource = stored.id};
+    };
+    REQUIRE_OK(store->AddClip(noted));
+    REQUIRE_ERROR(store->AddClip(noted), StatusCode::kAlreadyExists, "walk-2");
+    const auto entries = Require(store->access().ListAuditRecords(0, 10));
+    REQUIRE(entries.size() == 1);
+    REQUIRE(entries[0].method == "Ingest");
+    REQUIRE(entries[0].resource == "walk-2");
+  }
   SECTION("lists are in order of id, in pages") {
     for (unsigned i = 2; i < 8; ++i) {
       REQUIRE_OK(store->AddClip(SampleClip("d", "c" + std::to_string(17 * i % 10), i)));

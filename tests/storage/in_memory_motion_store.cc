@@ -122,6 +122,9 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
         alike == in->skeletons.end() ? FreeId(in->skeletons, "skeleton") : alike->first;
     in->skeletons.emplace(stored.record.skeleton_id, *clip.skeleton);
   }
+  if (clip.audit) {
+    MOTIONDB_RETURN_IF_ERROR(access_.AddAuditRecord(clip.audit(stored.record)));
+  }
   return in->clips.emplace(id, std::move(stored)).first->second.record;
 }
 

@@ -206,6 +206,9 @@ TEST_CASE("Faults: a store that is made", "[storage][power]") {
 TEST_CASE("Faults: an ingest", "[storage][power]") {
   auto clip = SampleClip("d", "jump", 3);
   clip.skeleton = SampleSkeleton("other");
+  clip.audit = [](const storage::ClipRecord& stored) {  // both are kept, or neither
+    return storage::AuditRecord{.time_us = kNow, .method = "Ingest", .resource = stored.id};
+  };
   RunAll({FileOf(FillWithModel), [clip](Store& store) { return store.AddClip(clip).status(); }});
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/motion/matrix.h"
+#include "core/tree/row_product.h"
 #include "core/tree/tree_builder.h"
 #include "core/tree/wide_vectors.h"
 
@@ -126,6 +127,27 @@ TEST_CASE("Row kernels: the same bits in vectors of any width", "[core][tree]") 
   REQUIRE((narrow_tree.ok() && wide_tree.ok()));
   CHECK(narrow_tree->frame_order() == wide_tree->frame_order());
   CHECK(narrow_tree->branches().size() == wide_tree->branches().size());
+}
+
+TEST_CASE("Row product: equals the exact one, whatever the vectors and the rows beside it",
+          "[core][tree]") {
+  const WideAgain again;
+  for (const int dimensions : {1, 3, 40, 204}) {
+    for (const int columns : {1, 2, 3, 4, 7, 8, 12, 15, 16, 17, 31, 40, 63, 64, 65, 204}) {
+      for (const int count : {1, 2, 3, 4, 5, 8, 13}) {
+        CAPTURE(dimensions, columns, count);
+        const core::FrameMatrix rows = core::FrameMatrix::Random(count, dimensions);
+        const core::FrameMatrix matrix = core::FrameMatrix::Random(dimensions, columns);
+        core::UseWideVectors(true);
+        const core::FrameMatrix wide = core::RowProduct(rows, matrix);
+        const Eigen::MatrixXd exact = rows.cast<double>() * matrix.cast<double>();
+        CHECK((wide.cast<double>() - exact).cwiseAbs().maxCoeff() <= 1e-6 * dimensions);
+        for (int r = 0; r < count; ++r) CHECK(core::RowProduct(rows.row(r), matrix) == wide.row(r));
+        core::UseWideVectors(false);
+        CHECK(core::RowProduct(rows, matrix) == wide);
+      }
+    }
+  }
 }
 
 TEST_CASE("Row kernels: a missing number anywhere makes the scaled squares NaN", "[core][tree]") {

@@ -55,7 +55,7 @@ compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
 grep -o "STEP .*" "$work/log"
 : >"$work/log"
 in_storage inspect --type image --format \
-  'user {{.OCIv1.Config.User}}  volumes {{.OCIv1.Config.Volumes}}  ports {{.OCIv1.Config.ExposedPorts}}  stop {{.OCIv1.Config.StopSignal}}' \
+  'user {{.OCIv1.Config.User}}  volumes {{.OCIv1.Config.Volumes}}  ports {{.OCIv1.Config.ExposedPorts}}  stop {{.OCIv1.Config.StopSignal}}{{"\n"}}' \
   localhost/motiondb | tee "$work/config"
 grep -q "user 65051:65051" "$work/config" || fail "the image's user has rights"
 grep -q "/var/lib/motiondb" "$work/config" || fail "the store is in no volume"
@@ -78,7 +78,7 @@ start_container() {
   run=$!
   for i in $(seq 300); do
     if grep -q listening "$work/address"; then
-      server=$(pgrep -u 65051 -f "^motiondbd --listen 127.0.0.1:$port")
+      server=$(pgrep -u 65051 -f "^/usr/bin/motiondbd --listen 127.0.0.1:$port") || fail "no server of the image's user"
       return
     fi
     kill -0 "$run" 2>/dev/null || fail "the container ended"

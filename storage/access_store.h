@@ -27,7 +27,7 @@ struct TokenRecord {
   std::int64_t revoke_time_us = 0;  // 0: it is good
 };
 
-// One change that was made, or refused for want of a right.
+// One change that was made, or tried; or a copy of the whole store that was taken.
 struct AuditRecord {
   std::int64_t sequence = 0;  // rises with each entry; given by the store
   std::int64_t time_us = 0;

@@ -1,4 +1,4 @@
-// motiondb audit: what was changed, by whom, when and from where.
+// motiondb audit: what was changed or backed up, by whom, when and from where.
 #include <fmt/format.h>
 #include <motiondb/v1/access.pb.h>
 
@@ -44,7 +44,8 @@ absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddAuditCommand(CommandLine line) {
-  AddCommand<AuditOptions>(line, "audit", "List what was changed, by whom, when and from where",
+  AddCommand<AuditOptions>(line, "audit",
+                           "List what was changed or backed up, by whom, when and from where",
                            Declare, Run);
 }
 

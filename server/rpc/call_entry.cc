@@ -73,7 +73,7 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
     return absl::PermissionDeniedError(fmt::format("{}: no role may call it", method_.name));
   }
   const CallRule& rule = *method_.rule;
-  if (rule.changes) resource_ = Subject(request);
+  if (rule.recorded) resource_ = Subject(request);
   MOTIONDB_ASSIGN_OR_RETURN(Caller caller, host_.access.Authenticate(EvidenceOf(context_)));
   principal_ = caller.principal;
   const std::string touched = caller.database.empty() ? "" : Subject(request);
@@ -112,7 +112,7 @@ grpc::Status CallEntry::End(grpc::Status status) {
               fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
                           Seconds(host_.limits.options().longest_call))};
   }
-  if (checked_ && (method_.rule == nullptr || method_.rule->changes) &&
+  if (checked_ && (method_.rule == nullptr || method_.rule->recorded) &&
       !(recorded_ && status.ok())) {
     host_.access.Record(Record(status.error_code()));
   }

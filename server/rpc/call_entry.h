@@ -53,7 +53,7 @@ class CallEntry {
   grpc::Status Silent() const;
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
-  // the request's id, and keeps a change in the record of changes.
+  // the request's id, and keeps what the role table says in the record of changes.
   grpc::Status End(grpc::Status status);
 
   const Method& method() const { return method_; }

@@ -45,8 +45,11 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void OnWriteDone(bool ok) override {
-    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
-    entry_.Post([this] { Step([this] { return Produce(); }); });
+    entry_.Post([this, ok] {
+      // Here, too: the end may have to be recorded, and gRPC's threads write nothing.
+      if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
+      Step([this] { return Produce(); });
+    });
   }
   void OnDone() override { delete this; }
 

@@ -10,6 +10,7 @@ using enum Scope;
 
 constexpr bool kReads = false;
 constexpr bool kChanges = true;
+constexpr bool kCopiesAll = true;
 
 constexpr CallRule kRules[] = {
     {"DatabaseService.CreateDatabase", kAdmin, kChanges, kServer, "database_id", "databases/"},
@@ -53,7 +54,7 @@ constexpr CallRule kRules[] = {
 
     {"StoreService.GetServerStatus", kReader, kReads, kServer, ""},
     {"StoreService.VerifyStore", kAdmin, kReads, kServer, ""},
-    {"StoreService.BackupStore", kAdmin, kReads, kServer, ""},
+    {"StoreService.BackupStore", kAdmin, kCopiesAll, kServer, ""},
     {"StoreService.RestoreStore", kAdmin, kChanges, kServer, ""},
 };
 

@@ -21,7 +21,7 @@ enum class Scope {
 struct CallRule {
   std::string_view method;  // "DatabaseService.GetDatabase", of motiondb.v1
   storage::Role least_role;
-  bool changes;  // is recorded
+  bool recorded;  // in the record of changes: it changes something, or copies all there is
   Scope scope;
   std::string_view field;  // path in the request, or in the first of a stream: what it is about
   std::string_view collection = {};  // what the field's value is an id in, where it is no full name

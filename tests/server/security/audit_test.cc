@@ -7,6 +7,7 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
+#include "motiondb/v1/store.grpc.pb.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -116,6 +117,53 @@ TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]")
   CHECK(lines[3] == "anonymous" + what + std::to_string(StatusCode::UNAUTHENTICATED));
   CHECK(lines[4] == reader.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
   CHECK(lines[5] == admin.token().name() + what + "0");
+}
+
+// Takes a backup, to its end or until its first block is here.
+grpc::Status Backup(TestServer& server, bool to_its_end, const std::string& token = "") {
+  const auto stub = server.NewStub<v1::StoreService>();
+  grpc::ClientContext context;
+  if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
+  const auto stream = stub->BackupStore(&context, {});
+  v1::BackupStoreResponse block;
+  while (stream->Read(&block)) {
+    if (!to_its_end) context.TryCancel();
+  }
+  return stream->Finish();
+}
+
+TEST_CASE("Audit: who copies the whole store is recorded, also where it was refused or broken off",
+          "[security][rpc]") {
+  TestServer server;
+  server.CreateDatabase("walks");
+  // More than fits between a server and a client that takes nothing.
+  v1::IngestClipHeader header;
+  header.set_parent("databases/walks");
+  header.set_file_name("walk.bvh");
+  REQUIRE(server.Ingest(header, WriteBvh({}) + std::string(std::size_t{12} << 20, '\n')).ok());
+  const auto access = server.NewStub<v1::AccessService>();
+  v1::CreateTokenRequest wanted;
+  wanted.set_role(v1::ROLE_INGESTER);
+  const auto ingester = Ask(*access, &Access::CreateToken, wanted).response;
+  wanted.set_role(v1::ROLE_ADMIN);
+  const auto admin = Ask(*access, &Access::CreateToken, wanted).response;
+  server.options().security.authentication = server::Authentication::kToken;
+  server.Restart();
+  const std::size_t before = Audit(server, admin.secret()).size();
+
+  CHECK(Backup(server, true, ingester.secret()).error_code() == StatusCode::PERMISSION_DENIED);
+  CHECK(Backup(server, true, admin.secret()).ok());
+  CHECK(Backup(server, false, admin.secret()).error_code() == StatusCode::CANCELLED);
+  std::vector<v1::AuditEntry> entries;
+  do {  // the server may learn later than the client that it was broken off
+    entries = Audit(server, admin.secret());
+  } while (entries.size() < before + 3);
+  const std::string what = " StoreService.BackupStore  -> ";
+  const auto lines = Lines({entries.begin(), entries.begin() + 3});
+  CHECK(lines[0] == ingester.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
+  CHECK(lines[1] == admin.token().name() + what + "0");
+  CHECK(lines[2] == admin.token().name() + what + std::to_string(StatusCode::CANCELLED));
+  CHECK(entries.front().peer() == "127.0.0.1");
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 
 #include "motiondb/v1/access.grpc.pb.h"
@@ -178,6 +179,28 @@ TEST_CASE("Every call: errors carry the caller's request id, or one of the serve
     CHECK(RequestIdIn(calls.Call(rule, {})).size() == 16);
     CHECK(RequestIdIn(calls.Call(rule, {{"x-request-id", std::string(129, 'x')}})).size() == 16);
   }
+}
+
+TEST_CASE("Every call: is in the record of changes if its row says so, and only then",
+          "[security][rpc]") {
+  EveryCall calls;
+  const std::string token = calls.tokens[v1::ROLE_ADMIN];
+  std::set<std::string> expected;
+  for (const server::CallRule& rule : server::CallRules()) {
+    const std::string method(rule.method);
+    calls.Call(rule, {{"authorization", "Bearer " + token}, {"x-request-id", method}});
+    if (rule.recorded) expected.insert(method);
+  }
+  const auto stub = calls.server().NewStub<v1::AccessService>();
+  v1::ListAuditEntriesRequest request;
+  request.set_page_size(1000);
+  const auto audit = Ask(*stub, &v1::AccessService::Stub::ListAuditEntries, request, token);
+  REQUIRE(audit.status.ok());
+  std::set<std::string> recorded;
+  for (const v1::AuditEntry& entry : audit.response.entries()) {
+    if (entry.request_id() == entry.method()) recorded.insert(entry.method());
+  }
+  CHECK(recorded == expected);
 }
 
 TEST_CASE("Every call: a stream that ends before its first message is refused alike",

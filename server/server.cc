@@ -11,6 +11,8 @@
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
+#include "server/security/admin_token_file.h"
+#include "server/security/file_watch.h"
 #include "server/security/tls.h"
 
 namespace motiondb::server {
@@ -55,6 +57,14 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
   std::unique_ptr<Server> server(
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
+  if (const std::string& file = options.security.admin_token_file; !file.empty()) {
+    server->admin_token_ = std::make_unique<FileWatch>(
+        "administrator's token", file,
+        [file, &access = server->host_->access]() -> absl::StatusOr<bool> {
+          MOTIONDB_ASSIGN_OR_RETURN(const std::string token, ReadAdminToken(file));
+          return access.ReplaceAdminToken(token);
+        });
+  }
   if (options.security.tls.enabled()) {
     MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls));
   }

@@ -20,6 +20,7 @@ class Service;
 namespace motiondb::server {
 
 struct CallHost;
+class FileWatch;
 class Tls;
 
 struct ServerOptions {
@@ -61,6 +62,7 @@ class Server {
   const std::unique_ptr<Engine> engine_;
   const Monitor::Attachment attachment_;
   const std::unique_ptr<CallHost> host_;
+  std::unique_ptr<FileWatch> admin_token_;  // null: there is no file of it
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;

@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 
 constexpr milliseconds kMinute{60'000};
 constexpr int kRecordedRefusalsPerMinute = 10;
-constexpr char kAdminTokenPrincipal[] = "tokens/admin-token-file";
+constexpr char kAdminTokenId[] = "admin-token-file";
 
 bool IsRefusal(int code) {
   return code == static_cast<int>(absl::StatusCode::kPermissionDenied) ||
@@ -32,17 +32,21 @@ std::string BearerOf(const std::string& authorization) {
   return authorization.substr(kScheme.size());
 }
 
-// Random, so that the same file gives another hash in another process; a failure of the system's
-// randomness costs nothing here.
-std::string AdminSalt() { return RandomHex(16).value_or(""); }
+std::shared_ptr<KnownToken> MakeAdminToken(const std::string& secret) {
+  storage::TokenRecord record{.id = kAdminTokenId, .role = storage::Role::kAdmin};
+  // Random, so that the same file gives another hash in another process; a failure of the system's
+  // randomness costs nothing here.
+  record.salt = RandomHex(16).value_or("");
+  record.secret_hash = HashSecret(record.salt, secret);
+  return std::make_shared<KnownToken>(std::move(record));
+}
 
 }  // namespace
 
 AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& options)
     : store_(store),
       options_(options),
-      admin_salt_(AdminSalt()),
-      admin_hash_(options.admin_token.empty() ? "" : HashSecret(admin_salt_, options.admin_token)),
+      admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
       refusals_(kRecordedRefusalsPerMinute, kMinute) {}
@@ -63,10 +67,8 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
                                               const std::string& address) {
   const std::string bearer = BearerOf(authorization);
-  if (!admin_hash_.empty() && SameBytes(HashSecret(admin_salt_, bearer), admin_hash_)) {
-    return Caller{.principal = kAdminTokenPrincipal, .role = storage::Role::kAdmin};
-  }
-  std::shared_ptr<const KnownToken> token = tokens_.FindInMemory(bearer);
+  std::shared_ptr<const KnownToken> token = FindAdminToken(bearer);
+  if (token == nullptr) token = tokens_.FindInMemory(bearer);
   if (token == nullptr) {
     const milliseconds wait = failures_.Wait(SourceOf(address));
     if (wait.count() > 0) {
@@ -79,6 +81,21 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
   MOTIONDB_RETURN_IF_ERROR(token->CheckHolds(NowMicroseconds()));
   const storage::TokenRecord& record = token->record();
   return Caller{fmt::format("tokens/{}", record.id), record.role, record.database, token};
+}
+
+std::shared_ptr<const KnownToken> AccessControl::FindAdminToken(const std::string& bearer) const {
+  const std::shared_lock lock(admin_mutex_);
+  return admin_token_ != nullptr && admin_token_->HasSecret(bearer) ? admin_token_ : nullptr;
+}
+
+bool AccessControl::ReplaceAdminToken(const std::string& token) {
+  const std::lock_guard lock(admin_mutex_);
+  if (admin_token_ != nullptr) {
+    if (admin_token_->HasSecret(token)) return false;
+    admin_token_->End();
+  }
+  admin_token_ = MakeAdminToken(token);
+  return true;
 }
 
 absl::Status AccessControl::Fail(const std::string& address) {

@@ -1,7 +1,9 @@
 // Who calls, what they may do, and the record of what they changed. Thread-safe.
 #pragma once
 
+#include <memory>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -32,6 +34,10 @@ class AccessControl {
   // Whether what the caller was known by still holds. UNAUTHENTICATED.
   absl::Status Recheck(const Caller& caller) const;
 
+  // Puts another token in the place of the administrator's, of which whoever is known by it is
+  // known no more. False if it is the same.
+  bool ReplaceAdminToken(const std::string& token);
+
   // Keeps an entry of the record of changes. One refused for want of a right is kept only so often
   // from one source, so that nobody can fill the record with them. What cannot be kept is logged.
   void Record(const storage::AuditRecord& record);
@@ -42,12 +48,14 @@ class AccessControl {
 
  private:
   absl::StatusOr<Caller> ByToken(const std::string& bearer, const std::string& address);
+  // Null if it is not the administrator's.
+  std::shared_ptr<const KnownToken> FindAdminToken(const std::string& bearer) const;
   absl::Status Fail(const std::string& address);
 
   storage::AccessStore& store_;
   const AccessOptions options_;
-  const std::string admin_salt_;
-  const std::string admin_hash_;
+  mutable std::shared_mutex admin_mutex_;
+  std::shared_ptr<KnownToken> admin_token_;  // null: there is none
   TokenBook tokens_;
   AttemptLimit failures_;
   AttemptLimit refusals_;

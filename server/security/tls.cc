@@ -2,9 +2,7 @@
 
 #include <grpcpp/security/tls_certificate_provider.h>
 #include <grpcpp/security/tls_credentials_options.h>
-#include <spdlog/spdlog.h>
 
-#include <chrono>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -15,9 +13,6 @@ namespace {
 using grpc::experimental::FileWatcherCertificateProvider;
 using grpc::experimental::TlsServerCredentialsOptions;
 
-// The files are small: read, rather than asked for their times, which a change within one tick of
-// the clock would leave as they were.
-constexpr std::chrono::seconds kPeriod{1};
 constexpr unsigned kGrpcPeriodSeconds = 1;
 
 }  // namespace
@@ -37,7 +32,8 @@ Tls::Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFi
       texts_(std::move(texts)),
       certificate_(std::move(certificate)),
       key_(std::move(key)),
-      client_ca_(std::move(client_ca)) {
+      client_ca_(std::move(client_ca)),
+      watch_("certificates", files.certificate, [this] { return TakeChange(); }) {
   const bool mutual = !files.client_ca.empty();
   TlsServerCredentialsOptions options(std::make_shared<FileWatcherCertificateProvider>(
       key_.path(), certificate_.path(), mutual ? client_ca_.path() : "", kGrpcPeriodSeconds));
@@ -46,48 +42,16 @@ Tls::Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFi
   options.set_cert_request_type(mutual ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
                                        : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
   credentials_ = grpc::experimental::TlsServerCredentials(options);
-  watcher_ = std::thread([this] { Watch(); });
 }
 
-Tls::~Tls() {
-  {
-    const std::lock_guard lock(mutex_);
-    stopping_ = true;
-  }
-  wake_.notify_all();
-  watcher_.join();
-}
-
-void Tls::Watch() {
-  std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, kPeriod, [this] { return stopping_; })) TakeChange();
-}
-
-void Tls::TakeChange() {
-  const auto texts = ReadTlsFiles(files_);
-  absl::Status status = texts.status();
-  if (texts.ok()) {
-    if (*texts == texts_) {
-      fault_.clear();
-      return;
-    }
-    status = Replace(*texts);
-  }
-  if (status.ok()) {
-    fault_.clear();
-    spdlog::info("tls: new certificates, from {}", files_.certificate);
-  } else if (fault_ != status.message()) {
-    fault_ = std::string(status.message());
-    spdlog::error("tls: the certificates before stay in force: {}", fault_);
-  }
-}
-
-absl::Status Tls::Replace(const TlsTexts& texts) {
+absl::StatusOr<bool> Tls::TakeChange() {
+  MOTIONDB_ASSIGN_OR_RETURN(const TlsTexts texts, ReadTlsFiles(files_));
+  if (texts == texts_) return false;
   MOTIONDB_RETURN_IF_ERROR(key_.Replace(texts.key));
   MOTIONDB_RETURN_IF_ERROR(certificate_.Replace(texts.certificate));
   MOTIONDB_RETURN_IF_ERROR(client_ca_.Replace(texts.client_ca));
   texts_ = texts;
-  return absl::OkStatus();
+  return true;
 }
 
 }  // namespace motiondb::server

@@ -9,12 +9,10 @@
 
 #include <grpcpp/security/server_credentials.h>
 
-#include <condition_variable>
 #include <memory>
-#include <mutex>
-#include <thread>
 
 #include "absl/status/statusor.h"
+#include "server/security/file_watch.h"
 #include "server/security/key_pair.h"
 #include "server/security/memory_file.h"
 
@@ -24,7 +22,6 @@ class Tls {
  public:
   // INVALID_ARGUMENT, naming the file that is wrong.
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files);
-  ~Tls();
 
   // A client certificate is required where `client_ca` was given. Connections made two seconds
   // after a change of the files see it, those that stand go on.
@@ -33,22 +30,15 @@ class Tls {
  private:
   Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
       MemoryFile client_ca);
-  void Watch();
-  void TakeChange();
-  absl::Status Replace(const TlsTexts& texts);
+  absl::StatusOr<bool> TakeChange();
 
   const TlsFiles files_;
-  TlsTexts texts_;     // in force
-  std::string fault_;  // of the files as they are now, already logged
+  TlsTexts texts_;  // in force
   MemoryFile certificate_;
   MemoryFile key_;
   MemoryFile client_ca_;
   std::shared_ptr<grpc::ServerCredentials> credentials_;
-
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stopping_ = false;
-  std::thread watcher_;
+  FileWatch watch_;  // last: it changes what is above
 };
 
 }  // namespace motiondb::server

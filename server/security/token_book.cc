@@ -10,11 +10,11 @@ constexpr int kIdBytes = 6;
 constexpr int kSaltBytes = 16;
 constexpr int kSecretBytes = 32;
 
-bool IsSecretOf(const storage::TokenRecord& record, std::string_view secret) {
-  return SameBytes(HashSecret(record.salt, secret), record.secret_hash);
-}
-
 }  // namespace
+
+bool KnownToken::HasSecret(std::string_view secret) const {
+  return SameBytes(HashSecret(record_.salt, secret), record_.secret_hash);
+}
 
 absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
   if (ended_.load(std::memory_order_relaxed)) {
@@ -63,7 +63,7 @@ std::shared_ptr<const KnownToken> TokenBook::FindInMemory(std::string_view text)
     if (found == known_.end()) return nullptr;
     known = found->second;
   }
-  return IsSecretOf(known->record(), token->secret) ? known : nullptr;
+  return known->HasSecret(token->secret) ? known : nullptr;
 }
 
 absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_view text) {
@@ -71,16 +71,16 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
   if (!token.has_value()) return nullptr;
   const std::string id(token->id);
   const std::lock_guard lock(mutex_);
-  auto found = known_.find(id);
+  const auto found = known_.find(id);
   if (found == known_.end()) {
     auto record = store_.GetToken(id);
     if (absl::IsNotFound(record.status())) return nullptr;
     if (!record.ok()) return record.status();
-    if (!IsSecretOf(*record, token->secret)) return nullptr;
-    found = known_.emplace(id, std::make_shared<KnownToken>(*std::move(record))).first;
+    auto stored = std::make_shared<KnownToken>(*std::move(record));
+    if (!stored->HasSecret(token->secret)) return nullptr;
+    return known_.emplace(id, std::move(stored)).first->second;
   }
-  if (!IsSecretOf(found->second->record(), token->secret)) return nullptr;
-  return found->second;
+  return found->second->HasSecret(token->secret) ? found->second : nullptr;
 }
 
 }  // namespace motiondb::server

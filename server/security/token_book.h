@@ -23,6 +23,7 @@ class KnownToken {
       : record_(std::move(record)), ended_(record_.revoke_time_us != 0) {}
 
   const storage::TokenRecord& record() const { return record_; }
+  bool HasSecret(std::string_view secret) const;
   void End() { ended_.store(true, std::memory_order_relaxed); }
   // UNAUTHENTICATED once it was revoked or its time is over.
   absl::Status CheckHolds(std::int64_t now_us) const;

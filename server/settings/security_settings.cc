@@ -63,7 +63,8 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
           "this machine can reach --listen, else who shows a token")
       ->group(kGroup);
   app.add_option("--admin-token-file", security.admin_token_file,
-                 "What it holds counts as an administrator's token; not to be readable by all")
+                 "What it holds counts as an administrator's token; not to be readable by all; read "
+                 "again when it changes")
       ->type_name("FILE")
       ->group(kGroup);
   AddWord(app, "--certificate-role", security.certificate_role, kRoles,

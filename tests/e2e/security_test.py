@@ -242,6 +242,22 @@ class SecurityTest(unittest.TestCase):
         self.ok("create", "swings", flags=flags)
         self.assertIn("tokens/admin-token-file", self.ok("audit", flags=flags))
 
+        # Another token in the file takes its place; a file that is gone or holds none changes nothing.
+        first, second = "a-secret-that-an-orchestrator-made", "another-that-it-made-a-month-later"
+        with open(path, "w") as file:
+            file.write(second)
+        self.wait_for_log("new administrator's token")
+        self.ok("list", token=second)
+        self.assertIn("not one of this server's", self.refused("list", token=first))
+        os.truncate(path, 0)
+        self.wait_for_log("at least 20 characters")
+        self.ok("list", token=second)
+        os.remove(path)
+        self.wait_for_log("No such file")
+        self.ok("list", token=second)
+        for secret in (first, second):
+            self.assertNotIn(secret, self.server.log())
+
     def test_failed_attempts_are_limited(self):
         self.make_store()
         self.start("--authentication", "token", "--failures-per-minute", "3")

@@ -1,15 +1,10 @@
 // What is logged of a call, and how loudly.
 #include "server/observability/call_log.h"
 
-#include <spdlog/sinks/ostream_sink.h>
-#include <spdlog/spdlog.h>
-
 #include <catch2/catch.hpp>
-#include <memory>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
-#include "server/observability/log_formatter.h"
+#include "tests/support/captured_log.h"
 
 namespace motiondb::tests {
 namespace {
@@ -17,25 +12,6 @@ namespace {
 using absl::StatusCode;
 using nlohmann::json;
 using server::CallKind;
-
-// Takes the place of the server's log while it lives.
-class CapturedLog {
- public:
-  explicit CapturedLog(spdlog::level::level_enum level) : former_(spdlog::default_logger()) {
-    auto logger = std::make_shared<spdlog::logger>(
-        "captured", std::make_shared<spdlog::sinks::ostream_sink_mt>(text_));
-    logger->set_formatter(server::MakeLogFormatter(server::LogFormat::kJson));
-    logger->set_level(level);
-    spdlog::set_default_logger(logger);
-  }
-  ~CapturedLog() { spdlog::set_default_logger(former_); }
-
-  std::string text() const { return text_.str(); }
-
- private:
-  std::ostringstream text_;
-  const std::shared_ptr<spdlog::logger> former_;
-};
 
 server::EndedCall SomeCall() {
   return {.method = "QueryService.Recognize",

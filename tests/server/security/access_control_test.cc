@@ -127,6 +127,24 @@ TEST_CASE("Access: the administrator's token of a file counts", "[security]") {
   CHECK(access.CodeOf(Bearer("correct horse battery stapl")) == absl::StatusCode::kUnauthenticated);
 }
 
+TEST_CASE("Access: another administrator's token ends the one before", "[security]") {
+  Access access({.authentication = true, .admin_token = "correct horse battery staple"});
+  const auto before = access.control.Authenticate(Bearer("correct horse battery staple"));
+  REQUIRE(before.ok());
+  CHECK(!access.control.ReplaceAdminToken("correct horse battery staple"));
+  CHECK(access.control.Recheck(*before).ok());
+
+  CHECK(access.control.ReplaceAdminToken("another horse, another staple"));
+  CHECK(absl::IsUnauthenticated(access.control.Recheck(*before)));
+  CHECK(access.CodeOf(Bearer("correct horse battery staple")) ==
+        absl::StatusCode::kUnauthenticated);
+  const auto after = access.control.Authenticate(Bearer("another horse, another staple"));
+  REQUIRE(after.ok());
+  CHECK(after->principal == before->principal);
+  CHECK(after->role == Role::kAdmin);
+  CHECK(access.control.Recheck(*after).ok());
+}
+
 TEST_CASE("Access: a certificate without a token has the role that is set, or none", "[security]") {
   const Evidence certificate{"", "robot-7", "10.0.0.1"};
   CHECK(Access().CodeOf(certificate) == absl::StatusCode::kUnauthenticated);

@@ -66,7 +66,7 @@ class RestoreReactor final : public grpc::ServerReadReactor<v1::RestoreStoreRequ
       return FieldViolation("block", "expected at most {} bytes, got {}", kBlockBytes,
                             message_.block().size());
     }
-    return restore_->Append(message_.block());
+    return AtField("block", restore_->Append(message_.block()));
   }
 
   absl::Status Restore() {
@@ -74,9 +74,10 @@ class RestoreReactor final : public grpc::ServerReadReactor<v1::RestoreStoreRequ
       MOTIONDB_RETURN_IF_ERROR(entry_.Check(message_));
       return FieldViolation("block", "expected the bytes of a backup, got none");
     }
-    MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount restored, engine_.Restore(*restore_));
-    response_.set_database_count(restored.database_count);
-    response_.set_clip_count(static_cast<std::int32_t>(restored.clip_count));
+    const auto restored = engine_.Restore(*restore_);
+    if (!restored.ok()) return AtField("block", restored.status());
+    response_.set_database_count(restored->database_count);
+    response_.set_clip_count(static_cast<std::int32_t>(restored->clip_count));
     return absl::OkStatus();
   }
 

@@ -20,7 +20,16 @@ namespace {
 constexpr char kIn[] = "the backup";
 
 absl::Status NoBackup() {
-  return core::DataLoss("this is not a backup of motiondb, or its beginning is damaged");
+  return core::InvalidArgument("this is not a backup of motiondb, or its beginning is damaged");
+}
+
+// What is damaged in a backup, or means nothing to SQLite (INTERNAL), is its sender's mistake: this
+// store has lost nothing.
+absl::Status OfBackup(const absl::Status& status) {
+  const absl::Status named = In(kIn, status);
+  return absl::IsDataLoss(named) || absl::IsInternal(named)
+             ? absl::InvalidArgumentError(named.message())
+             : named;
 }
 
 // The first damage in the whole store, if there is any.
@@ -86,11 +95,11 @@ absl::Status SqliteRestore::Write(std::string_view bytes) {
 absl::Status SqliteRestore::CheckSum() {
   if (!begun_) return NoBackup();
   if (!tail_.starts_with(kBackupMark) || tail_.size() != kBackupTrailerBytes) {
-    return core::DataLoss("the backup is cut off: the checksum that it ends with is missing");
+    return core::InvalidArgument("the backup is cut off: the checksum that it ends with is missing");
   }
   digest_.Update(kBackupMark);
   if (std::string_view(tail_).substr(kBackupMark.size()) != digest_.Finish()) {
-    return core::DataLoss("the backup is damaged: its checksum does not match");
+    return core::InvalidArgument("the backup is damaged: its checksum does not match");
   }
   return absl::OkStatus();
 }
@@ -101,8 +110,8 @@ absl::Status SqliteRestore::Finish() {
   if (const absl::Status store = CheckIsStore(file_.path()); !store.ok()) return NoBackup();
   // Migrates it, too.
   auto backup = OpenWriter(file_.path(), "");
-  if (!backup.ok()) return In(kIn, backup.status());
-  MOTIONDB_RETURN_IF_ERROR(In(kIn, CheckWhole(**backup)));
+  if (!backup.ok()) return OfBackup(backup.status());
+  MOTIONDB_RETURN_IF_ERROR(OfBackup(CheckWhole(**backup)));
   return take_over_(**backup);
 }
 

@@ -91,7 +91,8 @@ class Backup(WithServer):
         self.server.ask_one("backup", backup)
         with open(backup, "rb") as file:
             good = file.read()
-        other = Server(self.path("other.db"))
+        log = open(self.path("log"), "w+")
+        other = Server(self.path("other.db"), log=log)
         try:
             for damaged, expected in ((good[:-100], "cut off"), (good[:100], "cut off"),
                                       (b"not at all", "not a backup"),
@@ -103,8 +104,12 @@ class Backup(WithServer):
                 self.assertIn(expected, refused.stderr)
                 self.assertEqual(other.ask("list"), [])
             other.ask_one("restore", backup)
+            # It is no error of the server's.
+            log.seek(0)
+            self.assertEqual(log.read(), "")
         finally:
             other.stop()
+            log.close()
 
     def test_files_are_not_replaced(self):
         backup = self.path("copy.mdb")

@@ -193,7 +193,7 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
   REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));
   const std::string before = Dump(*target);
   const auto refused = [&](const std::string& damaged, const std::string& text) {
-    REQUIRE_ERROR(Restore(*target, damaged), StatusCode::kDataLoss, text);
+    REQUIRE_ERROR(Restore(*target, damaged), StatusCode::kInvalidArgument, text);
     REQUIRE(Dump(*target) == before);
     REQUIRE(Strangers(to).empty());
   };
@@ -244,6 +244,12 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     std::string inside = ReadFile(worn.path());
     inside.replace(static_cast<std::size_t>(page - 1) * 16384, 64, std::string(64, '\x7f'));
     refused(Sealed(inside), "the backup: ");
+  }
+  SECTION("one that lacks a table") {
+    const StoreFile worn;
+    { Fill(*worn.Open()); }
+    worn.Sql("DROP TABLE token");
+    refused(Sealed(ReadFile(worn.path())), "the backup: ");
   }
   REQUIRE_OK(Restore(*target, bytes));
 }

@@ -6,6 +6,7 @@
 #include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
+#include "client/cli/count_text.h"
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
@@ -61,10 +62,11 @@ std::string DatabaseText(const v1::Database& database) {
   table.AddRow({"frame rate", fmt::format("{:g} Hz", database.frame_rate_hz())});
   table.AddRow({"least frames in a node", std::to_string(database.min_frames())});
   table.AddRow({"scaling", LastWord(v1::Scaling_Name(database.scaling()))});
-  table.AddRow({"marker set", database.marker_names_size() == 0
-                                  ? database.marker_set()
-                                  : fmt::format("{}, {} markers", database.marker_set(),
-                                                database.marker_names_size())});
+  table.AddRow(
+      {"marker set", database.marker_names_size() == 0
+                         ? database.marker_set()
+                         : fmt::format("{}, {}", database.marker_set(),
+                                       CountText(database.marker_names_size(), "marker"))});
   return table.ToString();
 }
 
@@ -89,10 +91,10 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
-  std::string text = fmt::format("{}  {}  {} frames  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
-                                 ShortName(clip.name()), LabelWord(clip.label()),
-                                 clip.frame_count(), clip.duration_seconds(), clip.leg_length_m(),
-                                 clip.file_name(), clip.source_frame_rate_hz());
+  std::string text = fmt::format(
+      "{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n", ShortName(clip.name()),
+      LabelWord(clip.label()), CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
+      clip.leg_length_m(), clip.file_name(), clip.source_frame_rate_hz());
   // The report may have several lines; all are set in under their clip.
   std::string report = clip.source_report();
   while (!report.empty()) {
@@ -120,12 +122,13 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
   std::string text = table.ToString();
   if (description.added_clip_count() > 0) {
-    text += fmt::format("{} clips{}\n", description.clip_count(),
+    text += fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),
                         AddedSinceText(description.added_clip_count(), description.stale_share()));
   }
   if (description.stored_clip_count() != description.clip_count()) {
-    text += fmt::format("{} clips are stored; the model knows {} of them\n",
-                        description.stored_clip_count(), description.clip_count());
+    const int stored = description.stored_clip_count();
+    text += fmt::format("{} {} stored; the model knows {} of them\n", CountText(stored, "clip"),
+                        stored == 1 ? "is" : "are", description.clip_count());
   }
   if (description.nodes_per_layer_size() > 0) {
     Table layers({{"LAYER", Align::kRight}, {"NODES", Align::kRight}});

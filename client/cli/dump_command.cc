@@ -3,6 +3,7 @@
 #include <motiondb/v1/model.pb.h>
 
 #include "client/cli/command.h"
+#include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/model_dump.h"
 #include "client/cli/progress_bar.h"
@@ -44,9 +45,10 @@ absl::Status Run(const DumpOptions& options, const GlobalOptions& global) {
     *response.mutable_model() = *model;
     PrintJson(response);
   } else {
-    fmt::print("model {}: {} frames, {} dimensions, {} layers, written to {}\n", model->version(),
-               model->frame_count(), model->dimension_count(), model->nodes_per_layer_size(),
-               options.directory);
+    fmt::print("model {}: {}, {}, {}, written to {}\n", model->version(),
+               CountText(model->frame_count(), "frame"),
+               CountText(model->dimension_count(), "dimension"),
+               CountText(model->nodes_per_layer_size(), "layer"), options.directory);
   }
   return absl::OkStatus();
 }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "client/cli/count_text.h"
 #include "client/cli/table.h"
 
 namespace motiondb::client {
@@ -54,10 +55,10 @@ std::string EstimationText(const v1::EstimateResponse& response,
   for (const auto& path : response.paths()) {
     const double seconds =
         response.frame_rate_hz() > 0 ? path.node_ids_size() / response.frame_rate_hz() : 0;
-    text += fmt::format(
-        "path {}: {} frames, {:.2f} s at {:g} Hz, log probability {:.2f}, as node x "
-        "frames\n",
-        ++rank, path.node_ids_size(), seconds, response.frame_rate_hz(), path.log_probability());
+    text +=
+        fmt::format("path {}: {}, {:.2f} s at {:g} Hz, log probability {:.2f}, as node x frames\n",
+                    ++rank, CountText(path.node_ids_size(), "frame"), seconds,
+                    response.frame_rate_hz(), path.log_probability());
     text += RunsText(path);
   }
   if (rank == 0) text += "no path explains the observation\n";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <motiondb/v1/clip.pb.h>
 
+#include "client/cli/count_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/progress_bar.h"
@@ -42,7 +43,8 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
     }
     failures_.push_back(Failure(clip.path, response.status()));
     if (absl::IsUnavailable(response.status())) {
-      return absl::UnavailableError(fmt::format("stopped after {} of {} files", i, clips.size()));
+      return absl::UnavailableError(
+          fmt::format("stopped after {} of {}", i, CountText(clips.size(), "file")));
     }
   }
   return absl::OkStatus();
@@ -84,8 +86,8 @@ absl::Status IngestBatch::AwaitModel() {
   if (json_) return absl::OkStatus();
   const auto summary = ModelSummary(client_, *done);
   if (!summary.ok()) return summary.status();
-  fmt::print("ingested {} {}, {} frames; {}\n", stored_clips_,
-             stored_clips_ == 1 ? "clip" : "clips", stored_frames_, *summary);
+  fmt::print("ingested {}, {}; {}\n", CountText(stored_clips_, "clip"),
+             CountText(stored_frames_, "frame"), *summary);
   return absl::OkStatus();
 }
 

@@ -6,6 +6,7 @@
 
 #include "client/cli/clip_list.h"
 #include "client/cli/command.h"
+#include "client/cli/count_text.h"
 #include "client/cli/ingest_batch.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/resource_name.h"
@@ -85,8 +86,9 @@ absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
     fmt::print(stderr, "motiondb: {}\n", failure);
   }
   if (!status.ok() || batch.failures().empty()) return status;
-  return absl::InvalidArgumentError(
-      fmt::format("{} of {} files were not ingested", batch.failures().size(), clips->size()));
+  return absl::InvalidArgumentError(fmt::format("{} of {} {} not ingested", batch.failures().size(),
+                                                CountText(clips->size(), "file"),
+                                                batch.failures().size() == 1 ? "was" : "were"));
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#include "client/cli/count_text.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -70,8 +72,8 @@ absl::Status NpyWriter::Finish() {
   file_.flush();
   if (!file_) return absl::UnknownError(fmt::format("{}: cannot be written", path_.string()));
   if (missing_bytes_ != 0) {
-    return absl::DataLossError(fmt::format("{}: the server sent {} bytes too {}", path_.string(),
-                                           std::abs(missing_bytes_),
+    return absl::DataLossError(fmt::format("{}: the server sent {} too {}", path_.string(),
+                                           CountText(std::abs(missing_bytes_), "byte"),
                                            missing_bytes_ > 0 ? "few" : "many"));
   }
   std::error_code error;

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "client/cli/count_text.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -51,15 +53,15 @@ std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& 
   std::vector<double> sorted = figures.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
   std::string text = fmt::format(
-      "{} frames in {:.2f} s, {:.0f} a second; model {}\n", figures.frames, figures.seconds,
-      figures.frames / std::max(figures.seconds, 1e-9), last.model_version());
+      "{} in {:.2f} s, {:.0f} a second; model {}\n", CountText(figures.frames, "frame"),
+      figures.seconds, figures.frames / std::max(figures.seconds, 1e-9), last.model_version());
   if (paced && !sorted.empty()) {
-    text +=
-        fmt::format("{} answers after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
-                    sorted.size(), Quantile(sorted, 0.5), Quantile(sorted, 0.99), sorted.back());
+    text += fmt::format("{} after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
+                        CountText(sorted.size(), "answer"), Quantile(sorted, 0.5),
+                        Quantile(sorted, 0.99), sorted.back());
   }
   if (last.late_frames() + last.missing_frames() > 0) {
-    text += fmt::format("{} frames came late, {} never came\n", last.late_frames(),
+    text += fmt::format("{} came late, {} never came\n", CountText(last.late_frames(), "frame"),
                         last.missing_frames());
   }
   return text;

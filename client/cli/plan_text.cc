@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "client/cli/count_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
 
@@ -94,12 +95,11 @@ std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
 std::string EffortText(const v1::PlanResponse& response) {
   const v1::SearchEffort& effort = response.effort();
   return fmt::format(
-      "searched {} states in {:.3f} s, {} improvement{}{}; {:.3f} s with the motion made; for a "
-      "leg "
-      "of {:.3f} m\n",
-      effort.expansions(), effort.search_seconds(), effort.improvements(),
-      effort.improvements() == 1 ? "" : "s", effort.complete() ? ", nothing left to search" : "",
-      effort.total_seconds(), response.leg_length_m());
+      "searched {} in {:.3f} s, {}{}; {:.3f} s with the motion made; for a leg of {:.3f} m\n",
+      CountText(effort.expansions(), "state"), effort.search_seconds(),
+      CountText(effort.improvements(), "improvement"),
+      effort.complete() ? ", nothing left to search" : "", effort.total_seconds(),
+      response.leg_length_m());
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <motiondb/v1/model.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
+#include "client/cli/count_text.h"
 #include "client/cli/progress_bar.h"
 
 namespace motiondb::client {
@@ -36,10 +37,11 @@ absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operati
   const auto response = client.GetModel(request);
   if (!response.ok()) return response.status();
   const v1::Model& model = response->model();
-  return fmt::format("model {}: {} {}{}, {} frames, {} layers, built in {:.2f} s", model.version(),
-                     model.clip_count(), model.clip_count() == 1 ? "clip" : "clips",
+  return fmt::format("model {}: {}{}, {}, {}, built in {:.2f} s", model.version(),
+                     CountText(model.clip_count(), "clip"),
                      AddedSinceText(model.added_clip_count(), model.stale_share()),
-                     model.frame_count(), model.nodes_per_layer_size(), model.build_seconds());
+                     CountText(model.frame_count(), "frame"),
+                     CountText(model.nodes_per_layer_size(), "layer"), model.build_seconds());
 }
 
 }  // namespace motiondb::client

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "client/cli/count_text.h"
 #include "client/cli/picture.h"
 #include "client/cli/recognition_plot_labels.h"
 #include "client/cli/recognition_plot_panel.h"
@@ -39,10 +40,6 @@ PanelAxes AxesOf(const std::vector<LayerProfile>& layers, const std::vector<Plot
   return axes;
 }
 
-std::string Plural(std::size_t count, const char* noun) {
-  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
-}
-
 std::string WindowsText(const LayerProfile& layer) {
   if (layer.windows.empty()) return "no windows";
   if (layer.windows.size() == 1) return fmt::format("one window of {:.3g} s", layer.window_seconds);
@@ -56,11 +53,11 @@ std::vector<std::string> HeadingLines(const v1::RecognizeRequest& request,
                                       const LayerProfile& layer, std::size_t label_count) {
   std::string what =
       fmt::format("{}; {} of {}; by the tree and its graphs alone", WindowsText(layer),
-                  Plural(layer.clips.size(), "stored clip"), Plural(label_count, "label"));
+                  CountText(layer.clips.size(), "stored clip"), CountText(label_count, "label"));
   if (request.generation() == v1::GENERATION_TOP_PATHS) {
     constexpr int kDefaultPaths = 5;  // the contract's
     const int paths = request.path_count() > 0 ? request.path_count() : kDefaultPaths;
-    what += fmt::format(", best {}", Plural(static_cast<std::size_t>(paths), "path"));
+    what += fmt::format(", best {}", CountText(paths, "path"));
   }
   return {what,
           "Natural logarithm, nearly linear to -10. Thick lines: clips that are the best of a "
@@ -79,7 +76,7 @@ std::vector<LegendEntry> LegendOf(const std::vector<PlotLabel>& labels) {
   for (std::size_t i = 0; i < std::min(labels.size(), kMostEntries); ++i) {
     const std::string style = "sample " + LabelLineStyle(static_cast<int>(i));
     entries.push_back({fmt::format("{}: {}", FittingText(labels[i].name, kNameWidth),
-                                   Plural(static_cast<std::size_t>(labels[i].clip_count), "clip")),
+                                   CountText(labels[i].clip_count, "clip")),
                        [style](double x, double y) { return SvgLine(style, x, y, x + 20, y); }});
   }
   if (labels.size() > kMostEntries) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "client/cli/count_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
@@ -39,8 +40,8 @@ std::string Summary(const v1::RecognizeResponse& response) {
   const int total = response.windows_size();
   std::string text;
   for (const auto& [label, count] : ranked) {
-    text += fmt::format("{}{} {:.0f} % ({} of {} windows)", text.empty() ? "" : ", ", label,
-                        100.0 * count / total, count, total);
+    text += fmt::format("{}{} {:.0f} % ({} of {})", text.empty() ? "" : ", ", label,
+                        100.0 * count / total, count, CountText(total, "window"));
   }
   return text.empty() ? "nothing recognized" : text;
 }

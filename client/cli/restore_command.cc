@@ -3,6 +3,7 @@
 #include <motiondb/v1/store.pb.h>
 
 #include "client/cli/command.h"
+#include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/progress_bar.h"
 
@@ -29,8 +30,8 @@ absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("restored {} databases, {} clips\n", response->database_count(),
-               response->clip_count());
+    fmt::print("restored {}, {}\n", CountText(response->database_count(), "database"),
+               CountText(response->clip_count(), "clip"));
   }
   return absl::OkStatus();
 }

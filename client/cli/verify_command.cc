@@ -3,6 +3,7 @@
 #include <motiondb/v1/store.pb.h>
 
 #include "client/cli/command.h"
+#include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/progress_bar.h"
 
@@ -40,13 +41,15 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
   bar.Clear();
   if (!summary.ok()) return summary.status();
   if (!global.json) {
-    fmt::print("verified {} databases, {} clips, {} models, {} skeletons, {:.1f} MB\n",
-               summary->database_count(), summary->clip_count(), summary->model_count(),
-               summary->skeleton_count(), static_cast<double>(summary->byte_count()) / 1e6);
+    fmt::print("verified {}, {}, {}, {}, {:.1f} MB\n",
+               CountText(summary->database_count(), "database"),
+               CountText(summary->clip_count(), "clip"), CountText(summary->model_count(), "model"),
+               CountText(summary->skeleton_count(), "skeleton"),
+               static_cast<double>(summary->byte_count()) / 1e6);
   }
   if (summary->damage_count() == 0) return absl::OkStatus();
-  return absl::DataLossError(fmt::format("{} finding{} of damage", summary->damage_count(),
-                                         summary->damage_count() == 1 ? "" : "s"));
+  return absl::DataLossError(
+      fmt::format("{} of damage", CountText(summary->damage_count(), "finding")));
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ TEST_CASE("ReplayText: rates, and how long answers took where messages had a pac
   last.set_late_frames(1);
   last.set_missing_frames(2);
   CHECK_THAT(ReplayText(figures, last, false),
-             Catch::EndsWith("1 frames came late, 2 never came\n"));
+             Catch::EndsWith("1 frame came late, 2 never came\n"));
 }
 
 }  // namespace motiondb::tests

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "client/cli/count_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/estimation_text.h"
 #include "client/cli/json_output.h"
@@ -38,6 +39,12 @@ TEST_CASE("ResourceName: short and full names mean the same", "[client][cli]") {
   CHECK(OperationName("17") == "operations/17");
   CHECK(ShortName("databases/walks/clips/07_01") == "07_01");
   CHECK(ShortName("07_01") == "07_01");
+}
+
+TEST_CASE("CountText: one has no s", "[client][cli]") {
+  CHECK(CountText(0, "clip") == "0 clips");
+  CHECK(CountText(1, "clip") == "1 clip");
+  CHECK(CountText(2, "clip") == "2 clips");
 }
 
 TEST_CASE("RecognitionText: a line for each window, then the share of each label",

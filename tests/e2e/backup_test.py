@@ -46,7 +46,9 @@ class Backup(WithServer):
             self.assertEqual(other.ask_one("restore", backup),
                              {"database_count": 1, "clip_count": 6})
             self.assertEqual(self.answers(other), self.answers(self.server))
-            self.assertEqual(other.run("verify").returncode, 0)
+            verified = other.run("verify")
+            self.assertEqual(verified.returncode, 0)
+            self.assertIn("verified 1 database, 6 clips, 1 model, 1 skeleton, ", verified.stdout)
             # The model was read, and not built again: its version is the same. It goes on from there.
             version = other.ask_one("describe", "d")["model_version"]
             self.ingest(other, 50)

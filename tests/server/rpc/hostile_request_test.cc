@@ -113,8 +113,8 @@ std::string Chain(int joints, const char* type) {
   return text + "</robot>";
 }
 
-// A root with hips and `others` more joints beside them.
-std::string Crowd(int others) {
+// A root with hips and `others` more joints beside them, for a while.
+std::string Crowd(int others, int frames = 4) {
   std::string text =
       "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition "
       "Zposition\n";
@@ -127,8 +127,8 @@ std::string Crowd(int others) {
   joint("LeftUpLeg", 10);
   joint("RightUpLeg", -10);
   for (int i = 0; i < others; ++i) joint(fmt::format("j{}", i), i);
-  text += "}\nMOTION\nFrames: 4\nFrame Time: 0.0166667\n";
-  for (int t = 0; t < 4; ++t) text += "0 0 0\n";
+  text += fmt::format("}}\nMOTION\nFrames: {}\nFrame Time: 0.0166667\n", frames);
+  for (int t = 0; t < frames; ++t) text += "0 0 0\n";
   return text;
 }
 
@@ -255,6 +255,31 @@ TEST_CASE("Hostile request: a set as large as a crowd is refused, in a file and 
   header.set_parent("databases/db");
   header.set_file_name("crowd.bvh");
   CheckRefused(server.Ingest(header, Crowd(300)), "file_block");
+}
+
+TEST_CASE("Hostile request: a long crowd is refused before its joints are placed",
+          "[server][rpc][hostile]") {
+  Victim victim;
+  const std::string crowd = Crowd(2700, kMostFrames);  // either of the two would do
+  const auto check = [](const grpc::Status& status, const std::string& field) {
+    CheckRefused(status, field);
+    CHECK_THAT(status.error_message(), Contains("100000 frames of 2703 joints"));
+  };
+  v1::RecognizeRequest recognize;
+  recognize.set_database("databases/db");
+  recognize.mutable_observation()->mutable_file()->set_file_name("crowd.bvh");
+  recognize.mutable_observation()->mutable_file()->set_data(crowd);
+  check(Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status,
+        "observation.file");
+  v1::RepresentRequest represent;
+  represent.set_database("databases/db");
+  *represent.mutable_observation() = recognize.observation();
+  const auto stub = victim.server().NewStub<v1::ObserveService>();
+  check(Ask(*stub, &v1::ObserveService::Stub::Represent, represent).status, "observation.file");
+  v1::IngestClipHeader header;
+  header.set_parent("databases/db");
+  header.set_file_name("crowd.bvh");
+  check(victim.server().Ingest(header, crowd), "file_block");
 }
 
 TEST_CASE("Hostile request: work that nobody waits for any more ends", "[server][rpc][hostile]") {

@@ -1,0 +1,38 @@
+#include "server/translate/query_message.h"
+
+#include <catch2/catch.hpp>
+
+#include "motiondb/v1/query.pb.h"
+#include "server/translate/field_violation.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::server {
+namespace {
+
+TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refused",
+          "[server][translate][hostile]") {
+  const core::Model model = tests::SmallModel(2, 40, 3, 4, 1);
+  core::RecognizedWindow window;
+  window.clips.resize(1023);
+  window.labels.resize(1);
+  std::vector<core::RecognizedWindow> windows(1024, window);  // 2^20: as many as fit
+  windows.emplace_back().labels.resize(1);
+
+  v1::RecognizeResponse response;
+  const absl::Status refused = SetRecognition(windows, "d", model, 0, response);
+  CHECK(refused.code() == absl::StatusCode::kInvalidArgument);
+  CHECK(refused.GetPayload(kBadRequestUrl).has_value());
+  CHECK_THAT(std::string(refused.message()),
+             Catch::StartsWith("top_count: the answer would have 1048577 clips and labels in 1025 "
+                               "windows, at most 1048576 fit"));
+  CHECK(response.windows().empty());
+  CHECK(SetRecognition(windows, "d", model, 1023, response).code() == refused.code());
+
+  // Fewer are answered.
+  REQUIRE(SetRecognition(windows, "d", model, 2, response).ok());
+  CHECK(response.windows_size() == 1025);
+  CHECK(response.windows(0).clips_size() == 2);
+}
+
+}  // namespace
+}  // namespace motiondb::server

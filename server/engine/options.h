@@ -26,7 +26,7 @@ struct EngineOptions {
   // when it has drifted; others are simply built again.
   std::chrono::duration<double> extend_from{0.5};
   std::size_t max_file_bytes = std::size_t{64} << 20;  // of a motion file with its skeleton
-  int max_frames = 1'000'000;  // of a clip or an observation, at the database's frame rate
+  int max_frames = 1'000'000;  // of a clip or observation: at its own rate, and at the database's
   std::size_t max_databases = 1000;
   DatabaseQuota quota;
 };

@@ -33,7 +33,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes, "Largest request taken")
       ->group("Limits");
   AddCount(app, "--max-frames", engine.max_frames, 2, 100'000'000,
-           "Longest clip or observation, in frames at the database's frame rate");
+           "Longest clip or observation, in frames: at its own frame rate, and at the database's");
   AddCount(app, "--max-databases", engine.max_databases, 1, 1'000'000, "Most databases");
   AddCount(app, "--max-database-clips", engine.quota.clip_count, 1, 100'000'000,
            "Most clips in one database");

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/rpc/call_weight.h"
+#include "server/security/role_table.h"
 
 namespace motiondb::server {
 

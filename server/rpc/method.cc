@@ -11,7 +11,7 @@ Method FindMethod(const google::protobuf::Descriptor& request_type) {
     return {.name = name,
             .rule = &rule,
             .streaming = method->client_streaming() || method->server_streaming(),
-            .weight = WeightOf(name)};
+            .weight = rule.weight};
   }
   return {.name = request_type.name()};
 }

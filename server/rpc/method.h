@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "server/rpc/call_weight.h"
 #include "server/security/role_table.h"
 
 namespace motiondb::server {

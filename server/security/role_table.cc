@@ -6,6 +6,7 @@ namespace motiondb::server {
 namespace {
 
 using enum storage::Role;
+using enum CallWeight;
 using enum Scope;
 
 constexpr bool kReads = false;
@@ -13,49 +14,50 @@ constexpr bool kChanges = true;
 constexpr bool kCopiesAll = true;
 
 constexpr CallRule kRules[] = {
-    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kServer, "database_id", "databases/"},
-    {"DatabaseService.GetDatabase", kReader, kReads, kDatabase, "name"},
-    {"DatabaseService.ListDatabases", kReader, kReads, kList, ""},
-    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kDatabase, "name"},
-    {"DatabaseService.DescribeDatabase", kReader, kReads, kDatabase, "name"},
+    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kLight, kServer, "database_id",
+     "databases/"},
+    {"DatabaseService.GetDatabase", kReader, kReads, kLight, kDatabase, "name"},
+    {"DatabaseService.ListDatabases", kReader, kReads, kLight, kList, ""},
+    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kLight, kDatabase, "name"},
+    {"DatabaseService.DescribeDatabase", kReader, kReads, kLight, kDatabase, "name"},
 
-    {"ClipService.IngestClip", kIngester, kChanges, kDatabase, "header.parent"},
-    {"ClipService.GetClip", kReader, kReads, kDatabase, "name"},
-    {"ClipService.ListClips", kReader, kReads, kDatabase, "parent"},
-    {"ClipService.DeleteClip", kIngester, kChanges, kDatabase, "name"},
-    {"ClipService.ExportClip", kReader, kReads, kDatabase, "name"},
-    {"ClipService.GetSkeleton", kReader, kReads, kDatabase, "name"},
-    {"ClipService.ListSkeletons", kReader, kReads, kDatabase, "parent"},
+    {"ClipService.IngestClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
+    {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
+    {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},
+    {"ClipService.DeleteClip", kIngester, kChanges, kLight, kDatabase, "name"},
+    {"ClipService.ExportClip", kReader, kReads, kLight, kDatabase, "name"},
+    {"ClipService.GetSkeleton", kReader, kReads, kLight, kDatabase, "name"},
+    {"ClipService.ListSkeletons", kReader, kReads, kLight, kDatabase, "parent"},
 
-    {"ModelService.GetModel", kReader, kReads, kDatabase, "name"},
-    {"ModelService.ListModels", kReader, kReads, kDatabase, "parent"},
-    {"ModelService.ListNodes", kReader, kReads, kDatabase, "parent"},
-    {"ModelService.ListTransitions", kReader, kReads, kDatabase, "parent"},
-    {"ModelService.ReadStates", kReader, kReads, kDatabase, "name"},
+    {"ModelService.GetModel", kReader, kReads, kLight, kDatabase, "name"},
+    {"ModelService.ListModels", kReader, kReads, kLight, kDatabase, "parent"},
+    {"ModelService.ListNodes", kReader, kReads, kLight, kDatabase, "parent"},
+    {"ModelService.ListTransitions", kReader, kReads, kLight, kDatabase, "parent"},
+    {"ModelService.ReadStates", kReader, kReads, kLight, kDatabase, "name"},
 
-    {"QueryService.Recognize", kReader, kReads, kDatabase, "database"},
-    {"QueryService.Estimate", kReader, kReads, kDatabase, "database"},
-    {"QueryService.Predict", kReader, kReads, kDatabase, "database"},
-    {"QueryService.PredictSeries", kReader, kReads, kDatabase, "prediction.database"},
-    {"QueryService.Plan", kReader, kReads, kDatabase, "database"},
+    {"QueryService.Recognize", kReader, kReads, kLight, kDatabase, "database"},
+    {"QueryService.Estimate", kReader, kReads, kLight, kDatabase, "database"},
+    {"QueryService.Predict", kReader, kReads, kLight, kDatabase, "database"},
+    {"QueryService.PredictSeries", kReader, kReads, kHeavy, kDatabase, "prediction.database"},
+    {"QueryService.Plan", kReader, kReads, kHeavy, kDatabase, "database"},
 
-    {"ObserveService.Observe", kReader, kReads, kDatabase, "start.database"},
-    {"ObserveService.Represent", kReader, kReads, kDatabase, "database"},
+    {"ObserveService.Observe", kReader, kReads, kStream, kDatabase, "start.database"},
+    {"ObserveService.Represent", kReader, kReads, kLight, kDatabase, "database"},
 
-    {"OperationService.GetOperation", kReader, kReads, kOperation, "name"},
-    {"OperationService.ListOperations", kReader, kReads, kList, "database"},
-    {"OperationService.WaitOperation", kReader, kReads, kOperation, "name"},
-    {"OperationService.CancelOperation", kIngester, kChanges, kOperation, "name"},
+    {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
+    {"OperationService.ListOperations", kReader, kReads, kLight, kList, "database"},
+    {"OperationService.WaitOperation", kReader, kReads, kLight, kOperation, "name"},
+    {"OperationService.CancelOperation", kIngester, kChanges, kLight, kOperation, "name"},
 
-    {"AccessService.CreateToken", kAdmin, kChanges, kServer, "database"},
-    {"AccessService.ListTokens", kAdmin, kReads, kServer, ""},
-    {"AccessService.RevokeToken", kAdmin, kChanges, kServer, "name"},
-    {"AccessService.ListAuditEntries", kAdmin, kReads, kServer, ""},
+    {"AccessService.CreateToken", kAdmin, kChanges, kLight, kServer, "database"},
+    {"AccessService.ListTokens", kAdmin, kReads, kLight, kServer, ""},
+    {"AccessService.RevokeToken", kAdmin, kChanges, kLight, kServer, "name"},
+    {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
-    {"StoreService.GetServerStatus", kReader, kReads, kServer, ""},
-    {"StoreService.VerifyStore", kAdmin, kReads, kServer, ""},
-    {"StoreService.BackupStore", kAdmin, kCopiesAll, kServer, ""},
-    {"StoreService.RestoreStore", kAdmin, kChanges, kServer, ""},
+    {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
+    {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, ""},
+    {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, ""},
+    {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, ""},
 };
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Who may make which call: one table, a row for every call of the contract. A test walks it against
-// the service definitions, so that none is left out and no row outlives its call. Safe to use from
-// any thread.
+// Who may make which call, and what it is to the server: one table, a row for every call of the
+// contract. A test walks it against the service definitions, so that none is left out and no row
+// outlives its call. Safe to use from any thread.
 #pragma once
 
 #include <span>
@@ -9,6 +9,13 @@
 #include "storage/access_store.h"
 
 namespace motiondb::server {
+
+// What a call asks of the server.
+enum class CallWeight {
+  kLight,   // milliseconds
+  kHeavy,   // much processor time, memory or disk: goes through a lane of its own
+  kStream,  // as long as the client likes, a little at a time
+};
 
 // What a call touches, for callers who may touch one database alone.
 enum class Scope {
@@ -22,6 +29,7 @@ struct CallRule {
   std::string_view method;  // "DatabaseService.GetDatabase", of motiondb.v1
   storage::Role least_role;
   bool recorded;  // in the record of changes: it changes something, or copies all there is
+  CallWeight weight;
   Scope scope;
   std::string_view field;  // path in the request, or in the first of a stream: what it is about
   std::string_view collection = {};  // what the field's value is an id in, where it is no full name

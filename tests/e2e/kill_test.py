@@ -3,9 +3,9 @@
 
     kill_test.py MOTIONDBD MOTIONDB DATA_FOLDER [--kills N] [--seed S]
 
-Ingest, deletion, rebuilds and queries go on while SIGKILL comes, N times (10 if not told). After each, a new server on the
-same store must verify it and have every clip whose ingest was acknowledged, no clip whose deletion was, and none that
-nobody sent.
+Ingest, deletion of clips and of databases, rebuilds and queries go on while SIGKILL comes, N times (10 if not told). After
+each, a new server on the same store must verify it and have all whose making was acknowledged, nothing whose deletion was,
+and nothing that nobody made.
 """
 
 import json
@@ -20,6 +20,9 @@ import time
 from figure import write_bvh
 from programs import Server
 
+# Who deletes waits for the model without the clip: models are built at once.
+OPTIONS = ["--rebuild-delay", "0"]
+
 
 def ask(server, *arguments):
     """Asks a server that should be well, again where the machine is so busy that it is not reached in time."""
@@ -32,53 +35,101 @@ def ask(server, *arguments):
     return result
 
 
+class Things:
+    """Clips of a database, or databases: which are to be there, and which not."""
+
+    def __init__(self):
+        self.lock = threading.Lock()
+        self.tried = 0
+        self.stored = set()    # acknowledged, and no deletion was begun
+        self.doubtful = set()  # begun to be deleted, and not acknowledged
+        self.deleted = set()   # its deletion was acknowledged
+        self.made = 0          # acknowledgements
+        self.cut_off = [0, 0]  # deletions that a kill cut off: that came to nothing, and that were done
+
+    def new(self, count):
+        """Names that nobody has."""
+        with self.lock:
+            self.tried += count
+            return [f"c{number}" for number in range(self.tried - count, self.tried)]
+
+    def keep(self, name):
+        with self.lock:
+            self.stored.add(name)
+            self.made += 1
+
+    def begin_deletion(self, choice):
+        """One that is there, from now on perhaps; None if there are few."""
+        with self.lock:
+            if len(self.stored) < 3:
+                return None
+            name = choice(sorted(self.stored))
+            self.stored.remove(name)
+            self.doubtful.add(name)
+            return name
+
+    def end_deletion(self, name):
+        with self.lock:
+            self.doubtful.remove(name)
+            self.deleted.add(name)
+
+    def check(self, there):
+        """Takes what is `there` after a kill for the truth, if it can be that."""
+        assert self.stored <= there, f"lost: {sorted(self.stored - there)}"
+        assert not self.deleted & there, f"came back: {sorted(self.deleted & there)}"
+        strangers = there - {f"c{number}" for number in range(self.tried)}
+        assert not strangers, f"nobody made: {sorted(strangers)}"
+        for name in self.doubtful:
+            self.cut_off[name not in there] += 1
+        self.deleted |= self.doubtful - there
+        self.doubtful = set()
+        self.stored = set(there)
+
+    def __str__(self):
+        return (f"{self.made} made, {len(self.deleted) - self.cut_off[1]} deleted (of those cut off "
+                f"{self.cut_off[1]} were done, {self.cut_off[0]} not)")
+
+
 class Load:
     """What clients do to one server until it is gone, and what it acknowledged."""
 
     def __init__(self, folder):
         self.folder = folder
-        self.lock = threading.Lock()
-        self.next_clip = 0
-        self.sent = set()       # every clip that anybody tried to ingest
-        self.stored = set()     # acknowledged, and no deletion of it was begun
-        self.deleted = set()    # its deletion was acknowledged
-        self.acknowledged = {"ingest": 0, "delete": 0, "query": 0}
+        self.clips = Things()
+        self.databases = Things()
+        self.queries = 0
         write_bvh(f"{folder}/query.bvh", seed=4, frames=40)
 
     def ingest(self, server):
-        with self.lock:
-            numbers = range(self.next_clip, self.next_clip + 3)
-            self.next_clip += len(numbers)
-            clips = [f"c{number}" for number in numbers]
-            self.sent.update(clips)
+        clips = self.clips.new(3)
         paths = [f"{self.folder}/{clip}.bvh" for clip in clips]
-        for path, number in zip(paths, numbers):
-            write_bvh(path, number)
+        for path, clip in zip(paths, clips):
+            write_bvh(path, int(clip[1:]))
         # Each clip is printed as it is acknowledged.
         printed = server.run("--json", "ingest", "d", *paths).stdout
-        with self.lock:
-            for clip in clips:
-                if f"/clips/{clip}\"" in printed:
-                    self.stored.add(clip)
-                    self.acknowledged["ingest"] += 1
+        for clip in clips:
+            if f"/clips/{clip}\"" in printed:
+                self.clips.keep(clip)
         for path in paths:
             os.remove(path)
 
-    def delete(self, server, choice):
-        with self.lock:
-            if len(self.stored) < 4:
-                return
-            clip = choice(sorted(self.stored))
-            self.stored.remove(clip)  # from now on it may be there or not
-        if server.run("delete", "d", clip).returncode == 0:
-            with self.lock:
-                self.deleted.add(clip)
-                self.acknowledged["delete"] += 1
+    def create(self, server):
+        """A database with the clips of a query."""
+        [name] = self.databases.new(1)
+        if server.run("create", name, "--marker-set", "source", "--min-frames", "4").returncode == 0:
+            self.databases.keep(name)
+            server.run("ingest", name, f"{self.folder}/query.bvh")
+
+    def delete(self, server, things, choice, *where):
+        name = things.begin_deletion(choice)
+        if name is None:
+            time.sleep(0.01)
+        elif server.run("delete", "--yes", *where, name).returncode == 0:
+            things.end_deletion(name)
 
     def query(self, server):
         if server.run("recognize", "d", f"{self.folder}/query.bvh").returncode == 0:
-            with self.lock:
-                self.acknowledged["query"] += 1
+            self.queries += 1
 
     def run(self, server, seed, gone):
         """Threads that press on until `gone` is set."""
@@ -86,20 +137,22 @@ class Load:
             while not gone.is_set():
                 what()
         choice = random.Random(seed).choice
-        whats = [lambda: self.ingest(server), lambda: self.ingest(server),
-                 lambda: self.delete(server, choice), lambda: self.query(server)]
+        whats = [lambda: self.ingest(server), lambda: self.ingest(server), lambda: self.create(server),
+                 lambda: self.delete(server, self.clips, choice, "d"),
+                 lambda: self.delete(server, self.clips, choice, "d"),
+                 lambda: self.delete(server, self.databases, choice), lambda: self.query(server)]
         threads = [threading.Thread(target=loop, args=(what,)) for what in whats]
         for thread in threads:
             thread.start()
         return threads
 
     def check(self, server):
+        def names(*where):
+            listed = ask(server, "--json", "list", *where).stdout.splitlines()
+            return {json.loads(line)["name"].rsplit("/", 1)[-1] for line in listed}
         ask(server, "verify")
-        listed = ask(server, "--json", "list", "d").stdout.splitlines()
-        there = {json.loads(line)["name"].rsplit("/", 1)[-1] for line in listed}
-        assert self.stored <= there, f"lost: {sorted(self.stored - there)}"
-        assert not self.deleted & there, f"came back: {sorted(self.deleted & there)}"
-        assert there <= self.sent, f"nobody sent: {sorted(there - self.sent)}"
+        self.clips.check(names("d"))
+        self.databases.check(names() - {"d"})
 
 
 def argument(name, default):
@@ -114,7 +167,7 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         store = f"{folder}/motion.db"
         load = Load(folder)
-        server = Server(store)
+        server = Server(store, *OPTIONS)
         server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
         for kill in range(kills):
             gone = threading.Event()
@@ -124,7 +177,7 @@ def main():
             server.stop(signal.SIGKILL)
             for thread in threads:
                 thread.join()
-            server = Server(store)
+            server = Server(store, *OPTIONS)
             try:
                 load.check(server)
             except AssertionError as error:
@@ -132,9 +185,8 @@ def main():
             left = [name for name in os.listdir(folder) if "-backup-" in name or "-restore-" in name]
             assert not left, left
         assert server.stop() == 0
-    print(f"{kills} kills in {time.monotonic() - began:.0f} s; acknowledged before them: "
-          f"{load.acknowledged['ingest']} ingests, {load.acknowledged['delete']} deletions, "
-          f"{load.acknowledged['query']} queries; nothing lost, nothing damaged")
+    print(f"{kills} kills in {time.monotonic() - began:.0f} s; clips: {load.clips}; databases: "
+          f"{load.databases}; {load.queries} queries; nothing lost, nothing damaged")
 
 
 main()

@@ -10,7 +10,9 @@ using server::CallRule;
 using server::Scope;
 using storage::Role;
 
-CallRule Rule(Role least_role, Scope scope) { return {"S.M", least_role, false, scope, "name"}; }
+CallRule Rule(Role least_role, Scope scope) {
+  return {"S.M", least_role, false, server::CallWeight::kLight, scope, "name"};
+}
 
 TEST_CASE("Authorize: each role may do what those before it may", "[security]") {
   for (const Role has : {Role::kReader, Role::kIngester, Role::kAdmin}) {

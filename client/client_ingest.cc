@@ -10,9 +10,6 @@
 namespace motiondb::client {
 namespace {
 
-// The largest block that the contract allows.
-constexpr size_t kBlockBytes = size_t{1} << 20;
-
 BlockReader BlocksOf(std::string_view bytes) {
   return [bytes](std::string& block) mutable {
     block.assign(bytes.substr(0, kBlockBytes));

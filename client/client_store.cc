@@ -9,9 +9,6 @@
 namespace motiondb::client {
 namespace {
 
-// The largest block that the contract allows.
-constexpr size_t kBlockBytes = size_t{1} << 20;
-
 double Share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 }  // namespace

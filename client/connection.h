@@ -14,12 +14,16 @@
 #include <motiondb/v1/query.grpc.pb.h>
 #include <motiondb/v1/store.grpc.pb.h>
 
+#include <cstddef>
 #include <functional>
 #include <memory>
 #include <string>
 #include <utility>
 
 namespace motiondb::client {
+
+// The largest block of a file that the contract allows.
+inline constexpr size_t kBlockBytes = size_t{1} << 20;
 
 // Puts the next block of a file into `block`; nothing at the end.
 using BlockReader = std::function<absl::Status(std::string& block)>;

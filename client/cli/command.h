@@ -31,9 +31,10 @@ struct CommandLine {
 };
 
 // Adds a command whose `Options` its `declare` binds to the command line and its `run` then uses.
-template <typename Options, typename Declare>
+template <typename Options>
 void AddCommand(CommandLine line, const std::string& name, const std::string& description,
-                const Declare& declare, absl::Status (*run)(const Options&, const GlobalOptions&)) {
+                void (*declare)(CLI::App&, Options&),
+                absl::Status (*run)(const Options&, const GlobalOptions&)) {
   CLI::App* command = line.app.add_subcommand(name, description);
   command->fallthrough();
   const auto options = std::make_shared<Options>();

@@ -11,7 +11,7 @@
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kTextLimit = 1024;
+constexpr std::size_t kFoundTextLimit = 1024;
 
 void SetSummary(const storage::VerifyTotals& totals, v1::VerifySummary& summary) {
   summary.set_database_count(totals.database_count);
@@ -32,8 +32,8 @@ class Verification {
     if (summed_up_) return false;
     if (found_.empty() && more_) MOTIONDB_RETURN_IF_ERROR(Step());
     if (!found_.empty()) {
-      message.mutable_damage()->set_resource(ValidUtf8(found_.front().resource, kTextLimit));
-      message.mutable_damage()->set_description(ValidUtf8(found_.front().description, kTextLimit));
+      message.mutable_damage()->set_resource(ValidUtf8(found_.front().resource, kFoundTextLimit));
+      message.mutable_damage()->set_description(ValidUtf8(found_.front().description, kFoundTextLimit));
       found_.pop_front();
     } else if (more_) {
       message.set_progress(verifier_->progress());

@@ -168,7 +168,16 @@ struct FakeServer::Services {
 #undef MOTIONDB_FAKE_UNARY
 #undef MOTIONDB_FAKE_STREAM
 
-FakeServer::FakeServer() : services_(std::make_unique<Services>(*this)) {
+FakeServer::FakeServer() {
+  // A port that was free when gRPC bound it may be another's when it listens: then try the next.
+  for (int tries = 0; tries < 5 && (services_ == nullptr || services_->server == nullptr);
+       ++tries) {
+    services_ = std::make_unique<Services>(*this);
+    Listen();
+  }
+}
+
+void FakeServer::Listen() {
   grpc::ServerBuilder builder;
   int port = 0;
   builder.AddListeningPort("127.0.0.1:0", grpc::InsecureServerCredentials(), &port);

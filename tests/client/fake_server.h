@@ -64,6 +64,8 @@ class FakeServer {
  private:
   struct Services;
 
+  void Listen();
+
   mutable std::mutex mutex_;
   std::map<std::string, std::vector<Reply>> replies_;
   std::map<std::string, std::vector<std::string>> requests_;

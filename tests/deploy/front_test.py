@@ -99,7 +99,7 @@ class WithNginx(unittest.TestCase):
                    "-c", cls.path("nginx.conf")]
         subprocess.run([*command, "-t", "-q"], check=True)
         cls.start(*command)
-        for _ in range(100):
+        for _ in range(600):
             try:
                 socket.create_connection(("127.0.0.1", cls.front_port), timeout=1).close()
                 return

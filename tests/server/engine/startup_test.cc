@@ -104,7 +104,7 @@ TEST_CASE("Startup: two operations left undone both end, with one model", "[serv
   const auto second = engine.Ingest("db", "b", Walk(1))->operation.id;
   // Stopped before the build gets on: the drain is on its way when the gate opens.
   std::thread stopping([&] { engine->Drain(); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   engine.gate().Open();
   stopping.join();
   REQUIRE(engine->operations().Get(first)->state == OperationState::kPending);

@@ -136,7 +136,7 @@ TEST_CASE("HttpServer: a client that takes its answer slowly is cut", "[server][
   HttpClient client(server->address());
   client.Send("GET /large HTTP/1.1\r\nHost: test\r\n\r\n");
   while (made == 0) std::this_thread::sleep_for(milliseconds(10));
-  std::this_thread::sleep_for(milliseconds(500));
+  std::this_thread::sleep_for(milliseconds(1500));
   CHECK(client.ReadToEnd().size() < std::size_t{64} << 20);
 }
 

@@ -5,6 +5,7 @@
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
+#include "motiondb/v1/store.grpc.pb.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
@@ -20,6 +21,17 @@ const std::string kServing("\x08\x01", 2);
 std::string ForService(const std::string& service) {
   return service.empty() ? ""
                          : "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
+}
+
+// Waits until so many calls are under way, beside the one that asks.
+void AwaitOtherCalls(TestServer& server, int count) {
+  const auto store = server.NewStub<v1::StoreService>();
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (Ask(*store, &v1::StoreService::Stub::GetServerStatus, {}).response.open_call_count() !=
+         count + 1) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
 }
 
 TEST_CASE("Health: the server and each of its services serve", "[server][rpc]") {
@@ -44,6 +56,7 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for 
   server.gate().Close();
   const std::string operation = server.IngestFigure("db", "walk", "walk", {}).operation().name();
   server.gate().AwaitArrival();
+  AwaitOtherCalls(server, 0);
 
   grpc::Status waited;
   v1::WaitOperationResponse stood;
@@ -54,8 +67,8 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for 
     grpc::ClientContext context;
     waited = stub->WaitOperation(&context, request, &stood);
   });
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  std::thread draining([&] { server.server().Drain(std::chrono::seconds(10)); });
+  AwaitOtherCalls(server, 1);
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
   waiting.join();
   CHECK(waited.ok());
   CHECK(!stood.operation().done());
@@ -79,14 +92,18 @@ TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server]
   message.mutable_header()->set_parent("databases/db");
   message.mutable_header()->set_file_name("walk.bvh");
   REQUIRE(writer->Write(message));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  AwaitOtherCalls(server, 1);
 
-  std::thread draining([&] { server.server().Drain(std::chrono::seconds(30)); });
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  std::thread draining([&] { server.server().Drain(std::chrono::minutes(1)); });
   v1::GetClipRequest request;
   request.set_name("databases/db/clips/walk");
-  const auto refused = Ask(*clips, &v1::ClipService::Stub::GetClip, request);
-  CHECK(refused.status.error_code() == grpc::StatusCode::UNAVAILABLE);
+  // Not there, until the drain begins.
+  auto code = grpc::StatusCode::NOT_FOUND;
+  for (int tries = 0; tries < 3000 && code == grpc::StatusCode::NOT_FOUND; ++tries) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    code = Ask(*clips, &v1::ClipService::Stub::GetClip, request).status.error_code();
+  }
+  CHECK(code == grpc::StatusCode::UNAVAILABLE);
 
   message.set_file_block(WriteBvh({}));
   REQUIRE(writer->Write(message));
@@ -110,7 +127,7 @@ TEST_CASE("Drain: a call that does not end is cancelled after the grace period",
   message.mutable_header()->set_parent("databases/db");
   message.mutable_header()->set_file_name("walk.bvh");
   REQUIRE(writer->Write(message));
-  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  AwaitOtherCalls(server, 1);
   const auto began = std::chrono::steady_clock::now();
   server.server().Drain(std::chrono::milliseconds(300));
   CHECK(std::chrono::steady_clock::now() - began < std::chrono::seconds(5));

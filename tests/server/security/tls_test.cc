@@ -55,8 +55,14 @@ class TlsServer {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     const auto channel =
         grpc::CreateCustomChannel(server->address(), grpc::SslCredentials(pem), arguments);
-    if (!channel->WaitForConnected(std::chrono::system_clock::now() + seconds(1))) {
-      return {grpc::StatusCode::UNAVAILABLE, "no connection"};
+    // Until it is connected or refused, however slow the machine.
+    const auto end = std::chrono::system_clock::now() + seconds(20);
+    auto state = channel->GetState(true);
+    while (state != GRPC_CHANNEL_READY) {
+      if (state == GRPC_CHANNEL_TRANSIENT_FAILURE || !channel->WaitForStateChange(state, end)) {
+        return {grpc::StatusCode::UNAVAILABLE, "no connection"};
+      }
+      state = channel->GetState(true);
     }
     v1::CreateDatabaseRequest request;
     request.set_database_id("db");

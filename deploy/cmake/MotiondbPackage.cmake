@@ -2,7 +2,7 @@
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME motiondb)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
-set(CPACK_PACKAGE_CONTACT "The motiondb authors <motiondb@localhost>")
+set(CPACK_PACKAGE_CONTACT "${MOTIONDB_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "database server for human motion, and its client")
 set(CPACK_PACKAGE_DESCRIPTION
 "Stores motion clips (BVH, ASF/AMC, TRC, C3D) and says of an observed motion

@@ -32,6 +32,8 @@ for library in libgrpc++ libprotobuf libsqlite3 libspdlog; do
   dpkg-deb --field "$package" Depends | grep -q "$library" || fail "does not depend on $library"
 done
 
+[[ $(dpkg-deb --field "$package" Maintainer) == *\ \<*@*\> ]] || fail "no maintainer"
+
 echo "== installed by apt"
 make_root "$root"
 cp "$package" "$root/tmp/"
@@ -46,6 +48,10 @@ as_service() {
   enter_root "$root" setpriv --reuid motiondb --regid motiondb --clear-groups "$@"
 }
 as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | sed 's/^/  /'
+
+enter_root "$root" grep -q "^Files: \*" /usr/share/doc/motiondb/copyright || fail "no copyright file"
+enter_root "$root" zcat /usr/share/doc/motiondb/changelog.gz |
+  grep -q "^motiondb ($(dpkg-deb --field "$package" Version))" || fail "changelog of another version"
 
 echo "== serves and answers, as the user of the service"
 # Each of these becomes the next: the server has this process's number.

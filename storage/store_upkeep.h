@@ -54,12 +54,14 @@ class StoreBackup {
 class StoreRestore {
  public:
   virtual ~StoreRestore() = default;
-  // INVALID_ARGUMENT if these are not the bytes of a backup; RESOURCE_EXHAUSTED if the disk is full.
+  // INVALID_ARGUMENT if these are not the bytes of a backup; RESOURCE_EXHAUSTED if the disk is
+  // full.
   virtual absl::Status Append(std::string_view bytes) = 0;
   // Checks the whole of it, and makes it what is stored, at once or not at all. Tokens and records
   // of changes that the store has stay valid, and those of the backup come to them; where both know
-  // a token, the store's stands. INVALID_ARGUMENT, saying what is wrong, if the backup is damaged or
-  // cut off; FAILED_PRECONDITION if it is of a newer version, or the store has a database by now.
+  // a token, the store's stands. INVALID_ARGUMENT, saying what is wrong, if the backup is damaged
+  // or cut off; FAILED_PRECONDITION if it is of a newer version, or the store has a database by
+  // now.
   virtual absl::Status Finish() = 0;
 };
 

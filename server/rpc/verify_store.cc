@@ -33,7 +33,8 @@ class Verification {
     if (found_.empty() && more_) MOTIONDB_RETURN_IF_ERROR(Step());
     if (!found_.empty()) {
       message.mutable_damage()->set_resource(ValidUtf8(found_.front().resource, kFoundTextLimit));
-      message.mutable_damage()->set_description(ValidUtf8(found_.front().description, kFoundTextLimit));
+      message.mutable_damage()->set_description(
+          ValidUtf8(found_.front().description, kFoundTextLimit));
       found_.pop_front();
     } else if (more_) {
       message.set_progress(verifier_->progress());

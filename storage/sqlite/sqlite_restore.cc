@@ -95,7 +95,8 @@ absl::Status SqliteRestore::Write(std::string_view bytes) {
 absl::Status SqliteRestore::CheckSum() {
   if (!begun_) return NoBackup();
   if (!tail_.starts_with(kBackupMark) || tail_.size() != kBackupTrailerBytes) {
-    return core::InvalidArgument("the backup is cut off: the checksum that it ends with is missing");
+    return core::InvalidArgument(
+        "the backup is cut off: the checksum that it ends with is missing");
   }
   digest_.Update(kBackupMark);
   if (std::string_view(tail_).substr(kBackupMark.size()) != digest_.Finish()) {

@@ -43,10 +43,11 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
     : host_(host),
       context_(context),
       method_(method),
+      peer_(context.peer()),
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
       deadline_(Deadline(host, context, method)),
-      place_(host.limits.Enter(CallWeight::kLight, AddressOf(context))),
+      place_(host.limits.Enter(CallWeight::kLight, AddressOf(peer_))),
       ticket_(host.gate, std::move(on_close)) {}
 
 grpc::Status CallEntry::Admission() const {
@@ -74,7 +75,8 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   }
   const CallRule& rule = *method_.rule;
   if (rule.recorded) resource_ = Subject(request);
-  MOTIONDB_ASSIGN_OR_RETURN(Caller caller, host_.access.Authenticate(EvidenceOf(context_)));
+  MOTIONDB_ASSIGN_OR_RETURN(Caller caller,
+                            host_.access.Authenticate(EvidenceOf(context_, AddressOf(peer_))));
   principal_ = caller.principal;
   const std::string touched = caller.database.empty() ? "" : Subject(request);
   if (rule.scope == Scope::kOperation && !touched.empty()) {
@@ -86,8 +88,7 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
   if (method_.weight != CallWeight::kLight) {
-    const std::string client =
-        caller.principal == kAnonymous ? AddressOf(context_) : caller.principal;
+    const std::string client = caller.principal == kAnonymous ? AddressOf(peer_) : caller.principal;
     MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(method_.weight, client));
   }
   caller_ = std::move(caller);
@@ -138,7 +139,7 @@ storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
   record.principal = principal_;
-  record.peer = AddressOf(context_);
+  record.peer = AddressOf(peer_);
   record.method = method_.name;
   record.resource = ValidUtf8(resource_, kResourceLimit);
   record.code = code;

@@ -60,7 +60,7 @@ class CallEntry {
   // The caller's `x-request-id`, if it is 1 to 128 printable characters, or one made here.
   const std::string& request_id() const { return request_id_; }
   // As gRPC has it: "ipv4:127.0.0.1:50000".
-  std::string peer() const { return context_.peer(); }
+  const std::string& peer() const { return peer_; }
   // The id of the one database that the caller may see; empty: all.
   std::string database() const { return caller_.has_value() ? caller_->database : ""; }
   AccessControl& access() { return host_.access; }
@@ -78,6 +78,7 @@ class CallEntry {
   CallHost& host_;
   const grpc::CallbackServerContext& context_;
   const Method& method_;
+  const std::string peer_;  // kept: gRPC may forget it when the client goes away
   const std::string request_id_;
   CallWatch watch_;
   const std::chrono::system_clock::time_point deadline_;

@@ -39,12 +39,8 @@ std::string NewRequestId() {
 
 }  // namespace
 
-Evidence EvidenceOf(const grpc::CallbackServerContext& context) {
-  return {Header(context, "authorization"), CommonName(context), AddressOf(context)};
-}
-
-std::string AddressOf(const grpc::CallbackServerContext& context) {
-  return AddressOf(context.peer());
+Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address) {
+  return {Header(context, "authorization"), CommonName(context), address};
 }
 
 std::string AddressOf(const std::string& peer) {

@@ -9,11 +9,11 @@
 
 namespace motiondb::server {
 
-Evidence EvidenceOf(const grpc::CallbackServerContext& context);
+// `address` is the peer's.
+Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address);
 
-// The peer's address without its port: "127.0.0.1", "::1", "unix".
-std::string AddressOf(const grpc::CallbackServerContext& context);
-// The same of an address as gRPC has it: "ipv4:127.0.0.1:50000", "ipv6:%5B::1%5D:50000".
+// The address without its port, "127.0.0.1", "::1", "unix", of a peer as gRPC has it:
+// "ipv4:127.0.0.1:50000", "ipv6:%5B::1%5D:50000".
 std::string AddressOf(const std::string& peer);
 
 // The caller's `x-request-id`, if it is 1 to 128 printable characters, else a new one.

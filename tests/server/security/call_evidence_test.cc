@@ -6,7 +6,7 @@
 namespace motiondb::tests {
 namespace {
 
-std::string AddressOf(const std::string& peer) { return server::AddressOf(peer); }
+using server::AddressOf;
 
 TEST_CASE("AddressOf: the peer's address without scheme and port", "[security]") {
   CHECK(AddressOf("ipv4:127.0.0.1:50000") == "127.0.0.1");

@@ -1,0 +1,88 @@
+// How a call with a stream of requests and one response is answered: each message is taken before
+// the next is asked for, so a fast client costs no more memory than a slow one, and a client that
+// is silent for too long is sent away.
+#pragma once
+
+#include <grpcpp/support/server_callback.h>
+
+#include <atomic>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/rpc/call.h"
+#include "server/rpc/silence_limit.h"
+
+namespace motiondb::server {
+
+// Where messages after the first are taken: on a request thread, or at once on gRPC's own, for what
+// only copies them.
+enum class Taking { kOnRequestThread, kAtOnce };
+
+// Owned by gRPC: deletes itself when the call is over.
+template <typename Request>
+class UploadReactor : public grpc::ServerReadReactor<Request> {
+ public:
+  void OnReadDone(bool ok) final {
+    if (!reading_.exchange(false)) return;  // the call has ended meanwhile
+    if (ok && begun_ && taking_ == Taking::kAtOnce) return Step(true);
+    entry_.Post([this, ok] { Step(ok); });
+  }
+  void OnDone() final { delete this; }
+
+ protected:
+  UploadReactor(CallHost& host, grpc::CallbackServerContext& context, Taking taking)
+      : entry_(host, context, MethodOf<Request>()),
+        taking_(taking),
+        silence_(host.engine.workers().request_executor(), host.limits.options().longest_silence,
+                 [this] { EndSilence(); }) {
+    if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
+      End(std::move(admission));
+      return;
+    }
+    Read();
+  }
+  ~UploadReactor() override = default;
+
+  // Takes a message from a caller who may send it; the first on a request thread.
+  virtual absl::Status Take(Request& message) = 0;
+  // All was sent, perhaps nothing: fills the response. On a request thread.
+  virtual absl::Status Answer() = 0;
+
+  CallEntry& entry() { return entry_; }
+
+ private:
+  void Read() {
+    silence_.Restart();
+    reading_ = true;
+    this->StartRead(&message_);
+  }
+
+  // Takes what was read; the end, if it is not `ok`.
+  void Step(bool ok) {
+    grpc::Status status = RunHandler(entry_.cancelled(), [this, ok]() -> absl::Status {
+      const LogFields fields{{"request_id", entry_.request_id()}};
+      // A stream without any message is checked at its end.
+      const bool first = !std::exchange(begun_, true);
+      MOTIONDB_RETURN_IF_ERROR(first ? entry_.Check(message_) : entry_.Recheck());
+      return ok ? Take(message_) : Answer();
+    });
+    if (!ok || !status.ok()) return End(std::move(status));
+    Read();
+  }
+
+  // What was sent so far is kept, and a rebuild may be waiting for the rest.
+  void EndSilence() {
+    if (reading_.exchange(false)) End(entry_.Silent());
+  }
+
+  void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
+
+  CallEntry entry_;
+  const Taking taking_;
+  Request message_;
+  bool begun_ = false;                 // a message has come
+  std::atomic<bool> reading_ = false;  // a read is under way, and the call has not ended
+  SilenceLimit silence_;               // last: it calls what is above
+};
+
+}  // namespace motiondb::server

@@ -93,7 +93,7 @@ class MotionStore {
   virtual absl::Status DropModel(const std::string& database) = 0;
 
   // Operations. PutOperation creates or replaces one of a database that there is. Operations are
-  // deleted with their database.
+  // deleted with their database; of those that ended, the last thousand of a database are kept.
   virtual absl::Status PutOperation(const OperationRecord& record) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
   // Newest first, by when they were created; of one database, or of all where `database` is empty.

@@ -193,7 +193,9 @@ void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& 
       return book_.Cancel(build.operation);
     case StopReason::kNone:
       if (absl::IsNotFound(rebuilt.status())) return book_.Abandon(build.operation);
-      spdlog::error("database '{}': the rebuild failed: {}", name, rebuilt.status().ToString());
+      // What was deleted again and again is the clients' doing; each deletion asks for a rebuild.
+      spdlog::log(absl::IsAborted(rebuilt.status()) ? spdlog::level::warn : spdlog::level::err,
+                  "database '{}': the rebuild failed: {}", name, rebuilt.status().ToString());
       return book_.Fail(build.operation, rebuilt.status());
   }
 }

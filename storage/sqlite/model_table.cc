@@ -105,14 +105,16 @@ absl::StatusOr<std::int64_t> InsertFigures(Connection& connection, std::int64_t 
   return model_key;
 }
 
-// Deletes figures of models that were superseded long ago, but of the build that is extended.
+// Deletes figures of models that were superseded long ago, but of builds that models which are kept
+// extend.
 absl::Status ForgetOldFigures(Connection& connection, std::int64_t database_key, int version) {
+  const int last = version - kModelsKept;
   return connection
       .Query(
           "DELETE FROM model WHERE database_key = ? AND current = 0 AND version <= ? AND "
-          "model_key NOT IN (SELECT base_key FROM model WHERE current = 1 AND base_key "
-          "IS NOT NULL)",
-          database_key, version - kModelsKept)
+          "model_key NOT IN (SELECT base_key FROM model WHERE database_key = ? AND version > ? AND "
+          "base_key IS NOT NULL)",
+          database_key, last, database_key, last)
       .Run();
 }
 

@@ -10,6 +10,8 @@
 namespace motiondb::storage {
 namespace {
 
+constexpr int kOperationsKept = 1000;  // of each database
+
 // A query for operations as ToRecord reads them.
 std::string SelectWhere(std::string_view condition) {
   return fmt::format(
@@ -38,6 +40,17 @@ absl::Status NoOperation(const std::string& id) {
   return core::NotFound("operation '{}' does not exist", id);
 }
 
+// Deletes those of a database that ended long ago.
+absl::Status ForgetOldOperations(Connection& connection, std::int64_t database_key) {
+  return connection
+      .Query(
+          "DELETE FROM operation WHERE database_key = ? AND state IN ('succeeded', 'failed', "
+          "'cancelled') AND sequence <= (SELECT sequence FROM operation WHERE database_key = ? "
+          "ORDER BY sequence DESC LIMIT 1 OFFSET ?)",
+          database_key, database_key, kOperationsKept)
+      .Run();
+}
+
 // The sequence number below which a page begins.
 absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::string& before) {
   if (before.empty()) return std::numeric_limits<std::int64_t>::max();
@@ -52,19 +65,22 @@ absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::strin
 absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, record.database));
-  return connection
-      .Query(
-          "INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
-          "error_code, error_message, create_time_us, update_time_us) "
-          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
-          "(database_key, state, progress, stage, model_version, error_code, error_message, "
-          "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
-          "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
-          "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
-          record.id, database_key, ToText(record.state), record.progress, record.stage,
-          record.model_version, record.error_code, record.error_message, record.create_time_us,
-          record.update_time_us)
-      .Run();
+  const absl::Status put =
+      connection
+          .Query(
+              "INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
+              "error_code, error_message, create_time_us, update_time_us) "
+              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
+              "(database_key, state, progress, stage, model_version, error_code, error_message, "
+              "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
+              "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
+              "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
+              record.id, database_key, ToText(record.state), record.progress, record.stage,
+              record.model_version, record.error_code, record.error_message, record.create_time_us,
+              record.update_time_us)
+          .Run();
+  if (!put.ok() || record.state != OperationState::kPending) return put;
+  return ForgetOldOperations(connection, database_key);
 }
 
 absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const std::string& id) {

@@ -1,6 +1,6 @@
 // Many clients, good and bad, on a real motiondbd for a long time: its memory, descriptors and log
-// stay bounded, no call fails but by its client's fault, what was acknowledged is there at the end,
-// also after a restart.
+// stay bounded, no call fails but by its client's fault, the server logs no error of its own, and
+// what was acknowledged is there at the end, also after a restart, and known to the model.
 //   motiondb_soak [--seconds 1200] [--json FILE]
 #include <fmt/format.h>
 #include <signal.h>
@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/database.pb.h"
 #include "tests/soak/good_clients.h"
 #include "tests/soak/process_figures.h"
 #include "tests/support/child_process.h"
@@ -37,9 +38,10 @@ constexpr double kSlackMb = 32;
 
 class Served {
  public:
-  explicit Served(const std::string& store)
+  Served(const std::string& store, const std::string& log)
       : process_({MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", "--log-level", "error",
-                  "--rebuild-delay", "0.3", "--grace-seconds", "10"}) {
+                  "--rebuild-delay", "0.3", "--grace-seconds", "10"},
+                 log) {
     constexpr std::string_view kAnnouncement = "motiondbd: listening on ";
     while (address_.empty()) {
       const std::string line = process_.ReadLine();
@@ -87,6 +89,34 @@ std::vector<std::string> Missing(Soak& soak) {
     if (!there.contains(clip)) missing.push_back(clip);
   }
   return missing;
+}
+
+// Whether the model comes to know the clips that are left, and no others, once nobody changes them.
+bool CatchesUp(Soak& soak) {
+  const client::Client client = Connect(soak);
+  v1::DescribeDatabaseRequest request;
+  request.set_name("databases/soak");
+  const auto end = Clock::now() + std::chrono::seconds(120);
+  while (Clock::now() < end) {
+    const auto described = client.DescribeDatabase(request);
+    if (!described.ok()) throw std::runtime_error(described.status().ToString());
+    if (described->clip_count() == described->stored_clip_count()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  }
+  return false;
+}
+
+// The first of what the server logged as its own errors, and how many there were.
+std::vector<std::string> LoggedErrors(const std::string& log) {
+  constexpr std::size_t kShown = 5;
+  std::ifstream file(log);
+  std::vector<std::string> errors;
+  std::size_t count = 0;
+  for (std::string line; std::getline(file, line); ++count) {
+    if (errors.size() < kShown) errors.push_back("logged: " + line);
+  }
+  if (count > kShown) errors.push_back(fmt::format("logged: {} lines in all", count));
+  return errors;
 }
 
 void Check(bool good, const std::string& what, std::vector<std::string>& problems) {
@@ -137,7 +167,8 @@ void Report(const std::vector<ProcessFigures>& thirds, const Tally& tally,
 int Run(double seconds, const std::string& json_file) {
   const TemporaryDirectory directory;
   const std::string store = directory / "soak.db";
-  auto served = std::make_unique<Served>(store);
+  const std::string log = directory / "errors.log";
+  auto served = std::make_unique<Served>(store, log);
   Soak soak;
   soak.address = served->address();
   Prepare(soak);
@@ -163,11 +194,14 @@ int Run(double seconds, const std::string& json_file) {
 
   std::vector<std::string> problems = Judge(thirds, soak.tally);
   Check(Missing(soak).empty(), "acknowledged clips are missing", problems);
+  Check(CatchesUp(soak), "the model does not know the clips that there are", problems);
   Check(served->Stop() == 0, "the server did not end as it should", problems);
-  served = std::make_unique<Served>(store);
+  served = std::make_unique<Served>(store, log);
   soak.address = served->address();
   Check(Missing(soak).empty(), "acknowledged clips are missing after a restart", problems);
   Check(served->Stop() == 0, "the server did not end as it should after its restart", problems);
+  const std::vector<std::string> logged = LoggedErrors(log);
+  problems.insert(problems.end(), logged.begin(), logged.end());
   Report(thirds, soak.tally, problems, json_file);
   return problems.empty() ? 0 : 1;
 }

@@ -11,8 +11,10 @@ namespace motiondb::tests {
 // Killed, if it still runs, when this is destroyed. Not thread-safe.
 class ChildProcess {
  public:
-  // arguments[0] is the program's path. Throws std::runtime_error if it cannot be started.
-  explicit ChildProcess(const std::vector<std::string>& arguments);
+  // arguments[0] is the program's path. Its standard error goes to the end of a file, or to this
+  // program's own where none is named. Throws std::runtime_error if it cannot be started.
+  explicit ChildProcess(const std::vector<std::string>& arguments,
+                        const std::string& errors_file = "");
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

@@ -171,7 +171,12 @@ def main():
         server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
         for kill in range(kills):
             gone = threading.Event()
+            deleted = len(load.clips.deleted)
             threads = load.run(server, seed * 1000 + kill, gone)
+            if kill % 2:  # not before a deletion was acknowledged, however slow the machine
+                latest = time.monotonic() + 20
+                while len(load.clips.deleted) == deleted and time.monotonic() < latest:
+                    time.sleep(0.01)
             time.sleep(moments.uniform(0.02, 1.2))
             gone.set()
             server.stop(signal.SIGKILL)

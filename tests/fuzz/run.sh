@@ -8,8 +8,9 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 files=(bvh amc trc c3d urdf marker_set)
-all=("${files[@]}" chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec
-     names ingest_stream recognize estimate predict represent observe plan)
+blobs=(chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec)
+requests=(names ingest_stream recognize estimate predict represent observe plan)
+all=("${files[@]}" "${blobs[@]}" "${requests[@]}")
 runs=""
 seconds=""
 targets=()
@@ -43,12 +44,15 @@ longest_of() {
 ./deploy/install_packages.sh build test fuzz
 mkdir -p build/fuzz
 cmake --preset fuzz >build/fuzz/configure.log 2>&1 || { cat build/fuzz/configure.log >&2; exit 1; }
-seeds=(fuzz_motion_seeds)
+declare -A seeds  # programs that write the first inputs
 for target in "${targets[@]}"; do
-  [[ " ${files[*]} " == *" $target "* ]] || seeds=(fuzz_motion_seeds fuzz_stored_seeds)
+  program=fuzz_request_seeds
+  [[ " ${files[*]} " != *" $target "* ]] || program=fuzz_motion_seeds
+  [[ " ${blobs[*]} " != *" $target "* ]] || program=fuzz_blob_seeds
+  seeds[$program]=1
 done
-cmake --build --preset fuzz --target "${seeds[@]}" "${targets[@]/%/_fuzz}"
-for program in "${seeds[@]}"; do
+cmake --build --preset fuzz --target "${!seeds[@]}" "${targets[@]/%/_fuzz}"
+for program in "${!seeds[@]}"; do
   MOTIONDB_FUZZ_SEEDS=build/fuzz/seeds "build/fuzz/tests/fuzz/$program" >build/fuzz/seeds.log ||
     { cat build/fuzz/seeds.log >&2; exit 1; }
 done

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "absl/strings/escaping.h"
 #include "core/format/bvh_reader.h"
 #include "core/motion/marker_set.h"
 #include "motiondb/v1/clip.pb.h"
@@ -190,6 +191,8 @@ TEST_CASE("Seeds: names and tokens", "[seeds]") {
     for (char& c : file) c = c == '/' ? '_' : c;
     WriteSeed("names_fuzz", file, name);
   }
+  // Of the list that the target asks for; a token made of letters at random is of none.
+  WriteSeed("names_fuzz", "token", absl::WebSafeBase64Escape("databases/db/models\n3:17"));
 }
 
 }  // namespace

@@ -33,7 +33,9 @@ void HoldsTokens(const std::string& text) {
   const auto position = server::DecodePageToken(kScope, text);
   tests::HoldsError(position.status(), absl::StatusCode::kInvalidArgument);
   if (position.ok() && !position->empty()) {
-    tests::Holds(server::EncodePageToken(kScope, *position) == text, "the same token");
+    // The same text need not be: base64 may be padded and broken into lines.
+    const auto again = server::DecodePageToken(kScope, server::EncodePageToken(kScope, *position));
+    tests::Holds(again.ok() && *again == *position, "the same position");
   }
   const auto in_model = server::DecodeModelPosition(kScope, text);
   tests::HoldsError(in_model.status(), absl::StatusCode::kInvalidArgument);

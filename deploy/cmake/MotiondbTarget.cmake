@@ -17,7 +17,7 @@ endif()
 
 # GLUE, of a library, a program or a test: what it does with gRPC, protobuf or CLI11 takes a compiler
 # a fraction of the time that their headers take. Sanitizers, which make every line of them dearer,
-# get it eight files at a time and not optimised; what computes stays as it is.
+# get it not optimised and, but for tests, eight files at a time; what computes stays as it is.
 function(motiondb_compile_glue name)
   if(MOTIONDB_SANITIZE)
     set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 8)
@@ -53,6 +53,8 @@ function(motiondb_test name)
   cmake_parse_arguments(arg "" "" "SOURCES;DEPENDS" ${ARGN})
   motiondb_executable(${name} ${arg_UNPARSED_ARGUMENTS}
     SOURCES ${arg_SOURCES} DEPENDS motiondb_test_support ${arg_DEPENDS})
+  # Each file of a test has names of its own, as Stub, which one unit could not hold.
+  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
   add_test(NAME ${name} COMMAND ${name})
   foreach(source ${arg_SOURCES})
     get_filename_component(path ${source} ABSOLUTE)

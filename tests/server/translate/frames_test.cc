@@ -8,8 +8,8 @@
 namespace motiondb::server {
 namespace {
 
-constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
-constexpr float kInfinite = std::numeric_limits<float>::infinity();
+constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 TEST_CASE("Frames: packed floats come back row by row", "[server][translate]") {
   core::FrameMatrix frames(2, 3);
@@ -35,13 +35,13 @@ TEST_CASE("Frames: sizes that do not agree are refused before memory is taken",
 TEST_CASE("Frames: a marker is finite or missing in all three", "[server][translate]") {
   core::MarkerMotion motion{{"A", "B"}, 60, core::FrameMatrix::Zero(2, 6)};
   CHECK(CheckMarkers("m", motion.names, motion.positions_m).ok());
-  motion.positions_m.row(1).segment<3>(3).setConstant(kMissing);
+  motion.positions_m.row(1).segment<3>(3).setConstant(kNan);
   CHECK(CheckMarkers("m", motion.names, motion.positions_m).ok());
   motion.positions_m(1, 4) = 0;
   const std::string message(CheckMarkers("m", motion.names, motion.positions_m).message());
   CHECK(message.find("frame 1, marker 'B'") != std::string::npos);
   motion.positions_m.row(1).setZero();
-  motion.positions_m(0, 0) = kInfinite;
+  motion.positions_m(0, 0) = kInfinity;
   CHECK(!CheckMarkers("m", motion.names, motion.positions_m).ok());
   CHECK(!CheckFinite("m", motion.positions_m).ok());
 }

@@ -41,7 +41,7 @@ absl::Status CheckWithoutDatabases(Connection& connection) {
                             connection.QueryInteger("SELECT count(*) FROM database"));
   if (count == 0) return absl::OkStatus();
   return core::FailedPrecondition(
-      "the store holds {} databases: a backup is restored into a store without any", count);
+      "the store holds databases ({}): a backup is restored into a store without any", count);
 }
 
 absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewClip& clip) {

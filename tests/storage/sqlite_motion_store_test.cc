@@ -11,6 +11,8 @@
 namespace motiondb::tests {
 namespace {
 
+using absl::StatusCode;
+
 storage::SqliteOptions AtPutTime() {
   storage::SqliteOptions options;
   options.now_us = [] { return kPutTime; };

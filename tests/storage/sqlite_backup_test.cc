@@ -159,9 +159,9 @@ TEST_CASE("Restore: only into a store without databases", "[storage][backup]") {
   const auto begun = Require(target->upkeep().BeginRestore());
   REQUIRE_OK(begun->Append(bytes));
   REQUIRE_OK(target->CreateDatabase(SampleDatabase("other")));
-  REQUIRE_ERROR(target->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "1 databases");
+  REQUIRE_ERROR(target->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "databases (1)");
   // Also where the database came meanwhile.
-  REQUIRE_ERROR(begun->Finish(), StatusCode::kFailedPrecondition, "1 databases");
+  REQUIRE_ERROR(begun->Finish(), StatusCode::kFailedPrecondition, "databases (1)");
   REQUIRE(Require(target->ListDatabases({})).size() == 1);
 }
 

@@ -12,17 +12,29 @@ namespace motiondb::server {
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
                         double most, const std::string& description);
 
-// Given in mebibytes, from 1 to `most`. `bytes` holds the default and must outlive `app`.
+// Given in units of 2^kBits bytes, from 1 to `most`. `bytes` holds the default and must outlive
+// `app`.
+template <int kBits, std::integral Bytes>
+CLI::Option* AddBytes(CLI::App& app, const std::string& name, Bytes& bytes, const std::string& unit,
+                      const std::string& description, int most) {
+  return app
+      .add_option_function<int>(
+          name, [&bytes](int units) { bytes = static_cast<Bytes>(units) << kBits; }, description)
+      ->type_name(unit)
+      ->check(CLI::Range(1, most))
+      ->default_str(std::to_string(bytes >> kBits));
+}
+
+// The same in mebibytes, and in kibibytes.
 template <std::integral Bytes>
 CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
                           const std::string& description, int most = 1024) {
-  return app
-      .add_option_function<int>(
-          name, [&bytes](int mebibytes) { bytes = static_cast<Bytes>(mebibytes) << 20; },
-          description)
-      ->type_name("MIB")
-      ->check(CLI::Range(1, most))
-      ->default_str(std::to_string(bytes >> 20));
+  return AddBytes<20>(app, name, bytes, "MIB", description, most);
+}
+template <std::integral Bytes>
+CLI::Option* AddKibibytes(CLI::App& app, const std::string& name, Bytes& bytes,
+                          const std::string& description, int most = 1024) {
+  return AddBytes<10>(app, name, bytes, "KIB", description, most);
 }
 
 // Of what is listened on: HOST:PORT, [IPV6]:PORT, port from 0 (a free one) to 65535.

@@ -115,6 +115,25 @@ TEST_CASE("Limits: more streams than there may be are refused, with when to try 
   CHECK(refused().error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
+TEST_CASE(
+    "Limits: a call with more metadata than is taken is refused, and costs the others nothing",
+    "[server][limits]") {
+  server::ServerOptions options = With({});
+  options.max_metadata_bytes = 4 << 10;
+  TestServer server(options);
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  const auto list = [&](std::size_t bytes) {
+    grpc::ClientContext context;
+    context.AddMetadata("x-load", std::string(bytes, 'x'));
+    v1::ListDatabasesResponse response;
+    return stub->ListDatabases(&context, {}, &response).error_code();
+  };
+  CHECK(list(3 << 10) == grpc::StatusCode::OK);
+  CHECK(list(5 << 10) == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(list(1 << 20) == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(list(3 << 10) == grpc::StatusCode::OK);
+}
+
 TEST_CASE("Limits: a client that falls silent loses its stream", "[server][limits]") {
   TestServer server(With({.longest_silence = milliseconds(200)}));
   server.CreateTrained("db");

@@ -165,12 +165,14 @@ TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
 
 TEST_CASE("Settings: units are those that the names say", "[settings]") {
   SettingsReader reader;
-  CHECK(Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
-                      "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
-            .empty());
+  CHECK(
+      Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
+                    "--max-metadata-kib", "7", "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
+          .empty());
   const server::Settings& settings = reader.settings();
   CHECK(settings.server.engine.max_file_bytes == std::size_t{3} << 20);
   CHECK(settings.server.max_message_bytes == 5 << 20);
+  CHECK(settings.server.max_metadata_bytes == 7 << 10);
   CHECK(settings.server.engine.rebuild_delay == std::chrono::milliseconds(250));
   CHECK(settings.grace == std::chrono::milliseconds(1500));
 }

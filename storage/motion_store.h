@@ -49,8 +49,9 @@ class MotionStore {
                                              const std::string& clip) = 0;
   virtual absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                             const Page& page) = 0;
-  // The clip is gone for every other call at once. Its states stay on disk for the current model,
-  // which was built from them, until the next model is put or the model is dropped.
+  // The clip is gone for every other call at once. Its states stay on disk, for the current model
+  // and for one that is being built from them, until a model is put that does not need them or the
+  // model is dropped.
   virtual absl::Status DeleteClip(const std::string& database, const std::string& clip) = 0;
   // The bytes that were ingested.
   virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
@@ -67,14 +68,16 @@ class MotionStore {
 
   // Models; the figures of the last thousand are kept. PutModel stores a model as the current one,
   // under the version after the last, removes what only its predecessor needed, and returns its
-  // record. The model's states are not written again: they are those of its clips. NOT_FOUND also
-  // if one of its clips was deleted, or replaced by another of the same id, since it was built.
+  // record. The model's states are not written again: they are those of its clips. A clip that was
+  // deleted while the model was built stays in it, as in a current one, so that models are put
+  // however often clips are deleted. NOT_FOUND also if one of its clips was never stored, or
+  // deleted before the model that is current.
   virtual absl::StatusOr<ModelRecord> PutModel(const std::string& database,
                                                const core::Model& model) = 0;
   // Stores a model that extends the current one by clips (core::ExtendModel) as the current one,
   // under the next version. Only the names of its added clips are written: ReadModel extends the
   // built model by them again. FAILED_PRECONDITION if it does not extend the current model;
-  // NOT_FOUND as PutModel, but of the added clips alone.
+  // NOT_FOUND also if one of the added clips is not stored by now.
   virtual absl::StatusOr<ModelRecord> PutExtension(const std::string& database,
                                                    const core::Model& model,
                                                    double stale_share) = 0;

@@ -55,7 +55,7 @@ std::string DifferenceText(const Snapshot* before, const core::Model& built,
       difference.same_label, difference.windows);
 }
 
-// Stores the model and swaps it in. Returns 0 if a clip of it was deleted during the build.
+// Stores the model and swaps it in. Returns 0 if nothing is left of a clip that it was built from.
 absl::StatusOr<int> Commit(storage::MotionStore& store, LiveDatabase& database, core::Model model,
                            const EngineOptions& options, const core::ParallelFor& parallel) {
   int version = 0;
@@ -144,7 +144,7 @@ absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& datab
     MOTIONDB_ASSIGN_OR_RETURN(const int version,
                               Commit(store, database, *std::move(model), options, parallel));
     if (version != 0) return Rebuilt{version, std::move(difference)};
-    // A clip of the model was deleted during the build: build again without it.
+    // The model was dropped meanwhile, with what was left of deleted clips: build again.
   }
   return absl::AbortedError(
       "clips were deleted during each build; delete or ingest one to try again");

@@ -194,33 +194,31 @@ absl::Status RemoveClip(Connection& connection, const std::string& database,
                         const std::string& clip) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const bool needed,
-      connection.Query("SELECT 1 FROM model_clip WHERE clip_key = ?", key).Step());
-  if (needed) {
-    MOTIONDB_RETURN_IF_ERROR(
-        connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
-            .Run());
-    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
-    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
-  } else {
-    MOTIONDB_RETURN_IF_ERROR(connection.Query("DELETE FROM clip WHERE clip_key = ?", key).Run());
-  }
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
+          .Run());
+  MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
+  MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
   return DeleteUnusedSkeletons(connection, database_key);
 }
 
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key) {
-  return connection.Query("DELETE FROM clip WHERE database_key = ? AND deleted = 1", database_key)
+  return connection
+      .Query(
+          "DELETE FROM clip WHERE database_key = ? AND deleted = 1 AND NOT EXISTS (SELECT 1 FROM "
+          "model_clip WHERE model_clip.clip_key = clip.clip_key)",
+          database_key)
       .Run();
 }
 
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
-                                           std::span<const double> root_path) {
+                                           std::span<const double> root_path, Deleted deleted) {
   Statement row = connection.Query(
-      "SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND deleted = 0 AND "
-      "frame_count = ? AND root_path_crc = ?",
-      database_key, clip.id, clip.frame_count, Crc32(std::as_bytes(root_path)));
+      "SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND deleted <= ? AND "
+      "frame_count = ? AND root_path_crc = ? ORDER BY deleted LIMIT 1",
+      database_key, clip.id, deleted == Deleted::kToo ? 1 : 0, clip.frame_count,
+      Crc32(std::as_bytes(root_path)));
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) {
     return core::NotFound("the clip '{}' that the model was built from is not stored any more",

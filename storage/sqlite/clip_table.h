@@ -26,17 +26,19 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
                                                      const std::string& database,
                                                      const std::string& clip);
 
-// Deletes a clip. Its states stay where the current model needs them.
+// Deletes a clip. Its states stay, for the current model and for one that is being built.
 absl::Status RemoveClip(Connection& connection, const std::string& database,
                         const std::string& clip);
-// Deletes what is left of deleted clips. No model of the database may need them.
+// Deletes what is left of deleted clips that no model needs.
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
 
-// The clip that a model was built from. NOT_FOUND also if another is stored under its id by now.
-// `root_path` is the model's for the clip's frames: frames x 3, row-major.
+// The clip that a model was built from, if need be as it is left of one that was deleted since.
+// NOT_FOUND also if another is stored under its id. `root_path` is the model's for the clip's
+// frames: frames x 3, row-major.
+enum class Deleted { kNot, kToo };
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
-                                           std::span<const double> root_path);
+                                           std::span<const double> root_path, Deleted deleted);
 
 inline BlobOwner ClipOwner(std::int64_t clip_key) { return {"clip", clip_key}; }
 

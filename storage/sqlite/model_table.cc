@@ -66,13 +66,14 @@ absl::StatusOr<int> NextVersion(Connection& connection, std::int64_t database_ke
 // Keys of the model's clips from number `first` on.
 absl::StatusOr<std::vector<std::int64_t>> FindModelClips(Connection& connection,
                                                          std::int64_t database_key,
-                                                         const core::Model& model, int first) {
+                                                         const core::Model& model, int first,
+                                                         Deleted deleted) {
   std::vector<std::int64_t> keys;
   for (const core::ModelClip& clip : std::span(model.clips()).subspan(first)) {
     const std::span root_path(model.root_path().row(clip.first_frame).data(),
                               3 * static_cast<std::size_t>(clip.frame_count));
     MOTIONDB_ASSIGN_OR_RETURN(keys.emplace_back(),
-                              FindModelClip(connection, database_key, clip, root_path));
+                              FindModelClip(connection, database_key, clip, root_path, deleted));
   }
   return keys;
 }
@@ -234,19 +235,36 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
   return model;
 }
 
+// The current model, if there is one, is current no more; its clips may be purged.
+absl::Status Retire(Connection& connection, std::int64_t database_key) {
+  for (const char* table : {"model_chunk", "model_clip"}) {
+    MOTIONDB_RETURN_IF_ERROR(
+        connection
+            .Query(fmt::format("DELETE FROM {} WHERE model_key IN (SELECT COALESCE(base_key, "
+                               "model_key) FROM model WHERE database_key = ? AND current = 1)",
+                               table),
+                   database_key)
+            .Run());
+  }
+  return connection
+      .Query("UPDATE model SET current = 0 WHERE database_key = ? AND current = 1", database_key)
+      .Run();
+}
+
 }  // namespace
 
 absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::string& database,
                                         const core::Model& model, std::int64_t create_time_us) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
-                            FindModelClips(connection, database_key, model, 0));
+                            FindModelClips(connection, database_key, model, 0, Deleted::kToo));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
-  MOTIONDB_RETURN_IF_ERROR(RetireCurrentModel(connection, database_key));
+  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key));
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::int64_t model_key,
       InsertFigures(connection, database_key, version, model, create_time_us));
   MOTIONDB_RETURN_IF_ERROR(InsertClips(connection, model_key, 0, clip_keys));
+  MOTIONDB_RETURN_IF_ERROR(PurgeRemovedClips(connection, database_key));
   MOTIONDB_RETURN_IF_ERROR(
       WriteBlob(connection, ModelOwner(model_key), BlobKind::kModel,
                 [&](ByteSink& sink) { return EncodeModel(model.parts(), sink); }));
@@ -268,8 +286,9 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
     return core::FailedPrecondition("the model does not extend the current one of database '{}'",
                                     database);
   }
-  MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
-                            FindModelClips(connection, database_key, model, current->clip_count));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto clip_keys,
+      FindModelClips(connection, database_key, model, current->clip_count, Deleted::kNot));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE model SET current = 0 WHERE model_key = ?", current->model_key)
@@ -353,20 +372,7 @@ absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,
 }
 
 absl::Status RetireCurrentModel(Connection& connection, std::int64_t database_key) {
-  for (const char* table : {"model_chunk", "model_clip"}) {
-    MOTIONDB_RETURN_IF_ERROR(
-        connection
-            .Query(fmt::format("DELETE FROM {} WHERE model_key IN (SELECT COALESCE(base_key, "
-                               "model_key) FROM model WHERE database_key = ? AND current = 1)",
-                               table),
-                   database_key)
-            .Run());
-  }
-  MOTIONDB_RETURN_IF_ERROR(
-      connection
-          .Query("UPDATE model SET current = 0 WHERE database_key = ? AND current = 1",
-                 database_key)
-          .Run());
+  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key));
   return PurgeRemovedClips(connection, database_key);
 }
 

@@ -151,7 +151,8 @@ absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   Statement row = connection.Query(
       "SELECT clip_key, name, id, deleted, frame_count, root_path_crc, ifnull((SELECT version FROM "
       "model WHERE model.database_key = clip.database_key AND current = 1), 0) FROM clip "
-      "JOIN database USING (database_key) WHERE clip_key > ? ORDER BY clip_key LIMIT 1",
+      "JOIN database USING (database_key) WHERE clip_key > ? AND (deleted = 0 OR clip_key IN "
+      "(SELECT clip_key FROM model_clip)) ORDER BY clip_key LIMIT 1",
       last_key_);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return false;

@@ -147,6 +147,7 @@ absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const 
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   const std::string skeleton = found->record.skeleton_id;
   Database* const in = *Find(database);
+  in->deleted.push_back(*found);
   in->clips.erase(clip);
   const bool used = std::ranges::any_of(
       in->clips, [&](const auto& entry) { return entry.second.record.skeleton_id == skeleton; });
@@ -188,20 +189,34 @@ absl::StatusOr<std::vector<SkeletonRecord>> InMemoryMotionStore::ListSkeletons(
   });
 }
 
+bool InMemoryMotionStore::IsOf(const NewClip& stored, const core::Model& model,
+                               const core::ModelClip& clip) {
+  return stored.record.id == clip.id && stored.record.frame_count == clip.frame_count &&
+         stored.states.root_path ==
+             model.root_path().middleRows(clip.first_frame, clip.frame_count);
+}
+
 bool InMemoryMotionStore::Holds(const Database& in, const core::Model& model,
                                 const core::ModelClip& clip) {
   const auto stored = in.clips.find(clip.id);
-  return stored != in.clips.end() && stored->second.record.frame_count == clip.frame_count &&
-         stored->second.states.root_path ==
-             model.root_path().middleRows(clip.first_frame, clip.frame_count);
+  return stored != in.clips.end() && IsOf(stored->second, model, clip);
 }
 
 absl::StatusOr<ModelRecord> InMemoryMotionStore::Put(Database& in, const core::Model& model,
                                                      int first) {
   for (const core::ModelClip& clip : std::span(model.clips()).subspan(first)) {
-    if (!Holds(in, model, clip)) {
+    const bool was_deleted = first == 0 && std::ranges::any_of(in.deleted, [&](const auto& other) {
+                               return IsOf(other, model, clip);
+                             });
+    if (!was_deleted && !Holds(in, model, clip)) {
       return core::NotFound("the model's clip '{}' is not stored any more", clip.id);
     }
+  }
+  if (first == 0) {
+    std::erase_if(in.deleted, [&](const NewClip& other) {
+      return std::ranges::none_of(model.clips(),
+                                  [&](const auto& clip) { return IsOf(other, model, clip); });
+    });
   }
   if (!in.models.empty()) in.models.back().current = false;
   ModelRecord record;
@@ -303,6 +318,7 @@ absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
   if (in->model) in->models.back().current = false;
   in->model.reset();
+  in->deleted.clear();
   return absl::OkStatus();
 }
 

@@ -81,14 +81,19 @@ class InMemoryMotionStore final : public storage::MotionStore {
   struct Database {
     storage::DatabaseRecord record;
     std::map<std::string, storage::NewClip> clips;
+    std::vector<storage::NewClip> deleted;  // since the last model was put
     std::map<std::string, core::Skeleton> skeletons;
     std::vector<storage::ModelRecord> models;  // version 1 first
     std::optional<core::Model> model;
   };
 
+  // Whether the clip of the model is this one.
+  static bool IsOf(const storage::NewClip& stored, const core::Model& model,
+                   const core::ModelClip& clip);
   // Whether the clip of the model is the one that is stored.
   static bool Holds(const Database& in, const core::Model& model, const core::ModelClip& clip);
-  // Makes it the current model, if its clips from number `first` on are stored.
+  // Makes it the current model, if its clips from number `first` on are stored; where that is the
+  // first, or were when they were deleted.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);

@@ -86,13 +86,30 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->PutModel("d", next)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
   }
-  SECTION("a model of a clip that was deleted or replaced is refused") {
+  SECTION("a clip that is deleted or replaced while a model is built stays in it, not in others") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
-    REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
+    REQUIRE(Require(store->PutModel("d", model)).version == 2);
+    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
     REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 9)));
-    REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
+    REQUIRE(Require(store->PutModel("d", model)).version == 3);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
-    REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 1);
+    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
+    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"walk"});
+    const core::Model next = SampleModel({clips[1]});
+    REQUIRE(Require(store->PutModel("d", next)).version == 4);
+    REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
+    REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 4);
+  }
+  SECTION("also one that was in no model yet") {
+    const NewClip jump = SampleClip("d", "jump", 3);
+    REQUIRE_OK(store->AddClip(jump));
+    const core::Model built = SampleModel({clips[1], jump, clips[0]});
+    REQUIRE_OK(store->DeleteClip("d", "jump"));
+    REQUIRE(Require(store->PutModel("d", built)).version == 2);
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), built));
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
+    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
   }
   SECTION("a clip that came back is the same clip") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));

@@ -58,7 +58,8 @@ for program in "${!seeds[@]}"; do
 done
 
 # Memory that a target takes is bounded by its own promises; these bounds are for what escapes them.
-limits=(-timeout=60 -rss_limit_mb=3072 -malloc_limit_mb=1024)
+# What takes long, but not too long, is no finding: the machine may have other work.
+limits=(-timeout=60 -report_slow_units=60 -rss_limit_mb=3072 -malloc_limit_mb=1024)
 export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-}"
 mkdir -p build/fuzz/findings
 figures=build/fuzz/figures.tsv

@@ -49,10 +49,11 @@ class Backup(WithServer):
             verified = other.run("verify")
             self.assertEqual(verified.returncode, 0)
             self.assertIn("verified 1 database, 6 clips, 1 model, 1 skeleton, ", verified.stdout)
-            # The model was read, and not built again: its version is the same. It goes on from there.
+            # The model was read, and not built again: its version is the same. It goes on from there, by an
+            # extension first where a build takes long.
             version = other.ask_one("describe", "d")["model_version"]
             self.ingest(other, 50)
-            self.assertEqual(other.ask_one("describe", "d")["model_version"], version + 1)
+            self.assertIn(other.ask_one("describe", "d")["model_version"], (version + 1, version + 2))
             again = other.run("restore", backup)
             self.assertNotEqual(again.returncode, 0)
             self.assertIn("without any", again.stderr)

@@ -32,10 +32,10 @@ absl::Status RemoveClip(Connection& connection, const std::string& database,
 // Deletes what is left of deleted clips that no model needs.
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
 
-// The clip that a model was built from, if need be as it is left of one that was deleted since.
-// NOT_FOUND also if another is stored under its id. `root_path` is the model's for the clip's
-// frames: frames x 3, row-major.
+// Whether a clip counts of which only what RemoveClip leaves is there.
 enum class Deleted { kNot, kToo };
+// The clip that a model was built from. NOT_FOUND also if another is stored under its id.
+// `root_path` is the model's for the clip's frames: frames x 3, row-major.
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
                                            std::span<const double> root_path, Deleted deleted);

@@ -42,6 +42,18 @@ std::vector<std::string> Lines(const std::vector<v1::AuditEntry>& entries) {
   return lines;
 }
 
+v1::CreateTokenResponse NewToken(TestServer& server, v1::Role role) {
+  v1::CreateTokenRequest wanted;
+  wanted.set_role(role);
+  return Ask(*server.NewStub<v1::AccessService>(), &Access::CreateToken, wanted).response;
+}
+
+// From now on nobody may do anything without a token.
+void AskForTokens(TestServer& server) {
+  server.options().security.authentication = server::Authentication::kToken;
+  server.Restart();
+}
+
 template <typename Request>
 Request Named(const std::string& name) {
   Request request;
@@ -97,14 +109,9 @@ TEST_CASE("Audit: every change is recorded, newest first; questions are not", "[
 TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("walks");
-  const auto access = server.NewStub<v1::AccessService>();
-  v1::CreateTokenRequest wanted;
-  wanted.set_role(v1::ROLE_READER);
-  const auto reader = Ask(*access, &Access::CreateToken, wanted).response;
-  wanted.set_role(v1::ROLE_ADMIN);
-  const auto admin = Ask(*access, &Access::CreateToken, wanted).response;
-  server.options().security.authentication = server::Authentication::kToken;
-  server.Restart();
+  const auto reader = NewToken(server, v1::ROLE_READER);
+  const auto admin = NewToken(server, v1::ROLE_ADMIN);
+  AskForTokens(server);
 
   const auto request = Named<v1::DeleteDatabaseRequest>("databases/walks");
   const auto databases = server.NewStub<v1::DatabaseService>();
@@ -141,14 +148,9 @@ TEST_CASE("Audit: who copies the whole store is recorded, also where it was refu
   header.set_parent("databases/walks");
   header.set_file_name("walk.bvh");
   REQUIRE(server.Ingest(header, WriteBvh({}) + std::string(std::size_t{12} << 20, '\n')).ok());
-  const auto access = server.NewStub<v1::AccessService>();
-  v1::CreateTokenRequest wanted;
-  wanted.set_role(v1::ROLE_INGESTER);
-  const auto ingester = Ask(*access, &Access::CreateToken, wanted).response;
-  wanted.set_role(v1::ROLE_ADMIN);
-  const auto admin = Ask(*access, &Access::CreateToken, wanted).response;
-  server.options().security.authentication = server::Authentication::kToken;
-  server.Restart();
+  const auto ingester = NewToken(server, v1::ROLE_INGESTER);
+  const auto admin = NewToken(server, v1::ROLE_ADMIN);
+  AskForTokens(server);
   const std::size_t before = Audit(server, admin.secret()).size();
 
   CHECK(Backup(server, true, ingester.secret()).error_code() == StatusCode::PERMISSION_DENIED);

@@ -4,14 +4,12 @@
 
 #include <cmath>
 
+#include "server/translate/damage_message.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/timestamp.h"
-#include "server/translate/utf8.h"
 
 namespace motiondb::server {
 namespace {
-
-constexpr std::size_t kTextLimit = 1024;
 
 void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
   status.set_name(DatabaseName(figures.name));
@@ -52,9 +50,7 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
     SetDatabase(database, *response.add_databases());
   }
   for (const storage::Damage& damage : figures.damages) {
-    v1::Damage& found = *response.add_damages();
-    found.set_resource(ValidUtf8(damage.resource, kTextLimit));
-    found.set_description(ValidUtf8(damage.description, kTextLimit));
+    SetDamage(damage, *response.add_damages());
   }
   return absl::OkStatus();
 }

@@ -6,12 +6,10 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/translate/utf8.h"
+#include "server/translate/damage_message.h"
 
 namespace motiondb::server {
 namespace {
-
-constexpr std::size_t kFoundTextLimit = 1024;
 
 void SetSummary(const storage::VerifyTotals& totals, v1::VerifySummary& summary) {
   summary.set_database_count(totals.database_count);
@@ -32,9 +30,7 @@ class Verification {
     if (summed_up_) return false;
     if (found_.empty() && more_) MOTIONDB_RETURN_IF_ERROR(Step());
     if (!found_.empty()) {
-      message.mutable_damage()->set_resource(ValidUtf8(found_.front().resource, kFoundTextLimit));
-      message.mutable_damage()->set_description(
-          ValidUtf8(found_.front().description, kFoundTextLimit));
+      SetDamage(found_.front(), *message.mutable_damage());
       found_.pop_front();
     } else if (more_) {
       message.set_progress(verifier_->progress());

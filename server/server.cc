@@ -40,6 +40,7 @@ void SetKeepalive(grpc::ServerBuilder& builder) {
 
 // How long clients have to close their connections before they are cut.
 constexpr std::chrono::milliseconds kFarewell{100};
+constexpr int kOwnMetadata = 16 << 10;  // room for what gRPC and HTTP/2 add of their own
 
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
@@ -102,7 +103,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
-  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE, options.max_metadata_bytes);
+  // More than a call may have (CallLimits): beyond this gRPC ends the connection without a word.
+  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE,
+                             4 * options.calls.max_metadata_bytes + kOwnMetadata);
   for (const auto& service : services_) builder.RegisterService(service.get());
   grpc_ = builder.BuildAndStart();
   if (grpc_ == nullptr || port == 0) {

@@ -26,8 +26,7 @@ class Tls;
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
   int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
-  int max_metadata_bytes = 8 << 10;        // that come with a call, as HTTP/2 counts them
-  CallLimitOptions calls;                  // how many may be under way
+  CallLimitOptions calls;
   SecurityOptions security;
   EngineOptions engine;
 };

@@ -52,6 +52,8 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
 
 grpc::Status CallEntry::Admission() const {
   if (!ticket_.admitted()) return Stopping();
+  const absl::Status metadata = host_.limits.CheckMetadata(MetadataBytes(context_));
+  if (!metadata.ok()) return ToGrpcStatus(metadata);
   return ToGrpcStatus(place_.status());
 }
 

@@ -43,6 +43,14 @@ Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::strin
   return {Header(context, "authorization"), CommonName(context), address};
 }
 
+std::size_t MetadataBytes(const grpc::CallbackServerContext& context) {
+  std::size_t bytes = 0;
+  for (const auto& [name, value] : context.client_metadata()) {
+    bytes += name.size() + value.size() + 32;
+  }
+  return bytes;
+}
+
 std::string AddressOf(const std::string& peer) {
   std::string_view text = peer;
   const std::size_t scheme = text.find(':');

@@ -63,6 +63,14 @@ absl::StatusOr<CallLimits::Slot> CallLimits::Enter(CallWeight weight, const std:
   return slot;
 }
 
+absl::Status CallLimits::CheckMetadata(std::size_t bytes) const {
+  if (bytes <= static_cast<std::size_t>(options_.max_metadata_bytes)) return absl::OkStatus();
+  return absl::ResourceExhaustedError(
+      fmt::format("the call comes with {} bytes of metadata, more than the {} that it may "
+                  "(--max-metadata-kib): try again with less",
+                  bytes, options_.max_metadata_bytes));
+}
+
 int CallLimits::open(CallWeight weight) const {
   const std::lock_guard lock(mutex_);
   return in_all_[Index(weight)];

@@ -1,5 +1,6 @@
-// How many calls may be under way at a time: of one client and in all, and of those that are heavy
-// or last. Thread-safe; outlives its slots.
+// What calls may take: how many may be under way at a time, of one client and in all, and of those
+// that are heavy or last; how long they may be, and how much may come with one. Thread-safe;
+// outlives its slots.
 #pragma once
 
 #include <array>
@@ -26,6 +27,7 @@ struct CallLimitOptions {
   std::chrono::milliseconds longest_call{600'000};
   // That a client which sends a stream may stay silent.
   std::chrono::milliseconds longest_silence{300'000};
+  int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
 };
 
 class CallLimits {
@@ -55,6 +57,9 @@ class CallLimits {
   // kLight counts calls of every weight, so a heavy one or a stream enters twice.
   // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.
   absl::StatusOr<Slot> Enter(CallWeight weight, const std::string& client);
+
+  // RESOURCE_EXHAUSTED for a call that comes with more metadata than it may.
+  absl::Status CheckMetadata(std::size_t bytes) const;
 
   // Calls of a kind that are under way.
   int open(CallWeight weight) const;

@@ -32,7 +32,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes, "Largest request taken")
       ->group("Limits");
-  AddKibibytes(app, "--max-metadata-kib", settings.server.max_metadata_bytes,
+  AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,
                "Largest metadata taken with a call: names and values, and 32 bytes for each")
       ->group("Limits");
   AddCount(app, "--max-frames", engine.max_frames, 2, 100'000'000,

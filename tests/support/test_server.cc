@@ -60,11 +60,15 @@ void TestServer::Start() {
     REQUIRE((server.ok() || taken));
     if (server.ok()) server_ = *std::move(server);
   }
-  // Not gRPC's shared channel, which would remember a server that has gone.
+  channel_ = NewChannel();
+}
+
+std::shared_ptr<grpc::Channel> TestServer::NewChannel() const {
+  // Not gRPC's shared connection, which would remember a server that has gone.
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  channel_ =
-      grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(), arguments);
+  return grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(),
+                                   arguments);
 }
 
 void TestServer::CreateDatabase(const std::string& id) {

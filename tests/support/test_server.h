@@ -42,6 +42,8 @@ class TestServer {
   server::ServerOptions& options() { return options_; }
   Gate& gate() { return *gate_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
+  // Another, with a connection of its own.
+  std::shared_ptr<grpc::Channel> NewChannel() const;
 
   // NewStub<v1::ClipService>().
   template <typename Service>

@@ -172,7 +172,7 @@ TEST_CASE("Settings: units are those that the names say", "[settings]") {
   const server::Settings& settings = reader.settings();
   CHECK(settings.server.engine.max_file_bytes == std::size_t{3} << 20);
   CHECK(settings.server.max_message_bytes == 5 << 20);
-  CHECK(settings.server.max_metadata_bytes == 7 << 10);
+  CHECK(settings.server.calls.max_metadata_bytes == 7 << 10);
   CHECK(settings.server.engine.rebuild_delay == std::chrono::milliseconds(250));
   CHECK(settings.grace == std::chrono::milliseconds(1500));
 }

@@ -11,6 +11,10 @@ shift $(( $# > 0 ? 1 : 0 ))
 cmake --preset "$preset" >"/tmp/motiondb-configure-$$.log" 2>&1 ||
   { cat "/tmp/motiondb-configure-$$.log" >&2; rm -f "/tmp/motiondb-configure-$$.log"; exit 1; }
 rm -f "/tmp/motiondb-configure-$$.log"
+if [ "$preset" != release ]; then
+  export MOTIONDB_TEST_SLOWNESS=10
+  export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}"
+fi
 if [ "$preset" = tsan ]; then
   # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs.
   tests=(tree_tests graph_tests model_tests inference_tests recognition_tests storage_tests

@@ -12,6 +12,8 @@ import tempfile
 import unittest
 
 MOTIONDBD, MOTIONDB, DATA = sys.argv[1:4]
+# How many times slower than a release build the programs may be; tests/run.sh says so of sanitizers.
+SLOWNESS = float(os.environ.get("MOTIONDB_TEST_SLOWNESS", "1"))
 MODELS = "/usr/share/assimp/models/BVH"
 
 

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+
+#include "core/motion/patience.h"
 
 namespace motiondb::core {
 namespace {
@@ -15,6 +18,12 @@ constexpr double kRoundedAway = 1e-17;  // less than half of the last bit of 1
 constexpr double kHopeless = -600;
 constexpr double kLeastFloorOfUse = 1e-100;
 constexpr Eigen::Index kTogether = 8;  // nodes that are looked at together: neighbours are alike
+
+// Of one observed frame.
+std::int64_t StepsOf(const TransitionGraph& graph,
+                     const Eigen::Ref<const EmissionMatrix>& emission) {
+  return emission.cols() + graph.edge_count();
+}
 
 // log(e^a + e^b).
 double LogAdd(double a, double b) {
@@ -46,9 +55,10 @@ void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak, do
 // small its share at some frame. Turns `forward` into the logarithms at the last frame.
 double LogGenerationOfSeen(const TransitionGraph& graph,
                            const Eigen::Ref<const EmissionMatrix>& emission,
-                           Eigen::VectorXd& forward) {
+                           Eigen::VectorXd& forward, Patience& patience) {
   forward = emission.row(0).transpose();
   for (Eigen::Index t = 1; t < emission.rows(); ++t) {
+    if (patience.IsOver(StepsOf(graph, emission))) return kNever;
     Eigen::VectorXd arriving = Eigen::VectorXd::Constant(emission.cols(), kNever);
     for (int from = 0; from < static_cast<int>(emission.cols()); ++from) {
       const double log_leaving = std::log(static_cast<double>(graph.row_sum(from)));
@@ -67,14 +77,15 @@ double LogGenerationOfSeen(const TransitionGraph& graph,
 }  // namespace
 
 double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
-                     double transition_floor, Eigen::VectorXd* last) {
+                     double transition_floor, Eigen::VectorXd* last, const Cancelled& cancelled) {
+  Patience patience(cancelled);
   const Eigen::Index nodes = emission.cols();
   Eigen::VectorXd forward = Eigen::VectorXd::Ones(nodes);  // scaled to sum to 1 after each frame
   Eigen::VectorXd arriving(nodes);
   double log_probability = 0;
   if (last != nullptr) *last = Eigen::VectorXd::Zero(nodes);
   if (transition_floor == 0 && emission.rows() > 0) {
-    log_probability = LogGenerationOfSeen(graph, emission, forward);
+    log_probability = LogGenerationOfSeen(graph, emission, forward, patience);
     if (last != nullptr && log_probability > kNever) {
       *last = (forward.array() - log_probability).exp();
     }
@@ -85,6 +96,7 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
   const double negligible = kRoundedAway * transition_floor;
   const double hopeless = transition_floor < kLeastFloorOfUse ? kNever : kHopeless;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
+    if (patience.IsOver(StepsOf(graph, emission))) return kNever;
     if (t > 0) {
       // Every pair has the floor; what was seen replaces it.
       arriving.setConstant(transition_floor * forward.sum());

@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 
 #include "core/graph/transition_graph.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 
@@ -15,8 +16,10 @@ using EmissionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 // log of the sum over all paths n_1 ... n_M of prod P_t(n_{i-1}, n_i) e_i(n_i), the first frame
 // without a transition (eq. 7 summed). `transition_floor` is the probability of a transition never
 // seen. `last`, where given, receives the distribution over nodes at the last frame (sums to 1;
-// zeros where no path exists). -infinity where no path exists. O(frames * (nodes + edges)).
+// zeros where no path exists). -infinity where no path exists. O(frames * (nodes + edges)). Once
+// cancelled it returns early, with what is of no use.
 double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
-                     double transition_floor, Eigen::VectorXd* last = nullptr);
+                     double transition_floor, Eigen::VectorXd* last = nullptr,
+                     const Cancelled& cancelled = {});
 
 }  // namespace motiondb::core

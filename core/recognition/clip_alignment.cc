@@ -1,11 +1,21 @@
 #include "core/recognition/clip_alignment.h"
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
 
+#include "core/motion/patience.h"
 #include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {
+namespace {
+
+// Of a block of observed frames with so many stored ones.
+std::int64_t StepsOfBlock(const MetricFrames& stored, int count) {
+  return std::int64_t{count} * stored.projected.cols();
+}
+
+}  // namespace
 
 ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
     : frames_(static_cast<int>(observed.rows())), anchored_(anchored) {
@@ -30,23 +40,27 @@ void ClipAligner::ComputeDistances(const MetricFrames& stored, int first, int co
       observed_norms_.data() + block * kFrameLanes, FramesOf(block), distances_.data(), count);
 }
 
-double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first, int count) {
+double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first, int count,
+                                           Patience& patience) {
   paths_.Begin(count, anchored_);
   for (int block = 0; block * kFrameLanes < frames_; ++block) {
+    if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
     ComputeDistances(stored, first, count, block);
     for (int f = 0; f < FramesOf(block); ++f) paths_.See(distances_.col(f));
   }
   return paths_.LogEvidence();
 }
 
-double ClipAligner::Align(const MetricFrames& stored, int clip,
-                          std::vector<NearestFrame>& nearest) {
+double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
+                          const Cancelled& cancelled) {
+  Patience patience(cancelled);
   const int first = stored.rows.begin[clip];
   const int count = stored.rows.count(clip);
   distances_.resize(count, kFrameLanes);
   roots_.resize(count);
   paths_.Begin(count, anchored_);
   for (int block = 0; block * kFrameLanes < frames_; ++block) {
+    if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
     ComputeDistances(stored, first, count, block);
     for (int f = 0; f < FramesOf(block); ++f) {
       const auto distances = distances_.col(f);
@@ -60,7 +74,8 @@ double ClipAligner::Align(const MetricFrames& stored, int clip,
       paths_.SeeRoots(roots_, least, cut_off);
     }
   }
-  return paths_.IsExact() ? paths_.LogEvidence() : LogEvidenceByDistances(stored, first, count);
+  return paths_.IsExact() ? paths_.LogEvidence()
+                          : LogEvidenceByDistances(stored, first, count, patience);
 }
 
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,

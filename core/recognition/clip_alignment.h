@@ -6,9 +6,12 @@
 #include <vector>
 
 #include "core/model/metric_frames.h"
+#include "core/motion/cancellation.h"
 #include "core/recognition/path_sum.h"
 
 namespace motiondb::core {
+
+class Patience;
 
 // The stored frame that an observed one is most like.
 struct NearestFrame {
@@ -34,13 +37,15 @@ class ClipAligner {
   ClipAligner(const FrameMatrix& observed, bool anchored);
 
   // The clip's log evidence. Where it has nearer frames than `nearest` (one for each observed
-  // frame), they take that place.
-  double Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest);
+  // frame), they take that place. Once cancelled it returns early, with what is of no use.
+  double Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
+               const Cancelled& cancelled = {});
 
  private:
   // Squared distances (frames x count) of a block's frames to the clip's.
   void ComputeDistances(const MetricFrames& stored, int first, int count, int block);
-  double LogEvidenceByDistances(const MetricFrames& stored, int first, int count);
+  double LogEvidenceByDistances(const MetricFrames& stored, int first, int count,
+                                Patience& patience);
   int FramesOf(int block) const;
 
   const int frames_;

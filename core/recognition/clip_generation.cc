@@ -17,7 +17,7 @@ double ClipLogGeneration(const ClipGraph& graph, const EmissionMatrix& log_densi
   EmissionMatrix emission(log_density.rows(), states);
   for (Eigen::Index s = 0; s < states; ++s) emission.col(s) = log_density.col(graph.nodes[s]);
   if (options.generation == Generation::kExact) {
-    return LogGeneration(graph.transitions, emission, options.transition_floor);
+    return LogGeneration(graph.transitions, emission, options.transition_floor, nullptr, cancelled);
   }
   Lattice lattice;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
@@ -43,10 +43,10 @@ absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int l
   const double evidence = emission.LogEvidence();
   std::vector<ClipScore> scores;
   for (const int clip : clips) {
+    const double log_generation = ClipLogGeneration(*model.clip_graph(layer, clip),
+                                                    emission.log_density(), options, cancelled);
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
-    scores.push_back({clip, ClipLogGeneration(*model.clip_graph(layer, clip),
-                                              emission.log_density(), options, cancelled) -
-                                evidence});
+    scores.push_back({clip, log_generation - evidence});
   }
   return scores;
 }

@@ -11,7 +11,7 @@
 namespace motiondb::core {
 
 // One score for each of `clips` (indices into Model::clips()), in their order: eq. 7 with eq. 8's
-// posterior, on the layer that `emission` is of. CANCELLED, asked once a clip.
+// posterior, on the layer that `emission` is of. CANCELLED, soon.
 absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int layer,
                                                        const WindowEmission& emission,
                                                        const std::vector<int>& clips,

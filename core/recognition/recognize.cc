@@ -136,7 +136,8 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
     window.start_seconds = first / rate;
     window.end_seconds = (first + width) / rate;
     window.layer = layer;
-    if (by_graph) emission.MoveTo(first);
+    if (by_graph) emission.MoveTo(first, cancelled);
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     if (align) {
       MOTIONDB_RETURN_IF_ERROR(JudgeByAlignment(model, in_metric,
                                                 ComparedFrames(first, width, stride, options.whole),

@@ -55,11 +55,11 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
   WindowAlignment window;
   window.frames = static_cast<int>(compared.size());
   for (const int clip : ShortlistClips(model, observation.own.get(), observed, left_out)) {
-    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     const double log_evidence =
         observation.own == nullptr
-            ? aligner.Align(model.metric_frames(), clip, nearest)
-            : aligner.Align(ProjectClip(model, *observation.own, clip), 0, nearest);
+            ? aligner.Align(model.metric_frames(), clip, nearest, cancelled)
+            : aligner.Align(ProjectClip(model, *observation.own, clip), 0, nearest, cancelled);
+    if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     window.clips.push_back({clip, log_evidence});
   }
   std::stable_sort(

@@ -28,7 +28,7 @@ double FamiliarityOfDifference(double mean_square);
 
 // Aligns the observation's frames `compared` (ComparedFrames) with each clip that is on its
 // shortlist, among those that are not left out (one at least is not). `anchored` as for
-// AlignToClip. CANCELLED, asked once a clip.
+// AlignToClip. CANCELLED, soon.
 absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
                                             const MetricObservation& observation,
                                             const std::vector<int>& compared,

@@ -13,8 +13,9 @@ class WindowEmission {
   // `observation` is scaled, frames x dimensions; the window has `frames` frames.
   WindowEmission(const Model& model, int layer, const FrameMatrix& observation, int frames);
 
-  // Moves to the frames [first, first + rows). Windows must come in ascending order.
-  void MoveTo(int first);
+  // Moves to the frames [first, first + rows). Windows must come in ascending order. Once cancelled
+  // it returns early, and the window is of no use.
+  void MoveTo(int first, const Cancelled& cancelled = {});
 
   // frames x nodes of the layer.
   const EmissionMatrix& log_density() const { return log_density_; }

@@ -42,5 +42,33 @@ TEST_CASE("Recognize: many paths of long windows are refused", "[core][recogniti
   CHECK_THAT(std::string(windows.status().message()), Contains("path_count: "));
 }
 
+TEST_CASE("Recognize: asks within a clip whether its answer is wanted, and ends where it is not",
+          "[core][recognition][hostile]") {
+  constexpr int kClips = 3;
+  const core::Model model = SmallModel(kClips, 1500, 2, 8, 5);
+  const core::StateSequence observation = Long(model, 8000);
+  core::RecognizeOptions options;
+  options.whole = true;
+  for (const core::Method method : {core::Method::kBest, core::Method::kPaper}) {
+    options.method = method;
+    int asked = 0;
+    const auto answer = core::Recognize(model, observation, options, [&] {
+      ++asked;
+      return false;
+    });
+    REQUIRE(answer.ok());
+    CAPTURE(method);
+    CHECK(asked > 4 * kClips);
+    const int in_all = asked;
+    for (int at = 1; at <= in_all; at += 1 + in_all / 8) {
+      asked = 0;
+      const auto ended =
+          core::Recognize(model, observation, options, [&] { return ++asked >= at; });
+      CHECK(ended.status().code() == absl::StatusCode::kCancelled);
+      CHECK(asked <= at + 1);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace motiondb::tests

@@ -40,6 +40,7 @@ Workers::Workers(const EngineOptions& options)
       requests_(static_cast<std::size_t>(request_threads_)),
       builds_(static_cast<std::size_t>(build_threads_)),
       extensions_(1),
+      upkeep_(1),
       heavy_requests_(requests_, HeavyThreads(options)) {}
 
 Workers::~Workers() { Join(); }
@@ -60,12 +61,17 @@ void Workers::PostHeavy(std::function<void()> work) {
   heavy_requests_.Post(Counted(std::move(work)));
 }
 
+void Workers::PostUpkeep(std::function<void()> work) {
+  boost::asio::post(upkeep_, Counted(std::move(work)));
+}
+
 core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }
 
 core::ParallelFor Workers::request_parallel() { return Lend(requests_, request_threads_); }
 
 void Workers::Join() {
   requests_.join();
+  upkeep_.join();
   builds_.join();
   extensions_.join();
 }

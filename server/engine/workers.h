@@ -1,5 +1,6 @@
 // The threads that do the work: one pool for requests, one for building models, so that a build
-// never takes the last core from queries, and a thread that extends models while others are built.
+// never takes the last core from queries, a thread that extends models while others are built, and
+// one that copies and checks the store.
 // All have the same priority: nicer threads would build nothing on a machine that is always asked.
 // Thread-safe.
 #pragma once
@@ -25,7 +26,9 @@ class Workers {
   void Post(std::function<void()> work);
   // The same of work that takes long: some request threads always stay with the rest.
   void PostHeavy(std::function<void()> work);
-  // Pieces of work of both kinds that no thread has begun.
+  // The same of work on the store as a whole, on a thread that nothing else waits for.
+  void PostUpkeep(std::function<void()> work);
+  // Pieces of work of these kinds that no thread has begun.
   int queued() const { return queued_.load(std::memory_order_relaxed); }
   int request_threads() const { return request_threads_; }
 
@@ -52,6 +55,7 @@ class Workers {
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;
   boost::asio::thread_pool extensions_;
+  boost::asio::thread_pool upkeep_;
   Lane heavy_requests_;
 };
 

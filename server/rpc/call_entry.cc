@@ -23,7 +23,9 @@ double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time
 std::chrono::system_clock::time_point Deadline(const CallHost& host,
                                                const grpc::CallbackServerContext& context,
                                                const Method& method) {
-  if (method.weight == CallWeight::kStream) return context.deadline();
+  if (method.weight == CallWeight::kStream || method.weight == CallWeight::kUpkeep) {
+    return context.deadline();
+  }
   return std::min(context.deadline(),
                   std::chrono::system_clock::now() + host.limits.options().longest_call);
 }
@@ -59,10 +61,14 @@ grpc::Status CallEntry::Admission() const {
 
 void CallEntry::Post(std::function<void()> work) {
   Workers& workers = host_.engine.workers();
-  if (method_.weight == CallWeight::kHeavy) {
-    workers.PostHeavy(std::move(work));
-  } else {
-    workers.Post(std::move(work));
+  switch (method_.weight) {
+    case CallWeight::kHeavy:
+      return workers.PostHeavy(std::move(work));
+    case CallWeight::kUpkeep:
+      return workers.PostUpkeep(std::move(work));
+    case CallWeight::kLight:
+    case CallWeight::kStream:
+      return workers.Post(std::move(work));
   }
 }
 
@@ -104,7 +110,8 @@ absl::Status CallEntry::Recheck() const {
 
 grpc::Status CallEntry::Silent() const {
   return {grpc::StatusCode::DEADLINE_EXCEEDED,
-          fmt::format("nothing came for the {:g} s that a client may be silent (--silence-limit)",
+          fmt::format("nothing came or went for the {:g} s that a client may be silent "
+                      "(--silence-limit)",
                       Seconds(host_.limits.options().longest_silence))};
 }
 

@@ -36,7 +36,7 @@ class CallEntry {
   // RESOURCE_EXHAUSTED.
   grpc::Status Admission() const;
   // Runs a piece of the call's work, which must not throw, on a request thread; heavy calls in
-  // their lane.
+  // their lane, upkeep on its thread.
   void Post(std::function<void()> work);
   // The client's deadline or the server's own, whichever comes first.
   std::chrono::system_clock::time_point deadline() const { return deadline_; }
@@ -49,7 +49,8 @@ class CallEntry {
   // Whether the caller still may, for each further message of a stream. UNAUTHENTICATED.
   absl::Status Recheck() const;
 
-  // What a call ends with whose client was silent for as long as it may: DEADLINE_EXCEEDED.
+  // What a call ends with whose client, for as long as it may, sent nothing or took nothing:
+  // DEADLINE_EXCEEDED.
   grpc::Status Silent() const;
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with

@@ -22,7 +22,10 @@ constexpr Words kWords[] = {{"calls", "calls", std::chrono::milliseconds(100)},
                             {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
                             {"streams", "streams", std::chrono::milliseconds(10'000)}};
 
-constexpr std::size_t Index(CallWeight weight) { return static_cast<std::size_t>(weight); }
+// Upkeep counts among the heavy calls.
+constexpr std::size_t Index(CallWeight weight) {
+  return static_cast<std::size_t>(weight == CallWeight::kUpkeep ? CallWeight::kHeavy : weight);
+}
 
 absl::Status TooMany(const Words& words, int open, std::string_view whose,
                      std::string_view setting) {

@@ -20,9 +20,10 @@ class ObserveReactor final
  public:
   ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
+        context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
         silence_(engine_.workers().request_executor(), host.limits.options().longest_silence,
-                 [this] { EndInClientsTurn(entry_.Silent()); }) {
+                 [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); admission.ok()) {
       Read();
     } else {
@@ -38,6 +39,8 @@ class ObserveReactor final
     Do(Turn::kServer, [this] { entry_.Post([this] { Work(); }); });
   }
   void OnWriteDone(bool ok) override {
+    writing_ = false;
+    if (!ok && silent_) return End(entry_.Silent());
     if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
     Read();
   }
@@ -62,7 +65,10 @@ class ObserveReactor final
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
     silence_.Restart();
-    Do(Turn::kClient, [this] { StartWrite(&response_); });
+    Do(Turn::kClient, [this] {
+      writing_ = true;
+      StartWrite(&response_);
+    });
   }
 
   void Read() {
@@ -83,6 +89,13 @@ class ObserveReactor final
   void Stop() {
     stopping_ = true;
     EndInClientsTurn(Stopping());
+  }
+
+  void EndSilence() {
+    // A status would wait behind the answer that the client does not take.
+    if (!writing_) return EndInClientsTurn(entry_.Silent());
+    silent_ = true;
+    context_.TryCancel();
   }
 
   void EndInClientsTurn(grpc::Status status) {
@@ -144,6 +157,9 @@ class ObserveReactor final
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;
   Turn turn_ = Turn::kClient;
+  std::atomic<bool> writing_ = false;  // until the client has room for the answer
+  std::atomic<bool> silent_ = false;
+  grpc::CallbackServerContext& context_;
   // Last, for they call what is above.
   CallEntry entry_;
   SilenceLimit silence_;

@@ -1,14 +1,17 @@
 // How a call with a stream of responses is answered: each message is made on a request thread when
-// the one before it was taken, so a slow client costs no more memory than a fast one.
+// the one before it was taken, so a slow client costs no more memory than a fast one, and one that
+// takes nothing for too long is sent away.
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
 
+#include <atomic>
 #include <functional>
 #include <utility>
 
 #include "absl/status/statusor.h"
 #include "server/rpc/call.h"
+#include "server/rpc/silence_limit.h"
 
 namespace motiondb::server {
 
@@ -28,7 +31,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
       : entry_(host, *context, MethodOf<Request>()),
-        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor} {
+        call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor},
+        context_(*context),
+        silence_(host.engine.workers().request_executor(), host.limits.options().longest_silence,
+                 [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;
@@ -45,8 +51,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   }
 
   void OnWriteDone(bool ok) override {
+    writing_ = false;
     entry_.Post([this, ok] {
       // Here, too: the end may have to be recorded, and gRPC's threads write nothing.
+      if (!ok && silent_) return End(entry_.Silent());
       if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
       Step([this] { return Produce(); });
     });
@@ -66,7 +74,16 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   void Step(const std::function<absl::Status()>& step) {
     grpc::Status status = RunHandler(call_.cancelled, step);
     if (!status.ok() || ended_) return End(std::move(status));
+    silence_.Restart();
+    writing_ = true;
     this->StartWrite(&message_);
+  }
+
+  // Nothing else ends a write for which there is no room: a status would wait behind it.
+  void EndSilence() {
+    if (!writing_) return;
+    silent_ = true;
+    context_.TryCancel();
   }
 
   void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
@@ -76,6 +93,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   NextMessage<Response> next_;
   Response message_;
   bool ended_ = false;
+  grpc::CallbackServerContext& context_;
+  std::atomic<bool> writing_ = false;  // until the client has room for the message
+  std::atomic<bool> silent_ = false;
+  SilenceLimit silence_;  // last: it calls what is above
 };
 
 }  // namespace motiondb::server

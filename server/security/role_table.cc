@@ -55,9 +55,9 @@ constexpr CallRule kRules[] = {
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
     {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
-    {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, ""},
-    {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, ""},
-    {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, ""},
+    {"StoreService.VerifyStore", kAdmin, kReads, kUpkeep, kServer, ""},
+    {"StoreService.BackupStore", kAdmin, kCopiesAll, kUpkeep, kServer, ""},
+    {"StoreService.RestoreStore", kAdmin, kChanges, kUpkeep, kServer, ""},
 };
 
 }  // namespace

@@ -15,6 +15,7 @@ enum class CallWeight {
   kLight,   // milliseconds
   kHeavy,   // much processor time, memory or disk: goes through a lane of its own
   kStream,  // as long as the client likes, a little at a time
+  kUpkeep,  // heavy, and all of the store in one: as long as it takes, on a thread of its own
 };
 
 // What a call touches, for callers who may touch one database alone.

@@ -13,15 +13,19 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPurposes[] = {"backup", "restore"};
 constexpr int kPagesAtOnce = 256;
+
+// A hidden name, which nobody gives a copy of their own.
+std::string Prefix(const fs::path& store) { return fmt::format(".{}.", store.filename().string()); }
 
 }  // namespace
 
 CopyFile::CopyFile(const std::string& store_path, const std::string& purpose)
     : path_([&] {
         static std::atomic<int> number = 0;
-        return fmt::format("{}-{}-{}", store_path, purpose, ++number);
+        const fs::path store(store_path);
+        return (store.parent_path() / fmt::format("{}{}-{}", Prefix(store), purpose, ++number))
+            .string();
       }()) {
   Remove();
 }
@@ -38,10 +42,7 @@ void RemoveLeftCopies(const std::string& store_path) {
   std::error_code ignored;
   std::vector<fs::path> left;
   for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), ignored)) {
-    for (const char* const purpose : kPurposes) {
-      const std::string prefix = fmt::format("{}-{}-", path.filename().string(), purpose);
-      if (entry.path().filename().string().starts_with(prefix)) left.push_back(entry.path());
-    }
+    if (entry.path().filename().string().starts_with(Prefix(path))) left.push_back(entry.path());
   }
   for (const fs::path& file : left) fs::remove(file, ignored);
 }

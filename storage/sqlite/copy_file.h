@@ -10,7 +10,7 @@
 
 namespace motiondb::storage {
 
-// A name beside the store that no other has, and the promise that nothing stays there.
+// A hidden name beside the store that no other has, and the promise that nothing stays there.
 class CopyFile {
  public:
   // `purpose` is "backup" or "restore".

@@ -187,7 +187,7 @@ def main():
                 load.check(server)
             except AssertionError as error:
                 raise AssertionError(f"after kill {kill + 1} of {kills}, seed {seed}") from error
-            left = [name for name in os.listdir(folder) if "-backup-" in name or "-restore-" in name]
+            left = [name for name in os.listdir(folder) if name.startswith(".motion.db.")]
             assert not left, left
         assert server.stop() == 0
     print(f"{kills} kills in {time.monotonic() - began:.0f} s; clips: {load.clips}; databases: "

@@ -276,12 +276,15 @@ TEST_CASE("Backup: what a killed process left is removed", "[storage][backup]") 
   const StoreFile file;
   { file.Open(); }
   for (const char* const name :
-       {"store.db-backup-3", "store.db-restore-1", "store.db-restore-1-wal"}) {
+       {".store.db.backup-3", ".store.db.restore-1", ".store.db.restore-1-wal"}) {
     std::ofstream(file.folder() / name) << "left";
   }
-  std::ofstream(file.folder() / "store.db-mine") << "not ours";
+  // Whatever somebody calls a copy of their own.
+  const std::string kept = GENERATE("store.db-backup-1", "store.db-backup-2026-11-22");
+  std::ofstream(file.folder() / kept) << "not ours";
   const auto store = file.Open();
-  REQUIRE(Strangers(file) == "store.db-mine ");
+  REQUIRE_OK(store->upkeep().BeginBackup({}));
+  REQUIRE(Strangers(file) == kept + " ");
 }
 
 TEST_CASE("Backup: can be cancelled", "[storage][backup]") {

@@ -1,5 +1,6 @@
 // A store that passes every call on to another, and with which a test can hold a build where it
-// begins or ends, or let reading the model fail, at a moment of its choice.
+// begins or ends, hold upkeep where it begins, or let reading the model fail, at a moment of its
+// choice.
 #pragma once
 
 #include <condition_variable>
@@ -33,7 +34,8 @@ class Gate {
 
 class GatedStore : public storage::MotionStore {
  public:
-  // Who reads states of clips passes `gate`, who puts a model that was built `model_gate`.
+  // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
+  // `model_gate`.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>())
       : store_(std::move(store)), gate_(std::move(gate)), model_gate_(std::move(model_gate)) {}
@@ -125,7 +127,10 @@ class GatedStore : public storage::MotionStore {
     return store_->ListOperations(database, before, limit);
   }
   storage::AccessStore& access() override { return store_->access(); }
-  storage::StoreUpkeep& upkeep() override { return store_->upkeep(); }
+  storage::StoreUpkeep& upkeep() override {
+    gate_->Pass();
+    return store_->upkeep();
+  }
 
  private:
   const std::unique_ptr<storage::MotionStore> store_;

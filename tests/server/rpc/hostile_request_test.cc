@@ -36,7 +36,8 @@ server::ServerOptions OneThread() {
 // A trained database on a server whose only request thread must not be held.
 class Victim {
  public:
-  Victim() : server_(OneThread()), query_(server_.NewStub<v1::QueryService>()) {
+  explicit Victim(const server::ServerOptions& options = OneThread())
+      : server_(options), query_(server_.NewStub<v1::QueryService>()) {
     server_.CreateTrained("db");
   }
 
@@ -233,6 +234,38 @@ TEST_CASE("Hostile request: a series that nobody reads ends with its client",
   v1::PredictSeriesResponse moment;
   REQUIRE(reader->Read(&moment));
   context.TryCancel();
+  while (reader->Read(&moment)) {
+  }
+  CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
+}
+
+TEST_CASE("Hostile request: who asks for a series and takes nothing of it is sent away",
+          "[server][rpc][hostile]") {
+  server::ServerOptions options = OneThread();
+  options.calls.longest_silence = milliseconds(300);
+  options.calls.heavy = {1, 1};
+  Victim victim(options);
+  v1::PredictSeriesRequest series;
+  series.mutable_prediction()->set_database("databases/db");
+  *series.mutable_prediction()->mutable_observation() = victim.Markers(20'000);
+  series.set_every_seconds(1.0 / 60);
+  grpc::ClientContext context;
+  const auto reader = victim.query().PredictSeries(&context, series);
+  v1::PredictSeriesResponse moment;
+  REQUIRE(reader->Read(&moment));
+  // Its place is free then.
+  *series.mutable_prediction()->mutable_observation() = ObservedWalk();
+  grpc::Status other;
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(60);
+  do {
+    grpc::ClientContext asked;
+    const auto moments = victim.query().PredictSeries(&asked, series);
+    while (moments->Read(&moment)) {
+    }
+    other = moments->Finish();
+  } while (other.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED &&
+           std::chrono::steady_clock::now() < latest);
+  CHECK(other.ok());
   while (reader->Read(&moment)) {
   }
   CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);

@@ -243,6 +243,29 @@ TEST_CASE("Observe: a client that does not read is not read from", "[server][rpc
   CHECK(stream.Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
+TEST_CASE("Observe: a client that takes no answers is sent away", "[server][rpc]") {
+  server::ServerOptions options;
+  options.listen = "127.0.0.1:0";
+  options.engine.rebuild_delay = std::chrono::milliseconds(50);
+  options.calls.longest_silence = std::chrono::milliseconds(300);
+  TestServer server(options);
+  server.CreateTrained("db");
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  Stream stream(server);
+  v1::ObserveRequest start = Start(motion);
+  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
+  REQUIRE(stream.Send(start));
+  std::int64_t sent = 0;
+  while (stream.Send(
+      Frames(motion, 0, motion.frame_count(), sent * std::int64_t{motion.frame_count()}))) {
+    ++sent;
+  }
+  v1::ObserveResponse response;
+  while (stream.Receive(response)) {
+  }
+  CHECK(stream.Finish().error_code() == grpc::StatusCode::CANCELLED);
+}
+
 TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");

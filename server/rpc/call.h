@@ -56,6 +56,7 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
     reactor->End(std::move(admission));
     return reactor;
   }
+  reactor->entry().Weigh(request->ByteSizeLong());
   reactor->entry().Post([&host, request, response, reactor] {
     CallEntry& entry = reactor->entry();
     const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};

@@ -17,6 +17,7 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kResourceLimit = 256;
+constexpr std::size_t kLargeRequest = 1 << 20;  // 40 s of 34 markers at 60 Hz
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
@@ -45,12 +46,17 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
     : host_(host),
       context_(context),
       method_(method),
+      weight_(method.weight),
       peer_(context.peer()),
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
       deadline_(Deadline(host, context, method)),
       place_(host.limits.Enter(CallWeight::kLight, AddressOf(peer_))),
       ticket_(host.gate, std::move(on_close)) {}
+
+void CallEntry::Weigh(std::size_t request_bytes) {
+  if (weight_ == CallWeight::kLight && request_bytes > kLargeRequest) weight_ = CallWeight::kHeavy;
+}
 
 grpc::Status CallEntry::Admission() const {
   if (!ticket_.admitted()) return Stopping();
@@ -61,7 +67,7 @@ grpc::Status CallEntry::Admission() const {
 
 void CallEntry::Post(std::function<void()> work) {
   Workers& workers = host_.engine.workers();
-  switch (method_.weight) {
+  switch (weight_) {
     case CallWeight::kHeavy:
       return workers.PostHeavy(std::move(work));
     case CallWeight::kUpkeep:
@@ -95,9 +101,9 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   } else {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
-  if (method_.weight != CallWeight::kLight) {
+  if (weight_ != CallWeight::kLight) {
     const std::string client = caller.principal == kAnonymous ? AddressOf(peer_) : caller.principal;
-    MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(method_.weight, client));
+    MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client));
   }
   caller_ = std::move(caller);
   return absl::OkStatus();

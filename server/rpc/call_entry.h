@@ -10,6 +10,7 @@
 #include <grpcpp/support/status.h>
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <optional>
 #include <string>
@@ -31,6 +32,10 @@ class CallEntry {
   // `on_close` as in CallGate::Ticket. The context must outlive the entry.
   CallEntry(CallHost& host, const grpc::CallbackServerContext& context, const Method& method,
             std::function<void()> on_close = {});
+
+  // A light call with a large request, such as a long motion, counts and works as a heavy one. To
+  // be told before anything else is asked.
+  void Weigh(std::size_t request_bytes);
 
   // Not OK: the call is to be refused with this. UNAVAILABLE (the server stops),
   // RESOURCE_EXHAUSTED.
@@ -79,6 +84,7 @@ class CallEntry {
   CallHost& host_;
   const grpc::CallbackServerContext& context_;
   const Method& method_;
+  CallWeight weight_;
   const std::string peer_;  // kept: gRPC may forget it when the client goes away
   const std::string request_id_;
   CallWatch watch_;

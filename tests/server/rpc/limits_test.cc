@@ -9,6 +9,7 @@
 #include "motiondb/v1/error.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
+#include "motiondb/v1/query.grpc.pb.h"
 #include "server/security/role_table.h"
 #include "tests/support/test_server.h"
 
@@ -139,6 +140,46 @@ TEST_CASE(
   CHECK(list(3 << 10, other).ok());
   CHECK(!list(1 << 20, client).ok());
   CHECK(list(3 << 10, other).ok());
+}
+
+TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[server][limits]") {
+  TestServer server(With({.heavy = {1, 1}}));
+  server.CreateTrained("db");
+  const auto clips = server.NewStub<v1::ClipService>();
+  grpc::ClientContext context;
+  v1::IngestClipResponse stored;
+  const auto ingest = clips->IngestClip(&context, &stored);
+  v1::IngestClipRequest header;
+  header.mutable_header()->set_parent("databases/db");
+  header.mutable_header()->set_file_name("late.bvh");
+  REQUIRE(ingest->Write(header));
+  const auto queries = server.NewStub<v1::QueryService>();
+  v1::RecognizeRequest short_one;
+  short_one.set_database("databases/db");
+  *short_one.mutable_observation() = ObservedWalk();
+  v1::RecognizeRequest long_one = short_one;
+  long_one.mutable_observation()->mutable_file()->mutable_data()->append(2 << 20, '\n');
+  const auto recognize = [&](const v1::RecognizeRequest& request) {
+    return Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
+  };
+  grpc::Status refused;
+  for (int tries = 0; tries < 200 && refused.ok(); ++tries) refused = recognize(long_one);
+  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+  CHECK(recognize(short_one).ok());
+  context.TryCancel();
+}
+
+TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") {
+  server::ServerOptions options = With({});
+  options.max_message_bytes = 1 << 20;
+  TestServer server(options);
+  v1::RecognizeRequest request;
+  request.set_database(std::string(2 << 20, 'x'));
+  const auto queries = server.NewStub<v1::QueryService>();
+  const grpc::Status status = Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
+  CHECK(status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  server.CreateDatabase("db");
 }
 
 TEST_CASE("Limits: a client that falls silent loses its stream", "[server][limits]") {

@@ -49,7 +49,11 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
       admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
-      refusals_(kRecordedRefusalsPerMinute, kMinute) {}
+      refusals_(kRecordedRefusalsPerMinute, kMinute) {
+  if (!options_.authentication) return;
+  const absl::Status read = tokens_.ReadAhead(NowMicroseconds());
+  if (!read.ok()) spdlog::warn("tokens are read at their first use: {}", read.ToString());
+}
 
 absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
   if (!options_.authentication) {

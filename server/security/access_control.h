@@ -24,12 +24,13 @@ struct AccessOptions {
 
 class AccessControl {
  public:
-  // The store must outlive this.
+  // The store must outlive this. Reads its tokens ahead; those that cannot be read now are when
+  // they are first used.
   AccessControl(storage::AccessStore& store, const AccessOptions& options);
 
   // UNAUTHENTICATED, saying what is lacking; RESOURCE_EXHAUSTED with RetryInfo for a token that is
-  // not known to be good, from an address that failed too often. A token that was used before goes
-  // on to work there: who shares an address with somebody who guesses is not locked out.
+  // not known to be good, from an address that failed too often. Tokens in memory (TokenBook) go on
+  // to work there: who shares an address with somebody who guesses is not locked out.
   absl::StatusOr<Caller> Authenticate(const Evidence& evidence);
   // Whether what the caller was known by still holds. UNAUTHENTICATED.
   absl::Status Recheck(const Caller& caller) const;

@@ -1,6 +1,10 @@
 #include "server/security/token_book.h"
 
+#include <algorithm>
+#include <utility>
+
 #include "core/motion/error.h"
+#include "server/engine/clock.h"
 #include "server/security/secret.h"
 
 namespace motiondb::server {
@@ -9,6 +13,8 @@ namespace {
 constexpr int kIdBytes = 6;
 constexpr int kSaltBytes = 16;
 constexpr int kSecretBytes = 32;
+constexpr std::size_t kReadAhead = 100'000;  // a few hundred bytes each
+constexpr int kPage = 1000;
 
 }  // namespace
 
@@ -26,6 +32,20 @@ absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
   return absl::OkStatus();
 }
 
+absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
+  const std::lock_guard lock(mutex_);
+  std::string after;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(auto page, store_.ListTokens(after, kPage));
+    if (page.empty()) return absl::OkStatus();
+    after = page.back().id;
+    for (storage::TokenRecord& record : page) {
+      if (known_.size() >= kReadAhead) return absl::OkStatus();
+      if (KnownToken(record).CheckHolds(now_us).ok()) Keep(std::move(record), now_us);
+    }
+  }
+}
+
 absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string& database,
                                           const std::string& description, std::int64_t now_us,
                                           std::int64_t expire_time_us) {
@@ -40,7 +60,10 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   record.description = description;
   record.create_time_us = now_us;
   record.expire_time_us = expire_time_us;
+  // Over the store's part too: nobody revokes the token there before it is in memory.
+  const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record));
+  Keep(record, now_us);
   made.secret = JoinToken(record.id, secret);
   return made;
 }
@@ -76,11 +99,22 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
     auto record = store_.GetToken(id);
     if (absl::IsNotFound(record.status())) return nullptr;
     if (!record.ok()) return record.status();
-    auto stored = std::make_shared<KnownToken>(*std::move(record));
-    if (!stored->HasSecret(token->secret)) return nullptr;
-    return known_.emplace(id, std::move(stored)).first->second;
+    if (!KnownToken(*record).HasSecret(token->secret)) return nullptr;
+    return Keep(*std::move(record), NowMicroseconds());
   }
   return found->second->HasSecret(token->secret) ? found->second : nullptr;
+}
+
+std::shared_ptr<const KnownToken> TokenBook::Keep(storage::TokenRecord record,
+                                                  std::int64_t now_us) {
+  if (known_.size() >= next_sweep_) {
+    std::erase_if(known_,
+                  [&](const auto& entry) { return !entry.second->CheckHolds(now_us).ok(); });
+    next_sweep_ = std::max(next_sweep_, known_.size() + known_.size() / 2);
+  }
+  std::string id = record.id;
+  auto token = std::make_shared<KnownToken>(std::move(record));
+  return known_.emplace(std::move(id), std::move(token)).first->second;
 }
 
 }  // namespace motiondb::server

@@ -1,8 +1,10 @@
-// The bearer tokens: made, checked and revoked. Those that were used are kept in memory, so that a
-// call costs one hash; revoking one ends it there at once. Thread-safe.
+// The bearer tokens: made, checked and revoked. Those that were read ahead, made or used are kept
+// in memory until they end, so that a call costs one hash; revoking one ends it there at once.
+// Thread-safe.
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -43,6 +45,10 @@ class TokenBook {
   // The store must outlive the book.
   explicit TokenBook(storage::AccessStore& store) : store_(store) {}
 
+  // Takes stored tokens that hold at `now_us` into memory, the oldest hundred thousand of them; the
+  // others come there when they are first used. The codes of the store.
+  absl::Status ReadAhead(std::int64_t now_us);
+
   // `now_us` is when it is made; it ends at `expire_time_us`, or never where that is 0.
   absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
                                  const std::string& description, std::int64_t now_us,
@@ -57,9 +63,14 @@ class TokenBook {
   absl::StatusOr<std::shared_ptr<const KnownToken>> Find(std::string_view text);
 
  private:
+  // Keeps a token in memory, and from time to time drops those that have ended: as many are there
+  // as there are good ones, and half of that again. REQUIRES: the mutex is held.
+  std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us);
+
   storage::AccessStore& store_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
+  std::size_t next_sweep_ = 1024;  // as many known: time to drop those that have ended
 };
 
 }  // namespace motiondb::server

@@ -4,6 +4,7 @@
 
 #include <catch2/catch.hpp>
 #include <string>
+#include <vector>
 
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
@@ -102,7 +103,10 @@ TEST_CASE("Access: who fails too often is told when to come back; others are not
           "[security]") {
   Access access({.authentication = true, .failures_per_minute = 3});
   const auto used = access.Make(Role::kReader);
-  const auto unused = access.Make(Role::kReader);
+  // In the store, but not in memory, as after a restore.
+  const auto unused =
+      server::TokenBook(access.store).Make(Role::kReader, "", "", NowMicroseconds(), 0);
+  REQUIRE(unused.ok());
   CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
   const std::string wrong = "mdb_none_" + std::string(64, '0');
   for (int i = 0; i < 3; ++i) {
@@ -111,11 +115,61 @@ TEST_CASE("Access: who fails too often is told when to come back; others are not
   const absl::Status refused = access.control.Authenticate(Bearer(wrong)).status();
   CHECK(absl::IsResourceExhausted(refused));
   CHECK(refused.GetPayload(server::kRetryInfoUrl).has_value());
-  CHECK(access.CodeOf(Bearer(unused.secret)) == absl::StatusCode::kResourceExhausted);
+  CHECK(access.CodeOf(Bearer(unused->secret)) == absl::StatusCode::kResourceExhausted);
   CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
-  CHECK(access.CodeOf(Bearer(unused.secret, "10.0.0.2")) == absl::StatusCode::kOk);
+  CHECK(access.CodeOf(Bearer(unused->secret, "10.0.0.2")) == absl::StatusCode::kOk);
   // A call without a token is no guess.
   CHECK(access.CodeOf({"", "", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
+}
+
+TEST_CASE("Access: guessers do not lock out a token that was never used, nor after a restart",
+          "[security]") {
+  Access access({.authentication = true, .failures_per_minute = 1});
+  const std::string wrong = "mdb_none_" + std::string(64, '0');
+  const auto before = access.Make(Role::kReader);
+  const auto ended = access.Make(Role::kReader, "", 1);
+  const auto revoked = access.Make(Role::kReader);
+  REQUIRE(access.control.tokens().Revoke(revoked.record.id, NowMicroseconds()).ok());
+  CHECK(access.CodeOf(Bearer(wrong)) == absl::StatusCode::kUnauthenticated);
+  CHECK(access.CodeOf(Bearer(wrong)) == absl::StatusCode::kResourceExhausted);
+  CHECK(access.CodeOf(Bearer(before.secret)) == absl::StatusCode::kOk);
+  const auto during = access.Make(Role::kReader);
+  CHECK(access.CodeOf(Bearer(during.secret)) == absl::StatusCode::kOk);
+
+  AccessControl next(access.store, {.authentication = true, .failures_per_minute = 1});
+  CHECK(absl::IsUnauthenticated(next.Authenticate(Bearer(wrong)).status()));
+  CHECK(absl::IsResourceExhausted(next.Authenticate(Bearer(wrong)).status()));
+  CHECK(next.Authenticate(Bearer(before.secret)).ok());
+  CHECK(next.Authenticate(Bearer(during.secret)).ok());
+  for (const auto* token : {&ended, &revoked}) {
+    CHECK(absl::IsResourceExhausted(next.Authenticate(Bearer(token->secret)).status()));
+  }
+}
+
+TEST_CASE("Access: more tokens than a page of the store are read ahead; those that ended go",
+          "[security]") {
+  InMemoryAccessStore store;
+  server::TokenBook book(store);
+  std::vector<std::string> secrets;
+  for (int i = 0; i < 2100; ++i) {
+    const std::int64_t expire_time_us = i % 2 == 0 ? 0 : 20;
+    const auto made = book.Make(Role::kReader, "", "", 10, expire_time_us);
+    REQUIRE(made.ok());
+    secrets.push_back(made->secret);
+  }
+  server::TokenBook next(store);
+  REQUIRE(next.ReadAhead(30).ok());
+  for (std::size_t i = 0; i < secrets.size(); ++i) {
+    INFO(i);
+    CHECK((next.FindInMemory(secrets[i]) != nullptr) == (i % 2 == 0));
+  }
+  // The first book takes one more after they ended, and so makes room.
+  REQUIRE(book.Make(Role::kReader, "", "", 30, 0).ok());
+  while (book.FindInMemory(secrets[1]) != nullptr) {
+    REQUIRE(book.Make(Role::kReader, "", "", 30, 0).ok());
+    REQUIRE(store.ListTokens("", 10'000)->size() < 5000);
+  }
+  CHECK(book.FindInMemory(secrets[0]) != nullptr);
 }
 
 TEST_CASE("Access: the administrator's token of a file counts", "[security]") {

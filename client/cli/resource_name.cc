@@ -1,5 +1,7 @@
 #include "client/cli/resource_name.h"
 
+#include <string_view>
+
 namespace motiondb::client {
 namespace {
 
@@ -27,7 +29,13 @@ std::string SkeletonName(const std::string& database, const std::string& given) 
 
 std::string OperationName(const std::string& given) { return InCollection("operations/", given); }
 
-std::string TokenName(const std::string& given) { return InCollection("tokens/", given); }
+std::string TokenName(const std::string& given) {
+  const std::string name = InCollection("tokens/", given);
+  const std::string_view prefix = "tokens/mdb_";
+  if (name.rfind(prefix, 0) != 0) return name;
+  const std::size_t begin = prefix.size();
+  return "tokens/" + name.substr(begin, name.find('_', begin) - begin);
+}
 
 std::string ShortName(const std::string& name) { return name.substr(name.rfind('/') + 1); }
 

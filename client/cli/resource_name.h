@@ -17,7 +17,8 @@ std::string SkeletonName(const std::string& database, const std::string& given);
 // "17" -> "operations/17"; a full name stays as it is.
 std::string OperationName(const std::string& given);
 
-// "5e1f" -> "tokens/5e1f"; a full name stays as it is.
+// "5e1f" -> "tokens/5e1f"; a full name stays as it is. Of the token itself, "mdb_5e1f_{secret}",
+// which somebody may paste, the id alone.
 std::string TokenName(const std::string& given);
 
 // The last part: what a person calls it.

@@ -5,7 +5,9 @@
 #include "server/engine/clock.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
+#include "server/security/secret.h"
 #include "server/translate/access_message.h"
+#include "server/translate/field_violation.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
 
@@ -47,7 +49,12 @@ absl::Status ListTokens(const Call& call, const v1::ListTokensRequest& request,
 
 absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request,
                          v1::RevokeTokenResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseTokenName("name", request.name()));
+  const std::string name = WithoutSecrets(request.name());
+  if (name != request.name()) {
+    return FieldViolation("name", "expected tokens/{{token}}, the id without the secret, got '{}'",
+                          name);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseTokenName("name", name));
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.entry.access().tokens().Revoke(id, NowMicroseconds()));
   SetToken(record, *response.mutable_token());

@@ -7,6 +7,7 @@
 #include "server/engine/clock.h"
 #include "server/rpc/call_evidence.h"
 #include "server/security/authorize.h"
+#include "server/security/secret.h"
 #include "server/translate/field_text.h"
 #include "server/translate/request_info.h"
 #include "server/translate/resource_name.h"
@@ -156,7 +157,7 @@ storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   record.principal = principal_;
   record.peer = AddressOf(peer_);
   record.method = method_.name;
-  record.resource = ValidUtf8(resource_, kResourceLimit);
+  record.resource = ValidUtf8(WithoutSecrets(resource_), kResourceLimit);
   record.code = code;
   record.request_id = request_id_;
   return record;

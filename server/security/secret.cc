@@ -5,8 +5,9 @@
 #include <openssl/rand.h>
 #include <openssl/sha.h>
 
-#include <vector>
+#include <algorithm>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 
 namespace motiondb::server {
@@ -46,6 +47,26 @@ std::optional<BearerToken> SplitToken(std::string_view text) {
 
 std::string JoinToken(std::string_view id, std::string_view secret) {
   return fmt::format("{}{}_{}", kPrefix, id, secret);
+}
+
+std::string WithoutSecrets(std::string_view text) {
+  std::string shown;
+  while (true) {
+    const std::size_t begin = text.find(kPrefix);
+    if (begin == std::string_view::npos) return shown.append(text);
+    const std::string_view id = text.substr(begin + kPrefix.size(), 2 * kTokenIdBytes);
+    const std::size_t end = begin + kPrefix.size() + id.size() + 1;
+    if (end > text.size() || text[end - 1] != '_' || !std::ranges::all_of(id, [](char c) {
+          return absl::ascii_isxdigit(static_cast<unsigned char>(c));
+        })) {
+      // No token's beginning: another may begin right after its first letter.
+      shown.append(text.substr(0, begin + 1));
+      text.remove_prefix(begin + 1);
+      continue;
+    }
+    shown.append(text.substr(0, end)).append("...");
+    text.remove_prefix(std::min(text.find('/', end), text.size()));
+  }
 }
 
 }  // namespace motiondb::server

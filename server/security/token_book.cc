@@ -10,7 +10,6 @@
 namespace motiondb::server {
 namespace {
 
-constexpr int kIdBytes = 6;
 constexpr int kSaltBytes = 16;
 constexpr int kSecretBytes = 32;
 constexpr std::size_t kReadAhead = 100'000;  // a few hundred bytes each
@@ -51,7 +50,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
                                           std::int64_t expire_time_us) {
   MadeToken made;
   storage::TokenRecord& record = made.record;
-  MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(kIdBytes));
+  MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(kTokenIdBytes));
   MOTIONDB_ASSIGN_OR_RETURN(record.salt, RandomHex(kSaltBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const std::string secret, RandomHex(kSecretBytes));
   record.secret_hash = HashSecret(record.salt, secret);

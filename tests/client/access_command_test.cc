@@ -74,6 +74,18 @@ TEST_CASE("motiondb token list and revoke", "[client][cli]") {
   CHECK(server.Requests<v1::RevokeTokenRequest>("RevokeToken")[0].name() == "tokens/1f");
 }
 
+TEST_CASE("motiondb token revoke: of a token that was pasted whole, the id alone is sent",
+          "[client][cli]") {
+  FakeServer server;
+  v1::RevokeTokenResponse revoked;
+  *revoked.mutable_token() = Reader();
+  for (const char* given : {"mdb_1f_00ff", "tokens/mdb_1f_00ff", "mdb_1f", "tokens/1f"}) {
+    server.Answer("RevokeToken", revoked);
+    CHECK(RunMotiondb(server.address(), {"token", "revoke", given}).exit_code == 0);
+    CHECK(server.Requests<v1::RevokeTokenRequest>("RevokeToken").back().name() == "tokens/1f");
+  }
+}
+
 TEST_CASE("TokensText: which are good", "[client]") {
   v1::Token revoked = Reader();
   revoked.mutable_revoke_time()->set_seconds(1'500);

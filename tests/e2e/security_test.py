@@ -158,7 +158,9 @@ class SecurityTest(unittest.TestCase):
         listed = [json.loads(line) for line in
                   self.ok("token", "list", "--json", token=self.admin, flags=by_tls).splitlines()]
         self.assertEqual(len(listed), 3)
-        self.ok("token", "revoke", listed[0]["name"], token=self.admin, flags=by_tls)
+        # Also by the whole of it, pasted: its secret goes no further than the command line.
+        revoked = self.ok("token", "revoke", self.reader, token=self.admin, flags=by_tls)
+        self.assertEqual(revoked, "revoked " + listed[0]["name"] + "\n")
         self.assertIn("was revoked", self.refused(*recognize, token=self.reader, flags=by_tls))
 
         audit = self.ok("audit", token=self.admin, flags=by_tls)

@@ -7,6 +7,7 @@
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -121,6 +122,34 @@ TEST_CASE("RevokeToken: ends a token that is in use, at once and for good", "[se
   request.set_name("tokens/none");
   CHECK(Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.error_code() ==
         StatusCode::NOT_FOUND);
+}
+
+TEST_CASE("RevokeToken: a secret in the name is in no record, log or error", "[security][rpc]") {
+  TestServer server;
+  const auto made = Make(server, Wanted(v1::ROLE_READER)).response;
+  const std::string secret = made.secret().substr(made.secret().rfind('_') + 1);
+  const auto stub = server.NewStub<v1::AccessService>();
+  const CapturedLog log(spdlog::level::debug);
+  for (const std::string& name : {"tokens/" + made.secret(), made.secret(),
+                                  "tokens/" + made.secret() + "/x", "databases/" + made.secret()}) {
+    INFO(name);
+    v1::RevokeTokenRequest request;
+    request.set_name(name);
+    const grpc::Status status = Ask(*stub, &Access::RevokeToken, request).status;
+    CHECK(ViolatedFields(status) == "name");
+    CHECK(status.error_message().find("mdb_" + made.token().name().substr(7) + "_...") !=
+          std::string::npos);
+    CHECK(status.error_message().find(secret) == std::string::npos);
+    CHECK(status.error_details().find(secret) == std::string::npos);
+  }
+  const auto audit = Ask(*stub, &Access::ListAuditEntries, v1::ListAuditEntriesRequest());
+  REQUIRE(audit.response.entries_size() == 5);
+  CHECK(audit.response.entries(3).resource() ==
+        "tokens/mdb_" + made.token().name().substr(7) + "_...");
+  CHECK(audit.response.DebugString().find(secret) == std::string::npos);
+  server.Stop();
+  CHECK(log.text().find("AccessService.RevokeToken") != std::string::npos);
+  CHECK(log.text().find(secret) == std::string::npos);
 }
 
 TEST_CASE("Tokens of one database: lists show that alone", "[security][rpc]") {

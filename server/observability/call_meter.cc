@@ -98,6 +98,8 @@ void CallMeter::End(Method& method, CallKind kind, absl::StatusCode code, double
   if (code == absl::StatusCode::kUnauthenticated) authentication_failures_.Increment();
 }
 
+void CallMeter::CountRefusedAttempt() { authentication_failures_.Increment(); }
+
 std::int64_t CallMeter::Sum(const std::function<bool(absl::StatusCode)>& counts) const {
   double sum = 0;
   for (const auto& [name, method] : methods_) {

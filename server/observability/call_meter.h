@@ -61,7 +61,10 @@ class CallMeter {
   Method& Find(std::string_view name);
 
   void Begin(CallKind kind);
+  // UNAUTHENTICATED counts as a failure to authenticate.
   void End(Method& method, CallKind kind, absl::StatusCode code, double seconds);
+  // One more failure to authenticate, of a call that ends otherwise: it was not even looked at.
+  void CountRefusedAttempt();
 
   // Calls ended, and of these those that failed by the server's own fault.
   std::int64_t ended() const;

@@ -90,8 +90,7 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   }
   const CallRule& rule = *method_.rule;
   if (rule.recorded) resource_ = Subject(request);
-  MOTIONDB_ASSIGN_OR_RETURN(Caller caller,
-                            host_.access.Authenticate(EvidenceOf(context_, AddressOf(peer_))));
+  MOTIONDB_ASSIGN_OR_RETURN(Caller caller, Authenticate());
   principal_ = caller.principal;
   const std::string touched = caller.database.empty() ? "" : Subject(request);
   if (rule.scope == Scope::kOperation && !touched.empty()) {
@@ -108,6 +107,12 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   }
   caller_ = std::move(caller);
   return absl::OkStatus();
+}
+
+absl::StatusOr<Caller> CallEntry::Authenticate() {
+  auto caller = host_.access.Authenticate(EvidenceOf(context_, AddressOf(peer_)));
+  if (absl::IsResourceExhausted(caller.status())) host_.monitor.calls().CountRefusedAttempt();
+  return caller;
 }
 
 absl::Status CallEntry::Recheck() const {

@@ -16,6 +16,7 @@
 #include <string>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "server/observability/call_watch.h"
 #include "server/rpc/call_host.h"
@@ -78,6 +79,7 @@ class CallEntry {
   storage::AuditRecord RecordWithChange(std::string resource);
 
  private:
+  absl::StatusOr<Caller> Authenticate();
   std::string Subject(const google::protobuf::Message& request) const;
   storage::AuditRecord Record(grpc::StatusCode code) const;
 

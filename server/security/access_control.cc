@@ -49,7 +49,8 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
       admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
-      refusals_(kRecordedRefusalsPerMinute, kMinute) {
+      refusals_(kRecordedRefusalsPerMinute, kMinute),
+      warnings_(1, kMinute) {
   if (!options_.authentication) return;
   const absl::Status read = tokens_.ReadAhead(NowMicroseconds());
   if (!read.ok()) spdlog::warn("tokens are read at their first use: {}", read.ToString());
@@ -64,8 +65,9 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
     return Caller{.principal = fmt::format("certificate:{}", evidence.common_name),
                   .role = *options_.certificate_role};
   }
-  return absl::UnauthenticatedError(
-      "a token is needed: send the header `authorization: Bearer {token}`");
+  return Fail("no token", evidence.address,
+              absl::UnauthenticatedError(
+                  "a token is needed: send the header `authorization: Bearer {token}`"));
 }
 
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
@@ -76,13 +78,22 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
   if (token == nullptr) {
     const milliseconds wait = failures_.Wait(SourceOf(address));
     if (wait.count() > 0) {
-      return RetryLater(wait, "too many wrong tokens from {}: try again in {:.0f} s", address,
-                        std::chrono::duration<double>(wait).count());
+      return Fail("too many wrong tokens", address,
+                  RetryLater(wait, "too many wrong tokens from {}: try again in {:.0f} s", address,
+                             std::chrono::duration<double>(wait).count()));
     }
     MOTIONDB_ASSIGN_OR_RETURN(token, tokens_.Find(bearer));
   }
-  if (token == nullptr) return Fail(address);
-  MOTIONDB_RETURN_IF_ERROR(token->CheckHolds(NowMicroseconds()));
+  if (token == nullptr) {
+    failures_.Count(SourceOf(address));
+    return Fail("a wrong token", address,
+                absl::UnauthenticatedError("the token is not one of this server's"));
+  }
+  if (absl::Status held = token->CheckHolds(NowMicroseconds()); !held.ok()) {
+    const std::string what =
+        fmt::format("a token that has ended ({})", std::string(held.message()));
+    return Fail(what, address, std::move(held));
+  }
   const storage::TokenRecord& record = token->record();
   return Caller{fmt::format("tokens/{}", record.id), record.role, record.database, token};
 }
@@ -102,10 +113,12 @@ bool AccessControl::ReplaceAdminToken(const std::string& token) {
   return true;
 }
 
-absl::Status AccessControl::Fail(const std::string& address) {
-  failures_.Count(SourceOf(address));
-  spdlog::warn("a wrong token from {}", address);
-  return absl::UnauthenticatedError("the token is not one of this server's");
+absl::Status AccessControl::Fail(std::string_view what, const std::string& address,
+                                 absl::Status status) {
+  if (warnings_.Count(fmt::format("{} {}", SourceOf(address), what))) {
+    spdlog::warn("{} from {}", what, address);
+  }
+  return status;
 }
 
 absl::Status AccessControl::Recheck(const Caller& caller) const {

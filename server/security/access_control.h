@@ -5,6 +5,7 @@
 #include <optional>
 #include <shared_mutex>
 #include <string>
+#include <string_view>
 
 #include "absl/status/statusor.h"
 #include "server/security/attempt_limit.h"
@@ -30,7 +31,8 @@ class AccessControl {
 
   // UNAUTHENTICATED, saying what is lacking; RESOURCE_EXHAUSTED with RetryInfo for a token that is
   // not known to be good, from an address that failed too often. Tokens in memory (TokenBook) go on
-  // to work there: who shares an address with somebody who guesses is not locked out.
+  // to work there: who shares an address with somebody who guesses is not locked out. What fails is
+  // logged with the address, once a minute for each kind of failure, and never with the token.
   absl::StatusOr<Caller> Authenticate(const Evidence& evidence);
   // Whether what the caller was known by still holds. UNAUTHENTICATED.
   absl::Status Recheck(const Caller& caller) const;
@@ -51,7 +53,8 @@ class AccessControl {
   absl::StatusOr<Caller> ByToken(const std::string& bearer, const std::string& address);
   // Null if it is not the administrator's.
   std::shared_ptr<const KnownToken> FindAdminToken(const std::string& bearer) const;
-  absl::Status Fail(const std::string& address);
+  // Logs it and returns `status`. `what` the caller at the address showed: the kind of failure.
+  absl::Status Fail(std::string_view what, const std::string& address, absl::Status status);
 
   storage::AccessStore& store_;
   const AccessOptions options_;
@@ -60,6 +63,7 @@ class AccessControl {
   TokenBook tokens_;
   AttemptLimit failures_;
   AttemptLimit refusals_;
+  AttemptLimit warnings_;
 };
 
 }  // namespace motiondb::server

@@ -6,6 +6,7 @@ import subprocess
 import tempfile
 import time
 import unittest
+import urllib.request
 
 import programs
 from figure import write_bvh
@@ -53,7 +54,11 @@ class SecureServer:
             [programs.MOTIONDBD, "--store", store, "--listen", listen, "--log-level", "debug",
              "--rebuild-delay", "0.05", *flags],
             stdout=subprocess.PIPE, stderr=self.log_file, text=True)
-        self.address = self.process.stdout.readline().strip().rsplit(" ", 1)[-1]
+        for line in self.process.stdout:
+            self.address = line.strip().rsplit(" ", 1)[-1]
+            if line.startswith("motiondbd: listening on "):
+                break
+            self.metrics = self.address  # where an option asks for them
 
     def stop(self):
         self.process.terminate()
@@ -262,12 +267,19 @@ class SecurityTest(unittest.TestCase):
 
     def test_failed_attempts_are_limited(self):
         self.make_store()
-        self.start("--authentication", "token", "--failures-per-minute", "3")
+        self.start("--authentication", "token", "--failures-per-minute", "3",
+                   "--http-listen", "127.0.0.1:0")
         self.ok("list", token=self.reader)
         for _ in range(3):
             self.assertIn("not one of this server's", self.refused("list", token="mdb_0_0"))
         self.assertIn("too many wrong tokens from 127.0.0.1", self.refused("list", token="mdb_0_0"))
         self.ok("list", token=self.reader)  # who is known goes on
+        self.ok("list", token=self.stranger)  # also who was not seen before
+        self.assertIn("a wrong token from 127.0.0.1", self.server.log())
+        self.assertIn("too many wrong tokens from 127.0.0.1", self.server.log())
+        # What is refused unseen counts, so that an alert sees one guesser.
+        with urllib.request.urlopen(self.server.metrics, timeout=30) as answer:
+            self.assertIn("motiondb_authentication_failures_total 4\n", answer.read().decode())
 
     def test_it_does_not_start_in_the_open(self):
         said = self.start_fails(listen="0.0.0.0:0")

@@ -95,6 +95,8 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
                  Contains("motiondb_request_seconds_count{method=\"QueryService.Plan\"} 1\n") &&
                  Contains("motiondb_authentication_failures_total 1\n") &&
                  Contains("motiondb_open_requests 0\n") && Contains("motiondb_open_streams 0\n"));
+  monitor.calls().CountRefusedAttempt();
+  CHECK_THAT(monitor.Exposition(), Contains("motiondb_authentication_failures_total 2\n"));
   CHECK(monitor.calls().failed() == 0);
   CallWatch(monitor, "QueryService.Plan", CallKind::kWork)
       .End(StatusCode::kInternal, "", "id", "peer");

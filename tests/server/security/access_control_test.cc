@@ -2,6 +2,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "server/security/secret.h"
 #include "server/translate/retry_info.h"
 #include "tests/storage/in_memory_access_store.h"
+#include "tests/support/captured_log.h"
 
 namespace motiondb::tests {
 namespace {
@@ -120,6 +122,39 @@ TEST_CASE("Access: who fails too often is told when to come back; others are not
   CHECK(access.CodeOf(Bearer(unused->secret, "10.0.0.2")) == absl::StatusCode::kOk);
   // A call without a token is no guess.
   CHECK(access.CodeOf({"", "", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
+}
+
+TEST_CASE("Access: every kind of failure is a warning with its address, once a minute",
+          "[security]") {
+  Access access({.authentication = true, .failures_per_minute = 1});
+  const auto expired = access.Make(Role::kReader, "", 1);
+  const auto revoked = access.Make(Role::kReader);
+  REQUIRE(access.control.tokens().Revoke(revoked.record.id, NowMicroseconds()).ok());
+  const std::string wrong = "mdb_none_" + std::string(64, '0');
+  const CapturedLog log(spdlog::level::debug);
+  for (const std::string address : {"10.0.0.1", "10.0.0.2"}) {
+    for (int i = 0; i < 5; ++i) {
+      access.CodeOf({"", "", address});
+      access.CodeOf(Bearer(expired.secret, address));
+      access.CodeOf(Bearer(revoked.secret, address));
+      access.CodeOf(Bearer(wrong, address));  // once looked at, then refused
+    }
+  }
+  const std::string text = log.text();
+  INFO(text);
+  CHECK(std::ranges::count(text, '\n') == 10);
+  for (const std::string& what :
+       {std::string("no token"), std::string("a wrong token"), std::string("too many wrong tokens"),
+        "a token that has ended (tokens/" + expired.record.id + " has expired)",
+        "a token that has ended (tokens/" + revoked.record.id + " was revoked)"}) {
+    for (const char* address : {"10.0.0.1", "10.0.0.2"}) {
+      CHECK(text.find("\"" + what + " from " + address + "\"") != std::string::npos);
+    }
+  }
+  CHECK(text.find(std::string(64, '0')) == std::string::npos);
+  for (const auto* token : {&expired, &revoked}) {
+    CHECK(text.find(std::string(server::SplitToken(token->secret)->secret)) == std::string::npos);
+  }
 }
 
 TEST_CASE("Access: guessers do not lock out a token that was never used, nor after a restart",

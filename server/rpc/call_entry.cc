@@ -121,6 +121,13 @@ absl::Status CallEntry::Recheck() const {
 }
 
 grpc::Status CallEntry::Silent() const {
+  if (!checked_) {
+    return {grpc::StatusCode::DEADLINE_EXCEEDED,
+            fmt::format("nothing came for the {:g} s that a client may be silent before its first "
+                        "message (--silence-limit, at most {:g} s there)",
+                        Seconds(host_.limits.first_silence()),
+                        Seconds(host_.limits.options().longest_first_silence))};
+  }
   return {grpc::StatusCode::DEADLINE_EXCEEDED,
           fmt::format("nothing came or went for the {:g} s that a client may be silent "
                       "(--silence-limit)",

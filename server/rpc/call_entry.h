@@ -55,8 +55,8 @@ class CallEntry {
   // Whether the caller still may, for each further message of a stream. UNAUTHENTICATED.
   absl::Status Recheck() const;
 
-  // What a call ends with whose client, for as long as it may, sent nothing or took nothing:
-  // DEADLINE_EXCEEDED.
+  // What a call ends with whose client, for as long as it may, sent nothing, before the first
+  // message or after another, or took nothing: DEADLINE_EXCEEDED.
   grpc::Status Silent() const;
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with

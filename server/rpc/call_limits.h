@@ -3,6 +3,7 @@
 // outlives its slots.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <map>
@@ -27,6 +28,8 @@ struct CallLimitOptions {
   std::chrono::milliseconds longest_call{600'000};
   // That a client which sends a stream may stay silent.
   std::chrono::milliseconds longest_silence{300'000};
+  // That it may before its first message, if that is less: nobody knows yet who it is.
+  std::chrono::milliseconds longest_first_silence{10'000};
   int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
 };
 
@@ -53,6 +56,10 @@ class CallLimits {
       : options_(options), limits_{options.calls, options.heavy, options.streams} {}
 
   const CallLimitOptions& options() const { return options_; }
+  // How long a client may be silent before its first message.
+  std::chrono::milliseconds first_silence() const {
+    return std::min(options_.longest_silence, options_.longest_first_silence);
+  }
 
   // kLight counts calls of every weight, so a heavy one or a stream enters twice.
   // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.

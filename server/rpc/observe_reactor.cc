@@ -22,10 +22,10 @@ class ObserveReactor final
       : engine_(host.engine),
         context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
-        silence_(engine_.workers().request_executor(), host.limits.options().longest_silence,
-                 [this] { EndSilence(); }) {
+        silence_(engine_.workers().request_executor(), host.limits.first_silence(),
+                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); admission.ok()) {
-      Read();
+      StartReading();
     } else {
       End(std::move(admission));
     }
@@ -74,6 +74,10 @@ class ObserveReactor final
   void Read() {
     if (stopping_) return End(Stopping());
     silence_.Restart();
+    StartReading();
+  }
+
+  void StartReading() {
     Do(Turn::kClient, [this] { StartRead(&request_); });
   }
 
@@ -88,23 +92,25 @@ class ObserveReactor final
   // answered.
   void Stop() {
     stopping_ = true;
-    EndInClientsTurn(Stopping());
+    EndInClientsTurn(Stopping);
   }
 
   void EndSilence() {
     // A status would wait behind the answer that the client does not take.
-    if (!writing_) return EndInClientsTurn(entry_.Silent());
+    if (!writing_) return EndInClientsTurn([this] { return entry_.Silent(); });
     silent_ = true;
     context_.TryCancel();
   }
 
-  void EndInClientsTurn(grpc::Status status) {
+  // `status_of` is asked when nobody else works on the call any more.
+  template <typename StatusOf>
+  void EndInClientsTurn(StatusOf status_of) {
     {
       const std::lock_guard lock(mutex_);
       if (turn_ != Turn::kClient) return;
       turn_ = Turn::kNobody;
     }
-    Finish(entry_.End(std::move(status)));
+    Finish(entry_.End(status_of()));
   }
 
   absl::Status Take() {

@@ -9,21 +9,24 @@ namespace motiondb::server {
 using Clock = std::chrono::steady_clock;
 
 struct SilenceLimit::State {
-  State(const Workers::Executor& executor, std::chrono::milliseconds time,
-        std::function<void()> to_tell)
-      : timer(executor), longest(time), on_silence(std::move(to_tell)) {}
+  State(const Workers::Executor& executor, std::chrono::milliseconds first,
+        std::chrono::milliseconds further, std::function<void()> to_tell)
+      : timer(executor),
+        longest(further),
+        latest(Clock::now() + first),
+        on_silence(std::move(to_tell)) {}
 
   std::recursive_mutex mutex;  // who is told may destroy the limit
   boost::asio::steady_timer timer;
   const std::chrono::milliseconds longest;
-  Clock::time_point latest = Clock::now() + longest;
+  Clock::time_point latest;
   const std::function<void()> on_silence;
   bool over = false;
 };
 
-SilenceLimit::SilenceLimit(const Workers::Executor& executor, std::chrono::milliseconds longest,
-                           std::function<void()> on_silence)
-    : state_(std::make_shared<State>(executor, longest, std::move(on_silence))) {
+SilenceLimit::SilenceLimit(const Workers::Executor& executor, std::chrono::milliseconds first,
+                           std::chrono::milliseconds longest, std::function<void()> on_silence)
+    : state_(std::make_shared<State>(executor, first, longest, std::move(on_silence))) {
   const std::lock_guard lock(state_->mutex);
   Wait(state_);
 }

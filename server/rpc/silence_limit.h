@@ -12,10 +12,11 @@ namespace motiondb::server {
 
 class SilenceLimit {
  public:
-  // Calls `on_silence` each time that `longest` has passed since the last Restart, and not while or
-  // after the limit is destroyed, which it may do itself.
-  SilenceLimit(const Workers::Executor& executor, std::chrono::milliseconds longest,
-               std::function<void()> on_silence);
+  // Calls `on_silence` when `first` has passed without a Restart, and from then on each time that
+  // `longest` has since the last one; not while or after the limit is destroyed, which it may do
+  // itself.
+  SilenceLimit(const Workers::Executor& executor, std::chrono::milliseconds first,
+               std::chrono::milliseconds longest, std::function<void()> on_silence);
   ~SilenceLimit();
   SilenceLimit(const SilenceLimit&) = delete;
   SilenceLimit& operator=(const SilenceLimit&) = delete;

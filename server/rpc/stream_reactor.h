@@ -34,7 +34,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
         call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor},
         context_(*context),
         silence_(host.engine.workers().request_executor(), host.limits.options().longest_silence,
-                 [this] { EndSilence(); }) {
+                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;

@@ -33,13 +33,13 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   UploadReactor(CallHost& host, grpc::CallbackServerContext& context, Taking taking)
       : entry_(host, context, MethodOf<Request>()),
         taking_(taking),
-        silence_(host.engine.workers().request_executor(), host.limits.options().longest_silence,
-                 [this] { EndSilence(); }) {
+        silence_(host.engine.workers().request_executor(), host.limits.first_silence(),
+                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;
     }
-    Read();
+    StartReading();
   }
   ~UploadReactor() override = default;
 
@@ -53,6 +53,9 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
  private:
   void Read() {
     silence_.Restart();
+    StartReading();
+  }
+  void StartReading() {
     reading_ = true;
     this->StartRead(&message_);
   }

@@ -53,7 +53,8 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
              "Time after which any call but a stream of frames ends")
       ->group("Limits");
   AddSeconds(app, "--silence-limit", calls.longest_silence, 86400,
-             "Time without a message after which a client's stream ends")
+             "Time without a message after which a client's stream ends; before its first at most "
+             "10 s")
       ->group("Limits");
 }
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
@@ -10,6 +11,7 @@
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
+#include "motiondb/v1/store.grpc.pb.h"
 #include "server/security/role_table.h"
 #include "tests/support/test_server.h"
 
@@ -215,6 +217,41 @@ TEST_CASE("Limits: an ingest that is never finished stores nothing and ends", "[
   // Nobody waits for it any more: the next clip has its model soon.
   const auto next = server.IngestFigure("db", "squat", "squat", {});
   CHECK(server.Wait(next.operation().name()).done());
+}
+
+TEST_CASE("Limits: a stream without its first message holds no place for long",
+          "[server][limits]") {
+  auto options = With({.longest_first_silence = milliseconds(200)});
+  options.security.authentication = server::Authentication::kToken;
+  TestServer server(options);
+  const auto end_of = [](const auto& stream) {
+    const grpc::Status status = stream->Finish();
+    INFO(status.error_message());
+    CHECK(status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+    CHECK(status.error_message().find("0.2 s that a client may be silent before its first") !=
+          std::string::npos);
+  };
+  grpc::ClientContext observing, ingesting, restoring;
+  v1::IngestClipResponse ingested;
+  v1::RestoreStoreResponse restored;
+  const auto observe = server.NewStub<v1::ObserveService>()->Observe(&observing);
+  const auto ingest = server.NewStub<v1::ClipService>()->IngestClip(&ingesting, &ingested);
+  const auto restore = server.NewStub<v1::StoreService>()->RestoreStore(&restoring, &restored);
+  end_of(observe);
+  end_of(ingest);
+  end_of(restore);
+}
+
+TEST_CASE("Limits: after its first message a stream may be silent for longer", "[server][limits]") {
+  TestServer server(With({.longest_first_silence = milliseconds(200)}));
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ObserveService>();
+  grpc::ClientContext context;
+  const auto stream = stub->Observe(&context);
+  REQUIRE(stream->Write(Start()));
+  std::this_thread::sleep_for(milliseconds(600));
+  stream->WritesDone();
+  CHECK(stream->Finish().ok());
 }
 
 TEST_CASE("Limits: a call ends when the server's time is up", "[server][limits]") {

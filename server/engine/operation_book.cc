@@ -27,6 +27,11 @@ void MakePending(OperationRecord& record) {
   record.stage = "waiting";
 }
 
+void LogUnstored(const std::string& id, const absl::Status& error) {
+  spdlog::error("operation {} could not be stored, and is kept in memory alone: {}", id,
+                error.ToString());
+}
+
 }  // namespace
 
 absl::StatusOr<OperationRecord> OperationBook::Create(const std::string& database) {
@@ -40,9 +45,13 @@ absl::StatusOr<OperationRecord> OperationBook::Create(const std::string& databas
 absl::StatusOr<OperationRecord> OperationBook::Adopt(OperationRecord record) {
   MakePending(record);
   record.update_time_us = NowMicroseconds();
-  MOTIONDB_RETURN_IF_ERROR(store_.PutOperation(record));
+  const absl::Status stored = store_.PutOperation(record);
+  if (absl::IsNotFound(stored)) return stored;
+  if (!stored.ok()) LogUnstored(record.id, stored);
   const std::lock_guard lock(mutex_);
-  live_[record.id].record = record;
+  Live& live = live_[record.id];
+  live.record = record;
+  live.stored = stored.ok();
   return record;
 }
 
@@ -110,25 +119,28 @@ void OperationBook::Abandon(const std::string& id) {
          [](OperationRecord& record) { record.state = OperationState::kCancelled; });
 }
 
-// Stored first, seen after: what a client was told survives the server. The changes of one
-// operation come one after another, so nothing is lost between the two.
+// Stored first, seen after: what a client was told survives the server, if there was room for it.
+// The changes of one operation come one after another, so nothing is lost between the two.
 void OperationBook::Change(const std::string& id, Durability durability,
                            const std::function<void(OperationRecord&)>& change) {
   OperationRecord record;
+  bool is_stored = false;
   {
     const std::lock_guard lock(mutex_);
     const auto live = live_.find(id);
     if (live == live_.end()) return;
     record = live->second.record;
+    is_stored = live->second.stored;
   }
   change(record);
   record.update_time_us = NowMicroseconds();
   absl::Status stored;
-  if (durability == Durability::kStored) stored = store_.PutOperation(record);
-  // A database that was deleted took the rows of its operations with it.
-  const bool is_moot = absl::IsNotFound(stored);
-  if (!stored.ok() && !is_moot) {
-    spdlog::error("operation {} could not be stored: {}", id, stored.ToString());
+  if (durability == Durability::kStored) {
+    stored = store_.PutOperation(record);
+    // A database that was deleted took the rows of its operations with it.
+    if (absl::IsNotFound(stored)) stored = absl::OkStatus();
+    if (is_stored && !stored.ok()) LogUnstored(id, stored);
+    is_stored = stored.ok();
   }
   std::map<std::uint64_t, Watcher> watchers;
   {
@@ -136,10 +148,11 @@ void OperationBook::Change(const std::string& id, Durability durability,
     const auto live = live_.find(id);
     if (live == live_.end()) return;
     live->second.record = record;
+    live->second.stored = is_stored;
     if (record.done()) {
       watchers = std::exchange(live->second.watchers, {});
       // Elsewise this is the only place that knows how it ended.
-      if (stored.ok() || is_moot) live_.erase(live);
+      if (stored.ok()) live_.erase(live);
     }
   }
   for (const auto& [key, watcher] : watchers) watcher(record);

@@ -1,5 +1,7 @@
 // The operations: each is a row in the store, and those not done are kept here too, with their fine
-// progress and those who wait for them. Thread-safe. Callbacks run on the thread that ends an
+// progress and those who wait for them. One that cannot be stored, on a full disk for example, is
+// kept here alone, and the log says so once: what it stands for has happened or goes on all the
+// same. A later change of it may be stored. Thread-safe. Callbacks run on the thread that ends an
 // operation, without a lock held.
 #pragma once
 
@@ -23,14 +25,16 @@ class OperationBook {
   // The store must outlive the book.
   explicit OperationBook(storage::MotionStore& store) : store_(store) {}
 
-  // A new PENDING operation, stored. Ids are unique over restarts and ascend with time.
+  // A new PENDING operation, stored if it can be. Ids are unique over restarts and ascend with
+  // time. NOT_FOUND, here and of Adopt, if there is no such database.
   absl::StatusOr<storage::OperationRecord> Create(const std::string& database);
   // Takes up an operation that a former server left undone: it is PENDING again.
   absl::StatusOr<storage::OperationRecord> Adopt(storage::OperationRecord record);
 
   // NOT_FOUND if there is none of that id.
   absl::StatusOr<storage::OperationRecord> Get(const std::string& id);
-  // As MotionStore::ListOperations, with the progress of those at work.
+  // As MotionStore::ListOperations, of those that could be stored, with the progress of those at
+  // work.
   absl::StatusOr<std::vector<storage::OperationRecord>> List(const std::string& database,
                                                              const std::string& before, int limit);
 
@@ -60,6 +64,7 @@ class OperationBook {
   struct Live {
     storage::OperationRecord record;
     std::map<std::uint64_t, Watcher> watchers;
+    bool stored = true;  // as of its last change that was to be
   };
   enum class Durability { kStored, kInMemory };
 

@@ -1,6 +1,6 @@
 // A store that passes every call on to another, and with which a test can hold a build where it
-// begins or ends, hold upkeep where it begins, or let reading the model fail, at a moment of its
-// choice.
+// begins or ends, hold upkeep where it begins, or let reading the model or writing fail, at a moment
+// of its choice.
 #pragma once
 
 #include <condition_variable>
@@ -9,7 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "core/motion/error.h"
 #include "storage/motion_store.h"
+#include "tests/support/full_disk.h"
 
 namespace motiondb::tests {
 
@@ -35,15 +37,20 @@ class Gate {
 class GatedStore : public storage::MotionStore {
  public:
   // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
-  // `model_gate`.
+  // `model_gate`; `disk` decides what is written.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
-             std::shared_ptr<Gate> model_gate = std::make_shared<Gate>())
-      : store_(std::move(store)), gate_(std::move(gate)), model_gate_(std::move(model_gate)) {}
+             std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
+             std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>())
+      : store_(std::move(store)),
+        gate_(std::move(gate)),
+        model_gate_(std::move(model_gate)),
+        disk_(std::move(disk)) {}
 
   // What ReadModel returns from now on, if not OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->CreateDatabase(record);
   }
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override {
@@ -54,9 +61,11 @@ class GatedStore : public storage::MotionStore {
     return store_->ListDatabases(page);
   }
   absl::Status DeleteDatabase(const std::string& database) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DeleteDatabase(database);
   }
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->AddClip(clip);
   }
   absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,
@@ -68,6 +77,7 @@ class GatedStore : public storage::MotionStore {
     return store_->ListClips(database, page);
   }
   absl::Status DeleteClip(const std::string& database, const std::string& clip) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DeleteClip(database, clip);
   }
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
@@ -90,11 +100,13 @@ class GatedStore : public storage::MotionStore {
   absl::StatusOr<storage::ModelRecord> PutModel(const std::string& database,
                                                 const core::Model& model) override {
     model_gate_->Pass();
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->PutModel(database, model);
   }
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
                                                     const core::Model& model,
                                                     double stale_share) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->PutExtension(database, model, stale_share);
   }
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
@@ -113,9 +125,11 @@ class GatedStore : public storage::MotionStore {
     return store_->ListModels(database, before, limit);
   }
   absl::Status DropModel(const std::string& database) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DropModel(database);
   }
   absl::Status PutOperation(const storage::OperationRecord& record) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->WriteOperation());
     return store_->PutOperation(record);
   }
   absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override {
@@ -136,6 +150,7 @@ class GatedStore : public storage::MotionStore {
   const std::unique_ptr<storage::MotionStore> store_;
   const std::shared_ptr<Gate> gate_;
   const std::shared_ptr<Gate> model_gate_;
+  const std::shared_ptr<const FullDisk> disk_;
   absl::Status model_fault_;
 };
 

@@ -36,7 +36,7 @@ void TestEngine::Start(const absl::Status& model_fault) {
   auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
   INFO(store.status().ToString());
   REQUIRE(store.ok());
-  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_);
+  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_);
   gated->set_model_fault(model_fault);
   auto engine = server::Engine::Open(std::move(gated), options_);
   INFO(engine.status().ToString());

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "server/engine/engine.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/gated_store.h"
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
@@ -29,6 +30,7 @@ class TestEngine {
   std::string store_path() const { return directory_ / "store.db"; }
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
+  FullDisk& disk() { return *disk_; }
   // From the next Start on.
   void set_options(const server::EngineOptions& options) { options_ = options; }
 
@@ -47,6 +49,7 @@ class TestEngine {
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
   std::unique_ptr<server::Engine> engine_;
 };
 

@@ -108,6 +108,29 @@ TEST_CASE("Ingest: the first clip of a `source` database decides the markers, al
   CHECK((*(*engine->FindDatabase("db"))->scheme())->set.marker_count() == 10);
 }
 
+// The disk is full between the clip and the operation that builds it in, or out.
+TEST_CASE("Ingest: without room for an operation, what was stored or deleted is told so, and built",
+          "[server][ingest]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  engine.disk().Set(FullDisk::Lacks::kRoomForOperations);
+  const auto ingested = engine->Ingest(live, File("walk.bvh", Walk()), {});
+  INFO(ingested.status().ToString());
+  REQUIRE(ingested.ok());
+  CHECK(engine->store().GetClip("db", "walk").ok());
+  CHECK(engine->operations().Get(ingested->operation.id).ok());
+  CHECK(engine.Wait(ingested->operation.id).model_version == 1);
+  CHECK(engine.ModelVersion("db") == 1);
+
+  const auto deleted = engine->DeleteClip("db", "walk");
+  INFO(deleted.status().ToString());
+  REQUIRE(deleted.ok());
+  CHECK(absl::IsNotFound(engine->store().GetClip("db", "walk").status()));
+  CHECK(engine.Wait(deleted->id).state == storage::OperationState::kSucceeded);
+  CHECK(live->snapshot() == nullptr);
+  CHECK(engine->operations().Get(deleted->id)->done());
+}
+
 TEST_CASE("Ingest: a deleted database takes nothing more", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");

@@ -3,11 +3,13 @@
 #include <spdlog/sinks/ostream_sink.h>
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <set>
 #include <sstream>
 
 #include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/gated_store.h"
 
 namespace motiondb::server {
 namespace {
@@ -16,13 +18,19 @@ using storage::OperationState;
 
 class Book {
  public:
-  Book() : store_(*storage::SqliteMotionStore::Open(":memory:")), book_(*store_) {
+  Book()
+      : store_(std::make_unique<tests::GatedStore>(*storage::SqliteMotionStore::Open(":memory:"),
+                                                   std::make_shared<tests::Gate>(),
+                                                   std::make_shared<tests::Gate>(), disk_)),
+        book_(*store_) {
     REQUIRE(store_->CreateDatabase({.name = "db", .marker_set = "source"}).ok());
   }
   OperationBook* operator->() { return &book_; }
   storage::MotionStore& store() { return *store_; }
+  tests::FullDisk& disk() { return *disk_; }
 
  private:
+  const std::shared_ptr<tests::FullDisk> disk_ = std::make_shared<tests::FullDisk>();
   std::unique_ptr<storage::MotionStore> store_;
   OperationBook book_;
 };
@@ -106,12 +114,58 @@ TEST_CASE("OperationBook: ids differ and the newest comes first", "[server]") {
   CHECK(absl::IsNotFound(book->Create("no-such-database").status()));
 }
 
+// The server's log while it lives.
+class Log {
+ public:
+  Log() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "test", std::make_shared<spdlog::sinks::ostream_sink_st>(text_)));
+  }
+  ~Log() { spdlog::set_default_logger(former_); }
+  int line_count() const {
+    const std::string text = text_.str();
+    return static_cast<int>(std::ranges::count(text, '\n'));
+  }
+
+ private:
+  std::ostringstream text_;
+  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
+};
+
+TEST_CASE("OperationBook: without room in the store it lives in memory, and the log says so once",
+          "[server]") {
+  const Log log;
+  Book book;
+  book.disk().Set(tests::FullDisk::Lacks::kRoomForOperations);
+  const auto created = book->Create("db");
+  INFO(created.status().ToString());
+  REQUIRE(created.ok());
+  CHECK(log.line_count() == 1);
+  CHECK(book->Get(created->id)->state == OperationState::kPending);
+  CHECK(absl::IsNotFound(book.store().GetOperation(created->id).status()));
+  int called = 0;
+  CHECK(book->Watch(created->id, [&](const storage::OperationRecord&) { ++called; }) != 0);
+  book->Start(created->id);
+  CHECK(book->Get(created->id)->state == OperationState::kRunning);
+
+  SECTION("there is room before it ends") {
+    book.disk().Set(tests::FullDisk::Lacks::kNothing);
+    book->Succeed(created->id, 2);
+    CHECK(book.store().GetOperation(created->id)->state == OperationState::kSucceeded);
+  }
+  SECTION("there is none to the end") {
+    book->Succeed(created->id, 2);
+    CHECK(absl::IsNotFound(book.store().GetOperation(created->id).status()));
+  }
+  CHECK(called == 1);
+  CHECK(book->Get(created->id)->state == OperationState::kSucceeded);
+  CHECK(book->Get(created->id)->model_version == 2);
+  CHECK(log.line_count() == 1);
+}
+
 TEST_CASE("OperationBook: a deleted database takes its operations along, and nothing is amiss",
           "[server]") {
-  std::ostringstream log;
-  const auto former = spdlog::default_logger();
-  spdlog::set_default_logger(std::make_shared<spdlog::logger>(
-      "test", std::make_shared<spdlog::sinks::ostream_sink_st>(log)));
+  const Log log;
   Book book;
   const std::string building = book->Create("db")->id;
   const std::string waiting = book->Create("db")->id;
@@ -121,11 +175,10 @@ TEST_CASE("OperationBook: a deleted database takes its operations along, and not
   book->Start(building);
   book->Succeed(building, 1);
   book->Cancel(waiting);
-  spdlog::set_default_logger(former);
   CHECK(called == 1);
   CHECK(absl::IsNotFound(book->Get(building).status()));
   CHECK(absl::IsNotFound(book->Get(waiting).status()));
-  CHECK(log.str().empty());
+  CHECK(log.line_count() == 0);
 }
 
 }  // namespace

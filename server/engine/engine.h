@@ -41,7 +41,8 @@ class Engine {
  public:
   // Reads the stored models, without building any, and takes up what a former server left undone. A
   // model that cannot be read, or was built from other clips than there are, is rebuilt. What is
-  // damaged is left out and told by damages(); the rest is served.
+  // damaged is left out and told by damages(); the rest is served. Nothing has to be written for
+  // it.
   static absl::StatusOr<std::unique_ptr<Engine>> Open(std::unique_ptr<storage::MotionStore> store,
                                                       const EngineOptions& options);
   ~Engine();

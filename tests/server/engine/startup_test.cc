@@ -95,6 +95,41 @@ TEST_CASE("Startup: a model that cannot be read is built anew", "[server][startu
   CHECK(engine.ModelVersion("db") == 2);
 }
 
+TEST_CASE("Startup: with a full disk, what is stored is served, and built when there is room",
+          "[server][startup]") {
+  auto options = TestEngine::QuickOptions();
+  TestEngine engine(options);
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  options.rebuild_delay = std::chrono::milliseconds(500);
+  engine.Stop();
+  engine.set_options(options);
+  engine.Start();
+  const auto left = engine.Ingest("db", "b", Walk(1))->operation.id;
+  const bool is_resumed = GENERATE(true, false);
+  CAPTURE(is_resumed);
+  // Elsewise it is the clips that ask for a rebuild.
+  if (!is_resumed) REQUIRE(engine->CancelOperation(left)->state == OperationState::kCancelled);
+  engine.Stop();
+
+  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.Start();
+  const auto live = *engine->FindDatabase("db");
+  const auto model = engine->CurrentModel(*live);
+  REQUIRE(model.ok());
+  CHECK((*model)->record.version == 1);
+  const auto operation = engine->CurrentOperation(*live);
+  REQUIRE(operation.has_value());
+  CHECK((operation->id == left) == is_resumed);
+  CHECK(engine.Wait(operation->id).error_code ==
+        static_cast<int>(absl::StatusCode::kResourceExhausted));
+  CHECK(engine.ModelVersion("db") == 1);
+
+  engine.disk().Set(FullDisk::Lacks::kNothing);
+  engine.Wait(engine.Ingest("db", "c", Walk(2))->operation.id);
+  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+}
+
 TEST_CASE("Startup: two operations left undone both end, with one model", "[server][startup]") {
   TestEngine engine;
   engine.Create("db");

@@ -226,13 +226,16 @@ class KubernetesTest(unittest.TestCase):
         for service in self.all("Service"):
             for port in service["spec"]["ports"]:
                 self.assertEqual(ports[port["targetPort"]], port["port"])
-        configured = self.configured()
-        self.assertEqual(configured["listen"], f"0.0.0.0:{ports['grpc']}")
-        self.assertEqual(configured["http-listen"], f"0.0.0.0:{ports['http']}")
+        self.assertEqual(IMAGE.variables["MOTIONDBD_LISTEN"], f"0.0.0.0:{ports['grpc']}")
+        self.assertEqual(IMAGE.variables["MOTIONDBD_HTTP_LISTEN"], f"0.0.0.0:{ports['http']}")
         annotations = self.template["metadata"]["annotations"]
         self.assertEqual(annotations["prometheus.io/port"], str(ports["http"]))
         for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
             self.assertEqual(self.container[probe]["httpGet"]["port"], "http")
+
+    def test_no_setting_is_overruled_by_the_image(self):
+        overruled = {name for name in self.configured() if variable_of(name) in IMAGE.variables}
+        self.assertEqual(overruled, set())
 
     def test_paths_are_pages_of_the_server(self):
         with open(os.path.join(DEPLOY, "../server/observability/health_pages.cc"),

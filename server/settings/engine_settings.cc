@@ -22,10 +22,10 @@ void AddEngineSettings(CLI::App& app, Settings& settings) {
       ->check(CLI::Range(0, 1024))
       ->capture_default_str()
       ->group("Engine");
-  AddSeconds(app, "--rebuild-delay", engine.rebuild_delay, 3600,
+  AddSeconds(app, "--rebuild-delay", engine.rebuild_delay, 0, 3600,
              "Time without an ingest after which the model is rebuilt")
       ->group("Engine");
-  AddSeconds(app, "--rebuild-delay-limit", engine.rebuild_delay_limit, 86400,
+  AddSeconds(app, "--rebuild-delay-limit", engine.rebuild_delay_limit, 0, 86400,
              "Time after which it is rebuilt although ingests go on")
       ->group("Engine");
 }

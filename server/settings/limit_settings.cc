@@ -49,12 +49,11 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddCallLimit(app, "--max-heavy-calls", calls.heavy,
                "heavy calls (ingests, plans, series of predictions, backups)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
-  AddSeconds(app, "--call-time-limit", calls.longest_call, 86400,
+  AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
              "Time after which any call but a stream of frames ends")
       ->group("Limits");
-  AddSeconds(app, "--silence-limit", calls.longest_silence, 86400,
-             "Time without a message after which a client's stream ends; before its first at most "
-             "10 s")
+  AddSeconds(app, "--silence-limit", calls.longest_silence, 1, 86400,
+             "Time without a message after which a client's stream ends")
       ->group("Limits");
 }
 

@@ -19,7 +19,7 @@ void AddLogSettings(CLI::App& app, Settings& settings) {
       ->check(CLI::IsMember({"text", "json"}))
       ->default_str("text")
       ->group("Log");
-  AddSeconds(app, "--slow-call-seconds", settings.log.slow_call, 3600,
+  AddSeconds(app, "--slow-call-seconds", settings.log.slow_call, 0, 3600,
              "From how long on a call is logged as slow, with a warning; 0: never")
       ->group("Log");
 }

@@ -10,7 +10,7 @@ void AddNetworkSettings(CLI::App& app, Settings& settings) {
       ->check(ListenAddress())
       ->capture_default_str()
       ->group("Network");
-  AddSeconds(app, "--grace-seconds", settings.grace, 3600,
+  AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
              "How long running calls may take after SIGTERM")
       ->group("Network");
 }

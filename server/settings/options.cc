@@ -25,13 +25,13 @@ bool IsHost(const std::string& text) {
 }  // namespace
 
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
-                        double most, const std::string& description) {
+                        double least, double most, const std::string& description) {
   const auto set = [&time](double seconds) {
     time = std::chrono::milliseconds(std::llround(seconds * 1000));
   };
   return app.add_option_function<double>(name, set, description)
       ->type_name("SECONDS")
-      ->check(CLI::Range(0.0, most))
+      ->check(CLI::Range(least, most))
       ->default_str(fmt::format("{:g}", static_cast<double>(time.count()) / 1000));
 }
 

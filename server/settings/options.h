@@ -8,9 +8,9 @@
 
 namespace motiondb::server {
 
-// Given in seconds, from 0 to `most`. `time` holds the default and must outlive `app`.
+// Given in seconds, from `least` to `most`. `time` holds the default and must outlive `app`.
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
-                        double most, const std::string& description);
+                        double least, double most, const std::string& description);
 
 // Given in units of 2^kBits bytes, from 1 to `most`. `bytes` holds the default and must outlive
 // `app`.

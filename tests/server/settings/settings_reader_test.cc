@@ -177,6 +177,27 @@ TEST_CASE("Settings: units are those that the names say", "[settings]") {
   CHECK(settings.grace == std::chrono::milliseconds(1500));
 }
 
+TEST_CASE("Settings: a limit of time that would end every call is refused", "[settings]") {
+  for (const char* const key : {"--call-time-limit", "--silence-limit"}) {
+    CAPTURE(key);
+    for (const char* const bad : {"0", "0.9", "-1"}) {
+      SettingsReader reader;
+      const auto problems = Read(reader, {"--store", "/s.db", key, bad});
+      CAPTURE(bad);
+      REQUIRE(problems.size() == 1);
+      CHECK(problems[0].find(key) != std::string::npos);
+      CHECK(problems[0].find("not in range 1") != std::string::npos);
+    }
+    SettingsReader least;
+    CHECK(Read(least, {"--store", "/s.db", key, "1"}).empty());
+    SettingsReader broken;
+    CHECK(Read(broken, {"--store", "/s.db", key, "1.5"}).empty());
+  }
+  SettingsReader zero;  // where it means something
+  CHECK(
+      Read(zero, {"--store", "/s.db", "--rebuild-delay", "0", "--slow-call-seconds", "0"}).empty());
+}
+
 TEST_CASE("Settings: help and version are asked for without any setting", "[settings]") {
   SettingsReader help;
   CHECK(Read(help, {"--help"}, {{"MOTIONDBD_CONFIG", "/absent"}}).empty());

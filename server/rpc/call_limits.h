@@ -24,7 +24,8 @@ struct CallLimitOptions {
   CallLimit calls{4096, 1024};  // of every weight
   CallLimit heavy{256, 64};
   CallLimit streams{1024, 256};
-  // Whatever the client's own deadline; streams of frames may go on.
+  // Whatever the client's own deadline. Streams of frames may go on; a wait for an operation, which
+  // takes no thread, has a timeout of its own.
   std::chrono::milliseconds longest_call{600'000};
   // That a client which sends a stream may stay silent.
   std::chrono::milliseconds longest_silence{300'000};

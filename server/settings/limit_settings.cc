@@ -50,7 +50,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
                "heavy calls (ingests, plans, series of predictions, backups)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
   AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
-             "Time after which any call but a stream of frames ends")
+             "Time after which a call ends, but for streams of frames and waits for an operation")
       ->group("Limits");
   AddSeconds(app, "--silence-limit", calls.longest_silence, 1, 86400,
              "Time without a message after which a client's stream ends")

@@ -9,6 +9,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/error.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/operation.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
@@ -261,6 +262,27 @@ TEST_CASE("Limits: a call ends when the server's time is up", "[server][limits]"
   INFO(answer.status.error_message());
   CHECK(answer.status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
   CHECK(answer.status.error_message().find("--call-time-limit") != std::string::npos);
+}
+
+TEST_CASE("Limits: a wait for an operation has its own timeout, not that of calls",
+          "[server][limits]") {
+  server::ServerOptions options = With({});
+  options.engine.rebuild_delay = options.engine.rebuild_delay_limit = std::chrono::minutes(2);
+  TestServer server(options);
+  server.CreateDatabase("db");
+  const std::string name = server.IngestFigure("db", "walk", "walk", {}).operation().name();
+  server.options().calls.longest_call = milliseconds(0);
+  server.Restart();
+  v1::WaitOperationRequest request;
+  request.set_name(name);
+  request.mutable_timeout()->set_nanos(200'000'000);
+  const auto began = std::chrono::steady_clock::now();
+  const auto answer = Ask(*server.NewStub<v1::OperationService>(),
+                          &v1::OperationService::Stub::WaitOperation, request);
+  INFO(answer.status.error_message());
+  REQUIRE(answer.status.ok());
+  CHECK(!answer.response.operation().done());
+  CHECK(std::chrono::steady_clock::now() - began >= milliseconds(200));
 }
 
 }  // namespace

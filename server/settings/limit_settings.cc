@@ -15,11 +15,14 @@ void AddCount(CLI::App& app, const std::string& name, Count& count, int least, i
       ->group("Limits");
 }
 
-void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit,
-                  const std::string& what) {
+constexpr char kByCaller[] = "client: a token or certificate, else an address";
+
+// `whose` tells what one client is. A call is counted before its token is looked at.
+void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit, const std::string& what,
+                  const std::string& whose = kByCaller) {
   AddCount(app, name, limit.in_all, 1, 1'000'000, "Most " + what + " under way, in all");
   AddCount(app, name + "-per-client", limit.per_client, 1, 1'000'000,
-           "Most " + what + " under way of one client: a token or certificate, else an address");
+           "Most " + what + " under way of one " + whose);
 }
 
 }  // namespace
@@ -45,7 +48,8 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddMebibytes(app, "--max-database-mib", engine.quota.byte_count,
                "Most bytes of clips in one database", 1 << 30)
       ->group("Limits");
-  AddCallLimit(app, "--max-calls", calls.calls, "calls");
+  AddCallLimit(app, "--max-calls", calls.calls, "calls",
+               "address; behind a proxy all calls come from the proxy's");
   AddCallLimit(app, "--max-heavy-calls", calls.heavy,
                "heavy calls (ingests, plans, series of predictions, backups)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");

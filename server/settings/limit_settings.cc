@@ -50,14 +50,17 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddCallLimit(app, "--max-calls", calls.calls, "calls",
                "address; behind a proxy all calls come from the proxy's");
-  AddCallLimit(app, "--max-heavy-calls", calls.heavy,
-               "heavy calls (ingests, plans, series of predictions, backups)");
+  AddCallLimit(
+      app, "--max-heavy-calls", calls.heavy,
+      "heavy calls (ingests, plans, series of predictions, backups, queries of over 1 MiB)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
   AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
-             "Time after which a call ends, but for streams of frames and waits for an operation")
+             "Time after which a call ends, but for streams of frames, waits for an operation and "
+             "backups, restores and checks of the store")
       ->group("Limits");
   AddSeconds(app, "--silence-limit", calls.longest_silence, 1, 86400,
-             "Time without a message after which a client's stream ends")
+             "Time for which the client of a stream may send or take nothing; before its first "
+             "message at most 10 s")
       ->group("Limits");
 }
 

@@ -1,6 +1,6 @@
 // A store that passes every call on to another, and with which a test can hold a build where it
-// begins or ends, hold upkeep where it begins, or let reading the model or writing fail, at a moment
-// of its choice.
+// begins or ends, hold upkeep where it begins, or let reading the model or writing fail, at a
+// moment of its choice.
 #pragma once
 
 #include <condition_variable>

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <limits>
+#include <thread>
 
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"

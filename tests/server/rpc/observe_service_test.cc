@@ -50,6 +50,13 @@ v1::ObserveRequest Frames(const v1::MarkerObservation& motion, int first, int co
   return request;
 }
 
+// Of answers for which flow control soon has no more room.
+v1::ObserveRequest StartOfLargeAnswers(const v1::MarkerObservation& motion) {
+  v1::ObserveRequest start = Start(motion);
+  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
+  return start;
+}
+
 // A stream that was opened, one message out and one back at a time.
 class Stream {
  public:
@@ -212,9 +219,7 @@ TEST_CASE("Observe: a client that does not read is not read from", "[server][rpc
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
   Stream stream(server);
-  v1::ObserveRequest start = Start(motion);
-  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
-  REQUIRE(stream.Send(start));
+  REQUIRE(stream.Send(StartOfLargeAnswers(motion)));
   // Far more than the windows of flow control hold, both ways.
   constexpr int kMessages = 3000;
   std::atomic<int> sent = 0;
@@ -252,9 +257,7 @@ TEST_CASE("Observe: a client that takes no answers is sent away", "[server][rpc]
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
   Stream stream(server);
-  v1::ObserveRequest start = Start(motion);
-  for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
-  REQUIRE(stream.Send(start));
+  REQUIRE(stream.Send(StartOfLargeAnswers(motion)));
   std::int64_t sent = 0;
   while (stream.Send(
       Frames(motion, 0, motion.frame_count(), sent * std::int64_t{motion.frame_count()}))) {

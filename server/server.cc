@@ -3,6 +3,7 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/resource_quota.h>
 
 #include <algorithm>
 #include <utility>
@@ -103,6 +104,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
+  // A call is only known here, with its limits, when its first message is whole.
+  builder.SetResourceQuota(grpc::ResourceQuota("motiondb")
+                               .Resize(static_cast<std::size_t>(options.message_memory_bytes)));
   // More than a call may have (CallLimits): beyond this gRPC ends the connection without a word.
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE,
                              4 * options.calls.max_metadata_bytes + kOwnMetadata);

@@ -43,8 +43,8 @@ class AccessStore {
  public:
   virtual ~AccessStore() = default;
 
-  // ALREADY_EXISTS if the id is taken.
-  virtual absl::Status AddToken(const TokenRecord& record) = 0;
+  // `audit` as MotionStore has it. ALREADY_EXISTS if the id is taken.
+  virtual absl::Status AddToken(const TokenRecord& record, const AuditRecord* audit = nullptr) = 0;
   // NOT_FOUND.
   virtual absl::StatusOr<TokenRecord> GetToken(const std::string& id) = 0;
   // In the order in which they were made: those after the token `after` (empty: from the first), at
@@ -52,7 +52,8 @@ class AccessStore {
   virtual absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after,
                                                               int limit) = 0;
   // The record as it then stands; one that was revoked keeps its time. NOT_FOUND.
-  virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us) = 0;
+  virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
+                                                  const AuditRecord* audit = nullptr) = 0;
 
   // The last hundred thousand entries are kept.
   virtual absl::Status AddAuditRecord(const AuditRecord& record) = 0;

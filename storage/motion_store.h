@@ -6,6 +6,9 @@
 // accepts any non-empty string. Codes used by all: NOT_FOUND (what was named is not there),
 // ALREADY_EXISTS, DATA_LOSS (stored bytes are damaged: names which), UNAVAILABLE or
 // RESOURCE_EXHAUSTED (disk).
+//
+// `audit`, where it is not null, is the entry in the record of changes: kept with the change, or
+// neither is.
 #pragma once
 
 #include <memory>
@@ -33,11 +36,13 @@ class MotionStore {
   virtual ~MotionStore() = default;
 
   // Databases, in order of name.
-  virtual absl::Status CreateDatabase(const DatabaseRecord& record) = 0;
+  virtual absl::Status CreateDatabase(const DatabaseRecord& record,
+                                      const AuditRecord* audit = nullptr) = 0;
   virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
   virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
   // With all that it holds.
-  virtual absl::Status DeleteDatabase(const std::string& database) = 0;
+  virtual absl::Status DeleteDatabase(const std::string& database,
+                                      const AuditRecord* audit = nullptr) = 0;
 
   // Clips, in order of id. AddClip returns the record as stored: where the wanted id is taken by
   // another file, "-2", "-3", ... is added, unless id_is_fixed. ALREADY_EXISTS, naming the clip, if
@@ -52,7 +57,8 @@ class MotionStore {
   // The clip is gone for every other call at once. Its states stay on disk, for the current model
   // and for one that is being built from them, until a model is put that does not need them or the
   // model is dropped.
-  virtual absl::Status DeleteClip(const std::string& database, const std::string& clip) = 0;
+  virtual absl::Status DeleteClip(const std::string& database, const std::string& clip,
+                                  const AuditRecord* audit = nullptr) = 0;
   // The bytes that were ingested.
   virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                                     const std::string& clip) = 0;

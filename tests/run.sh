@@ -17,8 +17,9 @@ if [ "$preset" != release ]; then
 fi
 if [ "$preset" = tsan ]; then
   # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs.
-  tests=(tree_tests graph_tests model_tests inference_tests recognition_tests storage_tests
-         server_engine_tests server_observability_tests)
+  tests=({motion,format,tree,graph,model,inference,recognition,estimation}_tests
+         {prediction,observe,calibration,kinematics,planning,storage}_tests
+         server_{engine,observability}_tests)
   cmake --build --preset "$preset" --target "${tests[@]}"
   set -- -R "^($(IFS='|'; echo "${tests[*]}"))\$" "$@"
 else

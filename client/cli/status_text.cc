@@ -1,7 +1,11 @@
 #include "client/cli/status_text.h"
 
 #include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
 #include <motiondb/v1/store.pb.h>
+
+#include <algorithm>
+#include <vector>
 
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
@@ -11,6 +15,12 @@ namespace {
 
 // More would push the rest off the screen; --json has them all.
 constexpr int kShownDamages = 5;
+constexpr std::size_t kShownMethods = 10;
+
+double SecondsOf(const google::protobuf::Duration& duration) {
+  using google::protobuf::util::TimeUtil;
+  return static_cast<double>(TimeUtil::DurationToMicroseconds(duration)) * 1e-6;
+}
 
 std::string ConnectionText(const v1::GetServerStatusResponse& status) {
   return fmt::format("{}, {}", status.encrypted() ? "encrypted" : "not encrypted",
@@ -32,21 +42,81 @@ std::string WorkText(const v1::DatabaseStatus& database) {
                      database.progress() * 100, database.stage());
 }
 
+std::string ProcessText(const v1::GetServerStatusResponse& status) {
+  return fmt::format("{} of memory, {} of CPU time, {} threads, {} of {} files open",
+                     BytesText(status.memory_bytes()), DurationText(status.cpu_time().seconds()),
+                     status.thread_count(), status.open_file_count(), status.open_file_limit());
+}
+
+// "NOT_FOUND 3, INTERNAL 1".
+std::string ErrorsText(const v1::MethodStatus& method) {
+  std::string text;
+  for (const v1::CodeCount& error : method.errors()) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", error.code(), error.call_count());
+  }
+  return text;
+}
+
+// The busiest first.
+std::string MethodsText(const v1::GetServerStatusResponse& status) {
+  if (status.methods().empty()) return "";
+  std::vector<const v1::MethodStatus*> methods;
+  for (const v1::MethodStatus& method : status.methods()) methods.push_back(&method);
+  std::stable_sort(methods.begin(), methods.end(), [](const auto* one, const auto* other) {
+    return one->call_count() > other->call_count();
+  });
+  Table table({{"CALLS OF"},
+               {"ENDED", Align::kRight},
+               {"P50", Align::kRight},
+               {"P95", Align::kRight},
+               {"P99", Align::kRight},
+               {"ERRORS"}});
+  const std::size_t shown = std::min(methods.size(), kShownMethods);
+  for (std::size_t i = 0; i < shown; ++i) {
+    const v1::MethodStatus& method = *methods[i];
+    table.AddRow({method.method(), std::to_string(method.call_count()),
+                  LatencyText(SecondsOf(method.p50_time())),
+                  LatencyText(SecondsOf(method.p95_time())),
+                  LatencyText(SecondsOf(method.p99_time())), ErrorsText(method)});
+  }
+  std::string text = "\n" + table.ToString();
+  if (methods.size() > shown) {
+    text += fmt::format("and {} methods more\n", methods.size() - shown);
+  }
+  return text;
+}
+
+// "12", "12, 1 failed, 2 cancelled".
+std::string RebuildsText(const v1::DatabaseStatus& database) {
+  std::string text = std::to_string(database.succeeded_rebuild_count());
+  if (database.failed_rebuild_count() > 0) {
+    text += fmt::format(", {} failed", database.failed_rebuild_count());
+  }
+  if (database.cancelled_rebuild_count() > 0) {
+    text += fmt::format(", {} cancelled", database.cancelled_rebuild_count());
+  }
+  return text;
+}
+
 std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   if (status.databases().empty()) return "no databases yet: make one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
+               {"SIZE", Align::kRight},
                {"MODEL", Align::kRight},
                {"AGE", Align::kRight},
+               {"BUILT IN", Align::kRight},
+               {"REBUILDS"},
                {"BEING REBUILT"}});
   for (const v1::DatabaseStatus& database : status.databases()) {
     const bool has_model = database.model_version() > 0;
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
-                  std::to_string(database.frame_count()),
+                  std::to_string(database.frame_count()), BytesText(database.byte_count()),
                   has_model ? std::to_string(database.model_version()) : "none",
                   has_model ? DurationText(database.model_age().seconds()) : "",
-                  WorkText(database)});
+                  has_model ? LatencyText(SecondsOf(database.model_build_time())) : "",
+                  RebuildsText(database), WorkText(database)});
   }
   return table.ToString();
 }
@@ -76,6 +146,13 @@ std::string DurationText(std::int64_t seconds) {
   return fmt::format("{} d {} h", seconds / kDay, seconds % kDay / kHour);
 }
 
+std::string LatencyText(double seconds) {
+  const bool short_time = seconds < 1;
+  const double amount = short_time ? seconds * 1000 : seconds;
+  const int decimals = amount < 10 ? 2 : amount < 100 ? 1 : 0;
+  return fmt::format("{:.{}f} {}", amount, decimals, short_time ? "ms" : "s");
+}
+
 std::string BytesText(std::int64_t bytes) {
   if (bytes < 1024) return fmt::format("{} B", bytes);
   auto amount = static_cast<double>(bytes);
@@ -96,11 +173,15 @@ std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t n
   table.AddRow({"connections", ConnectionText(status)});
   table.AddRow({"calls", CallsText(status)});
   table.AddRow({"streams of frames", std::to_string(status.open_stream_count())});
-  table.AddRow({"waiting for a thread", std::to_string(status.queued_call_count())});
-  table.AddRow({"memory", BytesText(status.memory_bytes())});
+  table.AddRow({"waiting for a thread", fmt::format("{}, of {} threads", status.queued_call_count(),
+                                                    status.request_thread_count())});
+  table.AddRow(
+      {"without a good token", fmt::format("{} calls", status.authentication_failure_count())});
+  table.AddRow({"process", ProcessText(status)});
   table.AddRow({"store", fmt::format("{}, log {}", BytesText(status.store_bytes()),
                                      BytesText(status.log_bytes()))});
-  return table.ToString() + "\n" + DatabasesText(status) + DamagesText(status);
+  return table.ToString() + "\n" + DatabasesText(status) + MethodsText(status) +
+         DamagesText(status);
 }
 
 }  // namespace motiondb::client

@@ -33,7 +33,8 @@ void Engine::Drain() {
 
 absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
                                                                const core::BuildSettings& settings,
-                                                               const MarkerSetSetting& marker_set) {
+                                                               const MarkerSetSetting& marker_set,
+                                                               const storage::AuditRecord* audit) {
   const storage::DatabaseRecord record{.name = database,
                                        .settings = settings,
                                        .marker_set = marker_set.name,
@@ -49,18 +50,19 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                     "--max-databases",
                     count));
   }
-  MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record));
+  MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, audit));
   const std::lock_guard lock(mutex_);
   databases_[database] = std::move(live);
   spdlog::info("database '{}': created", database);
   return record;
 }
 
-absl::Status Engine::DeleteDatabase(const std::string& database) {
+absl::Status Engine::DeleteDatabase(const std::string& database,
+                                    const storage::AuditRecord* audit) {
   const std::lock_guard naming(naming_mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   MOTIONDB_RETURN_IF_ERROR(live->Retire([&] {
-    const absl::Status deleted = store_->DeleteDatabase(database);
+    const absl::Status deleted = store_->DeleteDatabase(database, audit);
     if (!deleted.ok()) return deleted;
     rebuilder_.Forget(*live);
     live->set_snapshot(nullptr);
@@ -140,12 +142,13 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
 }
 
 absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& database,
-                                                            const std::string& clip) {
+                                                            const std::string& clip,
+                                                            const storage::AuditRecord* audit) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
   const absl::Status deleted = live->WhileAlive([&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
-    MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip));
+    MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip, audit));
     live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);

@@ -54,12 +54,14 @@ class Engine {
   SkeletonCache& skeletons() { return skeletons_; }
   const EngineOptions& options() const { return options_; }
 
+  // Changes take their entry of the record of changes along to the store; null: there is none.
   // ALREADY_EXISTS, RESOURCE_EXHAUSTED.
-  absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
-                                                         const core::BuildSettings& settings,
-                                                         const MarkerSetSetting& marker_set);
+  absl::StatusOr<storage::DatabaseRecord> CreateDatabase(
+      const std::string& database, const core::BuildSettings& settings,
+      const MarkerSetSetting& marker_set, const storage::AuditRecord* audit = nullptr);
   // With its clips, models and operations; what runs for it stops.
-  absl::Status DeleteDatabase(const std::string& database);
+  absl::Status DeleteDatabase(const std::string& database,
+                              const storage::AuditRecord* audit = nullptr);
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
 
@@ -80,7 +82,8 @@ class Engine {
                                   const core::Cancelled& cancelled);
   // Returns the rebuild that takes the clip out of the model. NOT_FOUND.
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
-                                                      const std::string& clip);
+                                                      const std::string& clip,
+                                                      const storage::AuditRecord* audit = nullptr);
   // Returns the operation as it then stands. NOT_FOUND.
   absl::StatusOr<storage::OperationRecord> CancelOperation(const std::string& operation);
 

@@ -21,6 +21,13 @@ constexpr std::string_view kCodeNames[] = {
     "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
     "DATA_LOSS", "UNAUTHENTICATED"};
 
+// All of them, in order.
+constexpr auto kCodes = [] {
+  std::array<absl::StatusCode, std::size(kCodeNames)> codes{};
+  for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<absl::StatusCode>(i);
+  return codes;
+}();
+
 std::size_t IndexOf(absl::StatusCode code) {
   const auto index = static_cast<std::size_t>(code);
   return index < std::size(kCodeNames) ? index
@@ -100,18 +107,19 @@ void CallMeter::End(Method& method, CallKind kind, absl::StatusCode code, double
 
 void CallMeter::CountRefusedAttempt() { authentication_failures_.Increment(); }
 
+std::int64_t CallMeter::Count(const Method& method, absl::StatusCode code) {
+  const auto* const counter = method.by_code_[IndexOf(code)].load(std::memory_order_acquire);
+  return counter != nullptr ? static_cast<std::int64_t>(counter->Value()) : 0;
+}
+
 std::int64_t CallMeter::Sum(const std::function<bool(absl::StatusCode)>& counts) const {
-  double sum = 0;
+  std::int64_t sum = 0;
   for (const auto& [name, method] : methods_) {
-    for (int code = 0; code < Method::kCodeCount; ++code) {
-      const prometheus::Counter* const counter =
-          method->by_code_[static_cast<std::size_t>(code)].load(std::memory_order_acquire);
-      if (counter != nullptr && counts(static_cast<absl::StatusCode>(code))) {
-        sum += counter->Value();
-      }
+    for (const absl::StatusCode code : kCodes) {
+      if (counts(code)) sum += Count(*method, code);
     }
   }
-  return static_cast<std::int64_t>(sum);
+  return sum;
 }
 
 std::int64_t CallMeter::ended() const {
@@ -119,5 +127,25 @@ std::int64_t CallMeter::ended() const {
 }
 
 std::int64_t CallMeter::failed() const { return Sum(IsOwnFault); }
+
+std::int64_t CallMeter::authentication_failures() const {
+  return static_cast<std::int64_t>(authentication_failures_.Value());
+}
+
+std::vector<MethodFigures> CallMeter::Methods() const {
+  std::vector<MethodFigures> methods;
+  for (const auto& [name, method] : methods_) {
+    MethodFigures figures{.method = name};
+    for (const absl::StatusCode code : kCodes) {
+      const std::int64_t count = Count(*method, code);
+      figures.ended += count;
+      if (code != absl::StatusCode::kOk && count > 0) figures.errors.emplace_back(code, count);
+    }
+    if (figures.ended == 0) continue;
+    figures.seconds = EstimateQuantiles(method->seconds_->Collect().histogram);
+    methods.push_back(std::move(figures));
+  }
+  return methods;
+}
 
 }  // namespace motiondb::server

@@ -13,9 +13,11 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "server/observability/call_quantiles.h"
 
 namespace prometheus {
 class Counter;
@@ -36,6 +38,15 @@ bool IsOwnFault(absl::StatusCode code);
 
 // "NOT_FOUND".
 std::string_view CodeName(absl::StatusCode code);
+
+// Calls of one method that ended.
+struct MethodFigures {
+  std::string method;
+  std::int64_t ended = 0;
+  std::vector<std::pair<absl::StatusCode, std::int64_t>>
+      errors;  // in order of code, none of 0 calls
+  CallQuantiles seconds;
+};
 
 class CallMeter {
  public:
@@ -69,12 +80,17 @@ class CallMeter {
   // Calls ended, and of these those that failed by the server's own fault.
   std::int64_t ended() const;
   std::int64_t failed() const;
+  std::int64_t authentication_failures() const;
+  // Methods of which calls have ended, in order of name.
+  std::vector<MethodFigures> Methods() const;
   int open() const { return open_.load(std::memory_order_relaxed); }
   int open_streams() const { return open_streams_.load(std::memory_order_relaxed); }
 
  private:
   prometheus::Counter& CounterOf(Method& method, absl::StatusCode code);
   void Add(const std::string& name);
+  // Calls of the method that ended with this code.
+  static std::int64_t Count(const Method& method, absl::StatusCode code);
   std::int64_t Sum(const std::function<bool(absl::StatusCode)>& counts) const;
 
   prometheus::Family<prometheus::Counter>& requests_;

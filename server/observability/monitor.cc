@@ -63,6 +63,8 @@ ServerFigures Monitor::Figures() const {
                         .authenticated = authenticated_,
                         .ended_calls = calls_.ended(),
                         .failed_calls = calls_.failed(),
+                        .methods = calls_.Methods(),
+                        .authentication_failures = calls_.authentication_failures(),
                         .open_calls = calls_.open(),
                         .open_streams = calls_.open_streams(),
                         .process = ReadProcessFigures()};

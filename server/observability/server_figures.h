@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/engine/live_database.h"
+#include "server/observability/call_meter.h"
 #include "server/observability/process_figures.h"
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
@@ -36,7 +37,9 @@ struct ServerFigures {
   bool encrypted = false;
   bool authenticated = false;
   std::int64_t ended_calls = 0;
-  std::int64_t failed_calls = 0;  // by the server's own fault
+  std::int64_t failed_calls = 0;       // by the server's own fault
+  std::vector<MethodFigures> methods;  // of which calls have ended, in order of name
+  std::int64_t authentication_failures = 0;
   int open_calls = 0;
   int open_streams = 0;
   int queued_calls = 0;

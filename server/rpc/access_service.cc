@@ -25,12 +25,15 @@ absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request
   }
   const std::int64_t now_us = NowMicroseconds();
   const std::int64_t expire_time_us = wanted.lifetime_us == 0 ? 0 : now_us + wanted.lifetime_us;
-  MOTIONDB_ASSIGN_OR_RETURN(const MadeToken made, call.entry.access().tokens().Make(
-                                                      wanted.role, wanted.database,
-                                                      wanted.description, now_us, expire_time_us));
+  const auto audit = [&](const storage::TokenRecord& token) {
+    return call.entry.RecordWithChange(TokenName(token.id));
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const MadeToken made,
+      call.entry.access().tokens().Make(wanted.role, wanted.database, wanted.description, now_us,
+                                        expire_time_us, audit));
   SetToken(made.record, *response.mutable_token());
   response.set_secret(made.secret);
-  call.entry.set_resource(response.token().name());
   return absl::OkStatus();
 }
 
@@ -55,8 +58,9 @@ absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request
                           name);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseTokenName("name", name));
+  const auto audit = call.entry.RecordWithChange(name);
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
-                            call.entry.access().tokens().Revoke(id, NowMicroseconds()));
+                            call.entry.access().tokens().Revoke(id, NowMicroseconds(), &audit));
   SetToken(record, *response.mutable_token());
   return absl::OkStatus();
 }

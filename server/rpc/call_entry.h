@@ -72,10 +72,9 @@ class CallEntry {
   std::string database() const { return caller_.has_value() ? caller_->database : ""; }
   AccessControl& access() { return host_.access; }
 
-  // What the call turned out to be about, for the record of changes: a resource name.
-  void set_resource(std::string resource) { resource_ = std::move(resource); }
-  // For a store that keeps the record with the change itself, in one transaction: End then keeps
-  // none, unless the call fails after all.
+  // The call's entry of the record of changes, for a store that keeps it with the change itself, in
+  // one transaction: End then keeps none, unless the call fails after all. `resource` names what is
+  // changed.
   storage::AuditRecord RecordWithChange(std::string resource);
 
  private:

@@ -42,7 +42,9 @@ absl::Status ListClips(const Call& call, const v1::ListClipsRequest& request,
 absl::Status DeleteClip(const Call& call, const v1::DeleteClipRequest& request,
                         v1::DeleteClipResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto operation, call.engine.DeleteClip(id.database, id.id));
+  const auto audit = call.entry.RecordWithChange(request.name());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto operation,
+                            call.engine.DeleteClip(id.database, id.id, &audit));
   SetOperation(operation, *response.mutable_operation());
   return absl::OkStatus();
 }

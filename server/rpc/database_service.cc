@@ -16,8 +16,10 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto settings, SettingsFrom(request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto marker_set, MarkerSetFrom(request.database()));
+  const auto audit = call.entry.RecordWithChange(DatabaseName(request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(
-      const auto record, call.engine.CreateDatabase(request.database_id(), settings, marker_set));
+      const auto record,
+      call.engine.CreateDatabase(request.database_id(), settings, marker_set, &audit));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(record.name));
   SetDatabase(record, *live, *response.mutable_database());
   return absl::OkStatus();
@@ -64,7 +66,8 @@ absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& req
 absl::Status DeleteDatabase(const Call& call, const v1::DeleteDatabaseRequest& request,
                             v1::DeleteDatabaseResponse&) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
-  return call.engine.DeleteDatabase(id);
+  const auto audit = call.entry.RecordWithChange(request.name());
+  return call.engine.DeleteDatabase(id, &audit);
 }
 
 absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseRequest& request,

@@ -11,20 +11,50 @@
 namespace motiondb::server {
 namespace {
 
+google::protobuf::Duration DurationOf(double seconds) {
+  return google::protobuf::util::TimeUtil::MicrosecondsToDuration(std::llround(seconds * 1e6));
+}
+
 void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
   status.set_name(DatabaseName(figures.name));
   status.set_clip_count(figures.stored.clip_count);
+  status.set_byte_count(figures.stored.byte_count);
   if (figures.model) {
     status.set_frame_count(figures.model->frame_count);
     status.set_model_version(figures.model->version);
-    *status.mutable_model_age() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
-        std::llround(figures.model_age_seconds * 1000));
+    *status.mutable_model_age() = DurationOf(figures.model_age_seconds);
+    *status.mutable_model_build_time() = DurationOf(figures.model->build_seconds);
   }
   if (figures.operation) {
     status.set_operation(OperationName(figures.operation->id));
     status.set_progress(figures.operation->progress);
     status.set_stage(figures.operation->stage);
   }
+  status.set_succeeded_rebuild_count(figures.rebuilds.succeeded);
+  status.set_failed_rebuild_count(figures.rebuilds.failed);
+  status.set_cancelled_rebuild_count(figures.rebuilds.cancelled);
+  *status.mutable_rebuild_time() = DurationOf(figures.rebuilds.seconds);
+}
+
+void SetMethod(const MethodFigures& figures, v1::MethodStatus& status) {
+  status.set_method(figures.method);
+  status.set_call_count(figures.ended);
+  for (const auto& [code, count] : figures.errors) {
+    auto& error = *status.add_errors();
+    error.set_code(std::string(CodeName(code)));
+    error.set_call_count(count);
+  }
+  *status.mutable_p50_time() = DurationOf(figures.seconds.p50);
+  *status.mutable_p95_time() = DurationOf(figures.seconds.p95);
+  *status.mutable_p99_time() = DurationOf(figures.seconds.p99);
+}
+
+void SetProcess(const ProcessFigures& figures, v1::GetServerStatusResponse& response) {
+  response.set_memory_bytes(figures.resident_bytes);
+  *response.mutable_cpu_time() = DurationOf(figures.cpu_seconds);
+  response.set_thread_count(figures.thread_count);
+  response.set_open_file_count(figures.open_descriptors);
+  response.set_open_file_limit(figures.max_descriptors);
 }
 
 }  // namespace
@@ -43,7 +73,10 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   response.set_open_call_count(figures.open_calls);
   response.set_open_stream_count(figures.open_streams);
   response.set_queued_call_count(figures.queued_calls);
-  response.set_memory_bytes(figures.process.resident_bytes);
+  response.set_request_thread_count(figures.request_threads);
+  response.set_authentication_failure_count(figures.authentication_failures);
+  for (const MethodFigures& method : figures.methods) SetMethod(method, *response.add_methods());
+  SetProcess(figures.process, response);
   response.set_store_bytes(figures.store_bytes);
   response.set_log_bytes(figures.log_bytes);
   for (const DatabaseFigures& database : figures.databases) {

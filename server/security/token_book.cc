@@ -1,6 +1,7 @@
 #include "server/security/token_book.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -47,7 +48,7 @@ absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
 
 absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string& database,
                                           const std::string& description, std::int64_t now_us,
-                                          std::int64_t expire_time_us) {
+                                          std::int64_t expire_time_us, const MakeAudit& audit) {
   MadeToken made;
   storage::TokenRecord& record = made.record;
   MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(kTokenIdBytes));
@@ -61,16 +62,19 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   record.expire_time_us = expire_time_us;
   // Over the store's part too: nobody revokes the token there before it is in memory.
   const std::lock_guard lock(mutex_);
-  MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record));
+  std::optional<storage::AuditRecord> entry;
+  if (audit) entry = audit(record);
+  MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record, entry ? &*entry : nullptr));
   Keep(record, now_us);
   made.secret = JoinToken(record.id, secret);
   return made;
 }
 
-absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us) {
+absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
+                                                       const storage::AuditRecord* audit) {
   // Over the store's part too: nobody reads the token from there in between.
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(auto record, store_.RevokeToken(id, now_us));
+  MOTIONDB_ASSIGN_OR_RETURN(auto record, store_.RevokeToken(id, now_us, audit));
   if (const auto known = known_.find(id); known != known_.end()) known->second->End();
   return record;
 }

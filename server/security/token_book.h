@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <shared_mutex>
@@ -42,6 +43,8 @@ struct MadeToken {
 
 class TokenBook {
  public:
+  using MakeAudit = std::function<storage::AuditRecord(const storage::TokenRecord&)>;
+
   // The store must outlive the book.
   explicit TokenBook(storage::AccessStore& store) : store_(store) {}
 
@@ -49,12 +52,14 @@ class TokenBook {
   // others come there when they are first used. The codes of the store.
   absl::Status ReadAhead(std::int64_t now_us);
 
-  // `now_us` is when it is made; it ends at `expire_time_us`, or never where that is 0.
+  // `now_us` is when it is made; it ends at `expire_time_us`, or never where that is 0. `audit`,
+  // where there is one, makes its entry of the record of changes, which is kept with it.
   absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
                                  const std::string& description, std::int64_t now_us,
-                                 std::int64_t expire_time_us);
+                                 std::int64_t expire_time_us, const MakeAudit& audit = {});
   // NOT_FOUND.
-  absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us);
+  absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
+                                              const storage::AuditRecord* audit = nullptr);
 
   // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
   std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;

@@ -35,6 +35,9 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes, "Largest request taken")
       ->group("Limits");
+  AddMebibytes(app, "--message-memory-mib", settings.server.message_memory_bytes,
+               "Memory for requests that come in, whole or half sent", 1 << 20)
+      ->group("Limits");
   AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,
                "Largest metadata taken with a call: names and values, and 32 bytes for each")
       ->group("Limits");

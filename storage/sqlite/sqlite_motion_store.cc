@@ -105,6 +105,17 @@ auto SqliteMotionStore::Write(const Work& work) {
 }
 
 template <typename Work>
+auto SqliteMotionStore::WriteWith(const AuditRecord* audit, const Work& work) {
+  return Write([&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
+    auto result = work(connection);
+    if (StatusOf(result).ok() && audit != nullptr) {
+      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *audit));
+    }
+    return result;
+  });
+}
+
+template <typename Work>
 auto SqliteMotionStore::Read(const Work& work) {
   using Result = std::invoke_result_t<Work, Connection&>;
   if (readers_ == nullptr) {
@@ -116,8 +127,10 @@ auto SqliteMotionStore::Read(const Work& work) {
   return InTransaction(reader->connection(), Transaction::Kind::kRead, work);
 }
 
-absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record) {
-  return Write([&](Connection& connection) { return InsertDatabase(connection, record); });
+absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record,
+                                               const AuditRecord* audit) {
+  return WriteWith(audit,
+                   [&](Connection& connection) { return InsertDatabase(connection, record); });
 }
 
 absl::StatusOr<DatabaseRecord> SqliteMotionStore::GetDatabase(const std::string& database) {
@@ -128,8 +141,10 @@ absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(con
   return Read([&](Connection& connection) { return SelectDatabases(connection, page); });
 }
 
-absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database) {
-  return Write([&](Connection& connection) { return DeleteDatabaseRow(connection, database); });
+absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
+                                               const AuditRecord* audit) {
+  return WriteWith(audit,
+                   [&](Connection& connection) { return DeleteDatabaseRow(connection, database); });
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
@@ -183,8 +198,10 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
   return Read([&](Connection& connection) { return SelectClips(connection, database, page); });
 }
 
-absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip) {
-  return Write([&](Connection& connection) { return RemoveClip(connection, database, clip); });
+absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip,
+                                           const AuditRecord* audit) {
+  return WriteWith(audit,
+                   [&](Connection& connection) { return RemoveClip(connection, database, clip); });
 }
 
 absl::StatusOr<ClipSource> SqliteMotionStore::ReadClipSource(const std::string& database,
@@ -275,8 +292,8 @@ absl::StatusOr<std::vector<OperationRecord>> SqliteMotionStore::ListOperations(
   });
 }
 
-absl::Status SqliteMotionStore::AddToken(const TokenRecord& record) {
-  return Write([&](Connection& connection) { return InsertToken(connection, record); });
+absl::Status SqliteMotionStore::AddToken(const TokenRecord& record, const AuditRecord* audit) {
+  return WriteWith(audit, [&](Connection& connection) { return InsertToken(connection, record); });
 }
 
 absl::StatusOr<TokenRecord> SqliteMotionStore::GetToken(const std::string& id) {
@@ -289,8 +306,10 @@ absl::StatusOr<std::vector<TokenRecord>> SqliteMotionStore::ListTokens(const std
 }
 
 absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id,
-                                                           std::int64_t time_us) {
-  return Write([&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
+                                                           std::int64_t time_us,
+                                                           const AuditRecord* audit) {
+  return WriteWith(
+      audit, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
 }
 
 absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record) {

@@ -38,16 +38,19 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> Open(const std::string& path,
                                                                  SqliteOptions options = {});
 
-  absl::Status CreateDatabase(const DatabaseRecord& record) override;
+  absl::Status CreateDatabase(const DatabaseRecord& record,
+                              const AuditRecord* audit = nullptr) override;
   absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
-  absl::Status DeleteDatabase(const std::string& database) override;
+  absl::Status DeleteDatabase(const std::string& database,
+                              const AuditRecord* audit = nullptr) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
   absl::StatusOr<ClipRecord> GetClip(const std::string& database, const std::string& clip) override;
   absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                     const Page& page) override;
-  absl::Status DeleteClip(const std::string& database, const std::string& clip) override;
+  absl::Status DeleteClip(const std::string& database, const std::string& clip,
+                          const AuditRecord* audit = nullptr) override;
   absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                             const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
@@ -77,10 +80,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                                                               int limit) override;
 
   AccessStore& access() override { return *this; }
-  absl::Status AddToken(const TokenRecord& record) override;
+  absl::Status AddToken(const TokenRecord& record, const AuditRecord* audit = nullptr) override;
   absl::StatusOr<TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after, int limit) override;
-  absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us) override;
+  absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
+                                          const AuditRecord* audit = nullptr) override;
   absl::Status AddAuditRecord(const AuditRecord& record) override;
   absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                             int limit) override;
@@ -101,6 +105,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // happens, or after an error none.
   template <typename Work>
   auto Write(const Work& work);
+  // The same with an entry of the record of changes.
+  template <typename Work>
+  auto WriteWith(const AuditRecord* audit, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 

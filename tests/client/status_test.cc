@@ -24,14 +24,26 @@ v1::GetServerStatusResponse SomeStatus() {
   status.set_failed_call_count(3);
   status.set_open_call_count(2);
   status.set_open_stream_count(1);
+  status.set_queued_call_count(4);
+  status.set_request_thread_count(2);
+  status.set_authentication_failure_count(9);
   status.set_memory_bytes(300 << 20);
+  status.mutable_cpu_time()->set_seconds(61);
+  status.set_thread_count(23);
+  status.set_open_file_count(40);
+  status.set_open_file_limit(1024);
   status.set_store_bytes(2048);
   auto* walks = status.add_databases();
   walks->set_name("databases/walks");
   walks->set_clip_count(7);
   walks->set_frame_count(11969);
   walks->set_model_version(3);
+  walks->set_byte_count(3 << 20);
   walks->mutable_model_age()->set_seconds(200);
+  walks->mutable_model_build_time()->set_nanos(420'000'000);
+  walks->set_succeeded_rebuild_count(12);
+  walks->set_failed_rebuild_count(1);
+  walks->set_cancelled_rebuild_count(2);
   walks->set_operation("operations/9");
   walks->set_progress(0.42);
   walks->set_stage("tree");
@@ -55,6 +67,47 @@ TEST_CASE("BytesText: in a unit that a person reads", "[client][cli]") {
   CHECK(BytesText(std::int64_t{3} << 52) == "12288.0 TiB");
 }
 
+TEST_CASE("LatencyText: three figures", "[client][cli]") {
+  CHECK(LatencyText(0) == "0.00 ms");
+  CHECK(LatencyText(0.00042) == "0.42 ms");
+  CHECK(LatencyText(0.0125) == "12.5 ms");
+  CHECK(LatencyText(0.999) == "999 ms");
+  CHECK(LatencyText(3.2) == "3.20 s");
+  CHECK(LatencyText(300) == "300 s");
+}
+
+void AddMethod(const std::string& name, std::int64_t calls, v1::GetServerStatusResponse& status) {
+  auto* method = status.add_methods();
+  method->set_method(name);
+  method->set_call_count(calls);
+  method->mutable_p50_time()->set_nanos(2'500'000);
+  method->mutable_p95_time()->set_nanos(75'000'000);
+  method->mutable_p99_time()->set_seconds(3);
+}
+
+TEST_CASE("StatusText: how long calls take and how they fail, the busiest first", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();
+  AddMethod("ClipService.IngestClip", 7, status);
+  AddMethod("QueryService.Recognize", 1200, status);
+  for (const auto& [code, count] : {std::pair("NOT_FOUND", 3), std::pair("INTERNAL", 1)}) {
+    auto* error = status.mutable_methods(1)->add_errors();
+    error->set_code(code);
+    error->set_call_count(count);
+  }
+  const std::string text = StatusText(status, 0);
+  CAPTURE(text);
+  CHECK_THAT(
+      text,
+      Contains("CALLS OF                ENDED      P50      P95     P99  ERRORS\n"
+               "QueryService.Recognize   1200  2.50 ms  75.0 ms  3.00 s  NOT_FOUND 3, INTERNAL 1\n"
+               "ClipService.IngestClip      7  2.50 ms  75.0 ms  3.00 s\n"));
+  CHECK_THAT(text, !Contains("methods more"));
+  for (int i = 0; i < 12; ++i) AddMethod("Some.Method" + std::to_string(i), i, status);
+  const std::string more = StatusText(status, 0);
+  CHECK_THAT(more, Contains("Some.Method4 ") && Contains("and 4 methods more\n"));
+  CHECK_THAT(more, !Contains("Some.Method3 "));
+}
+
 TEST_CASE("StatusText: the server, then its databases and what is being rebuilt", "[client][cli]") {
   const std::string text = StatusText(SomeStatus(), 1'065'000'000);
   CAPTURE(text);
@@ -62,11 +115,18 @@ TEST_CASE("StatusText: the server, then its databases and what is being rebuilt"
   CHECK_THAT(text, Contains("up                    1 min 5 s\n"));
   CHECK_THAT(text, Contains("not encrypted, anybody who reaches it may do anything\n"));
   CHECK_THAT(text, Contains("1200 ended, 3 of them failed by the server's fault; 2 under way\n"));
-  CHECK_THAT(text, Contains("memory                300.0 MiB\n"));
+  CHECK_THAT(text, Contains("waiting for a thread  4, of 2 threads\n"));
+  CHECK_THAT(text, Contains("without a good token  9 calls\n"));
+  CHECK_THAT(text, Contains("process               300.0 MiB of memory, 1 min 1 s of CPU time, "
+                            "23 threads, 40 of 1024 files open\n"));
   CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B\n"));
-  CHECK_THAT(text, Contains("DATABASE  CLIPS  FRAMES  MODEL         AGE  BEING REBUILT\n"
-                            "walks         7   11969      3  3 min 20 s  [####......] 42 %  tree\n"
-                            "empty         0       0   none\n"));
+  CHECK_THAT(
+      text,
+      Contains("DATABASE  CLIPS  FRAMES     SIZE  MODEL         AGE  BUILT IN  REBUILDS        "
+               "           BEING REBUILT\n"
+               "walks         7   11969  3.0 MiB      3  3 min 20 s    420 ms  12, 1 failed, "
+               "2 cancelled  [####......] 42 %  tree\n"
+               "empty         0       0      0 B   none                        0\n"));
   CHECK_THAT(text, !Contains("damaged"));
 }
 

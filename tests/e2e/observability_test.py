@@ -163,6 +163,14 @@ class Observability(unittest.TestCase):
                          value(values, "motiondb_model_version", database="walks"))
         self.assertEqual(walks["frame_count"],
                          value(values, "motiondb_model_frames", database="walks"))
+        self.assertEqual(int(walks["byte_count"]),
+                         value(values, "motiondb_database_bytes", database="walks"))
+        self.assertEqual(int(walks["succeeded_rebuild_count"]),
+                         value(values, "motiondb_rebuilds_total", database="walks",
+                               outcome="succeeded"))
+        for method in status["methods"]:
+            shown = value(values, "motiondb_request_seconds_count", method=method["method"])
+            self.assertEqual(int(method["call_count"]), shown)
         ended = sum(count for (name, _), count in values.items()
                     if name == "motiondb_requests_total")
         self.assertEqual(int(status["call_count"]) + 1, ended)  # the status call itself
@@ -170,7 +178,8 @@ class Observability(unittest.TestCase):
         self.assertGreater(int(status["memory_bytes"]), 1 << 20)
         text = self.server.run("status")
         self.assertEqual(text.returncode, 0, text.stderr)
-        self.assertRegex(text.stdout, r"walks +1 +90 +1 ")
+        self.assertRegex(text.stdout, r"walks +1 +90 +[0-9.]+ KiB +1 ")
+        self.assertRegex(text.stdout, r"ClipService.IngestClip +1 +[0-9.]+ m?s ")
         print("\n" + text.stdout)
 
     def test_health(self):

@@ -7,5 +7,6 @@ namespace motiondb::tests {
 
 void TestTokens(StoreUnderTest& store);
 void TestAudit(StoreUnderTest& store);
+void TestAuditOfChanges(StoreUnderTest& store);
 
 }  // namespace motiondb::tests

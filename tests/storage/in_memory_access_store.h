@@ -11,17 +11,21 @@ namespace motiondb::tests {
 
 class InMemoryAccessStore final : public storage::AccessStore {
  public:
-  absl::Status AddToken(const storage::TokenRecord& record) override;
+  absl::Status AddToken(const storage::TokenRecord& record,
+                        const storage::AuditRecord* audit = nullptr) override;
   absl::StatusOr<storage::TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<storage::TokenRecord>> ListTokens(const std::string& after,
                                                                int limit) override;
-  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id,
-                                                   std::int64_t time_us) override;
+  absl::StatusOr<storage::TokenRecord> RevokeToken(
+      const std::string& id, std::int64_t time_us,
+      const storage::AuditRecord* audit = nullptr) override;
   absl::Status AddAuditRecord(const storage::AuditRecord& record) override;
   absl::StatusOr<std::vector<storage::AuditRecord>> ListAuditRecords(std::int64_t before,
                                                                      int limit) override;
 
  private:
+  // Null: nothing. REQUIRES: the mutex is held.
+  void Note(const storage::AuditRecord* audit);
   using Tokens = std::vector<storage::TokenRecord>;
   absl::StatusOr<Tokens::iterator> Find(const std::string& id);
 

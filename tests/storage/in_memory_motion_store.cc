@@ -55,13 +55,18 @@ absl::StatusOr<NewClip*> InMemoryMotionStore::FindClip(const std::string& databa
   return &found->second;
 }
 
-absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record) {
+absl::Status InMemoryMotionStore::Note(const storage::AuditRecord* audit) {
+  return audit != nullptr ? access_.AddAuditRecord(*audit) : absl::OkStatus();
+}
+
+absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
+                                                 const storage::AuditRecord* audit) {
   const std::lock_guard lock(mutex_);
   if (databases_.contains(record.name)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
   }
   databases_[record.name].record = record;
-  return absl::OkStatus();
+  return Note(audit);
 }
 
 absl::StatusOr<DatabaseRecord> InMemoryMotionStore::GetDatabase(const std::string& database) {
@@ -76,12 +81,13 @@ absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(c
                                 [](const auto& entry) { return entry.second.record; });
 }
 
-absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database) {
+absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
+                                                 const storage::AuditRecord* audit) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Find(database).status());
   databases_.erase(database);
   std::erase_if(operations_, [&](const auto& record) { return record.database == database; });
-  return absl::OkStatus();
+  return Note(audit);
 }
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
@@ -142,7 +148,8 @@ absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::ListClips(const std
   return PageOf<ClipRecord>(in->clips, page, [](const auto& entry) { return entry.second.record; });
 }
 
-absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const std::string& clip) {
+absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const std::string& clip,
+                                             const storage::AuditRecord* audit) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   const std::string skeleton = found->record.skeleton_id;
@@ -152,7 +159,7 @@ absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const 
   const bool used = std::ranges::any_of(
       in->clips, [&](const auto& entry) { return entry.second.record.skeleton_id == skeleton; });
   if (!used) in->skeletons.erase(skeleton);
-  return absl::OkStatus();
+  return Note(audit);
 }
 
 absl::StatusOr<storage::ClipSource> InMemoryMotionStore::ReadClipSource(const std::string& database,

@@ -122,6 +122,7 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("operations are kept, newest first") { TestOperations(*store); }
   SECTION("tokens are kept") { TestTokens(*store); }
   SECTION("changes are recorded, newest first") { TestAudit(*store); }
+  SECTION("an entry is kept with its change, or not at all") { TestAuditOfChanges(*store); }
 }
 
 }  // namespace motiondb::tests

@@ -65,6 +65,9 @@ core::Model Extended() {
                                    core::Serially));
 }
 
+// Where a change has an entry in the record of changes, both are kept, or neither.
+const storage::AuditRecord kEntry{.time_us = kNow, .method = "Change"};
+
 // Goes through every operation of a change, with every fault.
 class FaultRun {
  public:
@@ -200,14 +203,16 @@ void RunAll(Change change) {
 }  // namespace
 
 TEST_CASE("Faults: a store that is made", "[storage][power]") {
-  RunAll({"", [](Store& store) { return store.CreateDatabase(SampleDatabase("d")); }});
+  RunAll({"", [](Store& store) { return store.CreateDatabase(SampleDatabase("d"), &kEntry); }});
 }
 
 TEST_CASE("Faults: an ingest", "[storage][power]") {
   auto clip = SampleClip("d", "jump", 3);
   clip.skeleton = SampleSkeleton("other");
-  clip.audit = [](const storage::ClipRecord& stored) {  // both are kept, or neither
-    return storage::AuditRecord{.time_us = kNow, .method = "Ingest", .resource = stored.id};
+  clip.audit = [](const storage::ClipRecord& stored) {
+    auto entry = kEntry;
+    entry.resource = stored.id;
+    return entry;
   };
   RunAll({FileOf(FillWithModel), [clip](Store& store) { return store.AddClip(clip).status(); }});
 }
@@ -226,19 +231,22 @@ TEST_CASE("Faults: an extension", "[storage][power]") {
 
 TEST_CASE("Faults: deletion", "[storage][power]") {
   SECTION("of a clip that the model needs") {
-    RunAll({FileOf(FillWithModel), [](Store& store) { return store.DeleteClip("d", "walk"); }});
+    RunAll({FileOf(FillWithModel),
+            [](Store& store) { return store.DeleteClip("d", "walk", &kEntry); }});
   }
   SECTION("of a clip that it does not need") {
-    RunAll({FileOf(FillWithModel), [](Store& store) { return store.DeleteClip("d", "run"); }});
+    RunAll({FileOf(FillWithModel),
+            [](Store& store) { return store.DeleteClip("d", "run", &kEntry); }});
   }
   SECTION("of a database") {
-    RunAll({FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d"); }});
+    RunAll(
+        {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", &kEntry); }});
   }
 }
 
 TEST_CASE("Faults: a token", "[storage][power]") {
   RunAll({FileOf(FillWithModel), [](Store& store) {
-            return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"});
+            return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, &kEntry);
           }});
 }
 

@@ -49,9 +49,10 @@ class GatedStore : public storage::MotionStore {
   // What ReadModel returns from now on, if not OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
 
-  absl::Status CreateDatabase(const storage::DatabaseRecord& record) override {
+  absl::Status CreateDatabase(const storage::DatabaseRecord& record,
+                              const storage::AuditRecord* audit = nullptr) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->CreateDatabase(record);
+    return store_->CreateDatabase(record, audit);
   }
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override {
     return store_->GetDatabase(database);
@@ -60,9 +61,10 @@ class GatedStore : public storage::MotionStore {
       const storage::Page& page) override {
     return store_->ListDatabases(page);
   }
-  absl::Status DeleteDatabase(const std::string& database) override {
+  absl::Status DeleteDatabase(const std::string& database,
+                              const storage::AuditRecord* audit = nullptr) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteDatabase(database);
+    return store_->DeleteDatabase(database, audit);
   }
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
@@ -76,9 +78,10 @@ class GatedStore : public storage::MotionStore {
                                                              const storage::Page& page) override {
     return store_->ListClips(database, page);
   }
-  absl::Status DeleteClip(const std::string& database, const std::string& clip) override {
+  absl::Status DeleteClip(const std::string& database, const std::string& clip,
+                          const storage::AuditRecord* audit = nullptr) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteClip(database, clip);
+    return store_->DeleteClip(database, clip, audit);
   }
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override {

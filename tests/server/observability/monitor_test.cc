@@ -101,7 +101,17 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   CallWatch(monitor, "QueryService.Plan", CallKind::kWork)
       .End(StatusCode::kInternal, "", "id", "peer");
   CHECK(monitor.calls().failed() == 1);
-  CHECK(monitor.Figures().ended_calls == 4);
+  const auto figures = monitor.Figures();
+  CHECK(figures.ended_calls == 4);
+  CHECK(figures.authentication_failures == 2);
+  REQUIRE(figures.methods.size() == 3);
+  CHECK(figures.methods[0].method == "ObserveService.Observe");
+  CHECK(figures.methods[1].method == "QueryService.Plan");
+  CHECK(figures.methods[1].ended == 2);
+  REQUIRE(figures.methods[1].errors.size() == 1);
+  CHECK(figures.methods[1].errors[0] == std::pair(StatusCode::kInternal, std::int64_t{1}));
+  CHECK(figures.methods[1].seconds.p99 > 0);
+  CHECK(figures.methods[2].method == "other");
 }
 
 TEST_CASE("Monitor: calls of many threads are all counted", "[server][monitor]") {

@@ -1,4 +1,5 @@
 // GetServerStatus, the health of each service, and what calls leave in the figures.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <thread>
 
@@ -33,7 +34,13 @@ TEST_CASE("GetServerStatus: an empty server", "[server][status]") {
   CHECK(!status.authenticated());
   CHECK(status.call_count() == 0);
   CHECK(status.open_call_count() == 1);  // this one
+  CHECK(status.methods().empty());
+  CHECK(status.authentication_failure_count() == 0);
+  CHECK(status.request_thread_count() >= 1);
   CHECK(status.memory_bytes() > 1 << 20);
+  CHECK(status.thread_count() > 1);
+  CHECK(status.open_file_count() > 3);
+  CHECK(status.open_file_limit() >= status.open_file_count());
   CHECK(status.databases().empty());
   CHECK(status.damages().empty());
 }
@@ -62,6 +69,12 @@ TEST_CASE("GetServerStatus: a database while its first model is built, and after
   CHECK(built.databases(0).operation().empty());
   CHECK(built.call_count() == 4);  // created, ingested, status, waited
   CHECK(built.failed_call_count() == 0);
+  CHECK(built.databases(0).byte_count() > 120);
+  CHECK(built.databases(0).has_model_build_time());
+  CHECK(built.databases(0).succeeded_rebuild_count() == 1);
+  CHECK(built.databases(0).failed_rebuild_count() == 0);
+  CHECK(built.databases(0).cancelled_rebuild_count() == 0);
+  CHECK(built.databases(0).has_rebuild_time());
 }
 
 TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
@@ -85,6 +98,16 @@ TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
     CHECK(!stream->Read(&response));
     CHECK(stream->Finish().error_code() == grpc::StatusCode::NOT_FOUND);
   }
+  const auto status = StatusOf(server);
+  const auto recognize =
+      std::find_if(status.methods().begin(), status.methods().end(),
+                   [](const auto& method) { return method.method() == "QueryService.Recognize"; });
+  REQUIRE(recognize != status.methods().end());
+  CHECK(recognize->call_count() == 2);
+  REQUIRE(recognize->errors_size() == 1);
+  CHECK(recognize->errors(0).code() == "NOT_FOUND");
+  CHECK(recognize->errors(0).call_count() == 1);
+  CHECK(recognize->p50_time().nanos() + recognize->p50_time().seconds() > 0);
   const std::string text = server.server().monitor().Exposition();
   CHECK_THAT(
       text,

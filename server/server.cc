@@ -12,12 +12,15 @@
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
+#include "server/rpc/silence_limit.h"
 #include "server/security/admin_token_file.h"
 #include "server/security/file_watch.h"
 #include "server/security/tls.h"
 
 namespace motiondb::server {
 namespace {
+
+using std::chrono::milliseconds;
 
 // Both are process-wide and must be on before the first builder.
 void EnablePlugins() {
@@ -39,8 +42,18 @@ void SetKeepalive(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
 }
 
+// Breaks off calls that were answered, and whose client takes nothing for as long as it may be
+// silent, or a tenth longer.
+std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
+  const auto longest = host.limits.options().longest_silence;
+  const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
+  return std::make_unique<SilenceLimit>(
+      host.engine.workers().request_executor(), period, period,
+      [&gate = host.gate, longest] { gate.CancelEndedBefore(CallGate::Clock::now() - longest); });
+}
+
 // How long clients have to close their connections before they are cut.
-constexpr std::chrono::milliseconds kFarewell{100};
+constexpr milliseconds kFarewell{100};
 constexpr int kOwnMetadata = 16 << 10;  // room for what gRPC and HTTP/2 add of their own
 
 constexpr const char* kServiceNames[] = {
@@ -81,6 +94,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
       attachment_(*monitor_, *engine_),
       host_(new CallHost{
           *engine_, {engine_->store().access(), access}, CallLimits(calls), {}, *monitor_}) {
+  untaken_ = WatchUntaken(*host_);
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));
@@ -91,7 +105,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeStoreService(*host_));
 }
 
-Server::~Server() { Drain(std::chrono::milliseconds(0)); }
+Server::~Server() { Drain(milliseconds(0)); }
 
 absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   EnablePlugins();
@@ -103,6 +117,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   SetReflection(reflection, builder);
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  // Beyond it streams of one connection wait; before, CallLimits answers, but not for health
+  // checks.
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.calls.calls.in_all);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   // A call is only known here, with its limits, when its first message is whole.
   builder.SetResourceQuota(grpc::ResourceQuota("motiondb")
@@ -124,7 +141,7 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   return absl::OkStatus();
 }
 
-void Server::Drain(std::chrono::milliseconds grace) {
+void Server::Drain(milliseconds grace) {
   if (grpc_ == nullptr) return;
   monitor_->SetPhase(Phase::kDraining);
   const auto latest = std::chrono::steady_clock::now() + grace;

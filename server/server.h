@@ -22,6 +22,7 @@ namespace motiondb::server {
 
 struct CallHost;
 class FileWatch;
+class SilenceLimit;
 class Tls;
 
 struct ServerOptions {
@@ -66,6 +67,7 @@ class Server {
   const std::unique_ptr<Engine> engine_;
   const Monitor::Attachment attachment_;
   const std::unique_ptr<CallHost> host_;
+  std::unique_ptr<SilenceLimit> untaken_;   // looks after answers that nobody takes
   std::unique_ptr<FileWatch> admin_token_;  // null: there is no file of it
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text

@@ -96,19 +96,19 @@ std::vector<std::shared_ptr<LiveDatabase>> Engine::Databases() {
 }
 
 std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatabase& database) {
-  const auto id = rebuilder_.CurrentOperation(database);
-  if (!id) return std::nullopt;
-  auto operation = operations_.Get(*id);
+  const std::string id = database.operation();
+  if (id.empty()) return std::nullopt;
+  auto operation = operations_.Get(id);
   if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended since
   return *std::move(operation);
 }
 
 absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
   if (auto snapshot = database.snapshot()) return snapshot;
-  if (const auto operation = rebuilder_.CurrentOperation(database)) {
+  if (const std::string operation = database.operation(); !operation.empty()) {
     return core::FailedPrecondition(
         "database '{}' has no model yet; its first model is being built: wait for operations/{}",
-        database.name(), *operation);
+        database.name(), operation);
   }
   return core::FailedPrecondition(
       "database '{}' has no model yet: ingest clips first (motiondb ingest {} FILE...)",

@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 
 namespace motiondb::server {
@@ -98,17 +99,51 @@ std::map<std::string, std::string> LiveDatabase::unreadable() const {
   return unreadable_;
 }
 
+std::string LiveDatabase::operation() const {
+  const std::lock_guard lock(mutex_);
+  return operation_;
+}
+
+void LiveDatabase::set_operation(std::string operation) {
+  const std::lock_guard lock(mutex_);
+  operation_ = std::move(operation);
+}
+
+absl::Status LiveDatabase::AwaitAlive(std::unique_lock<std::mutex>& life_lock) {
+  life_changed_.wait(life_lock, [this] { return life_ != Life::kRetiring; });
+  if (life_ == Life::kDeleted) return core::NotFound("database '{}' was deleted", name_);
+  return absl::OkStatus();
+}
+
 absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& change) {
-  const std::shared_lock lock(life_mutex_);
-  if (deleted_) return core::NotFound("database '{}' was deleted", name_);
+  {
+    std::unique_lock lock(life_mutex_);
+    MOTIONDB_RETURN_IF_ERROR(AwaitAlive(lock));
+    ++changes_;
+  }
+  const absl::Cleanup ended = [this] {
+    const std::lock_guard lock(life_mutex_);
+    --changes_;
+    life_changed_.notify_all();
+  };
   return change();
 }
 
 absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion) {
-  const std::unique_lock lock(life_mutex_);
-  if (deleted_) return core::NotFound("database '{}' was deleted", name_);
+  {
+    std::unique_lock lock(life_mutex_);
+    MOTIONDB_RETURN_IF_ERROR(AwaitAlive(lock));
+    life_ = Life::kRetiring;
+    life_changed_.wait(lock, [this] { return changes_ == 0; });
+  }
+  Life after = Life::kAlive;
+  const absl::Cleanup over = [&] {
+    const std::lock_guard lock(life_mutex_);
+    life_ = after;
+    life_changed_.notify_all();
+  };
   MOTIONDB_RETURN_IF_ERROR(deletion());
-  deleted_ = true;
+  after = Life::kDeleted;
   return absl::OkStatus();
 }
 

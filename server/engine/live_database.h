@@ -3,12 +3,12 @@
 // stays valid, and says so, after the database was deleted.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
-#include <shared_mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -80,10 +80,16 @@ class LiveDatabase {
   void ForgetUnreadable(const std::string& clip);
   std::map<std::string, std::string> unreadable() const;
 
+  // The operation of the rebuild that waits or works; empty: none. Told by the rebuilder, asked
+  // without waiting for it.
+  std::string operation() const;
+  void set_operation(std::string operation);
+
   // Runs a change of what is stored, several at a time, but none once the database is deleted:
-  // NOT_FOUND then.
+  // NOT_FOUND then. Waits while it is being deleted; not to be nested.
   absl::Status WhileAlive(const std::function<absl::Status()>& change);
-  // Runs the deletion itself, alone. If it succeeds, the database is deleted from then on.
+  // Runs the deletion itself, alone, when the changes under way have ended; others wait, so that
+  // they cannot keep it from ever coming. If it succeeds, the database is deleted from then on.
   absl::Status Retire(const std::function<absl::Status()>& deletion);
 
   // Held from reading the current model, in the store or here, to putting the next one, so that
@@ -96,6 +102,8 @@ class LiveDatabase {
  private:
   // REQUIRES: mutex_ is held.
   void Add(const StoredAmount& amount);
+  // Returns when the database is not being deleted. NOT_FOUND if it was.
+  absl::Status AwaitAlive(std::unique_lock<std::mutex>& life_lock);
 
   const std::string name_;
   const core::BuildSettings settings_;
@@ -106,9 +114,13 @@ class LiveDatabase {
   StoredAmount stored_;
   RebuildTally rebuilds_;
   std::map<std::string, std::string> unreadable_;
+  std::string operation_;
 
-  std::shared_mutex life_mutex_;
-  bool deleted_ = false;
+  enum class Life { kAlive, kRetiring, kDeleted };
+  std::mutex life_mutex_;
+  std::condition_variable life_changed_;
+  Life life_ = Life::kAlive;
+  int changes_ = 0;  // under way
   std::mutex model_mutex_;
   std::mutex first_clip_mutex_;
 };

@@ -75,16 +75,8 @@ void Rebuilder::Forget(const LiveDatabase& database) {
   if (queue == nullptr) return;
   for (const std::string& operation : queue->waiting) book_.Abandon(operation);
   if (queue->running != nullptr) queue->running->stop = StopReason::kForgotten;
+  queue->database->set_operation("");
   queues_.erase(database.name());
-}
-
-std::optional<std::string> Rebuilder::CurrentOperation(const LiveDatabase& database) {
-  const std::lock_guard lock(mutex_);
-  const Queue* const queue = FindQueue(database);
-  if (queue == nullptr) return std::nullopt;
-  if (queue->running != nullptr) return queue->running->operation;
-  if (!queue->waiting.empty()) return queue->waiting.front();
-  return std::nullopt;
 }
 
 void Rebuilder::Stop() {
@@ -118,6 +110,9 @@ Rebuilder::Clock::time_point Rebuilder::DueTime(const Queue& queue) const {
 }
 
 void Rebuilder::Arm(Queue& queue) {
+  queue.database->set_operation(queue.running != nullptr ? queue.running->operation
+                                : queue.waiting.empty()  ? ""
+                                                         : queue.waiting.front());
   if (stopped_ || queue.running != nullptr || queue.waiting.empty()) return;
   queue.timer.expires_at(DueTime(queue));
   queue.timer.async_wait(
@@ -136,6 +131,7 @@ std::shared_ptr<Rebuilder::Build> Rebuilder::TakeDue(const std::string& database
   queue.running->operation = std::move(queue.waiting.front());
   queue.running->database = queue.database;
   queue.waiting.pop_front();
+  Arm(queue);
   return queue.running;
 }
 

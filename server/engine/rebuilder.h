@@ -15,7 +15,6 @@
 #include <map>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <string>
 
 #include "server/engine/live_database.h"
@@ -58,8 +57,6 @@ class Rebuilder {
   // The database was deleted: its operations end, and its build stops without storing anything.
   // REQUIRES: within LiveDatabase::Retire.
   void Forget(const LiveDatabase& database);
-  // The operation that waits or works for a database, if there is one.
-  std::optional<std::string> CurrentOperation(const LiveDatabase& database);
   // Starts nothing more and stops what runs, whose operations are PENDING again; returns when
   // nothing runs.
   void Stop();
@@ -91,6 +88,7 @@ class Rebuilder {
   Queue& QueueOf(const std::shared_ptr<LiveDatabase>& database);
   Queue* FindQueue(const LiveDatabase& database);
   Clock::time_point DueTime(const Queue& queue) const;
+  // After each change of the queue: sets its timer, and tells the database its operation.
   void Arm(Queue& queue);
   std::shared_ptr<Build> TakeDue(const std::string& database);
 

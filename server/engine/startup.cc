@@ -111,7 +111,7 @@ absl::Status Engine::RebuildWhereNeeded() {
     return databases_;
   }();
   for (const auto& [name, live] : databases) {
-    if (rebuilder_.CurrentOperation(*live)) continue;
+    if (!live->operation().empty()) continue;
     const auto current = IsCurrent(*live);
     if (absl::IsDataLoss(current.status())) {
       damages_.Note({"databases/" + name, std::string(current.status().message())});

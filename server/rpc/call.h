@@ -5,6 +5,7 @@
 #include <grpcpp/support/server_callback.h>
 
 #include <chrono>
+#include <cstddef>
 #include <functional>
 #include <utility>
 
@@ -15,6 +16,7 @@
 #include "server/observability/log_fields.h"
 #include "server/rpc/call_entry.h"
 #include "server/rpc/call_host.h"
+#include "server/rpc/run_handler.h"
 
 namespace motiondb::server {
 
@@ -27,19 +29,15 @@ struct Call {
   Monitor& monitor;                                // how the server is doing
 };
 
-// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL.
-// CANCELLED, without running the handler, where nobody waits any
-// more.
-grpc::Status RunHandler(const core::Cancelled& cancelled,
-                        const std::function<absl::Status()>& handler);
-
 // Owned by gRPC: deletes itself when the call is over.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
   UnaryReactor(CallHost& host, const grpc::CallbackServerContext& context, const Method& method)
       : entry_(host, context, method) {}
   CallEntry& entry() { return entry_; }
-  void End(grpc::Status status) { Finish(entry_.End(std::move(status))); }
+  void End(grpc::Status status, std::size_t answer_bytes = 0) {
+    Finish(entry_.End(std::move(status), answer_bytes));
+  }
   void OnDone() override { delete this; }
 
  private:
@@ -57,14 +55,14 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
     return reactor;
   }
   reactor->entry().Weigh(request->ByteSizeLong());
-  reactor->entry().Post([&host, request, response, reactor] {
+  reactor->entry().Begin(*request, [&host, request, response, reactor](grpc::Status checked) {
+    if (!checked.ok()) return reactor->End(std::move(checked));
     CallEntry& entry = reactor->entry();
     const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
     const LogFields fields{{"request_id", entry.request_id()}};
-    reactor->End(RunHandler(call.cancelled, [&]() -> absl::Status {
-      MOTIONDB_RETURN_IF_ERROR(call.entry.Check(*request));
-      return kHandler(call, *request, *response);
-    }));
+    grpc::Status answered =
+        RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); });
+    reactor->End(std::move(answered), response->ByteSizeLong());
   });
   return reactor;
 }

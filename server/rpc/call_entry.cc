@@ -5,7 +5,10 @@
 
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
+#include "server/observability/log_fields.h"
 #include "server/rpc/call_evidence.h"
+#include "server/rpc/run_handler.h"
+#include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
 #include "server/security/secret.h"
 #include "server/translate/field_text.h"
@@ -18,7 +21,8 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kResourceLimit = 256;
-constexpr std::size_t kLargeRequest = 1 << 20;  // 40 s of 34 markers at 60 Hz
+// Of requests and answers; 40 s of 34 markers at 60 Hz.
+constexpr std::size_t kLarge = 1 << 20;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
@@ -52,11 +56,11 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
       deadline_(Deadline(host, context, method)),
-      place_(host.limits.Enter(CallWeight::kLight, AddressOf(peer_))),
-      ticket_(host.gate, std::move(on_close)) {}
+      place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
+      ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
 void CallEntry::Weigh(std::size_t request_bytes) {
-  if (weight_ == CallWeight::kLight && request_bytes > kLargeRequest) weight_ = CallWeight::kHeavy;
+  if (weight_ == CallWeight::kLight && request_bytes > kLarge) weight_ = CallWeight::kHeavy;
 }
 
 grpc::Status CallEntry::Admission() const {
@@ -64,6 +68,17 @@ grpc::Status CallEntry::Admission() const {
   const absl::Status metadata = host_.limits.CheckMetadata(MetadataBytes(context_));
   if (!metadata.ok()) return ToGrpcStatus(metadata);
   return ToGrpcStatus(place_.status());
+}
+
+void CallEntry::Begin(const google::protobuf::Message& request,
+                      std::function<void(grpc::Status)> work) {
+  host_.engine.workers().Post([this, &request, work = std::move(work)] {
+    const LogFields fields{{"request_id", request_id_}};
+    grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
+    const bool elsewhere = weight_ == CallWeight::kHeavy || weight_ == CallWeight::kUpkeep;
+    if (!checked.ok() || !elsewhere) return work(std::move(checked));
+    Post([work] { work(grpc::Status::OK); });
+  });
 }
 
 void CallEntry::Post(std::function<void()> work) {
@@ -102,7 +117,8 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
   if (weight_ != CallWeight::kLight) {
-    const std::string client = caller.principal == kAnonymous ? AddressOf(peer_) : caller.principal;
+    const std::string client =
+        caller.principal == kAnonymous ? SourceOf(AddressOf(peer_)) : caller.principal;
     MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client));
   }
   caller_ = std::move(caller);
@@ -134,7 +150,7 @@ grpc::Status CallEntry::Silent() const {
                       Seconds(host_.limits.options().longest_silence))};
 }
 
-grpc::Status CallEntry::End(grpc::Status status) {
+grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   if (status.error_code() == grpc::StatusCode::CANCELLED && deadline_ < context_.deadline() &&
       std::chrono::system_clock::now() > deadline_) {
     status = {grpc::StatusCode::DEADLINE_EXCEEDED,
@@ -145,9 +161,10 @@ grpc::Status CallEntry::End(grpc::Status status) {
       !(recorded_ && status.ok())) {
     host_.access.Record(Record(status.error_code()));
   }
-  own_place_ = {};  // before the client sees the end, and may come again
+  if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
+  ticket_.SetEnded();
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }
 

@@ -41,8 +41,12 @@ class CallEntry {
   // Not OK: the call is to be refused with this. UNAVAILABLE (the server stops),
   // RESOURCE_EXHAUSTED.
   grpc::Status Admission() const;
-  // Runs a piece of the call's work, which must not throw, on a request thread; heavy calls in
-  // their lane, upkeep on its thread.
+  // Checks the request on a request thread and then runs `work`, which must not throw, with what
+  // that came to: where it is OK in the place that Post has, so that nobody waits in a lane who may
+  // not be there. The request must outlive the check.
+  void Begin(const google::protobuf::Message& request, std::function<void(grpc::Status)> work);
+  // Runs a further piece of the call's work, which must not throw, on a request thread; heavy calls
+  // in their lane, upkeep on its thread.
   void Post(std::function<void()> work);
   // The client's deadline or the server's own, whichever comes first.
   std::chrono::system_clock::time_point deadline() const { return deadline_; }
@@ -50,7 +54,8 @@ class CallEntry {
   core::Cancelled cancelled() const;
 
   // Whether the caller may make this call. To be asked with the request, or with the first of a
-  // stream, before anything is done. UNAUTHENTICATED, PERMISSION_DENIED, RESOURCE_EXHAUSTED.
+  // stream, before anything is done, by Begin or where that does not serve. UNAUTHENTICATED,
+  // PERMISSION_DENIED, RESOURCE_EXHAUSTED.
   absl::Status Check(const google::protobuf::Message& request);
   // Whether the caller still may, for each further message of a stream. UNAUTHENTICATED.
   absl::Status Recheck() const;
@@ -60,8 +65,10 @@ class CallEntry {
   grpc::Status Silent() const;
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
-  // the request's id, and keeps what the role table says in the record of changes.
-  grpc::Status End(grpc::Status status);
+  // the request's id, and keeps what the role table says in the record of changes. From then on the
+  // client may take as long to take the answer as it may be silent. With a large answer the call
+  // keeps its place among those of its weight until it is taken.
+  grpc::Status End(grpc::Status status, std::size_t answer_bytes = 0);
 
   const Method& method() const { return method_; }
   // The caller's `x-request-id`, if it is 1 to 128 printable characters, or one made here.
@@ -97,7 +104,7 @@ class CallEntry {
   std::optional<Caller> caller_;  // nothing before a Check that the caller passed
   std::string principal_ = kAnonymous;
   std::string resource_;
-  const CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes
+  CallGate::Ticket ticket_;  // last, so that it is given back before the rest goes
 };
 
 }  // namespace motiondb::server

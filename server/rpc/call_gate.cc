@@ -11,9 +11,17 @@ void CallGate::Close() {
   }
 }
 
-void CallGate::AwaitEmpty(std::chrono::steady_clock::time_point latest) {
+void CallGate::AwaitEmpty(Clock::time_point latest) {
   std::unique_lock lock(mutex_);
   empty_.wait_until(lock, latest, [this] { return calls_.empty(); });
+}
+
+void CallGate::CancelEndedBefore(Clock::time_point time) {
+  // Under the lock, as in Close.
+  const std::lock_guard lock(mutex_);
+  for (const Ticket* const ticket : calls_) {
+    if (ticket->cancel_ && ticket->ended_.load() < time) ticket->cancel_();
+  }
 }
 
 bool CallGate::Enter(const Ticket& ticket) {

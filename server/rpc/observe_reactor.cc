@@ -10,7 +10,6 @@
 #include "server/rpc/silence_limit.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/observe_message.h"
-#include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
 namespace {
@@ -32,11 +31,7 @@ class ObserveReactor final
   }
 
   void OnReadDone(bool ok) override {
-    // Half-closed; where the call was cancelled instead, nobody reads the status. A stream without
-    // any message was not checked yet.
-    if (!ok && session_ == nullptr) return End(ToGrpcStatus(entry_.Check(request_)));
-    if (!ok) return End(grpc::Status::OK);
-    Do(Turn::kServer, [this] { entry_.Post([this] { Work(); }); });
+    Do(Turn::kServer, [this, ok] { entry_.Post([this, ok] { ok ? Work() : Close(); }); });
   }
   void OnWriteDone(bool ok) override {
     writing_ = false;
@@ -71,14 +66,27 @@ class ObserveReactor final
     });
   }
 
+  // Half-closed; where the call was cancelled instead, nobody reads the status. A stream without
+  // any message was not checked yet.
+  void Close() {
+    End(session_ != nullptr ? grpc::Status::OK : RunHandler(entry_.cancelled(), [this] {
+      return entry_.Check(request_);
+    }));
+  }
+
   void Read() {
-    if (stopping_) return End(Stopping());
     silence_.Restart();
     StartReading();
   }
 
   void StartReading() {
-    Do(Turn::kClient, [this] { StartRead(&request_); });
+    {
+      const std::lock_guard lock(mutex_);
+      if (turn_ == Turn::kNobody) return;
+      turn_ = stopping_ ? Turn::kNobody : Turn::kClient;
+      if (turn_ == Turn::kClient) return StartRead(&request_);
+    }
+    Finish(entry_.End(Stopping()));
   }
 
   // Once, whoever comes first; the last thing that its thread does here.

@@ -39,9 +39,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
       End(std::move(admission));
       return;
     }
-    entry_.Post([this, request, open = std::move(open)] {
+    entry_.Begin(*request, [this, request, open = std::move(open)](grpc::Status checked) {
+      if (!checked.ok()) return End(std::move(checked));
       Step([&]() -> absl::Status {
-        MOTIONDB_RETURN_IF_ERROR(entry_.Check(*request));
         auto opened = open(call_, *request);
         if (!opened.ok()) return opened.status();
         next_ = *std::move(opened);

@@ -24,7 +24,13 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
  public:
   void OnReadDone(bool ok) final {
     if (!reading_.exchange(false)) return;  // the call has ended meanwhile
-    if (ok && begun_ && taking_ == Taking::kAtOnce) return Step(true);
+    // A stream without any message is checked at its end.
+    if (!std::exchange(begun_, true)) {
+      return entry_.Begin(message_, [this, ok](grpc::Status checked) {
+        checked.ok() ? Step(ok) : End(std::move(checked));
+      });
+    }
+    if (ok && taking_ == Taking::kAtOnce) return TakeAtOnce();
     entry_.Post([this, ok] { Step(ok); });
   }
   void OnDone() final { delete this; }
@@ -60,17 +66,26 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     this->StartRead(&message_);
   }
 
-  // Takes what was read; the end, if it is not `ok`.
-  void Step(bool ok) {
-    grpc::Status status = RunHandler(entry_.cancelled(), [this, ok]() -> absl::Status {
+  // What was read, or the end if it is not `ok`, comes to this.
+  grpc::Status Taken(bool ok) {
+    return RunHandler(entry_.cancelled(), [this, ok]() -> absl::Status {
       const LogFields fields{{"request_id", entry_.request_id()}};
-      // A stream without any message is checked at its end.
-      const bool first = !std::exchange(begun_, true);
-      MOTIONDB_RETURN_IF_ERROR(first ? entry_.Check(message_) : entry_.Recheck());
+      MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
       return ok ? Take(message_) : Answer();
     });
+  }
+
+  void Step(bool ok) {
+    grpc::Status status = Taken(ok);
     if (!ok || !status.ok()) return End(std::move(status));
     Read();
+  }
+
+  void TakeAtOnce() {
+    const grpc::Status status = Taken(true);
+    if (status.ok()) return Read();
+    // The end has to be recorded, and gRPC's threads write nothing.
+    entry_.Post([this, status] { End(status); });
   }
 
   // What was sent so far is kept, and a rebuild may be waiting for the rest.

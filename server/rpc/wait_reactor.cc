@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <mutex>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/operation.pb.h"
@@ -54,28 +55,38 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
       Finish(entry_.End(std::move(admission)));
       return;
     }
-    Engine& engine = host.engine;
-    const auto id = ParseOperationName("name", request.name());
-    const auto timeout = TimeoutFrom(request, context.deadline());
-    absl::Status valid = entry_.Check(request);
-    if (valid.ok()) valid = id.ok() ? timeout.status() : id.status();
-    if (!valid.ok()) {
-      Answer([&] { return valid; });
-      return;
-    }
-    wait_ = OperationWait::Start(engine.workers().request_executor(), engine.operations(), *id,
-                                 *timeout,
-                                 [this](auto operation) { OnOperation(std::move(operation)); });
+    entry_.Begin(request, [this, &engine = host.engine, &context, &request](grpc::Status checked) {
+      if (!checked.ok()) return Finish(entry_.End(std::move(checked)));
+      Start(engine, request, context.deadline());
+    });
   }
 
   void OnCancel() override {
+    const std::lock_guard lock(mutex_);
+    cancelled_ = true;
     if (wait_ != nullptr) wait_->Stop();
   }
   void OnDone() override { delete this; }
 
  private:
+  void Start(Engine& engine, const v1::WaitOperationRequest& request,
+             std::chrono::system_clock::time_point deadline) {
+    const auto id = ParseOperationName("name", request.name());
+    const auto timeout = TimeoutFrom(request, deadline);
+    const absl::Status valid = id.ok() ? timeout.status() : id.status();
+    if (!valid.ok()) return Answer([&] { return valid; });
+    const std::lock_guard lock(mutex_);
+    wait_ = OperationWait::Start(engine.workers().request_executor(), engine.operations(), *id,
+                                 *timeout,
+                                 [this](auto operation) { OnOperation(std::move(operation)); });
+    if (cancelled_) wait_->Stop();
+  }
+
   void OnOperation(const absl::StatusOr<storage::OperationRecord>& operation) {
+    // Not before Start has let go of this, which the answer may delete.
+    { const std::lock_guard lock(mutex_); }
     Answer([&]() -> absl::Status {
+      MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
       if (!operation.ok()) return operation.status();
       SetOperation(*operation, *response_.mutable_operation());
       return absl::OkStatus();
@@ -89,6 +100,8 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
 
   CallEntry entry_;
   v1::WaitOperationResponse& response_;
+  std::mutex mutex_;
+  bool cancelled_ = false;
   std::shared_ptr<OperationWait> wait_;
 };
 

@@ -17,13 +17,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kMinute{60'000};
-constexpr int kRecordedRefusalsPerMinute = 10;
+constexpr int kRecordedFailuresPerMinute = 10;
 constexpr char kAdminTokenId[] = "admin-token-file";
-
-bool IsRefusal(int code) {
-  return code == static_cast<int>(absl::StatusCode::kPermissionDenied) ||
-         code == static_cast<int>(absl::StatusCode::kUnauthenticated);
-}
 
 // The token in `Bearer {token}`; empty where the header has another form.
 std::string BearerOf(const std::string& authorization) {
@@ -49,7 +44,7 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
       admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
-      refusals_(kRecordedRefusalsPerMinute, kMinute),
+      recorded_failures_(kRecordedFailuresPerMinute, kMinute),
       warnings_(1, kMinute) {
   if (!options_.authentication) return;
   const absl::Status read = tokens_.ReadAhead(NowMicroseconds());
@@ -127,8 +122,9 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
 
 void AccessControl::Record(const storage::AuditRecord& record) {
   const bool unknown = options_.authentication && record.principal == kAnonymous;
-  if ((unknown || IsRefusal(record.code)) &&
-      !refusals_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
+  const bool changed_nothing = unknown || record.code != 0;
+  if (changed_nothing &&
+      !recorded_failures_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return;
   }
   const absl::Status kept = store_.AddAuditRecord(record);

@@ -41,8 +41,8 @@ class AccessControl {
   // known no more. False if it is the same.
   bool ReplaceAdminToken(const std::string& token);
 
-  // Keeps an entry of the record of changes. One refused for want of a right is kept only so often
-  // from one source, so that nobody can fill the record with them. What cannot be kept is logged.
+  // Keeps an entry of the record of changes. Those of calls that failed are kept only so often from
+  // one source, so that nobody can push the rest out with them. What cannot be kept is logged.
   void Record(const storage::AuditRecord& record);
 
   TokenBook& tokens() { return tokens_; }
@@ -62,7 +62,7 @@ class AccessControl {
   std::shared_ptr<KnownToken> admin_token_;  // null: there is none
   TokenBook tokens_;
   AttemptLimit failures_;
-  AttemptLimit refusals_;
+  AttemptLimit recorded_failures_;
   AttemptLimit warnings_;
 };
 

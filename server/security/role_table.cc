@@ -25,7 +25,7 @@ constexpr CallRule kRules[] = {
     {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},
     {"ClipService.DeleteClip", kIngester, kChanges, kLight, kDatabase, "name"},
-    {"ClipService.ExportClip", kReader, kReads, kLight, kDatabase, "name"},
+    {"ClipService.ExportClip", kReader, kReads, kHeavy, kDatabase, "name"},
     {"ClipService.GetSkeleton", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListSkeletons", kReader, kReads, kLight, kDatabase, "parent"},
 

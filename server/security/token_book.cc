@@ -60,23 +60,42 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   record.description = description;
   record.create_time_us = now_us;
   record.expire_time_us = expire_time_us;
-  // Over the store's part too: nobody revokes the token there before it is in memory.
-  const std::lock_guard lock(mutex_);
+  const std::int64_t revocations_before = revocations();
   std::optional<storage::AuditRecord> entry;
   if (audit) entry = audit(record);
   MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record, entry ? &*entry : nullptr));
-  Keep(record, now_us);
   made.secret = JoinToken(record.id, secret);
+  const std::lock_guard lock(mutex_);
+  if (revocations_ == revocations_before) Keep(record, now_us);
   return made;
 }
 
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
                                                        const storage::AuditRecord* audit) {
-  // Over the store's part too: nobody reads the token from there in between.
+  std::shared_ptr<KnownToken> known;
+  bool held = false;  // until now
+  std::int64_t revocations_before = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    revocations_before = revocations_;
+    if (const auto found = known_.find(id); found != known_.end()) known = found->second;
+    held = known != nullptr && known->CheckHolds(now_us).ok();
+    if (held) known->End();
+  }
+  auto record = store_.RevokeToken(id, now_us, audit);
   const std::lock_guard lock(mutex_);
-  MOTIONDB_ASSIGN_OR_RETURN(auto record, store_.RevokeToken(id, now_us, audit));
-  if (const auto known = known_.find(id); known != known_.end()) known->second->End();
+  if (!record.ok()) {
+    if (held && revocations_ == revocations_before) known->Resume();
+    return record;
+  }
+  ++revocations_;
+  if (const auto found = known_.find(id); found != known_.end()) found->second->End();
   return record;
+}
+
+std::int64_t TokenBook::revocations() const {
+  const std::shared_lock lock(mutex_);
+  return revocations_;
 }
 
 std::shared_ptr<const KnownToken> TokenBook::FindInMemory(std::string_view text) const {
@@ -96,16 +115,23 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
   const auto token = SplitToken(text);
   if (!token.has_value()) return nullptr;
   const std::string id(token->id);
-  const std::lock_guard lock(mutex_);
-  const auto found = known_.find(id);
-  if (found == known_.end()) {
+  while (true) {
+    std::int64_t revocations_before = 0;
+    {
+      const std::shared_lock lock(mutex_);
+      const auto found = known_.find(id);
+      if (found != known_.end()) {
+        return found->second->HasSecret(token->secret) ? found->second : nullptr;
+      }
+      revocations_before = revocations_;
+    }
     auto record = store_.GetToken(id);
     if (absl::IsNotFound(record.status())) return nullptr;
     if (!record.ok()) return record.status();
     if (!KnownToken(*record).HasSecret(token->secret)) return nullptr;
-    return Keep(*std::move(record), NowMicroseconds());
+    const std::lock_guard lock(mutex_);
+    if (revocations_ == revocations_before) return Keep(*std::move(record), NowMicroseconds());
   }
-  return found->second->HasSecret(token->secret) ? found->second : nullptr;
 }
 
 std::shared_ptr<const KnownToken> TokenBook::Keep(storage::TokenRecord record,

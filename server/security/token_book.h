@@ -28,6 +28,8 @@ class KnownToken {
   const storage::TokenRecord& record() const { return record_; }
   bool HasSecret(std::string_view secret) const;
   void End() { ended_.store(true, std::memory_order_relaxed); }
+  // It goes on after all: its end could not be stored.
+  void Resume() { ended_.store(false, std::memory_order_relaxed); }
   // UNAUTHENTICATED once it was revoked or its time is over.
   absl::Status CheckHolds(std::int64_t now_us) const;
 
@@ -57,7 +59,8 @@ class TokenBook {
   absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
                                  const std::string& description, std::int64_t now_us,
                                  std::int64_t expire_time_us, const MakeAudit& audit = {});
-  // NOT_FOUND.
+  // Refuses its bearer at once, and returns when that is stored. NOT_FOUND, and the codes of the
+  // store, after which the token holds as before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
                                               const storage::AuditRecord* audit = nullptr);
 
@@ -68,6 +71,7 @@ class TokenBook {
   absl::StatusOr<std::shared_ptr<const KnownToken>> Find(std::string_view text);
 
  private:
+  std::int64_t revocations() const;
   // Keeps a token in memory, and from time to time drops those that have ended: as many are there
   // as there are good ones, and half of that again. REQUIRES: the mutex is held.
   std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us);
@@ -75,6 +79,9 @@ class TokenBook {
   storage::AccessStore& store_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
+  // Nobody waits for the store under the mutex, so what was read there may be old by the time it is
+  // kept: it is not kept if a token was revoked meanwhile.
+  std::int64_t revocations_ = 0;
   std::size_t next_sweep_ = 1024;  // as many known: time to drop those that have ended
 };
 

@@ -53,9 +53,9 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddCallLimit(app, "--max-calls", calls.calls, "calls",
                "address; behind a proxy all calls come from the proxy's");
-  AddCallLimit(
-      app, "--max-heavy-calls", calls.heavy,
-      "heavy calls (ingests, plans, series of predictions, backups, queries of over 1 MiB)");
+  AddCallLimit(app, "--max-heavy-calls", calls.heavy,
+               "heavy calls (ingests, exports, plans, series of predictions, backups, queries of "
+               "over 1 MiB)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
   AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
              "Time after which a call ends, but for streams of frames, waits for an operation and "
@@ -65,6 +65,12 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
              "Time for which the client of a stream may send or take nothing; before its first "
              "message at most 10 s")
       ->group("Limits");
+}
+
+void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems) {
+  if (settings.server.message_memory_bytes >= settings.server.max_message_bytes) return;
+  problems.push_back(absl::InvalidArgumentError(
+      "message-memory-mib: less than max-message-mib, so the largest request would never come in"));
 }
 
 }  // namespace motiondb::server

@@ -82,6 +82,7 @@ std::vector<absl::Status> SettingsReader::Check() const {
   std::vector<absl::Status> problems;
   CheckStoreSettings(settings_, problems);
   CheckEngineSettings(settings_, problems);
+  CheckLimitSettings(settings_, problems);
   CheckSecuritySettings(settings_, problems);
   return problems;
 }

@@ -31,6 +31,8 @@ using Clock = std::chrono::steady_clock;
 // What a small database with these clients may take. A leak of a descriptor or a page a call would
 // be far beyond it within minutes.
 constexpr int kMostDescriptors = 200;
+constexpr int kMostThreads = 64;
+constexpr double kMostMemoryMb = 512;
 constexpr double kMostLogMb = 64;
 // The last third of the run against the second: what grows for ever grows there too.
 constexpr double kMostGrowth = 1.25;
@@ -133,6 +135,9 @@ std::vector<std::string> Judge(const std::vector<ProcessFigures>& thirds, const 
   for (const ProcessFigures& figures : thirds) {
     Check(figures.descriptors <= kMostDescriptors,
           fmt::format("{} descriptors were open", figures.descriptors), problems);
+    Check(figures.threads <= kMostThreads, fmt::format("{} threads", figures.threads), problems);
+    Check(figures.memory_mb <= kMostMemoryMb,
+          fmt::format("memory took {:.0f} MB", figures.memory_mb), problems);
     Check(figures.log_mb <= kMostLogMb, fmt::format("the log had {:.0f} MB", figures.log_mb),
           problems);
   }

@@ -9,7 +9,7 @@
 
 namespace motiondb::tests {
 
-class InMemoryAccessStore final : public storage::AccessStore {
+class InMemoryAccessStore : public storage::AccessStore {
  public:
   absl::Status AddToken(const storage::TokenRecord& record,
                         const storage::AuditRecord* audit = nullptr) override;

@@ -160,6 +160,47 @@ TEST_CASE("Monitor: databases, their models and rebuilds, until they are deleted
   CHECK_THAT(monitor.Exposition(), !Contains("walks"));
 }
 
+// A store whose disk takes its time with operations.
+class SlowStore final : public GatedStore {
+ public:
+  explicit SlowStore(std::shared_ptr<Gate> disk)
+      : GatedStore(*storage::SqliteMotionStore::Open(":memory:"), std::make_shared<Gate>()),
+        disk_(std::move(disk)) {}
+  absl::Status PutOperation(const storage::OperationRecord& record) override {
+    disk_->Pass();
+    return GatedStore::PutOperation(record);
+  }
+
+ private:
+  const std::shared_ptr<Gate> disk_;
+};
+
+TEST_CASE("Monitor: figures do not wait for a slow disk", "[server][monitor]") {
+  const auto disk = std::make_shared<Gate>();
+  const auto engine =
+      server::Engine::Open(std::make_unique<SlowStore>(disk), TestEngine::QuickOptions());
+  REQUIRE(engine.ok());
+  Monitor monitor({});
+  const Monitor::Attachment attachment(monitor, **engine);
+  const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
+  REQUIRE((*engine)->CreateDatabase("walks", settings, {server::kSourceMarkerSet, ""}).ok());
+  disk->Close();
+  bool ingested = false;
+  std::thread ingesting([&] {
+    server::IngestFile file;
+    file.file_name = "walk.bvh";
+    file.file_bytes = WriteBvh(Walk());
+    ingested = (*engine)->Ingest(*(*engine)->FindDatabase("walks"), std::move(file), {}).ok();
+  });
+  disk->AwaitArrival();
+  CHECK_THAT(monitor.Exposition(),
+             Contains("motiondb_database_clips{database=\"walks\"} 1\n") &&
+                 Contains("motiondb_rebuild_pending{database=\"walks\"} 0\n"));
+  disk->Open();
+  ingesting.join();
+  CHECK(ingested);
+}
+
 TEST_CASE("Monitor: read while databases come and go", "[server][monitor]") {
   TestEngine engine;
   Monitor monitor({});

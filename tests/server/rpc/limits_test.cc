@@ -1,6 +1,11 @@
 // What a client may take of a server: calls at a time, time, silence.
+#include <grpcpp/create_channel.h>
+#include <grpcpp/security/credentials.h>
+#include <grpcpp/support/channel_arguments.h>
+
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <future>
 #include <memory>
 #include <string>
 #include <thread>
@@ -90,7 +95,7 @@ TEST_CASE("CallWeight: every call that is heavy or lasts is one of the contract"
     streams += rule.weight == server::CallWeight::kStream ? 1 : 0;
     upkeep += rule.weight == server::CallWeight::kUpkeep ? 1 : 0;
   }
-  CHECK(heavy == 3);
+  CHECK(heavy == 4);
   CHECK(streams == 1);
   CHECK(upkeep == 3);
 }
@@ -174,6 +179,84 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
   CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
   CHECK(recognize(short_one).ok());
   context.TryCancel();
+}
+
+// A file of a minute of motion: more than a call may have that weighs nothing.
+v1::Observation LongWalk() {
+  v1::Observation observation = ObservedWalk();
+  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 8000}));
+  REQUIRE(observation.ByteSizeLong() > 1 << 20);
+  return observation;
+}
+
+TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[server][limits]") {
+  TestServer server(With({.heavy = {2, 2}}));
+  server.CreateTrained("db");
+  std::promise<void> done;
+  const std::shared_future<void> held = done.get_future().share();
+  server::Workers& workers = server.server().engine().workers();
+  for (int i = 0; i < workers.request_threads(); ++i) {
+    workers.PostHeavy([held] { held.wait(); });
+  }
+  const auto queries = server.NewStub<v1::QueryService>();
+  v1::RecognizeRequest request;
+  request.set_database("databases/db");
+  *request.mutable_observation() = LongWalk();
+  const auto recognize = [&] {
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + milliseconds(500));
+    v1::RecognizeResponse response;
+    return queries->Recognize(&context, request, &response);
+  };
+  // Those wait for a thread, and nobody waits for them any more; their places they have.
+  CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+  CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
+  grpc::Status refused = recognize();
+  for (int tries = 0; tries < 20 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
+       ++tries) {
+    refused = recognize();
+  }
+  done.set_value();
+  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+}
+
+TEST_CASE("Limits: an answer that nobody takes is not kept for long, nor free meanwhile",
+          "[server][limits]") {
+  TestServer server(With({.heavy = {1, 1}, .longest_silence = milliseconds(3000)}));
+  server.CreateTrained("db");
+  grpc::ChannelArguments arguments;
+  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
+  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // its window stays as small as it is
+  const auto channel = grpc::CreateCustomChannel(server.server().address(),
+                                                 grpc::InsecureChannelCredentials(), arguments);
+  const auto stub = v1::ObserveService::NewStub(channel);
+  v1::RepresentRequest request;
+  request.set_database("databases/db");
+  *request.mutable_observation() = LongWalk();
+  const auto represent = [&] {
+    return Ask(*server.NewStub<v1::ObserveService>(), &v1::ObserveService::Stub::Represent, request)
+        .status;
+  };
+  grpc::CompletionQueue queue;
+  grpc::ClientContext context;
+  const auto asked = stub->AsyncRepresent(&context, request, &queue);  // and never read
+  grpc::Status refused;
+  for (int tries = 0; tries < 1000 && refused.ok(); ++tries) refused = represent();
+  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+  for (int tries = 0; tries < 1000 && !refused.ok(); ++tries) {
+    std::this_thread::sleep_for(milliseconds(50));
+    refused = represent();
+  }
+  CHECK(refused.ok());
+  v1::RepresentResponse response;
+  grpc::Status status;
+  asked->Finish(&response, &status, nullptr);
+  void* tag = nullptr;
+  bool ok = false;
+  REQUIRE(queue.Next(&tag, &ok));
+  CHECK(!status.ok());
 }
 
 TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") {

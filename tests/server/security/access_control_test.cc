@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <catch2/catch.hpp>
+#include <future>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/engine/clock.h"
@@ -99,6 +101,47 @@ TEST_CASE("Access: a token ends when it expires and when it is revoked", "[secur
   AccessControl second(access.store, {.authentication = true});
   CHECK(absl::IsUnauthenticated(second.Authenticate(Bearer(made.secret)).status()));
   CHECK(absl::IsNotFound(access.control.tokens().Revoke("none", 1).status()));
+}
+
+// A store that writes a revocation when it is let, and how it is told.
+class SlowStore final : public InMemoryAccessStore {
+ public:
+  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
+                                                   const storage::AuditRecord* audit) override {
+    asked.set_value();
+    const absl::Status outcome = answer.get_future().get();
+    if (!outcome.ok()) return outcome;
+    return InMemoryAccessStore::RevokeToken(id, time_us, audit);
+  }
+
+  std::promise<void> asked;
+  std::promise<absl::Status> answer;
+};
+
+TEST_CASE("Access: a revocation that the disk is slow to take holds at once, and holds up nobody",
+          "[security]") {
+  spdlog::set_level(spdlog::level::off);
+  const absl::Status outcome =
+      GENERATE(absl::OkStatus(), absl::ResourceExhaustedError("the disk is full"));
+  SlowStore store;
+  AccessControl control(store, {.authentication = true});
+  const auto make = [&] { return *control.tokens().Make(Role::kReader, "", "", 1, 0); };
+  const auto stolen = make();
+  const auto other = make();
+  absl::Status revoked;
+  std::thread revoking(
+      [&] { revoked = control.tokens().Revoke(stolen.record.id, NowMicroseconds()).status(); });
+  store.asked.get_future().wait();
+  CHECK(absl::IsUnauthenticated(control.Authenticate(Bearer(stolen.secret)).status()));
+  CHECK(control.Authenticate(Bearer(other.secret)).ok());
+  CHECK(absl::IsUnauthenticated(control.Authenticate(Bearer("mdb_none_none")).status()));
+  const auto made_meanwhile = make();
+  CHECK(control.Authenticate(Bearer(made_meanwhile.secret)).ok());
+  store.answer.set_value(outcome);
+  revoking.join();
+  CHECK(revoked == outcome);
+  // What could not be stored did not happen.
+  CHECK(control.Authenticate(Bearer(stolen.secret)).ok() == !outcome.ok());
 }
 
 TEST_CASE("Access: who fails too often is told when to come back; others are not locked out",
@@ -258,7 +301,7 @@ TEST_CASE("Access: without authentication everybody is an anonymous administrato
   CHECK(caller->role == Role::kAdmin);
 }
 
-TEST_CASE("Access: nobody fills the record of changes with refused attempts", "[security]") {
+TEST_CASE("Access: nobody fills the record of changes with what fails", "[security]") {
   Access access;
   for (int i = 0; i < 100; ++i) {
     access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7});
@@ -266,10 +309,13 @@ TEST_CASE("Access: nobody fills the record of changes with refused attempts", "[
   for (int i = 0; i < 100; ++i) {  // too many wrong tokens
     access.control.Record({.principal = "anonymous", .peer = "10.0.0.1", .code = 8});
   }
+  for (int i = 0; i < 100; ++i) {  // changes of what is not there
+    access.control.Record({.principal = "tokens/b", .peer = "10.0.0.1", .code = 5});
+  }
   access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0});
   const auto records = access.store.ListAuditRecords(0, 1000);
   REQUIRE(records.ok());
-  CHECK(records->size() == 21);
+  CHECK(records->size() == 31);
   CHECK(records->front().code == 0);
 }
 

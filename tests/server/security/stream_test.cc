@@ -2,10 +2,12 @@
 #include <catch2/catch.hpp>
 #include <memory>
 #include <string>
+#include <thread>
 
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -95,6 +97,38 @@ TEST_CASE("Streams: an ingest ends when its token is revoked, and leaves nothing
   list.set_parent("databases/db");
   const auto listed = Ask(*stub, &v1::ClipService::Stub::ListClips, list, guarded.admin.secret());
   CHECK(listed.response.clips_size() == 3);
+}
+
+TEST_CASE("Streams: who waits for an operation is told nothing when its token has ended",
+          "[security][rpc]") {
+  Guarded guarded;
+  guarded.server.gate().Close();
+  v1::IngestClipResponse ingested;
+  const auto clips = guarded.server.NewStub<v1::ClipService>();
+  const auto writer = clips->IngestClip(&guarded.context, &ingested);
+  v1::IngestClipRequest message;
+  message.mutable_header()->set_parent("databases/db");
+  message.mutable_header()->set_file_name("new.bvh");
+  REQUIRE(writer->Write(message));
+  message.set_file_block(WriteBvh({}));
+  REQUIRE(writer->Write(message));
+  writer->WritesDone();
+  REQUIRE(writer->Finish().ok());
+  const auto operations = guarded.server.NewStub<v1::OperationService>();
+  v1::WaitOperationRequest request;
+  request.set_name(ingested.operation().name());
+  grpc::Status status;
+  std::thread waiting([&] {
+    status =
+        Ask(*operations, &v1::OperationService::Stub::WaitOperation, request, guarded.user.secret())
+            .status;
+  });
+  guarded.server.gate().AwaitArrival();
+  while (guarded.server.server().monitor().calls().open() == 0) std::this_thread::yield();
+  guarded.RevokeUser();
+  guarded.server.gate().Open();
+  waiting.join();
+  CHECK(status.error_code() == StatusCode::UNAUTHENTICATED);
 }
 
 }  // namespace

@@ -74,10 +74,10 @@ class TlsServer {
     return Call(authority, own).error_code() != grpc::StatusCode::UNAVAILABLE;
   }
   // As Connects, within a time in which the server sees its files change.
-  bool ComesToConnect(const Authority& authority) {
+  bool ComesToConnect(const Authority& authority, const KeyPairFiles& own = {}) {
     const auto end = std::chrono::steady_clock::now() + seconds(20);
     while (std::chrono::steady_clock::now() < end) {
-      if (Connects(authority)) return true;
+      if (Connects(authority, own)) return true;
     }
     return false;
   }
@@ -132,6 +132,12 @@ TEST_CASE("TLS: with an authority of clients, each shows a certificate and is kn
   CHECK(status.error_message() ==
         "DatabaseService.CreateDatabase needs the role admin; certificate:robot-7 has the role "
         "ingester");
+
+  // Another authority of clients, while the server runs.
+  std::filesystem::copy_file(server.servers.certificate(), server.clients.certificate(),
+                             std::filesystem::copy_options::overwrite_existing);
+  CHECK(server.ComesToConnect(server.servers, stranger));
+  CHECK(!server.Connects(server.servers, robot));
 }
 
 }  // namespace

@@ -230,6 +230,9 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   SettingsReader delays;
   REQUIRE(Read(delays, {"--store", directory / "a.db", "--rebuild-delay", "20"}).empty());
   CHECK(delays.Check().size() == 1);
+  SettingsReader memory;
+  REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "63"}).empty());
+  CHECK(memory.Check().size() == 1);
 }
 
 // Every line of the sample that sets something, or would without its '#'.

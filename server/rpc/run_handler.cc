@@ -1,4 +1,4 @@
-#include "server/rpc/call.h"
+#include "server/rpc/run_handler.h"
 
 #include <exception>
 #include <new>

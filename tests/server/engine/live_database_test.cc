@@ -1,0 +1,63 @@
+// The life of a database: changes side by side, its deletion alone.
+#include "server/engine/live_database.h"
+
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <new>
+#include <thread>
+#include <vector>
+
+namespace motiondb::tests {
+namespace {
+
+using server::LiveDatabase;
+
+const auto kNothing = [] { return absl::OkStatus(); };
+
+TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off", "[server]") {
+  LiveDatabase database("db", {});
+  std::atomic<int> changes = 0;
+  std::atomic<int> ended = 0;
+  // Each begins its next change while another is in the midst of one.
+  std::vector<std::thread> threads;
+  for (int i = 0; i < 4; ++i) {
+    threads.emplace_back([&] {
+      absl::Status status;
+      while (status.ok()) {
+        status = database.WhileAlive([&] {
+          ++changes;
+          std::this_thread::sleep_for(std::chrono::milliseconds(1));
+          --changes;
+          return absl::OkStatus();
+        });
+      }
+      if (absl::IsNotFound(status)) ++ended;
+    });
+  }
+  while (changes < 2) std::this_thread::yield();
+  int changes_meanwhile = -1;
+  const absl::Status deleted = database.Retire([&] {
+    changes_meanwhile = changes;
+    return absl::OkStatus();
+  });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(deleted.ok());
+  CHECK(changes_meanwhile == 0);
+  CHECK(ended == 4);
+  CHECK(absl::IsNotFound(database.Retire(kNothing)));
+}
+
+TEST_CASE("LiveDatabase: lives on where its deletion fails", "[server]") {
+  LiveDatabase database("db", {});
+  CHECK(absl::IsResourceExhausted(
+      database.Retire([] { return absl::ResourceExhaustedError("disk"); })));
+  CHECK_THROWS(database.Retire([]() -> absl::Status { throw std::bad_alloc(); }));
+  CHECK_THROWS(database.WhileAlive([]() -> absl::Status { throw std::bad_alloc(); }));
+  CHECK(database.WhileAlive(kNothing).ok());
+  CHECK(database.Retire(kNothing).ok());
+  CHECK(absl::IsNotFound(database.WhileAlive(kNothing)));
+}
+
+}  // namespace
+}  // namespace motiondb::tests

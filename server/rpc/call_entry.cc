@@ -26,10 +26,16 @@ constexpr std::size_t kLarge = 1 << 20;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
+// It has a timeout of its own, and takes no thread meanwhile.
+bool WaitsForOperation(const Method& method) {
+  return method.name == "OperationService.WaitOperation";
+}
+
 std::chrono::system_clock::time_point Deadline(const CallHost& host,
                                                const grpc::CallbackServerContext& context,
                                                const Method& method) {
-  if (method.weight == CallWeight::kStream || method.weight == CallWeight::kUpkeep) {
+  if (method.weight == CallWeight::kStream || method.weight == CallWeight::kUpkeep ||
+      WaitsForOperation(method)) {
     return context.deadline();
   }
   return std::min(context.deadline(),
@@ -38,7 +44,7 @@ std::chrono::system_clock::time_point Deadline(const CallHost& host,
 
 CallKind KindOf(const Method& method) {
   if (method.weight == CallWeight::kStream) return CallKind::kFrames;
-  if (method.name == "OperationService.WaitOperation" || method.streaming) return CallKind::kWait;
+  if (WaitsForOperation(method) || method.streaming) return CallKind::kWait;
   return CallKind::kWork;
 }
 

@@ -181,10 +181,10 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
   context.TryCancel();
 }
 
-// A file of a minute of motion: more than a call may have that weighs nothing.
-v1::Observation LongWalk() {
+// A file of minutes of motion: more than a call may have that weighs nothing.
+v1::Observation LongWalk(int frame_count = 16000) {
   v1::Observation observation = ObservedWalk();
-  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 8000}));
+  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = frame_count}));
   REQUIRE(observation.ByteSizeLong() > 1 << 20);
   return observation;
 }
@@ -233,10 +233,12 @@ TEST_CASE("Limits: an answer that nobody takes is not kept for long, nor free me
   const auto stub = v1::ObserveService::NewStub(channel);
   v1::RepresentRequest request;
   request.set_database("databases/db");
-  *request.mutable_observation() = LongWalk();
+  *request.mutable_observation() = LongWalk(48000);
   const auto represent = [&] {
-    return Ask(*server.NewStub<v1::ObserveService>(), &v1::ObserveService::Stub::Represent, request)
-        .status;
+    const auto answer =
+        Ask(*server.NewStub<v1::ObserveService>(), &v1::ObserveService::Stub::Represent, request);
+    if (answer.status.ok()) REQUIRE(answer.response.ByteSizeLong() > 1 << 20);
+    return answer.status;
   };
   grpc::CompletionQueue queue;
   grpc::ClientContext context;

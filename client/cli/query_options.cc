@@ -28,8 +28,8 @@ void AddMethodOption(CLI::App& command, v1::Method& method) {
       .add_option("--method", method,
                   "best: what measures best, with stored frames compared; paper: the tree and its "
                   "graphs alone")
-      ->type_name("best|paper")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
+      ->type_name("METHOD")
+      ->transform(CLI::CheckedTransformer(methods).description("{best,paper}"))
       ->default_str("best");
 }
 

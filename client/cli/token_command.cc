@@ -38,7 +38,7 @@ void DeclareCreate(CLI::App& command, TokenCreateOptions& options) {
                   "everything")
       ->required()
       ->type_name("ROLE")
-      ->transform(CLI::CheckedTransformer(roles));
+      ->transform(CLI::CheckedTransformer(roles).description("{reader,ingester,admin}"));
   command.add_option("--database", options.database, "Good for this database alone")
       ->type_name("DB");
   const std::map<std::string, double> units = {

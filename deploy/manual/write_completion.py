@@ -64,7 +64,7 @@ def main():
         if command.commands:
             case += f'; commands="{" ".join(inner.words[-1] for inner in command.commands)}"'
         cases.append(f'    "{words}") {case} ;;')
-        values += [value_case(words, entry) for entry in entries if entry.value]
+        values += [value_case(words, entry) for entry in entries if entry.takes_value]
     print(SCRIPT.format(name=name, known=" | ".join(known) or '"//"', cases="\n".join(cases),
                         values="\n".join(values) or '    "//") ;;'), end="")
 

@@ -33,12 +33,15 @@ commands_of() {  # PROGRAM COMMAND...
   "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
 }
 
-check_values() {  # PROGRAM COMMAND... OPTION: what a Tab after the option offers, by what the help says it takes
+check_values() {  # PROGRAM COMMAND... OPTION: that a Tab after the option offers what the help says it takes
   local program=$1 option=${!#} value word offered=0
   set -- "${@:2:$#-2}"
   value=$("${!program}" "$@" --help | sed -nE "s/^ +(-[a-z],)?$option ([^ ]+).*/\2/p")
-  [ -n "$value" ] || return 0
   complete_words "$program" "$@" "$option" "" >"$work/offered"
+  if [[ -z $value || $value == \(Env:* ]]; then  # a flag changes nothing
+    complete_words "$program" "$@" "" | diff - "$work/offered" >&2 || { echo "$program $* $option" >&2; missing=1; }
+    return
+  fi
   while read -r word; do
     [ -n "$word" ] || continue
     offered=$((offered + 1))

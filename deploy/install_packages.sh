@@ -37,6 +37,8 @@ deploy_test=(       # what tests/deploy uses beyond these
   debootstrap       # a Debian to install the package in, and to make an image from
   buildah           # builds and runs the image without a container engine
   nginx-light       # the front
+  curl              # asks the front over HTTP/2
+  prometheus        # promtool, which evaluates the alert rules
   openssl           # certificates of a test's own
   systemd           # systemd-analyze, which judges the unit
   man-db            # reads the manual pages
@@ -70,5 +72,13 @@ if [ "$(id -u)" != 0 ]; then
   as_root=(sudo)
 fi
 export DEBIAN_FRONTEND=noninteractive
+# nginx and Prometheus are wanted as programs: their services would open ports. Where nobody has said what may
+# start, nothing is started while this installs.
+policy=/usr/sbin/policy-rc.d
+if [[ " ${missing[*]} " =~ \ (nginx-light|prometheus)\  && ! -e $policy ]]; then
+  trap '"${as_root[@]}" rm -f "$policy"' EXIT
+  printf '#!/bin/sh\nexit 101\n' | "${as_root[@]}" tee "$policy" >/dev/null
+  "${as_root[@]}" chmod 755 "$policy"
+fi
 "${as_root[@]}" apt-get update -qq
 "${as_root[@]}" apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null

@@ -115,6 +115,9 @@ int Run(int argc, const char* const* argv) {
   const LogSettings& log = reader.settings().log;
   StartLog(log.format, log.level);
   LogGrpc();
+  const std::vector<absl::Status> wrong = reader.CheckToServe();
+  for (const absl::Status& problem : wrong) Tell(log.format, std::string(problem.message()));
+  if (!wrong.empty()) return kWrongSettings;
   const absl::Status status = Serve(reader.settings());
   if (status.ok()) return 0;
   Tell(log.format, std::string(status.message()));

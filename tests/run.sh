@@ -8,7 +8,8 @@ preset=${1:-release}
 shift $(( $# > 0 ? 1 : 0 ))
 
 ./deploy/install_packages.sh build test
-cmake --preset "$preset" >"/tmp/motiondb-configure-$$.log" 2>&1 ||
+# Tests are asked for: the folder may be one that was configured without.
+cmake --preset "$preset" -DMOTIONDB_BUILD_TESTS=ON >"/tmp/motiondb-configure-$$.log" 2>&1 ||
   { cat "/tmp/motiondb-configure-$$.log" >&2; rm -f "/tmp/motiondb-configure-$$.log"; exit 1; }
 rm -f "/tmp/motiondb-configure-$$.log"
 if [ "$preset" != release ]; then
@@ -25,4 +26,4 @@ if [ "$preset" = tsan ]; then
 else
   cmake --build --preset "$preset"
 fi
-ctest --test-dir "build/$preset" --output-on-failure --timeout 900 --parallel "$(nproc)" "$@"
+ctest --test-dir "build/$preset" --no-tests=error --output-on-failure --timeout 900 --parallel "$(nproc)" "$@"

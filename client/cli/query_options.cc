@@ -25,11 +25,12 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options) {
 void AddMethodOption(CLI::App& command, v1::Method& method) {
   const std::map<std::string, v1::Method> methods = {{"best", v1::BEST}, {"paper", v1::PAPER}};
   command
-      .add_option("--method", method,
-                  "best: what measures best, with stored frames compared; paper: the tree and its "
-                  "graphs alone")
-      ->type_name("best|paper")
-      ->transform(CLI::CheckedTransformer(methods).description(""))
+      .add_option_function<std::string>(
+          "--method", [&method, methods](const std::string& word) { method = methods.at(word); },
+          "best: what measures best, with stored frames compared; paper: the tree and its "
+          "graphs alone")
+      ->type_name("METHOD")
+      ->check(CLI::IsMember(methods))
       ->default_str("best");
 }
 

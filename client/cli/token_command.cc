@@ -33,12 +33,13 @@ void DeclareCreate(CLI::App& command, TokenCreateOptions& options) {
   const std::map<std::string, v1::Role> roles = {
       {"reader", v1::ROLE_READER}, {"ingester", v1::ROLE_INGESTER}, {"admin", v1::ROLE_ADMIN}};
   command
-      .add_option("--role", options.role,
-                  "reader: asks, lists, exports; ingester: also stores and deletes clips; admin: "
-                  "everything")
+      .add_option_function<std::string>(
+          "--role", [&options, roles](const std::string& word) { options.role = roles.at(word); },
+          "reader: asks, lists, exports; ingester: also stores and deletes clips; admin: "
+          "everything")
       ->required()
       ->type_name("ROLE")
-      ->transform(CLI::CheckedTransformer(roles));
+      ->check(CLI::IsMember(roles));
   command.add_option("--database", options.database, "Good for this database alone")
       ->type_name("DB");
   const std::map<std::string, double> units = {

@@ -19,6 +19,11 @@ class Entry:
         return self.names[-1]
 
     @property
+    def takes_value(self):
+        """A flag has at most the variable that it may be given by: "(Env:NAME)"."""
+        return bool(self.value) and not self.value.startswith("(")
+
+    @property
     def choices(self):
         """The words that the value is one of."""
         found = re.search(r"\{([^{}]*)\}", self.value)

@@ -12,6 +12,7 @@ import program_help
 SCRIPT = """\
 # bash completion of {name}: commands, options, and the values of those that name them; else files.
 _{name}() {{
+  COMPREPLY=()
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}
   local command= word options= commands=
   for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
@@ -29,8 +30,6 @@ _{name}() {{
     mapfile -t COMPREPLY < <(compgen -W "$options" -- "$current")
   elif [[ -n $commands ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$commands" -- "$current")
-  else
-    COMPREPLY=()
   fi
 }}
 complete -o bashdefault -o default -F _{name} {name}
@@ -39,6 +38,16 @@ complete -o bashdefault -o default -F _{name} {name}
 
 def names_of(entries):
     return [name for entry in entries for name in entry.names]
+
+
+def value_case(command, entry):
+    """What follows the option: one of its words, or else nothing of ours, so that bash offers files."""
+    given = " | ".join(f'"{command}/{name}"' for name in entry.names)
+    if not entry.choices:
+        return f"    {given}) return ;;"
+    choices = " ".join(entry.choices)
+    return (f"    {given}) mapfile -t COMPREPLY "
+            f'< <(compgen -W "{choices}" -- "$current"); return ;;')
 
 
 def main():
@@ -55,11 +64,7 @@ def main():
         if command.commands:
             case += f'; commands="{" ".join(inner.words[-1] for inner in command.commands)}"'
         cases.append(f'    "{words}") {case} ;;')
-        for entry in entries:
-            if entry.choices:
-                choices = " ".join(entry.choices)
-                values.append(f'    "{words}/{entry.flag}") mapfile -t COMPREPLY '
-                              f'< <(compgen -W "{choices}" -- "$current"); return ;;')
+        values += [value_case(words, entry) for entry in entries if entry.takes_value]
     print(SCRIPT.format(name=name, known=" | ".join(known) or '"//"', cases="\n".join(cases),
                         values="\n".join(values) or '    "//") ;;'), end="")
 

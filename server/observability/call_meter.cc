@@ -70,8 +70,8 @@ void CallMeter::Add(const std::string& name) {
   method->name_ = name;
   method->seconds_ = &seconds_.Add({{"method", name}}, kSeconds);
   // A rate needs a count to begin from, and so does an alert on errors that never were before.
-  for (const auto code : {absl::StatusCode::kOk, absl::StatusCode::kInternal}) {
-    CounterOf(*method, code);
+  for (const absl::StatusCode code : kCodes) {
+    if (code == absl::StatusCode::kOk || IsOwnFault(code)) CounterOf(*method, code);
   }
   methods_.emplace(name, std::move(method));
 }

@@ -6,7 +6,8 @@
 //
 // What one value alone can be checked for belongs into the option's check (a range, an existing
 // file, an address): it then names the file and line that the value came from. What takes two
-// settings, or a look at the machine, is for the group's `Check`, which --check-config calls.
+// settings, or a look at the machine, is for the group's `Check`, which --check-config calls, and
+// so does a start; but not that of the store, which is about to be opened.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -78,12 +78,17 @@ SettingsReader::SettingsReader()
       "stronger than the file.");
 }
 
-std::vector<absl::Status> SettingsReader::Check() const {
+std::vector<absl::Status> SettingsReader::CheckToServe() const {
   std::vector<absl::Status> problems;
-  CheckStoreSettings(settings_, problems);
   CheckEngineSettings(settings_, problems);
   CheckLimitSettings(settings_, problems);
   CheckSecuritySettings(settings_, problems);
+  return problems;
+}
+
+std::vector<absl::Status> SettingsReader::Check() const {
+  std::vector<absl::Status> problems = CheckToServe();
+  CheckStoreSettings(settings_, problems);
   return problems;
 }
 

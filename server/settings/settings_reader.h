@@ -46,7 +46,10 @@ class SettingsReader {
   const Settings& settings() const { return settings_; }
   // In the order of the groups.
   std::vector<EffectiveSetting> Effective() const;
-  // What the settings as a whole are wrong about, for --check-config: see groups.h.
+  // What the settings as a whole are wrong about, see groups.h: with these it does not serve.
+  std::vector<absl::Status> CheckToServe() const;
+  // The same, and the store, for --check-config. A server that cannot open its store finds out when
+  // it tries, and that may have been mended when it is started again.
   std::vector<absl::Status> Check() const;
   std::string Help() const { return app_.help(); }
 

@@ -55,7 +55,11 @@ TEST_CASE("motiondb token create: sends what was asked for; the secret alone on 
               .exit_code == 2);
   }
   CHECK(RunMotiondb(server.address(), {"token", "create"}).exit_code == 2);
-  CHECK(RunMotiondb(server.address(), {"token", "create", "--role", "king"}).exit_code == 2);
+  for (const char* wrong : {"king", "3"}) {
+    const auto role = RunMotiondb(server.address(), {"token", "create", "--role", wrong});
+    CHECK(role.exit_code == 2);
+    CHECK_THAT(role.err, Contains(std::string(wrong) + " not in {admin,ingester,reader}"));
+  }
 }
 
 TEST_CASE("motiondb token list and revoke", "[client][cli]") {

@@ -20,6 +20,9 @@ except ImportError:
 MOTIONDBD = sys.argv[1]
 DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy")
 
+# Of the figures of README.md: a million frames of 34 markers take 3.3 GB at the peak of a full build.
+BYTES_OF_A_FRAME_BEING_BUILT = 3300
+
 # What each object of the manifests may hold: {} is anything, a list stands for each of its members. A field
 # that is misspelt would be ignored, or refused, by a cluster that no test has.
 METADATA = {"name": {}, "labels": {}, "annotations": {}}
@@ -183,6 +186,18 @@ class ComposeTest(unittest.TestCase):
         self.assertEqual(json.loads(read("grafana/motiondb.json"))["uid"], "motiondb")
 
 
+class AlertsTest(unittest.TestCase):
+    """promtool runs the cases where there is one (tests/e2e/observability_test.py); none is missing."""
+
+    def test_every_alert_has_a_case_where_it_rings(self):
+        groups = yaml.safe_load(read("prometheus/motiondb.rules.yml"))["groups"]
+        alerts = {rule["alert"] for group in groups for rule in group["rules"]}
+        cases = [case for test in yaml.safe_load(read("prometheus/motiondb.rules.test.yml"))["tests"]
+                 for case in test["alert_rule_test"]]
+        self.assertGreater(len(alerts), 10)
+        self.assertEqual({case["alertname"] for case in cases if case["exp_alerts"]}, alerts)
+
+
 class KubernetesTest(unittest.TestCase):
     def setUp(self):
         self.objects = list(yaml.safe_load_all(read("kubernetes/motiondb.yaml")))
@@ -258,6 +273,12 @@ class KubernetesTest(unittest.TestCase):
                          self.mounts["configuration"])
         self.assertGreater(self.pod["terminationGracePeriodSeconds"],
                            int(configured["grace-seconds"]))
+
+    def test_the_largest_database_fits_into_the_memory(self):
+        limit = re.fullmatch(r"(\d+)Gi", self.container["resources"]["limits"]["memory"])
+        frames = int(self.configured()["max-database-frames"])
+        built = frames * BYTES_OF_A_FRAME_BEING_BUILT
+        self.assertLess(built, int(limit.group(1)) << 30)
 
     def test_every_mount_has_its_volume(self):
         volumes = {volume["name"] for volume in self.pod["volumes"]}

@@ -200,6 +200,20 @@ class Front(WithNginx):
         self.assertIn("grpc-status: 12", result.stdout)
 
 
+class Patience(unittest.TestCase):
+    def test_who_is_silent_or_slow_is_motiondbds_to_judge(self):
+        # Each is a minute where nothing is said, and a stream may rest for longer.
+        with open(FRONT, encoding="utf-8") as file:
+            front = file.read()
+        with open(os.path.join(HERE, "../../deploy/motiondbd.conf"), encoding="utf-8") as file:
+            limit = int(re.search(r"^#silence-limit = (\d+)$", file.read(), re.MULTILINE).group(1))
+        for setting in ("client_body_timeout", "send_timeout", "grpc_read_timeout",
+                        "grpc_send_timeout", "keepalive_timeout"):
+            given = re.search(rf"^  {setting} (\d+)h;$", front, re.MULTILINE)
+            self.assertTrue(given, setting)
+            self.assertGreater(3600 * int(given.group(1)), limit, setting)
+
+
 class WithoutServer(WithNginx):
     @classmethod
     def start_server(cls):

@@ -33,6 +33,25 @@ commands_of() {  # PROGRAM COMMAND...
   "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
 }
 
+check_values() {  # PROGRAM COMMAND... OPTION: that a Tab after the option offers what the help says it takes
+  local program=$1 option=${!#} value word offered=0
+  set -- "${@:2:$#-2}"
+  value=$("${!program}" "$@" --help | sed -nE "s/^ +(-[a-z],)?$option ([^ ]+).*/\2/p")
+  complete_words "$program" "$@" "$option" "" >"$work/offered"
+  if [[ -z $value || $value == \(Env:* ]]; then  # a flag changes nothing
+    complete_words "$program" "$@" "" | diff - "$work/offered" >&2 || { echo "$program $* $option" >&2; missing=1; }
+    return
+  fi
+  while read -r word; do
+    [ -n "$word" ] || continue
+    offered=$((offered + 1))
+    [[ $word =~ ^[A-Za-z0-9_.-]+$ ]] || { echo "$program $* $option: offers '$word'" >&2; missing=1; }
+  done <"$work/offered"
+  # Words where it is one of a few, and else files, which are bash's to offer.
+  [[ ($value == *{*}* && $offered -gt 1) || ($value != *{*}* && $offered = 0) ]] ||
+    { echo "$program $* $option $value: offers $(tr '\n' ' ' <"$work/offered")" >&2; missing=1; }
+}
+
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 page motiondb.1 >"$work/motiondb"
@@ -42,6 +61,7 @@ page motiondbd.conf.5 >"$work/conf"
 for option in $(options_of "$motiondbd"); do
   check "motiondbd(8)" "$option" <"$work/motiondbd"
   check "completion of motiondbd" "$option" < <(complete_words motiondbd -)
+  check_values motiondbd "$option"
   case "$option" in --help | --version | --config | --check-config) continue ;; esac
   check "motiondbd.conf(5)" "${option#--}" <"$work/conf"
 done
@@ -51,6 +71,7 @@ walk() {  # COMMAND...: this one, and those under it
   for option in $(options_of "$motiondb" "$@"); do
     check "motiondb(1), $*" "$option" <"$work/motiondb"
     check "completion of motiondb $*" "$option" < <(complete_words motiondb "$@" -)
+    check_values motiondb "$@" "$option"
   done
   for command in $(commands_of "$motiondb" "$@"); do
     check "motiondb(1)" "$* $command" < <(sed 's/^ */ /' "$work/motiondb")

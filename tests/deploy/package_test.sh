@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # Builds the Debian package, installs it in a Debian of its own, and uses it: server, client, manual
-# pages, unit, completion; then removes and purges it. Arguments: the build folder.
+# pages, unit, completion; then removes and purges it; and once more where systemd seems to run, for what
+# the package asks of it. Arguments: the build folder.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)
@@ -110,4 +111,42 @@ grep "is left" "$work/apt.log"
 [ -s "$root/var/lib/motiondb/motion.db" ] || fail "purging removed the store"
 [ ! -e "$root/etc/motiondb/motiondbd.conf" ] || fail "purging left the configuration"
 [ ! -e "$root/usr/bin/motiondbd" ] || fail "purging left the server"
-echo "package_test: built, installed, used, purged"
+echo "== what systemd is asked, where it runs"
+rm "$root/usr/sbin/policy-rc.d"
+mv "$root/usr/bin/systemctl" "$root/usr/bin/systemctl.real"
+mkdir -p "$root/run/systemd/system"
+# Links are the real one's to make and read; what it would tell systemd is written down, and believed.
+cat >"$root/usr/bin/systemctl" <<'SYSTEMCTL'
+#!/bin/sh
+case " $* " in
+  *" preset "* | *" is-enabled "*) exec systemctl.real --root=/ "$@" ;;
+  *" is-active "*) [ -e /run/motiondbd.runs ]; exit ;;
+  *" start "* | *" restart "*) touch /run/motiondbd.runs ;;
+  *" stop "*) rm -f /run/motiondbd.runs ;;
+esac
+echo "$*" >>/run/systemctl.calls
+SYSTEMCTL
+chmod +x "$root/usr/bin/systemctl"
+after() {  # WHAT CALL STATE DPKG-ARGUMENT...: the one call about the service, and whether it then runs
+  local what=$1 expected=$2 state=$3 calls runs=stopped
+  shift 3
+  : >"$root/run/systemctl.calls"
+  enter_root "$root" dpkg "$@" >"$work/dpkg.log" 2>&1 || { cat "$work/dpkg.log" >&2; fail "dpkg $1"; }
+  calls=$(sed -nE 's/^(.* )?([a-z-]+) motiondbd.service$/\2/p' "$root/run/systemctl.calls" | tr '\n' ' ')
+  [ ! -e "$root/run/motiondbd.runs" ] || runs=running
+  echo "  $what: ${calls:-nothing }-> $runs"
+  [ "$calls" = "${expected:+$expected }" ] && [ "$runs" = "$state" ] || fail "$what: expected $expected, $state"
+  grep -q daemon-reload "$root/run/systemctl.calls" || fail "$what: systemd does not read its units again"
+}
+deb=/tmp/$(basename "$package")
+wanted=$root/etc/systemd/system/multi-user.target.wants/motiondbd.service
+after installed start running --install "$deb"
+after upgraded restart running --install "$deb"
+after removed stop stopped --remove motiondb
+after "installed again" restart running --install "$deb"
+rm "$wanted" "$root/run/motiondbd.runs"  # systemctl disable --now
+after "upgraded, disabled" "" stopped --install "$deb"
+[ ! -e "$wanted" ] || fail "an upgrade enabled what was disabled"
+after purged stop stopped --purge motiondb
+! find "$root/etc/systemd/system" -name 'motiondbd.service' | grep . || fail "purging left links to the unit"
+echo "package_test: built, installed, used, purged, asked of systemd what it should"

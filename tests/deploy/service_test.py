@@ -10,6 +10,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 
 MOTIONDBD = sys.argv[1]
@@ -97,6 +98,25 @@ class CheckConfig(Folder):
             self.assertIn(f"{config}:3: no such setting: lisen", result.stderr)
             self.assertEqual(result.stdout, "")
 
+    def test_it_does_not_serve_with_what_a_check_refuses(self):
+        # The unit relies on the code: a start that fails with 2 is not tried again.
+        for flags, said in ((["--rebuild-delay", "20"], "rebuild-delay-limit"),
+                            (["--listen", "0.0.0.0:0"], "there is no TLS"),
+                            (["--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"],
+                             "/absent.crt: cannot be read"),
+                            (["--admin-token-file", "/absent"], "/absent")):
+            for check in (["--check-config"], []):
+                with self.subTest(flags=flags + check):
+                    result = run("--store", self.path("a.db"), *flags, *check,
+                                 MOTIONDBD_LISTEN="127.0.0.1:0", MOTIONDBD_HTTP_LISTEN="none")
+                    self.assertEqual(result.returncode, 2, result.stderr)
+                    self.assertIn(said, result.stderr)
+        self.assertFalse(os.path.exists(self.path("a.db")))
+
+    def test_what_may_be_mended_by_the_next_start_is_no_wrong_setting(self):
+        self.assertEqual(run("--store", self.path("none/a.db"), "--listen", "127.0.0.1:0",
+                             "--http-listen", "none").returncode, 1)
+
     def test_a_folder_that_is_not_there(self):
         result = run("--store", self.path("none/a.db"), "--check-config")
         self.assertEqual(result.returncode, 2)
@@ -125,6 +145,45 @@ class HealthCheck(Folder):
     def healthy(self, **variables):
         return subprocess.run([self.CHECK], env={**os.environ, **variables}, timeout=60,
                               capture_output=True).returncode == 0
+
+    def listen(self, host):
+        """A port of that address alone that answers every question with 200."""
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            listener = socket.create_server((host, 0), family=family)
+        except OSError as error:
+            self.skipTest(f"{host}: {error}")
+        self.addCleanup(listener.close)
+
+        def answer():
+            while True:
+                try:
+                    connection, _ = listener.accept()
+                except OSError:
+                    return
+                with connection:
+                    asked = b""
+                    while not asked.endswith(b"\r\n\r\n"):
+                        more = connection.recv(4096)
+                        if not more:
+                            break  # who only looks whether somebody listens
+                        asked += more
+                    else:
+                        connection.sendall(b"HTTP/1.0 200 OK\r\n\r\n")
+        threading.Thread(target=answer, daemon=True).start()
+        return listener.getsockname()[1]
+
+    def test_it_asks_the_address_that_is_listened_on(self):
+        for listened, named in (("127.0.0.1", "127.0.0.1"), ("127.0.0.1", "0.0.0.0"),
+                                ("127.0.0.1", "localhost"), ("127.0.0.1", "[::]"),
+                                ("127.0.0.2", "127.0.0.2"), ("::1", "[::1]")):
+            with self.subTest(named, listened=listened):
+                port = self.listen(listened)
+                self.assertTrue(self.healthy(MOTIONDBD_HTTP_LISTEN=f"{named}:{port}"))
+                self.assertTrue(self.healthy(MOTIONDBD_HTTP_LISTEN="none",
+                                             MOTIONDBD_LISTEN=f"{named}:{port}"))
+        port = self.listen("127.0.0.2")
+        self.assertFalse(self.healthy(MOTIONDBD_HTTP_LISTEN=f"127.0.0.1:{port}"))
 
     def start(self, http):
         server = subprocess.Popen([MOTIONDBD, "--store", self.path("a.db"), "--listen", "127.0.0.1:0",

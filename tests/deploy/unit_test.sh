@@ -16,6 +16,16 @@ if ! systemd-analyze verify --recursive-errors=no "$work/motiondbd.service" 2>"$
   cat "$work/verify" >&2
   exit 1
 fi
+# Wrong settings end the service once. systemd heeds RestartPreventExitStatus for the main process alone.
+grep -q '^RestartPreventExitStatus=2$' deploy/systemd/motiondbd.service ||
+  { echo "unit_test: wrong settings make it start for ever" >&2; exit 1; }
+! grep -n '^ExecStartPre=' deploy/systemd/motiondbd.service >&2 ||
+  { echo "unit_test: what fails before the main process is tried for ever" >&2; exit 1; }
+# Nor is anything else tried without end: the interval has room for all the starts, pauses between them.
+value() { sed -n "/^\[$1\]/,/^\[/s/^$2=\([0-9]*\)s\?\$/\1/p" deploy/systemd/motiondbd.service; }
+starts=$(value Unit StartLimitBurst)
+[ "$(value Unit StartLimitIntervalSec)" -gt $(($(value Service RestartSec) * starts)) ] ||
+  { echo "unit_test: no limit of starts" >&2; exit 1; }
 systemd-analyze security --offline=yes --threshold=15 --no-pager "$work/motiondbd.service" >"$work/security" ||
   { cat "$work/security" >&2; exit 1; }
 grep "Overall exposure" "$work/security"

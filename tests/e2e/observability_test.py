@@ -267,7 +267,9 @@ class Observability(unittest.TestCase):
         families, values = scrape(self.server)
         series = {}
         for name, labels in values:
-            series.setdefault(name, set()).update(label for label, _ in labels)
+            of_name = series.setdefault(name, {})
+            for label, one in labels:
+                of_name.setdefault(label, set()).add(one)
         expressions = dashboard_expressions() + rule_expressions()
         self.assertGreater(len(expressions), 40)
         wrong = [f"{expression}: {problem}" for expression in expressions
@@ -285,7 +287,7 @@ class Observability(unittest.TestCase):
     def test_promtool_accepts_what_prometheus_reads(self):
         promtool = shutil.which("promtool")
         if promtool is None:
-            self.skipTest("promtool is not installed (Debian: prometheus)")
+            self.skipTest("no promtool; deploy/install_packages.sh deploy-test")
         self.make_database()
         _, text = get(self.server.http, "/metrics")
         for arguments, given in ((["check", "metrics"], text), (["check", "config", SCRAPE], None),
@@ -296,11 +298,15 @@ class Observability(unittest.TestCase):
             self.assertEqual(checked.returncode, 0, checked.stdout + checked.stderr)
 
     def test_problems_of_an_expression_are_found(self):
-        series = {"a_total": {"code"}, "b": set()}
+        series = {"a_total": {"code": {"OK", "INTERNAL"}}, "b": {}}
         self.assertEqual(promql.problems('sum by (code) (rate(a_total{code="OK"}[5m])) / b', series),
                          [])
         self.assertEqual(promql.problems("rate(c_total[5m]) > 1e9", series), ["no metric c_total"])
         self.assertEqual(promql.problems('b{code="OK"}', series), ["b has no label code"])
+        self.assertEqual(promql.problems('a_total{code="ok"} / a_total{code!="OK"}', series),
+                         ["a_total has no code ok"])
+        self.assertEqual(promql.problems('a_total{code=~"OK|(INTERNAL|DATA)", code=~"$code"}', series),
+                         ["a_total has no code DATA"])
         self.assertEqual(promql.problems("sum by (method) (a_total)", series),
                          ["no metric has the label method"])
 

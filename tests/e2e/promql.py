@@ -8,8 +8,10 @@ NAME = r"[a-zA-Z_:][a-zA-Z0-9_:]*"
 
 
 def selectors(expression):
-    """(metric, set of label names) of each selector in it."""
-    bare = re.sub(r'"[^"]*"', '""', expression)
+    """(metric, [(label, operator, value)]) of each selector in it."""
+    values = re.findall(r'"([^"]*)"', expression)
+    number = iter(range(len(values)))
+    bare = re.sub(r'"[^"]*"', lambda _: f'"{next(number)}"', expression)
     bare = re.sub(r"\[[^\]]*\]", "", bare)
     bare = re.sub(r"\b(by|without|on|ignoring)\s*\([^)]*\)", "", bare)
     found = []
@@ -17,8 +19,29 @@ def selectors(expression):
         name, rest = match.group(1), match.group(2) or ""
         if rest == "(" or name in WORDS or re.match(r".*\d", bare[max(0, match.start() - 1)]):
             continue
-        found.append((name, set(re.findall(rf"({NAME})\s*(?:=~|!~|!=|=)", rest))))
+        found.append((name, [(label, operator, values[int(value)]) for label, operator, value in
+                             re.findall(rf'({NAME})\s*(=~|!~|!=|=)\s*"(\d+)"', rest)]))
     return found
+
+
+def alternatives(value):
+    """A|B and X(A|B) as the words that they stand for."""
+    inner = re.search(r"\(([^()]*)\)", value)
+    if inner is None:
+        return value.split("|")
+    return [word for one in inner.group(1).split("|")
+            for word in alternatives(value[:inner.start()] + one + value[inner.end():])]
+
+
+def unknown_values(matcher, exported):
+    """Those of a matcher that no series has: nobody would ever see them match."""
+    label, operator, value = matcher
+    if label in SCRAPE_LABELS or "$" in value:  # a choice that the dashboard offers
+        return []
+    words = alternatives(value) if operator in ("=~", "!~") else [value]
+    return [word for word in words
+            if not any(re.fullmatch(word, one) if operator in ("=~", "!~") else word == one
+                       for one in exported)]
 
 
 def grouping_labels(expression):
@@ -28,17 +51,20 @@ def grouping_labels(expression):
 
 
 def problems(expression, series):
-    """What of it `series`, the label names of each metric that is exported, does not have."""
+    """What of it `series`, the values by label of each metric that is exported, does not have."""
     wrong = []
     known = set(SCRAPE_LABELS)
-    for metric, labels in selectors(expression):
+    for metric, matchers in selectors(expression):
         if metric == "up":
             continue
         if metric not in series:
             wrong.append(f"no metric {metric}")
             continue
-        known |= series[metric]
-        wrong += [f"{metric} has no label {label}"
-                  for label in labels - series[metric] - SCRAPE_LABELS]
+        labels = series[metric]
+        known |= set(labels)
+        wrong += [f"{metric} has no label {label}" for label, _, _ in matchers
+                  if label not in labels and label not in SCRAPE_LABELS]
+        wrong += [f"{metric} has no {matcher[0]} {word}" for matcher in matchers
+                  if matcher[0] in labels for word in unknown_values(matcher, labels[matcher[0]])]
     return wrong + [f"no metric has the label {label}"
                     for label in grouping_labels(expression) - known]

@@ -118,7 +118,7 @@ class SecurityTest(unittest.TestCase):
         result = subprocess.run(
             [programs.MOTIONDBD, "--store", self.store, "--listen", listen, *flags],
             capture_output=True, text=True, timeout=60)
-        self.assertNotEqual(result.returncode, 0)
+        self.assertEqual(result.returncode, 2)  # a wrong setting: not to be tried again
         self.assertEqual(result.stdout, "")
         return result.stderr
 

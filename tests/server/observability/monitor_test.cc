@@ -76,6 +76,15 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   Monitor monitor({.methods = {"QueryService.Plan", "ObserveService.Observe"}});
   CHECK_THAT(monitor.Exposition(),
              Contains("motiondb_requests_total{code=\"OK\",method=\"QueryService.Plan\"} 0\n"));
+  // An alert on the first error of a kind sees it only if there was a count before.
+  for (const StatusCode code :
+       {StatusCode::kInternal, StatusCode::kUnknown, StatusCode::kDataLoss}) {
+    CAPTURE(code);
+    CHECK(server::IsOwnFault(code));
+    CHECK_THAT(monitor.Exposition(),
+               Contains("motiondb_requests_total{code=\"" + std::string(server::CodeName(code)) +
+                        "\",method=\"QueryService.Plan\"} 0\n"));
+  }
   {
     CallWatch plan(monitor, "QueryService.Plan", CallKind::kWork);
     CallWatch stream(monitor, "ObserveService.Observe", CallKind::kFrames);

@@ -235,6 +235,31 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   CHECK(memory.Check().size() == 1);
 }
 
+TEST_CASE("Settings: a start is refused what a check refuses, but for the store", "[settings]") {
+  const TemporaryDirectory directory;
+  const auto refused = [&](std::vector<std::string> arguments) {
+    SettingsReader reader;
+    REQUIRE(Read(reader, std::move(arguments)).empty());
+    std::vector<std::string> messages;
+    for (const absl::Status& problem : reader.CheckToServe()) {
+      messages.emplace_back(problem.message());
+    }
+    return messages;
+  };
+  const std::string store = directory / "a.db";
+  CHECK(refused({"--store", store}).empty());
+  CHECK(refused({"--store", directory / "none" + "/a.db"}).empty());  // opening it says so
+  const auto both =
+      refused({"--store", store, "--rebuild-delay", "20", "--listen", "0.0.0.0:50051"});
+  REQUIRE(both.size() == 2);
+  CHECK(both[0].find("rebuild-delay-limit") != std::string::npos);
+  CHECK(both[1].find("there is no TLS") != std::string::npos);
+  const auto file =
+      refused({"--store", store, "--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"});
+  REQUIRE(file.size() == 1);
+  CHECK(file[0].find("/absent.crt") != std::string::npos);
+}
+
 // Every line of the sample that sets something, or would without its '#'.
 std::map<std::string, std::string> SampleSettings() {
   std::ifstream file(MOTIONDBD_CONF);

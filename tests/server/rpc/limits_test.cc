@@ -1,8 +1,4 @@
 // What a client may take of a server: calls at a time, time, silence.
-#include <grpcpp/create_channel.h>
-#include <grpcpp/security/credentials.h>
-#include <grpcpp/support/channel_arguments.h>
-
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <future>
@@ -174,7 +170,11 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
     return Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
   };
   grpc::Status refused;
-  for (int tries = 0; tries < 200 && refused.ok(); ++tries) refused = recognize(long_one);
+  for (int tries = 0; tries < 200 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
+       ++tries) {
+    refused = recognize(long_one);
+  }
+  INFO(refused.error_message());
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
   CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
   CHECK(recognize(short_one).ok());
@@ -182,9 +182,9 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
 }
 
 // A file of minutes of motion: more than a call may have that weighs nothing.
-v1::Observation LongWalk(int frame_count = 16000) {
+v1::Observation LongWalk() {
   v1::Observation observation = ObservedWalk();
-  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = frame_count}));
+  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 16000}));
   REQUIRE(observation.ByteSizeLong() > 1 << 20);
   return observation;
 }
@@ -219,46 +219,6 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
   done.set_value();
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
   CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
-}
-
-TEST_CASE("Limits: an answer that nobody takes is not kept for long, nor free meanwhile",
-          "[server][limits]") {
-  TestServer server(With({.heavy = {1, 1}, .longest_silence = milliseconds(3000)}));
-  server.CreateTrained("db");
-  grpc::ChannelArguments arguments;
-  arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
-  arguments.SetInt(GRPC_ARG_HTTP2_BDP_PROBE, 0);  // its window stays as small as it is
-  const auto channel = grpc::CreateCustomChannel(server.server().address(),
-                                                 grpc::InsecureChannelCredentials(), arguments);
-  const auto stub = v1::ObserveService::NewStub(channel);
-  v1::RepresentRequest request;
-  request.set_database("databases/db");
-  *request.mutable_observation() = LongWalk(48000);
-  const auto represent = [&] {
-    const auto answer =
-        Ask(*server.NewStub<v1::ObserveService>(), &v1::ObserveService::Stub::Represent, request);
-    if (answer.status.ok()) REQUIRE(answer.response.ByteSizeLong() > 1 << 20);
-    return answer.status;
-  };
-  grpc::CompletionQueue queue;
-  grpc::ClientContext context;
-  const auto asked = stub->AsyncRepresent(&context, request, &queue);  // and never read
-  grpc::Status refused;
-  for (int tries = 0; tries < 1000 && refused.ok(); ++tries) refused = represent();
-  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
-  for (int tries = 0; tries < 1000 && !refused.ok(); ++tries) {
-    std::this_thread::sleep_for(milliseconds(50));
-    refused = represent();
-  }
-  CHECK(refused.ok());
-  v1::RepresentResponse response;
-  grpc::Status status;
-  asked->Finish(&response, &status, nullptr);
-  void* tag = nullptr;
-  bool ok = false;
-  REQUIRE(queue.Next(&tag, &ok));
-  CHECK(!status.ok());
 }
 
 TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") {

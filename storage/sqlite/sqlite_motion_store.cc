@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <type_traits>
 #include <utility>
@@ -163,28 +164,40 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     }
     // Not there only where an exception kept the one who took it up from it.
     if (std::ranges::find(together, &own) == together.end()) together.push_back(&own);
-    AddTogether(together);
+    if (together.size() == 1 || !AddInOne(together)) AddEach(together, own);
   }
   return *std::move(own.added);
 }
 
-void SqliteMotionStore::AddTogether(const std::vector<Addition*>& additions) {
-  if (additions.size() > 1) {
-    const absl::Status all =
-        InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
-          for (Addition* const addition : additions) {
-            addition->added = InsertWithRecord(connection, *addition->clip);
-            if (!addition->added->ok()) return addition->added->status();
-          }
-          return absl::OkStatus();
-        });
-    if (all.ok()) return;
+bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
+  // Kept apart until they are in the file: an addition that is told is acknowledged.
+  std::vector<ClipRecord> records;
+  const auto insert_all = [&](Connection& connection) -> absl::Status {
+    for (const Addition* const addition : additions) {
+      MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(),
+                                InsertWithRecord(connection, *addition->clip));
+    }
+    return absl::OkStatus();
+  };
+  try {
+    if (!InTransaction(*writer_, Transaction::Kind::kWrite, insert_all).ok()) return false;
+  } catch (const std::exception&) {
+    return false;  // each meets its own by itself
   }
-  // One alone, or each by itself, since one of them failed and undid the others.
+  for (std::size_t i = 0; i < additions.size(); ++i) additions[i]->added = std::move(records[i]);
+  return true;
+}
+
+void SqliteMotionStore::AddEach(const std::vector<Addition*>& additions, const Addition& own) {
   for (Addition* const addition : additions) {
-    addition->added = InTransaction(
-        *writer_, Transaction::Kind::kWrite,
-        [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
+    try {
+      addition->added = InTransaction(
+          *writer_, Transaction::Kind::kWrite,
+          [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
+    } catch (const std::exception&) {
+      // Another's is written by its own thread, which finds it without a result.
+      if (addition == &own) throw;
+    }
   }
 }
 

@@ -116,8 +116,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     const NewClip* clip = nullptr;
     std::optional<absl::StatusOr<ClipRecord>> added;  // guarded by writer_mutex_
   };
-  // REQUIRES: writer_mutex_ is held.
-  void AddTogether(const std::vector<Addition*>& additions);
+  // Both REQUIRE: writer_mutex_ is held. An addition is told what became of it only when that is so
+  // for good. All in one transaction; false, with nothing done, if that fails.
+  bool AddInOne(const std::vector<Addition*>& additions);
+  // Each in a transaction of its own; what `own`, one of them, throws is thrown on.
+  void AddEach(const std::vector<Addition*>& additions, const Addition& own);
 
   // Makes the checked store of a backup this store's own.
   absl::Status TakeOver(Connection& backup);

@@ -3,7 +3,9 @@
 #include <atomic>
 #include <barrier>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <functional>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
@@ -15,6 +17,43 @@
 
 namespace motiondb::tests {
 namespace {
+
+// What becomes of clips that are added together: each by a thread of its own, all of them waiting
+// before the writer is free for the first.
+struct Answer {
+  absl::StatusOr<storage::ClipRecord> added;
+  bool threw = false;
+};
+
+// `holder` is added first, and holds the writer while the others come. Its audit is set here.
+std::vector<Answer> AddTogether(storage::MotionStore& store, storage::NewClip holder,
+                                const std::vector<storage::NewClip>& clips) {
+  std::atomic<bool> held = false;
+  std::atomic<std::size_t> on_their_way = 0;
+  holder.audit = [&](const storage::ClipRecord&) {
+    held = true;
+    while (on_their_way < clips.size()) std::this_thread::yield();
+    // What is left to do until they wait is little; a clip that is late is added alone.
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return storage::AuditRecord{.method = "Hold"};
+  };
+  std::vector<Answer> answers(clips.size());
+  std::vector<std::jthread> threads;
+  threads.emplace_back([&] { store.AddClip(holder).IgnoreError(); });
+  for (std::size_t i = 0; i < clips.size(); ++i) {
+    threads.emplace_back([&, i] {
+      while (!held) std::this_thread::yield();
+      ++on_their_way;
+      try {
+        answers[i].added = store.AddClip(clips[i]);
+      } catch (const std::bad_alloc&) {
+        answers[i].threw = true;
+      }
+    });
+  }
+  threads.clear();  // ended, all of them
+  return answers;
+}
 
 void OnThreads(int count, const std::function<void(int)>& body) {
   std::vector<std::jthread> threads;
@@ -146,6 +185,44 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails a
   REQUIRE(added == 3 * kRounds);
   REQUIRE(refused == 3 * kRounds);
   REQUIRE(Require(store->ListClips("d", {.after = "", .limit = 100})).size() == 3 * kRounds);
+}
+
+TEST_CASE("SqliteMotionStore: of clips that come together one that throws throws alone",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  constexpr unsigned kClips = 4;
+  // The last insertion of the transaction that they share throws: once, and again wherever that
+  // clip is added.
+  const bool throws_again = GENERATE(false, true);
+  CAPTURE(throws_again);
+  std::atomic<unsigned> asked = 0;
+  std::atomic<unsigned> bad = kClips;  // which clip
+  std::vector<storage::NewClip> clips;
+  for (unsigned i = 0; i < kClips; ++i) {
+    clips.push_back(SampleClip("d", "clip-" + std::to_string(i), 10 + i));
+    clips[i].audit = [&, i](const storage::ClipRecord&) {
+      if (++asked == kClips) bad = i;
+      if (asked == kClips || (throws_again && bad == i)) throw std::bad_alloc();
+      return storage::AuditRecord{.method = "Ingest"};
+    };
+  }
+  const auto answers = AddTogether(*store, SampleClip("d", "holder", 1), clips);
+  REQUIRE(bad < kClips);
+  REQUIRE((answers[bad].threw || !throws_again));
+  std::size_t stored = 0;
+  for (unsigned i = 0; i < kClips; ++i) {
+    INFO(i);
+    REQUIRE((answers[i].added.ok() || (answers[i].threw && bad == i)));
+    // Who is told that it is stored finds it, who is not does not.
+    const bool found = store->GetClip("d", clips[i].record.id).ok();
+    REQUIRE(found == answers[i].added.ok());
+    if (found) ++stored;
+  }
+  // The store goes on, and the record of changes is of what is stored.
+  REQUIRE_OK(store->AddClip(SampleClip("d", "after", 2)));
+  REQUIRE(Require(store->access().ListAuditRecords(0, 100)).size() == 1 + stored);
 }
 
 TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log to the writer",

@@ -12,6 +12,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -60,6 +61,8 @@ class Rebuilder {
   void Forget(const LiveDatabase& database);
   // The operation that waits or works for a database, if there is one.
   std::optional<std::string> CurrentOperation(const LiveDatabase& database);
+  // Runs `work`, which is short, unless a build of the database is at work; none begins meanwhile.
+  void UnlessBuilding(const LiveDatabase& database, const std::function<void()>& work);
   // Starts nothing more and stops what runs, whose operations are PENDING again; returns when
   // nothing runs.
   void Stop();

@@ -117,6 +117,15 @@ auto SqliteMotionStore::WriteWith(const AuditRecord* audit, const Work& work) {
 }
 
 template <typename Work>
+auto SqliteMotionStore::WriteAndFree(const AuditRecord* audit, const Work& work) {
+  auto freed =
+      WriteWith(audit, [&](Connection& connection) { return work(connection, Remains::kFree); });
+  if (!absl::IsDataLoss(StatusOf(freed))) return freed;
+  return WriteWith(audit,
+                   [&](Connection& connection) { return work(connection, Remains::kLeave); });
+}
+
+template <typename Work>
 auto SqliteMotionStore::Read(const Work& work) {
   using Result = std::invoke_result_t<Work, Connection&>;
   if (readers_ == nullptr) {
@@ -213,8 +222,9 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
 
 absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip,
                                            const AuditRecord* audit) {
-  return WriteWith(audit,
-                   [&](Connection& connection) { return RemoveClip(connection, database, clip); });
+  return WriteAndFree(audit, [&](Connection& connection, Remains remains) {
+    return RemoveClip(connection, database, clip, remains);
+  });
 }
 
 absl::StatusOr<ClipSource> SqliteMotionStore::ReadClipSource(const std::string& database,
@@ -240,8 +250,9 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
-  return Write(
-      [&](Connection& connection) { return InsertModel(connection, database, model, now_us_()); });
+  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+    return InsertModel(connection, database, model, now_us_(), remains);
+  });
 }
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& database,
@@ -284,10 +295,30 @@ absl::StatusOr<std::vector<ModelRecord>> SqliteMotionStore::ListModels(const std
 }
 
 absl::Status SqliteMotionStore::DropModel(const std::string& database) {
-  return Write([&](Connection& connection) -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
-    return RetireCurrentModel(connection, key);
+  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+    return RetireCurrentModel(connection, database, remains);
   });
+}
+
+absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto keys, Read([&](Connection& connection) {
+                              return SelectRemovedClips(connection, database);
+                            }));
+  if (keys.empty()) return absl::OkStatus();
+  const absl::Status together = Write([&](Connection& connection) -> absl::Status {
+    for (const std::int64_t key : keys) {
+      MOTIONDB_RETURN_IF_ERROR(PurgeRemovedClip(connection, key));
+    }
+    return absl::OkStatus();
+  });
+  if (!absl::IsDataLoss(together)) return together;
+  // One cannot be freed; the others can.
+  for (const std::int64_t key : keys) {
+    const absl::Status purged =
+        Write([&](Connection& connection) { return PurgeRemovedClip(connection, key); });
+    if (!purged.ok() && !absl::IsDataLoss(purged)) return purged;
+  }
+  return together;
 }
 
 absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record) {

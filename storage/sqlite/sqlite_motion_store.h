@@ -72,6 +72,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
                                                       int limit) override;
   absl::Status DropModel(const std::string& database) override;
+  absl::Status PurgeDeletedClips(const std::string& database) override;
 
   absl::Status PutOperation(const OperationRecord& record) override;
   absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) override;
@@ -108,6 +109,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // The same with an entry of the record of changes.
   template <typename Work>
   auto WriteWith(const AuditRecord* audit, const Work& work);
+  // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
+  template <typename Work>
+  auto WriteAndFree(const AuditRecord* audit, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 

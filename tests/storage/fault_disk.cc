@@ -30,7 +30,9 @@ int Close(sqlite3_file* file) {
   return code;
 }
 int Read(sqlite3_file* file, void* out, int count, sqlite3_int64 offset) {
-  if (Of(file).disk->dead()) return SQLITE_IOERR_READ;
+  const std::string* const path = Of(file).path;
+  const int code = Of(file).disk->OnRead(path == nullptr ? "" : *path, offset, count);
+  if (code != SQLITE_OK) return code;
   return Of(file).real()->pMethods->xRead(Of(file).real(), out, count, offset);
 }
 int Write(sqlite3_file* file, const void* bytes, int count, sqlite3_int64 offset) {
@@ -131,6 +133,7 @@ FaultDisk::~FaultDisk() { sqlite3_vfs_unregister(&vfs_); }
 
 void FaultDisk::Arm(Fault fault, int at) {
   files_.clear();
+  bad_sectors_.clear();
   fault_ = fault;
   at_ = at;
   operations_ = 0;
@@ -154,6 +157,14 @@ void FaultDisk::OnOpen(const std::string& path) {
   if (!stream) return;
   file.durable = true;
   file.synced.assign(std::istreambuf_iterator<char>(stream), {});
+}
+
+int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) const {
+  if (dead_) return SQLITE_IOERR_READ;
+  const auto sector = bad_sectors_.find(path);
+  if (sector == bad_sectors_.end()) return SQLITE_OK;
+  const bool meets = offset <= sector->second && sector->second < offset + count;
+  return meets ? SQLITE_IOERR_CORRUPTFS : SQLITE_OK;  // as SQLite has EIO
 }
 
 int FaultDisk::OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,

@@ -1,7 +1,8 @@
 // A disk that fails when a test says so: a SQLite VFS over the system's own, which counts writes,
-// syncs and truncations, lets one of them go wrong, and remembers what was not synced yet, so that
-// it can leave the files as a power cut would: of what no sync followed, each write is there, or
-// not, or torn at sectors, in any order. Deleting a file is taken as durable at once.
+// syncs and truncations, lets one of them go wrong, loses a sector, and remembers what was not
+// synced yet, so that it can leave the files as a power cut would: of what no sync followed, each
+// write is there, or not, or torn at sectors, in any order. Deleting a file is taken as durable at
+// once.
 //
 // One at a time in a process; not thread-safe.
 #pragma once
@@ -37,6 +38,8 @@ class FaultDisk {
   void Arm(Fault fault, int at);
   void Clear() { fault_ = Fault::kNone; }
   void CutPower() { dead_ = true; }
+  // Whatever is read together with this byte cannot be read from now on, until Arm.
+  void LoseSector(const std::string& path, std::int64_t byte) { bad_sectors_[path] = byte; }
   // Operations since Arm.
   int operations() const { return operations_; }
   bool struck() const { return struck_; }
@@ -45,6 +48,7 @@ class FaultDisk {
   void Reboot(unsigned seed);
 
   // What the VFS asks on each operation: a result code.
+  int OnRead(const std::string& path, std::int64_t offset, int count) const;
   int OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,
               int& done);
   int OnTruncate(const std::string& path, std::int64_t size);
@@ -73,6 +77,7 @@ class FaultDisk {
 
   sqlite3_vfs vfs_;
   std::map<std::string, File> files_;
+  std::map<std::string, std::int64_t> bad_sectors_;  // one of a file, by a byte of it
   Fault fault_ = Fault::kNone;
   int at_ = 0;
   int operations_ = 0;

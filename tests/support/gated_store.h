@@ -131,6 +131,10 @@ class GatedStore : public storage::MotionStore {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DropModel(database);
   }
+  absl::Status PurgeDeletedClips(const std::string& database) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->PurgeDeletedClips(database);
+  }
   absl::Status PutOperation(const storage::OperationRecord& record) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->WriteOperation());
     return store_->PutOperation(record);

@@ -68,7 +68,7 @@ class StoreRestore {
 class StoreUpkeep {
  public:
   virtual ~StoreUpkeep() = default;
-  // `cancelled` is asked during long steps, as long as the verifier lives.
+  // `cancelled` is asked during long steps, as long as the verifier lives, also from other threads.
   virtual absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) = 0;
   // Takes as long as the disk needs to write the copy beside the store, from where it is then read;
   // it is gone when the result is, or, after a crash, when the store is next opened. CANCELLED;

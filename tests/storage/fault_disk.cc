@@ -1,11 +1,13 @@
 #include "tests/storage/fault_disk.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <new>
+#include <thread>
 
 namespace motiondb::tests {
 namespace {
@@ -159,7 +161,9 @@ void FaultDisk::OnOpen(const std::string& path) {
   file.synced.assign(std::istreambuf_iterator<char>(stream), {});
 }
 
-int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) const {
+int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) {
+  ++reads_;
+  if (slow_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   if (dead_) return SQLITE_IOERR_READ;
   const auto sector = bad_sectors_.find(path);
   if (sector == bad_sectors_.end()) return SQLITE_OK;

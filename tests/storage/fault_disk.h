@@ -9,6 +9,7 @@
 
 #include <sqlite3.h>
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -40,6 +41,10 @@ class FaultDisk {
   void CutPower() { dead_ = true; }
   // Whatever is read together with this byte cannot be read from now on, until Arm.
   void LoseSector(const std::string& path, std::int64_t byte) { bad_sectors_[path] = byte; }
+  // Each read takes a millisecond from now on.
+  void SlowDown() { slow_ = true; }
+  // Since the disk was made. From any thread.
+  int reads() const { return reads_; }
   // Operations since Arm.
   int operations() const { return operations_; }
   bool struck() const { return struck_; }
@@ -48,7 +53,7 @@ class FaultDisk {
   void Reboot(unsigned seed);
 
   // What the VFS asks on each operation: a result code.
-  int OnRead(const std::string& path, std::int64_t offset, int count) const;
+  int OnRead(const std::string& path, std::int64_t offset, int count);
   int OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,
               int& done);
   int OnTruncate(const std::string& path, std::int64_t size);
@@ -83,6 +88,8 @@ class FaultDisk {
   int operations_ = 0;
   bool struck_ = false;
   bool dead_ = false;
+  bool slow_ = false;
+  std::atomic<int> reads_ = 0;
 };
 
 }  // namespace motiondb::tests

@@ -3,7 +3,6 @@
 #include <atomic>
 #include <barrier>
 #include <catch2/catch.hpp>
-#include <chrono>
 #include <functional>
 #include <new>
 #include <string>
@@ -11,49 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "tests/storage/add_together.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
 namespace motiondb::tests {
 namespace {
-
-// What becomes of clips that are added together: each by a thread of its own, all of them waiting
-// before the writer is free for the first.
-struct Answer {
-  absl::StatusOr<storage::ClipRecord> added;
-  bool threw = false;
-};
-
-// `holder` is added first, and holds the writer while the others come. Its audit is set here.
-std::vector<Answer> AddTogether(storage::MotionStore& store, storage::NewClip holder,
-                                const std::vector<storage::NewClip>& clips) {
-  std::atomic<bool> held = false;
-  std::atomic<std::size_t> on_their_way = 0;
-  holder.audit = [&](const storage::ClipRecord&) {
-    held = true;
-    while (on_their_way < clips.size()) std::this_thread::yield();
-    // What is left to do until they wait is little; a clip that is late is added alone.
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    return storage::AuditRecord{.method = "Hold"};
-  };
-  std::vector<Answer> answers(clips.size());
-  std::vector<std::jthread> threads;
-  threads.emplace_back([&] { store.AddClip(holder).IgnoreError(); });
-  for (std::size_t i = 0; i < clips.size(); ++i) {
-    threads.emplace_back([&, i] {
-      while (!held) std::this_thread::yield();
-      ++on_their_way;
-      try {
-        answers[i].added = store.AddClip(clips[i]);
-      } catch (const std::bad_alloc&) {
-        answers[i].threw = true;
-      }
-    });
-  }
-  threads.clear();  // ended, all of them
-  return answers;
-}
 
 void OnThreads(int count, const std::function<void(int)>& body) {
   std::vector<std::jthread> threads;
@@ -208,7 +171,8 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that throws throws
       return storage::AuditRecord{.method = "Ingest"};
     };
   }
-  const auto answers = AddTogether(*store, SampleClip("d", "holder", 1), clips);
+  const auto answers =
+      AddTogether(*store, SampleClip("d", "holder", 1), clips, std::chrono::milliseconds(50));
   REQUIRE(bad < kClips);
   REQUIRE((answers[bad].threw || !throws_again));
   std::size_t stored = 0;

@@ -383,14 +383,16 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
 absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
   if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
   MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
-  return SqliteRestore::Make(path_, [this](Connection& backup) { return TakeOver(backup); });
+  return SqliteRestore::Make(path_, [this](Connection& backup, const core::Cancelled& cancelled) {
+    return TakeOver(backup, cancelled);
+  });
 }
 
-absl::Status SqliteMotionStore::TakeOver(Connection& backup) {
+absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
   const std::lock_guard lock(writer_mutex_);
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
-  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, {}));
+  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));
   // The log has the whole store now; if readers are in the way, a later write moves it.
   writer_->Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
   return absl::OkStatus();

@@ -127,7 +127,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   void AddEach(const std::vector<Addition*>& additions, const Addition& own);
 
   // Makes the checked store of a backup this store's own.
-  absl::Status TakeOver(Connection& backup);
+  absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
 
   const std::string path_;  // empty for a store in memory
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.

@@ -130,30 +130,4 @@ TEST_CASE("Damage: a database without a clip that can be read says so", "[server
   CHECK(ClipsOfModel(engine) == "d");
 }
 
-TEST_CASE("Restore: what a backup brings is served at once", "[server][damage]") {
-  TestEngine from;
-  from.Create("db");
-  from.Wait(from.Ingest("db", "a", Walk(0))->operation.id);
-  auto backup = from->store().upkeep().BeginBackup({});
-  REQUIRE(backup.ok());
-  TestEngine to;
-  auto restore = to->store().upkeep().BeginRestore();
-  REQUIRE(restore.ok());
-  std::string block;
-  while (*(*backup)->Read(block)) REQUIRE((*restore)->Append(block).ok());
-  to.gate().Close();  // a build would stop here
-  const auto restored = to->Restore(**restore);
-  INFO(restored.status().ToString());
-  REQUIRE(restored.ok());
-  CHECK(restored->database_count == 1);
-  CHECK(restored->clip_count == 1);
-  const auto snapshot = (*to->FindDatabase("db"))->snapshot();
-  REQUIRE(snapshot != nullptr);
-  CHECK(snapshot->model.states() == (*from->FindDatabase("db"))->snapshot()->model.states());
-  CHECK(snapshot->record.version == 1);
-  to.gate().Open();
-  to.Wait(to.Ingest("db", "b", Walk(1))->operation.id);
-  CHECK(ClipsOfModel(to) == "ab");
-}
-
 }  // namespace motiondb::tests

@@ -1,6 +1,7 @@
 // What a backup brings is served once it is read, and not before.
-#include <atomic>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <memory>
 #include <string>
 #include <thread>
 
@@ -76,23 +77,19 @@ TEST_CASE("Restore: who finds a database finds its clips counted and its model",
   Fill(from);
   TestEngine to;
   const auto restore = Bring(from, to);
-  std::atomic<bool> stop = false;
-  std::atomic<bool> found_too_early = false;
-  std::jthread looking([&] {
-    while (!stop) {
-      const auto live = to->FindDatabase("db");
-      if (!live.ok()) continue;
-      if ((*live)->stored().clip_count != 1 || !to->CurrentModel(**live).ok()) {
-        found_too_early = true;
-      }
-      return;
-    }
-  });
-  const auto restored = to->Restore(*restore, {});
-  if (!restored.ok()) stop = true;
-  looking.join();
+  to.reading_gate().Close();
+  absl::StatusOr<server::StoreAmount> restored;
+  std::jthread restoring([&] { restored = to->Restore(*restore, {}); });
+  to.reading_gate().AwaitArrival();
+  CHECK(absl::IsNotFound(to->FindDatabase("db").status()));
+  CHECK(to->Databases().empty());
+  to.reading_gate().Open();
+  restoring.join();
   REQUIRE(restored.ok());
-  CHECK(!found_too_early);
+  const auto live = to->FindDatabase("db");
+  REQUIRE(live.ok());
+  CHECK((*live)->stored().clip_count == 1);
+  CHECK(to->CurrentModel(**live).ok());
 }
 
 TEST_CASE("Restore: others make databases while a backup is checked", "[server][restore]") {

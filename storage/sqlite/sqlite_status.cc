@@ -10,7 +10,7 @@ absl::StatusCode ToStatusCode(int code) {
     return absl::StatusCode::kAlreadyExists;
   }
   // What the disk cannot give back, or not as it was, costs what is on it, as damage does. SQLite
-  // repeats a read that a signal broke off.
+  // repeats a read that a signal broke off, and mostly tells EIO as SQLITE_CORRUPT.
   if (code == SQLITE_IOERR_READ || code == SQLITE_IOERR_SHORT_READ ||
       code == SQLITE_IOERR_CORRUPTFS || code == SQLITE_IOERR_DATA) {
     return absl::StatusCode::kDataLoss;

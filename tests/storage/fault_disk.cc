@@ -167,8 +167,8 @@ int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) {
   if (dead_) return SQLITE_IOERR_READ;
   const auto sector = bad_sectors_.find(path);
   if (sector == bad_sectors_.end()) return SQLITE_OK;
-  const bool meets = offset <= sector->second && sector->second < offset + count;
-  return meets ? SQLITE_IOERR_CORRUPTFS : SQLITE_OK;  // as SQLite has EIO
+  const auto [byte, code] = sector->second;
+  return offset <= byte && byte < offset + count ? code : SQLITE_OK;
 }
 
 int FaultDisk::OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,

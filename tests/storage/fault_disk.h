@@ -39,8 +39,11 @@ class FaultDisk {
   void Arm(Fault fault, int at);
   void Clear() { fault_ = Fault::kNone; }
   void CutPower() { dead_ = true; }
-  // Whatever is read together with this byte cannot be read from now on, until Arm.
-  void LoseSector(const std::string& path, std::int64_t byte) { bad_sectors_[path] = byte; }
+  // Whatever is read together with this byte cannot be read from now on, until Arm: `code` instead.
+  // SQLite has EIO as SQLITE_IOERR_CORRUPTFS, most others as SQLITE_IOERR_READ.
+  void LoseSector(const std::string& path, std::int64_t byte, int code) {
+    bad_sectors_[path] = {byte, code};
+  }
   // Each read takes a millisecond from now on.
   void SlowDown() { slow_ = true; }
   // Since the disk was made. From any thread.
@@ -82,7 +85,11 @@ class FaultDisk {
 
   sqlite3_vfs vfs_;
   std::map<std::string, File> files_;
-  std::map<std::string, std::int64_t> bad_sectors_;  // one of a file, by a byte of it
+  struct BadSector {
+    std::int64_t byte = 0;  // one that lies in it
+    int code = SQLITE_OK;
+  };
+  std::map<std::string, BadSector> bad_sectors_;  // by file
   Fault fault_ = Fault::kNone;
   int at_ = 0;
   int operations_ = 0;

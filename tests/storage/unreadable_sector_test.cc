@@ -48,7 +48,7 @@ TEST_CASE("Unreadable sector: of a clip's states", "[storage][sector]") {
   FaultDisk disk;
   const auto b = SampleClip("d", "b", 2);
   const auto place = FillAndFind(file, {b}, Within(Encoded(LongClip("a", 1).states)));
-  disk.LoseSector(file.path(), place);
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss, "clip 'a'");
   REQUIRE_OK(store->ReadClipStates("d", "b"));
@@ -74,7 +74,7 @@ TEST_CASE("Unreadable sector: of a clip's file", "[storage][sector]") {
   FaultDisk disk;
   const auto a = LongClip("a", 1);
   const auto place = FillAndFind(file, {a}, Within(a.file_bytes));
-  disk.LoseSector(file.path(), place);
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_ERROR(store->ReadClipSource("d", "a"), StatusCode::kDataLoss, "clip 'a'");
   REQUIRE_OK(store->ReadClipStates("d", "a"));
@@ -89,7 +89,7 @@ TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {
   const auto a = LongClip("a", 1);
   const core::Model model = SampleModel({a});
   const auto place = FillAndFind(file, {a}, Within(Encoded(model.parts())));
-  disk.LoseSector(file.path(), place);
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_ERROR(store->ReadModel("d", core::Serially), StatusCode::kDataLoss, "model 1");
   REQUIRE(Require(store->PutModel("d", model)).version == 2);
@@ -101,7 +101,7 @@ TEST_CASE("Unreadable sector: gives back what it did not, and all is well", "[st
   FaultDisk disk;
   const auto b = SampleClip("d", "b", 2);
   const auto place = FillAndFind(file, {b}, Within(Encoded(LongClip("a", 1).states)));
-  disk.LoseSector(file.path(), place);
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss, "clip 'a'");
   disk.Arm(FaultDisk::Fault::kNone, 0);

@@ -82,6 +82,21 @@ TEST_CASE("Damage: a clip is left out and named, at start and later", "[server][
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
+TEST_CASE("Damage: a clip that can be read again is whole again", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, "UPDATE clip_chunk SET kind = 103 WHERE " + ChunksOf("b", 3));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "ac");
+  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/clips/b "));
+  // As when a disk gives back what it did not.
+  Sql(engine, "UPDATE clip_chunk SET kind = 3 WHERE " + ChunksOf("b", 103));
+  engine.Wait(engine->DeleteClip("db", "c")->id);
+  CHECK(ClipsOfModel(engine) == "ab");
+  CHECK(Damaged(engine).find("databases/db/clips/b ") == std::string::npos);
+}
+
 TEST_CASE("Damage: a clip is left out where a model is extended", "[server][damage]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);

@@ -306,10 +306,8 @@ absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database) {
                             }));
   if (keys.empty()) return absl::OkStatus();
   const absl::Status together = Write([&](Connection& connection) -> absl::Status {
-    for (const std::int64_t key : keys) {
-      MOTIONDB_RETURN_IF_ERROR(PurgeRemovedClip(connection, key));
-    }
-    return absl::OkStatus();
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    return PurgeRemovedClips(connection, key);
   });
   if (!absl::IsDataLoss(together)) return together;
   // One cannot be freed; the others can.

@@ -6,6 +6,8 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 
 namespace motiondb::client {
@@ -21,6 +23,27 @@ bool WriteAll(int file, std::string_view bytes) {
     bytes.remove_prefix(static_cast<size_t>(written));
   }
   return true;
+}
+
+// By errno.
+absl::Status Failed(const std::string& path) {
+  return absl::UnknownError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
+}
+
+absl::Status AlreadyThere(const std::filesystem::path& path) {
+  return absl::AlreadyExistsError(fmt::format("{}: exists already", path.string()));
+}
+
+// What a folder lists stays so after a power cut.
+bool SyncFolder(const std::filesystem::path& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return errno == EACCES;  // one may write to it and not list it
+  // Some file systems know no syncing of folders, and say so.
+  const bool synced = fsync(descriptor) == 0 || errno == EINVAL;
+  const int error = errno;
+  close(descriptor);
+  errno = error;
+  return synced;
 }
 
 }  // namespace
@@ -40,18 +63,18 @@ BackupFile::~BackupFile() {
 
 absl::Status BackupFile::Open(const std::filesystem::path& path, bool overwrite) {
   std::error_code ignored;
-  if (!overwrite && std::filesystem::exists(path, ignored)) {
-    return absl::AlreadyExistsError(fmt::format("{}: exists already", path.string()));
-  }
+  if (!overwrite && std::filesystem::exists(path, ignored)) return AlreadyThere(path);
   path_ = path;
-  part_ = path.string() + ".part";
-  // A backup holds all motion and the hashes of tokens: it is its owner's alone.
-  file_ = open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
-  return file_ < 0 ? WriteFailed() : absl::OkStatus();
+  overwrite_ = overwrite;
+  part_ = path.string() + ".part-XXXXXX";
+  // A new file, with mode 0600: a backup holds all motion and the hashes of tokens, and is its
+  // owner's alone.
+  file_ = mkostemp(part_.data(), O_CLOEXEC);
+  return file_ < 0 ? Failed(part_) : absl::OkStatus();
 }
 
 absl::Status BackupFile::Append(const std::string& block) {
-  if (!WriteAll(file_, block)) return WriteFailed();
+  if (!WriteAll(file_, block)) return Failed(part_);
   bytes_ += static_cast<std::int64_t>(block.size());
   tail_ += block;
   if (tail_.size() > kDigestBytes) {
@@ -69,18 +92,25 @@ absl::Status BackupFile::Complete() {
     return absl::DataLossError(
         fmt::format("{}: the backup did not arrive whole: its checksum is wrong", path_.string()));
   }
-  if (fsync(file_) != 0) return WriteFailed();
-  std::error_code error;
-  std::filesystem::rename(part_, path_, error);
-  if (error) return absl::UnknownError(fmt::format("{}: {}", path_.string(), error.message()));
+  if (fsync(file_) != 0) return Failed(part_);
+  if (const absl::Status named = GiveName(); !named.ok()) return named;
   close(file_);
   file_ = -1;
-  return absl::OkStatus();
+  const std::filesystem::path folder = path_.parent_path();
+  return SyncFolder(folder.empty() ? "." : folder) ? absl::OkStatus() : Failed(path_.string());
 }
 
-absl::Status BackupFile::WriteFailed() const {
-  return absl::UnknownError(
-      fmt::format("{}: cannot be written: {}", part_.string(), std::strerror(errno)));
+absl::Status BackupFile::GiveName() {
+  if (!overwrite_) {
+    if (renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) {
+      return absl::OkStatus();
+    }
+    // Not every file system can tell in one step whether the name is free.
+    std::error_code ignored;
+    const bool is_taken = errno == EEXIST || std::filesystem::exists(path_, ignored);
+    if (is_taken) return AlreadyThere(path_);
+  }
+  return rename(part_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : Failed(path_.string());
 }
 
 }  // namespace motiondb::client

@@ -1,4 +1,5 @@
-// A backup on disk: written under another name until it is whole. Not thread-safe.
+// A backup on disk: written under a name of its own, FILE.part-XXXXXX, until it is whole, so that
+// two to one FILE do not mix. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,8 @@ class BackupFile {
   absl::Status Open(const std::filesystem::path& path, bool overwrite);
   absl::Status Append(const std::string& block);
   // Brings it to the disk and gives it its name. DATA_LOSS unless its last 32 bytes are the SHA-256
-  // of those before.
+  // of those before; ALREADY_EXISTS where there is a file by now, unless it may be overwritten.
+  // Where only the folder cannot be brought to the disk, that is said, and the backup is there.
   absl::Status Complete();
 
   std::int64_t bytes() const { return bytes_; }
@@ -33,10 +35,11 @@ class BackupFile {
   struct Free {
     void operator()(evp_md_ctx_st* context) const;
   };
-  absl::Status WriteFailed() const;
+  absl::Status GiveName();
 
   std::filesystem::path path_;
-  std::filesystem::path part_;
+  std::string part_;
+  bool overwrite_ = false;
   int file_ = -1;  // descriptor
   std::unique_ptr<evp_md_ctx_st, Free> digest_;
   std::string tail_;  // the last bytes so far, which may be the checksum

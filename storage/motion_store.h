@@ -55,8 +55,8 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                             const Page& page) = 0;
   // The clip is gone for every other call at once. Its states stay on disk, for the current model
-  // and for one that is being built from them, until a model is put that does not need them or the
-  // model is dropped.
+  // and for one that is being built from them, until PurgeDeletedClips, or a model that is put or
+  // dropped, finds that the current model does not need them.
   virtual absl::Status DeleteClip(const std::string& database, const std::string& clip,
                                   const AuditRecord* audit = nullptr) = 0;
   // The bytes that were ingested.
@@ -100,6 +100,11 @@ class MotionStore {
                                                               int before, int limit) = 0;
   // Leaves the database without a current model (its last clip was deleted). OK if there is none.
   virtual absl::Status DropModel(const std::string& database) = 0;
+  // Removes what is left of deleted clips, but of those that the current model knows. A model that
+  // is being built from one of the others cannot be put afterwards (NOT_FOUND): not to be called
+  // during a build. DATA_LOSS if what is left of one cannot be read and stays; the others are
+  // removed.
+  virtual absl::Status PurgeDeletedClips(const std::string& database) = 0;
 
   // Operations. PutOperation creates or replaces one of a database that there is. Operations are
   // deleted with their database; of those that ended, the last thousand of a database are kept.

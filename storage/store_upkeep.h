@@ -50,25 +50,27 @@ class StoreBackup {
   virtual absl::StatusOr<bool> Read(std::string& block) = 0;
 };
 
-// A backup on its way in. Nothing changes before Finish, or if it is destroyed instead.
+// A backup on its way in: Append to its end, Check, Finish. Nothing changes before Finish, or if it
+// is destroyed instead. Check and Finish ask `cancelled` as they go: CANCELLED.
 class StoreRestore {
  public:
   virtual ~StoreRestore() = default;
   // INVALID_ARGUMENT if these are not the bytes of a backup; RESOURCE_EXHAUSTED if the disk is
   // full.
   virtual absl::Status Append(std::string_view bytes) = 0;
-  // Checks the whole of it, and makes it what is stored, at once or not at all. Tokens and records
-  // of changes that the store has stay valid, and those of the backup come to them; where both know
-  // a token, the store's stands. INVALID_ARGUMENT, saying what is wrong, if the backup is damaged
-  // or cut off; FAILED_PRECONDITION if it is of a newer version, or the store has a database by
-  // now.
-  virtual absl::Status Finish() = 0;
+  // Checks the whole of it, which takes as long as reading it does. INVALID_ARGUMENT, saying what
+  // is wrong, if the backup is damaged or cut off; FAILED_PRECONDITION if it is of a newer version.
+  virtual absl::Status Check(const core::Cancelled& cancelled) = 0;
+  // Makes it what is stored, at once or not at all. Tokens and records of changes that the store
+  // has stay valid, and those of the backup come to them; where both know a token, the store's
+  // stands. FAILED_PRECONDITION if the store has a database by now, or the backup was not checked.
+  virtual absl::Status Finish(const core::Cancelled& cancelled) = 0;
 };
 
 class StoreUpkeep {
  public:
   virtual ~StoreUpkeep() = default;
-  // `cancelled` is asked during long steps, as long as the verifier lives.
+  // `cancelled` is asked during long steps, as long as the verifier lives, also from other threads.
   virtual absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) = 0;
   // Takes as long as the disk needs to write the copy beside the store, from where it is then read;
   // it is gone when the result is, or, after a crash, when the store is next opened. CANCELLED;

@@ -14,7 +14,7 @@ struct BackupOptions {
 };
 
 void Declare(CLI::App& command, BackupOptions& options) {
-  command.add_option("FILE", options.file, "File to write; FILE.part until it is whole")
+  command.add_option("FILE", options.file, "File to write; FILE.part-XXXXXX until it is whole")
       ->required();
   command.add_flag("--force", options.force, "Replace a file that exists");
 }

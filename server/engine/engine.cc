@@ -7,6 +7,7 @@
 
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
+#include "server/engine/purge.h"
 
 namespace motiondb::server {
 
@@ -152,6 +153,8 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
     live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
+    // A build at work may have read it, and purges at its end.
+    rebuilder_.UnlessBuilding(*live, [&] { PurgeDeletedClips(*store_, database); });
     MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
     return absl::OkStatus();
   });

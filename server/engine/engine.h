@@ -92,8 +92,10 @@ class Engine {
   // For what finds damage elsewhere.
   void NoteDamage(const storage::Damage& damage) { damages_.Note(damage); }
 
-  // Takes over a backup that has come in whole (StoreRestore::Finish) and serves what it brings.
-  absl::StatusOr<StoreAmount> Restore(storage::StoreRestore& restore);
+  // Takes over a backup that has come in whole and serves what it brings, each database once its
+  // model is read. CANCELLED, with nothing changed; and the codes of StoreRestore.
+  absl::StatusOr<StoreAmount> Restore(storage::StoreRestore& restore,
+                                      const core::Cancelled& cancelled);
 
   // Stops builds, whose operations stay PENDING for the next server, and ends all waiting for
   // operations. Queries go on.
@@ -102,10 +104,14 @@ class Engine {
  private:
   Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options);
   std::size_t database_count();
-  absl::Status LoadDatabases();
-  absl::Status LoadDatabase(const storage::DatabaseRecord& record);
-  absl::Status ResumeOperations();
-  absl::Status RebuildWhereNeeded();
+  // By name.
+  using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
+  // Brings what is stored to life, then lets others find it.
+  absl::StatusOr<StoreAmount> Load();
+  absl::StatusOr<LiveDatabases> ReadDatabases();
+  absl::Status ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record);
+  absl::Status ResumeOperations(const LiveDatabases& databases);
+  absl::Status RebuildWhereNeeded(const LiveDatabases& databases);
   // Whether the model knows the clips that can be read, and may stay.
   absl::StatusOr<bool> IsCurrent(LiveDatabase& database);
 
@@ -121,7 +127,7 @@ class Engine {
   // Held over creating and deleting, which may be long; mutex_ only guards the map.
   std::mutex naming_mutex_;
   std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<LiveDatabase>> databases_;
+  LiveDatabases databases_;
 };
 
 }  // namespace motiondb::server

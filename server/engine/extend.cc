@@ -37,6 +37,7 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
       continue;
     }
     if (!states.ok()) return states.status();
+    database.ForgetUnreadable(clip);  // a disk may give back what it did not
     inputs.push_back({clip, record->label, *std::move(states), record->subject});
   }
   return inputs;

@@ -12,6 +12,7 @@
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
 #include "server/engine/extend.h"
+#include "server/engine/purge.h"
 
 namespace motiondb::server {
 namespace {
@@ -119,11 +120,10 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
   return model;
 }
 
-}  // namespace
-
-absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
-                                const EngineOptions& options, const core::ParallelFor& parallel,
-                                const core::BuildProgress& progress) {
+absl::StatusOr<Rebuilt> BuildUntilStored(storage::MotionStore& store, LiveDatabase& database,
+                                         const EngineOptions& options,
+                                         const core::ParallelFor& parallel,
+                                         const core::BuildProgress& progress) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(store, database.name()));
     if (clips.empty()) {
@@ -148,6 +148,22 @@ absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& datab
   }
   return absl::AbortedError(
       "clips were deleted during each build; delete or ingest one to try again");
+}
+
+}  // namespace
+
+absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
+                                const EngineOptions& options, const core::ParallelFor& parallel,
+                                const core::BuildProgress& progress) {
+  auto rebuilt = BuildUntilStored(store, database, options, parallel, progress);
+  // However it ended: putting a model does this, but the current one may have stayed.
+  database
+      .WhileAlive([&] {
+        PurgeDeletedClips(store, database.name());
+        return absl::OkStatus();
+      })
+      .IgnoreError();  // where the database was deleted, so were they
+  return rebuilt;
 }
 
 }  // namespace motiondb::server

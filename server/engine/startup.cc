@@ -7,6 +7,7 @@
 #include "server/engine/clip_list.h"
 #include "server/engine/engine.h"
 #include "server/engine/extend.h"
+#include "server/engine/purge.h"
 
 namespace motiondb::server {
 namespace {
@@ -38,51 +39,64 @@ std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
 absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::MotionStore> store,
                                                      const EngineOptions& options) {
   std::unique_ptr<Engine> engine(new Engine(std::move(store), options));
-  MOTIONDB_RETURN_IF_ERROR(engine->LoadDatabases());
-  MOTIONDB_RETURN_IF_ERROR(engine->ResumeOperations());
-  MOTIONDB_RETURN_IF_ERROR(engine->RebuildWhereNeeded());
+  MOTIONDB_RETURN_IF_ERROR(engine->Load().status());
   return engine;
 }
 
-absl::Status Engine::LoadDatabases() {
+absl::StatusOr<StoreAmount> Engine::Load() {
+  MOTIONDB_ASSIGN_OR_RETURN(LiveDatabases databases, ReadDatabases());
+  absl::Status status = ResumeOperations(databases);
+  if (status.ok()) status = RebuildWhereNeeded(databases);
+  StoreAmount amount;
+  amount.database_count = static_cast<std::int32_t>(databases.size());
+  for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
+  // Last: what comes in from then on finds clips counted and models read. Also where something
+  // could not be resumed, for all of it is stored.
+  const std::lock_guard lock(mutex_);
+  databases_.merge(databases);
+  if (!status.ok()) return status;
+  return amount;
+}
+
+absl::StatusOr<Engine::LiveDatabases> Engine::ReadDatabases() {
+  LiveDatabases databases;
   storage::Page page;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListDatabases(page));
     for (const auto& record : records) {
-      const absl::Status loaded = LoadDatabase(record);
-      if (absl::IsDataLoss(loaded)) {
-        damages_.Note({"databases/" + record.name, std::string(loaded.message())});
-      } else if (!loaded.ok()) {
-        return loaded;
+      // Also where its clips cannot be listed: what is left of it can be deleted then.
+      auto& live = databases[record.name];
+      live = std::make_shared<LiveDatabase>(record.name, record.settings);
+      const absl::Status read = ReadDatabase(*live, record);
+      if (absl::IsDataLoss(read)) {
+        damages_.Note({"databases/" + record.name, std::string(read.message())});
+      } else if (!read.ok()) {
+        return read;
       }
     }
-    if (static_cast<int>(records.size()) < page.limit) return absl::OkStatus();
+    if (static_cast<int>(records.size()) < page.limit) return databases;
     page.after = records.back().name;
   }
 }
 
-absl::Status Engine::LoadDatabase(const storage::DatabaseRecord& record) {
-  auto live = std::make_shared<LiveDatabase>(record.name, record.settings);
+absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record) {
   auto scheme = StoredScheme(record);
   if (!scheme.ok()) {
     damages_.Note({"databases/" + record.name, std::string(scheme.status().message())});
   }
-  live->set_scheme(std::move(scheme));
-  {
-    // Also where its clips cannot be listed: what is left of it can be deleted then.
-    const std::lock_guard lock(mutex_);
-    databases_[record.name] = live;
-  }
+  live.set_scheme(std::move(scheme));
+  // A former server may have stopped before it did.
+  PurgeDeletedClips(*store_, record.name);
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
-  for (const auto& clip : clips) live->AddStored(AmountOf(clip));
-  live->set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
-  const auto snapshot = live->snapshot();
+  for (const auto& clip : clips) live.AddStored(AmountOf(clip));
+  live.set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
+  const auto snapshot = live.snapshot();
   spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);
   return absl::OkStatus();
 }
 
-absl::Status Engine::ResumeOperations() {
+absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
   constexpr int kLimit = 1000;
   std::vector<storage::OperationRecord> undone;  // newest first
   std::string before;
@@ -95,21 +109,16 @@ absl::Status Engine::ResumeOperations() {
     before = records.back().id;
   }
   for (auto record = undone.rbegin(); record != undone.rend(); ++record) {
-    const auto live = FindDatabase(record->database);
-    if (!live.ok()) continue;
+    const auto live = databases.find(record->database);
+    if (live == databases.end()) continue;
     MOTIONDB_ASSIGN_OR_RETURN(const auto operation, operations_.Adopt(*record));
     spdlog::info("database '{}': operation {} goes on", operation.database, operation.id);
-    rebuilder_.Resume(*live, operation.id);
+    rebuilder_.Resume(live->second, operation.id);
   }
   return absl::OkStatus();
 }
 
-absl::Status Engine::RebuildWhereNeeded() {
-  // A copy: an operation that was resumed may be at work on the databases already.
-  const auto databases = [this] {
-    const std::lock_guard lock(mutex_);
-    return databases_;
-  }();
+absl::Status Engine::RebuildWhereNeeded(const LiveDatabases& databases) {
   for (const auto& [name, live] : databases) {
     if (!live->operation().empty()) continue;
     const auto current = IsCurrent(*live);
@@ -139,18 +148,15 @@ absl::StatusOr<bool> Engine::IsCurrent(LiveDatabase& database) {
   return gap.empty() && !HasDrifted(snapshot->record);
 }
 
-absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore) {
-  // Nobody creates a database meanwhile.
+absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
+                                            const core::Cancelled& cancelled) {
+  // Takes as long as reading all of it: databases may be created meanwhile, which Finish finds.
+  MOTIONDB_RETURN_IF_ERROR(restore.Check(cancelled));
+  // Nobody creates a database from here on.
   const std::lock_guard naming(naming_mutex_);
-  MOTIONDB_RETURN_IF_ERROR(restore.Finish());
+  MOTIONDB_RETURN_IF_ERROR(restore.Finish(cancelled));
   skeletons_.Clear();
-  MOTIONDB_RETURN_IF_ERROR(LoadDatabases());
-  MOTIONDB_RETURN_IF_ERROR(ResumeOperations());
-  MOTIONDB_RETURN_IF_ERROR(RebuildWhereNeeded());
-  const std::lock_guard lock(mutex_);
-  StoreAmount amount;
-  amount.database_count = static_cast<std::int32_t>(databases_.size());
-  for (const auto& [name, live] : databases_) amount.clip_count += live->stored().clip_count;
+  MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount amount, Load());
   spdlog::info("restored a backup: {} databases, {} clips", amount.database_count,
                amount.clip_count);
   return amount;

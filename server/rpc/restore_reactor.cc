@@ -37,7 +37,7 @@ class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
     if (restore_ == nullptr) {
       return FieldViolation("block", "expected the bytes of a backup, got none");
     }
-    const auto restored = engine_.Restore(*restore_);
+    const auto restored = engine_.Restore(*restore_, entry().cancelled());
     if (!restored.ok()) return AtField("block", restored.status());
     response_.set_database_count(restored->database_count);
     response_.set_clip_count(static_cast<std::int32_t>(restored->clip_count));

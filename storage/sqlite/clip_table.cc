@@ -13,6 +13,11 @@
 namespace motiondb::storage {
 namespace {
 
+// A deleted clip that no model needs.
+constexpr char kRemoved[] =
+    "deleted = 1 AND NOT EXISTS (SELECT 1 FROM model_clip WHERE model_clip.clip_key = "
+    "clip.clip_key)";
+
 // A query for clips as ToRecord reads them; `rest` follows the database in the condition.
 std::string SelectWhere(std::string_view rest) {
   return fmt::format(
@@ -191,24 +196,44 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
 }
 
 absl::Status RemoveClip(Connection& connection, const std::string& database,
-                        const std::string& clip) {
+                        const std::string& clip, Remains remains) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
           .Run());
-  MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
-  MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
+  if (remains == Remains::kFree) {
+    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
+    MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
+  }
   return DeleteUnusedSkeletons(connection, database_key);
 }
 
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key) {
   return connection
-      .Query(
-          "DELETE FROM clip WHERE database_key = ? AND deleted = 1 AND NOT EXISTS (SELECT 1 FROM "
-          "model_clip WHERE model_clip.clip_key = clip.clip_key)",
-          database_key)
+      .Query(fmt::format("DELETE FROM clip WHERE database_key = ? AND {}", kRemoved), database_key)
       .Run();
+}
+
+absl::Status PurgeRemovedClip(Connection& connection, std::int64_t clip_key) {
+  return connection
+      .Query(fmt::format("DELETE FROM clip WHERE clip_key = ? AND {}", kRemoved), clip_key)
+      .Run();
+}
+
+absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
+                                                             const std::string& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  Statement row = connection.Query(
+      fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND {} ORDER BY clip_key",
+                  kRemoved),
+      database_key);
+  std::vector<std::int64_t> keys;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return keys;
+    keys.push_back(row.Integer(0));
+  }
 }
 
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,

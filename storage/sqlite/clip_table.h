@@ -26,11 +26,20 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
                                                      const std::string& database,
                                                      const std::string& clip);
 
+// What becomes of bytes that nothing needs any more. Freeing them takes reading where they are, so
+// a sector that cannot be read keeps them: DATA_LOSS, which undoes the whole transaction. A change
+// that is to happen all the same leaves them.
+enum class Remains { kFree, kLeave };
+
 // Deletes a clip. Its states stay, for the current model and for one that is being built.
 absl::Status RemoveClip(Connection& connection, const std::string& database,
-                        const std::string& clip);
+                        const std::string& clip, Remains remains);
 // Deletes what is left of deleted clips that no model needs.
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
+// The same of one clip. The keys of those there are, ascending.
+absl::Status PurgeRemovedClip(Connection& connection, std::int64_t clip_key);
+absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
+                                                             const std::string& database);
 
 // Whether a clip counts of which only what RemoveClip leaves is there.
 enum class Deleted { kNot, kToo };

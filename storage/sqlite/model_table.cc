@@ -236,8 +236,9 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
 }
 
 // The current model, if there is one, is current no more; its clips may be purged.
-absl::Status Retire(Connection& connection, std::int64_t database_key) {
+absl::Status Retire(Connection& connection, std::int64_t database_key, Remains remains) {
   for (const char* table : {"model_chunk", "model_clip"}) {
+    if (remains == Remains::kLeave && table == std::string_view("model_chunk")) continue;
     MOTIONDB_RETURN_IF_ERROR(
         connection
             .Query(fmt::format("DELETE FROM {} WHERE model_key IN (SELECT COALESCE(base_key, "
@@ -254,17 +255,20 @@ absl::Status Retire(Connection& connection, std::int64_t database_key) {
 }  // namespace
 
 absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::string& database,
-                                        const core::Model& model, std::int64_t create_time_us) {
+                                        const core::Model& model, std::int64_t create_time_us,
+                                        Remains remains) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
                             FindModelClips(connection, database_key, model, 0, Deleted::kToo));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
-  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key));
+  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key, remains));
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::int64_t model_key,
       InsertFigures(connection, database_key, version, model, create_time_us));
   MOTIONDB_RETURN_IF_ERROR(InsertClips(connection, model_key, 0, clip_keys));
-  MOTIONDB_RETURN_IF_ERROR(PurgeRemovedClips(connection, database_key));
+  if (remains == Remains::kFree) {
+    MOTIONDB_RETURN_IF_ERROR(PurgeRemovedClips(connection, database_key));
+  }
   MOTIONDB_RETURN_IF_ERROR(
       WriteBlob(connection, ModelOwner(model_key), BlobKind::kModel,
                 [&](ByteSink& sink) { return EncodeModel(model.parts(), sink); }));
@@ -371,8 +375,11 @@ absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,
   }
 }
 
-absl::Status RetireCurrentModel(Connection& connection, std::int64_t database_key) {
-  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key));
+absl::Status RetireCurrentModel(Connection& connection, const std::string& database,
+                                Remains remains) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  MOTIONDB_RETURN_IF_ERROR(Retire(connection, database_key, remains));
+  if (remains == Remains::kLeave) return absl::OkStatus();
   return PurgeRemovedClips(connection, database_key);
 }
 

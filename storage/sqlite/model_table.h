@@ -9,13 +9,15 @@
 
 #include "absl/status/statusor.h"
 #include "storage/motion_store.h"
+#include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/connection.h"
 
 namespace motiondb::storage {
 
 // As MotionStore::PutModel, which also says what NOT_FOUND means.
 absl::StatusOr<ModelRecord> InsertModel(Connection& connection, const std::string& database,
-                                        const core::Model& model, std::int64_t create_time_us);
+                                        const core::Model& model, std::int64_t create_time_us,
+                                        Remains remains);
 // As MotionStore::PutExtension.
 absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
                                             const core::Model& model, double stale_share,
@@ -34,6 +36,7 @@ absl::StatusOr<std::vector<ModelRecord>> SelectModels(Connection& connection,
                                                       int limit);
 
 // Makes the current model, if there is one, a superseded one, and deletes all that only it needed.
-absl::Status RetireCurrentModel(Connection& connection, std::int64_t database_key);
+absl::Status RetireCurrentModel(Connection& connection, const std::string& database,
+                                Remains remains);
 
 }  // namespace motiondb::storage

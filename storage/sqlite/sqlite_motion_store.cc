@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <exception>
 #include <filesystem>
 #include <type_traits>
 #include <utility>
@@ -116,6 +117,15 @@ auto SqliteMotionStore::WriteWith(const AuditRecord* audit, const Work& work) {
 }
 
 template <typename Work>
+auto SqliteMotionStore::WriteAndFree(const AuditRecord* audit, const Work& work) {
+  auto freed =
+      WriteWith(audit, [&](Connection& connection) { return work(connection, Remains::kFree); });
+  if (!absl::IsDataLoss(StatusOf(freed))) return freed;
+  return WriteWith(audit,
+                   [&](Connection& connection) { return work(connection, Remains::kLeave); });
+}
+
+template <typename Work>
 auto SqliteMotionStore::Read(const Work& work) {
   using Result = std::invoke_result_t<Work, Connection&>;
   if (readers_ == nullptr) {
@@ -163,28 +173,40 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     }
     // Not there only where an exception kept the one who took it up from it.
     if (std::ranges::find(together, &own) == together.end()) together.push_back(&own);
-    AddTogether(together);
+    if (together.size() == 1 || !AddInOne(together)) AddEach(together, own);
   }
   return *std::move(own.added);
 }
 
-void SqliteMotionStore::AddTogether(const std::vector<Addition*>& additions) {
-  if (additions.size() > 1) {
-    const absl::Status all =
-        InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
-          for (Addition* const addition : additions) {
-            addition->added = InsertWithRecord(connection, *addition->clip);
-            if (!addition->added->ok()) return addition->added->status();
-          }
-          return absl::OkStatus();
-        });
-    if (all.ok()) return;
+bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
+  // Kept apart until they are in the file: an addition that is told is acknowledged.
+  std::vector<ClipRecord> records;
+  const auto insert_all = [&](Connection& connection) -> absl::Status {
+    for (const Addition* const addition : additions) {
+      MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(),
+                                InsertWithRecord(connection, *addition->clip));
+    }
+    return absl::OkStatus();
+  };
+  try {
+    if (!InTransaction(*writer_, Transaction::Kind::kWrite, insert_all).ok()) return false;
+  } catch (const std::exception&) {
+    return false;  // each meets its own by itself
   }
-  // One alone, or each by itself, since one of them failed and undid the others.
+  for (std::size_t i = 0; i < additions.size(); ++i) additions[i]->added = std::move(records[i]);
+  return true;
+}
+
+void SqliteMotionStore::AddEach(const std::vector<Addition*>& additions, const Addition& own) {
   for (Addition* const addition : additions) {
-    addition->added = InTransaction(
-        *writer_, Transaction::Kind::kWrite,
-        [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
+    try {
+      addition->added = InTransaction(
+          *writer_, Transaction::Kind::kWrite,
+          [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
+    } catch (const std::exception&) {
+      // Another's is written by its own thread, which finds it without a result.
+      if (addition == &own) throw;
+    }
   }
 }
 
@@ -200,8 +222,9 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
 
 absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip,
                                            const AuditRecord* audit) {
-  return WriteWith(audit,
-                   [&](Connection& connection) { return RemoveClip(connection, database, clip); });
+  return WriteAndFree(audit, [&](Connection& connection, Remains remains) {
+    return RemoveClip(connection, database, clip, remains);
+  });
 }
 
 absl::StatusOr<ClipSource> SqliteMotionStore::ReadClipSource(const std::string& database,
@@ -227,8 +250,9 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
-  return Write(
-      [&](Connection& connection) { return InsertModel(connection, database, model, now_us_()); });
+  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+    return InsertModel(connection, database, model, now_us_(), remains);
+  });
 }
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& database,
@@ -271,10 +295,28 @@ absl::StatusOr<std::vector<ModelRecord>> SqliteMotionStore::ListModels(const std
 }
 
 absl::Status SqliteMotionStore::DropModel(const std::string& database) {
-  return Write([&](Connection& connection) -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
-    return RetireCurrentModel(connection, key);
+  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+    return RetireCurrentModel(connection, database, remains);
   });
+}
+
+absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto keys, Read([&](Connection& connection) {
+                              return SelectRemovedClips(connection, database);
+                            }));
+  if (keys.empty()) return absl::OkStatus();
+  const absl::Status together = Write([&](Connection& connection) -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
+    return PurgeRemovedClips(connection, key);
+  });
+  if (!absl::IsDataLoss(together)) return together;
+  // One cannot be freed; the others can.
+  for (const std::int64_t key : keys) {
+    const absl::Status purged =
+        Write([&](Connection& connection) { return PurgeRemovedClip(connection, key); });
+    if (!purged.ok() && !absl::IsDataLoss(purged)) return purged;
+  }
+  return together;
 }
 
 absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record) {
@@ -339,14 +381,16 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
 absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
   if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
   MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
-  return SqliteRestore::Make(path_, [this](Connection& backup) { return TakeOver(backup); });
+  return SqliteRestore::Make(path_, [this](Connection& backup, const core::Cancelled& cancelled) {
+    return TakeOver(backup, cancelled);
+  });
 }
 
-absl::Status SqliteMotionStore::TakeOver(Connection& backup) {
+absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
   const std::lock_guard lock(writer_mutex_);
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
-  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, {}));
+  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));
   // The log has the whole store now; if readers are in the way, a later write moves it.
   writer_->Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
   return absl::OkStatus();

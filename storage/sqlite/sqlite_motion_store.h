@@ -72,6 +72,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
                                                       int limit) override;
   absl::Status DropModel(const std::string& database) override;
+  absl::Status PurgeDeletedClips(const std::string& database) override;
 
   absl::Status PutOperation(const OperationRecord& record) override;
   absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) override;
@@ -108,6 +109,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // The same with an entry of the record of changes.
   template <typename Work>
   auto WriteWith(const AuditRecord* audit, const Work& work);
+  // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
+  template <typename Work>
+  auto WriteAndFree(const AuditRecord* audit, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 
@@ -116,11 +120,14 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     const NewClip* clip = nullptr;
     std::optional<absl::StatusOr<ClipRecord>> added;  // guarded by writer_mutex_
   };
-  // REQUIRES: writer_mutex_ is held.
-  void AddTogether(const std::vector<Addition*>& additions);
+  // Both REQUIRE: writer_mutex_ is held. An addition is told what became of it only when that is so
+  // for good. All in one transaction; false, with nothing done, if that fails.
+  bool AddInOne(const std::vector<Addition*>& additions);
+  // Each in a transaction of its own; what `own`, one of them, throws is thrown on.
+  void AddEach(const std::vector<Addition*>& additions, const Addition& own);
 
   // Makes the checked store of a backup this store's own.
-  absl::Status TakeOver(Connection& backup);
+  absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
 
   const std::string path_;  // empty for a store in memory
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.

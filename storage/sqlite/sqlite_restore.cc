@@ -33,14 +33,14 @@ absl::Status OfBackup(const absl::Status& status) {
 }
 
 // The first damage in the whole store, if there is any.
-absl::Status CheckWhole(Connection& connection) {
+absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled) {
   SqliteVerifier verifier(
       [&](const SqliteVerifier::Look& look) -> absl::Status {
         MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
                                   Transaction::Begin(connection, Transaction::Kind::kRead));
         return look(connection);
       },
-      {});
+      cancelled);
   std::vector<Damage> found;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool more, verifier.Step(found));
@@ -105,15 +105,25 @@ absl::Status SqliteRestore::CheckSum() {
   return absl::OkStatus();
 }
 
-absl::Status SqliteRestore::Finish() {
+absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {
   MOTIONDB_RETURN_IF_ERROR(CheckSum());
   stream_.close();
   if (const absl::Status store = CheckIsStore(file_.path()); !store.ok()) return NoBackup();
   // Migrates it, too.
   auto backup = OpenWriter(file_.path(), "");
   if (!backup.ok()) return OfBackup(backup.status());
-  MOTIONDB_RETURN_IF_ERROR(OfBackup(CheckWhole(**backup)));
-  return take_over_(**backup);
+  // It need not outlive a crash.
+  MOTIONDB_RETURN_IF_ERROR((*backup)->Execute("PRAGMA synchronous = OFF"));
+  MOTIONDB_RETURN_IF_ERROR(OfBackup(CheckWhole(**backup, cancelled)));
+  checked_ = *std::move(backup);
+  return absl::OkStatus();
+}
+
+absl::Status SqliteRestore::Finish(const core::Cancelled& cancelled) {
+  if (checked_ == nullptr) return core::FailedPrecondition("the backup was not checked");
+  // Once alone: taking it over changes the backup first.
+  const std::unique_ptr<Connection> backup = std::move(checked_);
+  return take_over_(*backup, cancelled);
 }
 
 absl::Status KeepAccess(Connection& target, Connection& backup) {

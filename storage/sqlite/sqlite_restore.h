@@ -17,12 +17,14 @@ namespace motiondb::storage {
 class SqliteRestore final : public StoreRestore {
  public:
   // `take_over` copies from a connection to the backup's store, which has passed all checks.
-  using TakeOver = std::function<absl::Status(Connection& backup)>;
+  using TakeOver =
+      std::function<absl::Status(Connection& backup, const core::Cancelled& cancelled)>;
   static absl::StatusOr<std::unique_ptr<SqliteRestore>> Make(const std::string& store_path,
                                                              TakeOver take_over);
 
   absl::Status Append(std::string_view bytes) override;
-  absl::Status Finish() override;
+  absl::Status Check(const core::Cancelled& cancelled) override;
+  absl::Status Finish(const core::Cancelled& cancelled) override;
 
  private:
   SqliteRestore(const std::string& store_path, TakeOver take_over)
@@ -35,6 +37,7 @@ class SqliteRestore final : public StoreRestore {
   Sha256 digest_;
   std::string tail_;  // the last bytes so far, which may be the trailer
   bool begun_ = false;
+  std::unique_ptr<Connection> checked_;  // to the backup's store; null before Check
   const TakeOver take_over_;
 };
 

@@ -9,6 +9,12 @@ absl::StatusCode ToStatusCode(int code) {
   if (code == SQLITE_CONSTRAINT_UNIQUE || code == SQLITE_CONSTRAINT_PRIMARYKEY) {
     return absl::StatusCode::kAlreadyExists;
   }
+  // What the disk cannot give back, or not as it was, costs what is on it, as damage does. SQLite
+  // repeats a read that a signal broke off, and mostly tells EIO as SQLITE_CORRUPT.
+  if (code == SQLITE_IOERR_READ || code == SQLITE_IOERR_SHORT_READ ||
+      code == SQLITE_IOERR_CORRUPTFS || code == SQLITE_IOERR_DATA) {
+    return absl::StatusCode::kDataLoss;
+  }
   switch (code & 0xff) {  // the primary code
     case SQLITE_CORRUPT:
     case SQLITE_NOTADB:
@@ -21,11 +27,10 @@ absl::StatusCode ToStatusCode(int code) {
     case SQLITE_LOCKED:
     case SQLITE_CANTOPEN:
     case SQLITE_PROTOCOL:
-      return absl::StatusCode::kUnavailable;
+    // The disk's state, not the caller's rights: PERMISSION_DENIED would ask them for another role.
     case SQLITE_READONLY:
     case SQLITE_PERM:
-    case SQLITE_AUTH:
-      return absl::StatusCode::kPermissionDenied;
+      return absl::StatusCode::kUnavailable;
     case SQLITE_TOOBIG:
       return absl::StatusCode::kInvalidArgument;
     default:

@@ -1,6 +1,10 @@
 #include "storage/sqlite/sqlite_verifier.h"
 
 #include <algorithm>
+#include <chrono>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -41,23 +45,25 @@ absl::Status ReadPieces(ByteSource& source, std::uint64_t bytes,
   return absl::OkStatus();
 }
 
-// Lets SQLite's own long statements be cancelled while it lives.
+// Lets SQLite's own long statements be cancelled while it lives, from a thread beside them: where
+// it goes through the pages of a file, SQLite calls nobody, but can be interrupted.
 class Interruptible {
  public:
-  Interruptible(Connection& connection, const core::Cancelled& cancelled)
-      : connection_(connection), cancelled_(cancelled) {
-    constexpr int kSteps = 10'000;
-    const auto ask = [](void* self) {
-      const auto& asked = static_cast<Interruptible*>(self)->cancelled_;
-      return asked && asked() ? 1 : 0;
-    };
-    sqlite3_progress_handler(connection_.handle(), kSteps, ask, this);
+  Interruptible(Connection& connection, const core::Cancelled& cancelled) {
+    if (!cancelled) return;
+    watcher_ = std::jthread([&connection, &cancelled](const std::stop_token& stop) {
+      std::mutex mutex;
+      std::condition_variable_any ended;
+      std::unique_lock lock(mutex);
+      while (!stop.stop_requested()) {
+        if (cancelled()) sqlite3_interrupt(connection.handle());
+        ended.wait_for(lock, stop, std::chrono::milliseconds(50), [] { return false; });
+      }
+    });
   }
-  ~Interruptible() { sqlite3_progress_handler(connection_.handle(), 0, nullptr, nullptr); }
 
  private:
-  Connection& connection_;
-  const core::Cancelled& cancelled_;
+  std::jthread watcher_;
 };
 
 }  // namespace

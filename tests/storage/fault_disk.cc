@@ -1,11 +1,13 @@
 #include "tests/storage/fault_disk.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <new>
+#include <thread>
 
 namespace motiondb::tests {
 namespace {
@@ -30,7 +32,9 @@ int Close(sqlite3_file* file) {
   return code;
 }
 int Read(sqlite3_file* file, void* out, int count, sqlite3_int64 offset) {
-  if (Of(file).disk->dead()) return SQLITE_IOERR_READ;
+  const std::string* const path = Of(file).path;
+  const int code = Of(file).disk->OnRead(path == nullptr ? "" : *path, offset, count);
+  if (code != SQLITE_OK) return code;
   return Of(file).real()->pMethods->xRead(Of(file).real(), out, count, offset);
 }
 int Write(sqlite3_file* file, const void* bytes, int count, sqlite3_int64 offset) {
@@ -131,6 +135,7 @@ FaultDisk::~FaultDisk() { sqlite3_vfs_unregister(&vfs_); }
 
 void FaultDisk::Arm(Fault fault, int at) {
   files_.clear();
+  bad_sectors_.clear();
   fault_ = fault;
   at_ = at;
   operations_ = 0;
@@ -154,6 +159,16 @@ void FaultDisk::OnOpen(const std::string& path) {
   if (!stream) return;
   file.durable = true;
   file.synced.assign(std::istreambuf_iterator<char>(stream), {});
+}
+
+int FaultDisk::OnRead(const std::string& path, std::int64_t offset, int count) {
+  ++reads_;
+  if (slow_) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  if (dead_) return SQLITE_IOERR_READ;
+  const auto sector = bad_sectors_.find(path);
+  if (sector == bad_sectors_.end()) return SQLITE_OK;
+  const auto [byte, code] = sector->second;
+  return offset <= byte && byte < offset + count ? code : SQLITE_OK;
 }
 
 int FaultDisk::OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,

@@ -1,13 +1,15 @@
 // A disk that fails when a test says so: a SQLite VFS over the system's own, which counts writes,
-// syncs and truncations, lets one of them go wrong, and remembers what was not synced yet, so that
-// it can leave the files as a power cut would: of what no sync followed, each write is there, or
-// not, or torn at sectors, in any order. Deleting a file is taken as durable at once.
+// syncs and truncations, lets one of them go wrong, loses a sector, and remembers what was not
+// synced yet, so that it can leave the files as a power cut would: of what no sync followed, each
+// write is there, or not, or torn at sectors, in any order. Deleting a file is taken as durable at
+// once.
 //
 // One at a time in a process; not thread-safe.
 #pragma once
 
 #include <sqlite3.h>
 
+#include <atomic>
 #include <cstdint>
 #include <map>
 #include <random>
@@ -37,6 +39,15 @@ class FaultDisk {
   void Arm(Fault fault, int at);
   void Clear() { fault_ = Fault::kNone; }
   void CutPower() { dead_ = true; }
+  // Whatever is read together with this byte cannot be read from now on, until Arm: `code` instead.
+  // SQLite has EIO as SQLITE_IOERR_CORRUPTFS, most others as SQLITE_IOERR_READ.
+  void LoseSector(const std::string& path, std::int64_t byte, int code) {
+    bad_sectors_[path] = {byte, code};
+  }
+  // Each read takes a millisecond from now on.
+  void SlowDown() { slow_ = true; }
+  // Since the disk was made. From any thread.
+  int reads() const { return reads_; }
   // Operations since Arm.
   int operations() const { return operations_; }
   bool struck() const { return struck_; }
@@ -45,6 +56,7 @@ class FaultDisk {
   void Reboot(unsigned seed);
 
   // What the VFS asks on each operation: a result code.
+  int OnRead(const std::string& path, std::int64_t offset, int count);
   int OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,
               int& done);
   int OnTruncate(const std::string& path, std::int64_t size);
@@ -73,11 +85,18 @@ class FaultDisk {
 
   sqlite3_vfs vfs_;
   std::map<std::string, File> files_;
+  struct BadSector {
+    std::int64_t byte = 0;  // one that lies in it
+    int code = SQLITE_OK;
+  };
+  std::map<std::string, BadSector> bad_sectors_;  // by file
   Fault fault_ = Fault::kNone;
   int at_ = 0;
   int operations_ = 0;
   bool struck_ = false;
   bool dead_ = false;
+  bool slow_ = false;
+  std::atomic<int> reads_ = 0;
 };
 
 }  // namespace motiondb::tests

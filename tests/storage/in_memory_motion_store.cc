@@ -329,6 +329,17 @@ absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
   return absl::OkStatus();
 }
 
+absl::Status InMemoryMotionStore::PurgeDeletedClips(const std::string& database) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  std::erase_if(in->deleted, [&](const NewClip& other) {
+    return !in->model || std::ranges::none_of(in->model->clips(), [&](const auto& clip) {
+      return IsOf(other, *in->model, clip);
+    });
+  });
+  return absl::OkStatus();
+}
+
 absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Find(record.database).status());

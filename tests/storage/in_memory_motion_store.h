@@ -71,6 +71,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
                                                                int before, int limit) override;
   absl::Status DropModel(const std::string& database) override;
+  absl::Status PurgeDeletedClips(const std::string& database) override;
 
   absl::Status PutOperation(const storage::OperationRecord& record) override;
   absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override;

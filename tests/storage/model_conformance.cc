@@ -111,6 +111,20 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
     REQUIRE(Require(store->FindModelGap("d")).removed == 1);
   }
+  SECTION("what is left of deleted clips is purged, but of those of the current model") {
+    const NewClip jump = SampleClip("d", "jump", 3);
+    REQUIRE_OK(store->AddClip(jump));
+    const core::Model built = SampleModel({clips[1], jump});
+    REQUIRE_OK(store->DeleteClip("d", "jump"));
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    REQUIRE_OK(store->PurgeDeletedClips("d"));
+    REQUIRE_ERROR(store->PutModel("d", built), StatusCode::kNotFound, "jump");
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
+    REQUIRE(Require(store->PutModel("d", model)).version == 2);
+    REQUIRE_OK(store->PurgeDeletedClips("d"));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
+    REQUIRE_ERROR(store->PurgeDeletedClips(kUnknown), StatusCode::kNotFound, kUnknown);
+  }
   SECTION("a clip that came back is the same clip") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->AddClip(clips[0]));

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/model/extend_model.h"
+#include "tests/storage/backup_bytes.h"
 #include "tests/storage/fault_disk.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
@@ -242,6 +243,18 @@ TEST_CASE("Faults: deletion", "[storage][power]") {
     RunAll(
         {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", &kEntry); }});
   }
+}
+
+TEST_CASE("Faults: a restore", "[storage][power]") {
+  const StoreFile from;
+  const auto source = from.Open(Options(""));
+  FillWithModel(*source);
+  const std::string backup = Backup(*source);
+  // The target has a token and an entry of its own, which stay.
+  const auto fill = [](Store& store) {
+    REQUIRE_OK(store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, &kEntry));
+  };
+  RunAll({FileOf(fill), [&](Store& store) { return Restore(store, backup); }});
 }
 
 TEST_CASE("Faults: a token", "[storage][power]") {

@@ -11,6 +11,7 @@
 
 #include "storage/sqlite/backup_format.h"
 #include "storage/sqlite/schema.h"
+#include "tests/storage/backup_bytes.h"
 #include "tests/storage/damaged_store.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
@@ -24,29 +25,6 @@ namespace {
 
 using absl::StatusCode;
 using Store = storage::SqliteMotionStore;
-
-std::string Backup(storage::MotionStore& store) {
-  const auto backup = Require(store.upkeep().BeginBackup({}));
-  std::string bytes;
-  std::string block;
-  while (Require(backup->Read(block))) {
-    REQUIRE(block.size() <= storage::kBackupBlockBytes);
-    bytes += block;
-  }
-  REQUIRE(static_cast<std::int64_t>(bytes.size()) == backup->total_bytes());
-  return bytes;
-}
-
-absl::Status Restore(storage::MotionStore& store, std::string_view bytes,
-                     std::size_t block = 100'000) {
-  auto restore = store.upkeep().BeginRestore();
-  if (!restore.ok()) return restore.status();
-  for (std::size_t begin = 0; begin < bytes.size(); begin += block) {
-    const absl::Status taken = (*restore)->Append(bytes.substr(begin, block));
-    if (!taken.ok()) return taken;
-  }
-  return (*restore)->Finish();
-}
 
 // A file with a right checksum, whatever is in it.
 std::string Sealed(std::string bytes) {
@@ -158,10 +136,11 @@ TEST_CASE("Restore: only into a store without databases", "[storage][backup]") {
   const auto target = to.Open();
   const auto begun = Require(target->upkeep().BeginRestore());
   REQUIRE_OK(begun->Append(bytes));
+  REQUIRE_OK(begun->Check({}));
   REQUIRE_OK(target->CreateDatabase(SampleDatabase("other")));
   REQUIRE_ERROR(target->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "databases (1)");
   // Also where the database came meanwhile.
-  REQUIRE_ERROR(begun->Finish(), StatusCode::kFailedPrecondition, "databases (1)");
+  REQUIRE_ERROR(begun->Finish({}), StatusCode::kFailedPrecondition, "databases (1)");
   REQUIRE(Require(target->ListDatabases({})).size() == 1);
 }
 
@@ -251,6 +230,33 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     worn.Sql("DROP TABLE token");
     refused(Sealed(ReadFile(worn.path())), "the backup: ");
   }
+  REQUIRE_OK(Restore(*target, bytes));
+}
+
+TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][backup]") {
+  const StoreFile from;
+  const auto source = from.Open();
+  Fill(*source);
+  const std::string bytes = Backup(*source);
+  const StoreFile to;
+  const auto target = to.Open();
+  REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));
+  const std::string before = Dump(*target);
+  {
+    const auto restore = Require(target->upkeep().BeginRestore());
+    REQUIRE_OK(restore->Append(bytes));
+    REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");
+    REQUIRE_ERROR(restore->Check([] { return true; }), StatusCode::kCancelled, "stopped");
+  }
+  {
+    const auto restore = Require(target->upkeep().BeginRestore());
+    REQUIRE_OK(restore->Append(bytes));
+    REQUIRE_OK(restore->Check({}));
+    REQUIRE_ERROR(restore->Finish([] { return true; }), StatusCode::kCancelled, "stopped");
+  }
+  REQUIRE(Dump(*target) == before);
+  REQUIRE(Findings(*target).empty());
+  REQUIRE(Strangers(to).empty());
   REQUIRE_OK(Restore(*target, bytes));
 }
 

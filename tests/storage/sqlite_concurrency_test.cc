@@ -4,11 +4,13 @@
 #include <barrier>
 #include <catch2/catch.hpp>
 #include <functional>
+#include <new>
 #include <string>
 #include <thread>
 #include <utility>
 #include <vector>
 
+#include "tests/storage/add_together.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
@@ -146,6 +148,45 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails a
   REQUIRE(added == 3 * kRounds);
   REQUIRE(refused == 3 * kRounds);
   REQUIRE(Require(store->ListClips("d", {.after = "", .limit = 100})).size() == 3 * kRounds);
+}
+
+TEST_CASE("SqliteMotionStore: of clips that come together one that throws throws alone",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  constexpr unsigned kClips = 4;
+  // The last insertion of the transaction that they share throws: once, and again wherever that
+  // clip is added.
+  const bool throws_again = GENERATE(false, true);
+  CAPTURE(throws_again);
+  std::atomic<unsigned> asked = 0;
+  std::atomic<unsigned> bad = kClips;  // which clip
+  std::vector<storage::NewClip> clips;
+  for (unsigned i = 0; i < kClips; ++i) {
+    clips.push_back(SampleClip("d", "clip-" + std::to_string(i), 10 + i));
+    clips[i].audit = [&, i](const storage::ClipRecord&) {
+      if (++asked == kClips) bad = i;
+      if (asked == kClips || (throws_again && bad == i)) throw std::bad_alloc();
+      return storage::AuditRecord{.method = "Ingest"};
+    };
+  }
+  const auto answers =
+      AddTogether(*store, SampleClip("d", "holder", 1), clips, std::chrono::milliseconds(50));
+  REQUIRE(bad < kClips);
+  REQUIRE((answers[bad].threw || !throws_again));
+  std::size_t stored = 0;
+  for (unsigned i = 0; i < kClips; ++i) {
+    INFO(i);
+    REQUIRE((answers[i].added.ok() || (answers[i].threw && bad == i)));
+    // Who is told that it is stored finds it, who is not does not.
+    const bool found = store->GetClip("d", clips[i].record.id).ok();
+    REQUIRE(found == answers[i].added.ok());
+    if (found) ++stored;
+  }
+  // The store goes on, and the record of changes is of what is stored.
+  REQUIRE_OK(store->AddClip(SampleClip("d", "after", 2)));
+  REQUIRE(Require(store->access().ListAuditRecords(0, 100)).size() == 1 + stored);
 }
 
 TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log to the writer",

@@ -37,14 +37,16 @@ class Gate {
 class GatedStore : public storage::MotionStore {
  public:
   // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
-  // `model_gate`; `disk` decides what is written.
+  // `model_gate`, who reads a model `reading_gate`; `disk` decides what is written.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
-             std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>())
+             std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>(),
+             std::shared_ptr<Gate> reading_gate = std::make_shared<Gate>())
       : store_(std::move(store)),
         gate_(std::move(gate)),
         model_gate_(std::move(model_gate)),
-        disk_(std::move(disk)) {}
+        disk_(std::move(disk)),
+        reading_gate_(std::move(reading_gate)) {}
 
   // What ReadModel returns from now on, if not OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
@@ -114,6 +116,7 @@ class GatedStore : public storage::MotionStore {
   }
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override {
+    reading_gate_->Pass();
     if (!model_fault_.ok()) return model_fault_;
     return store_->ReadModel(database, parallel);
   }
@@ -130,6 +133,10 @@ class GatedStore : public storage::MotionStore {
   absl::Status DropModel(const std::string& database) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DropModel(database);
+  }
+  absl::Status PurgeDeletedClips(const std::string& database) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->PurgeDeletedClips(database);
   }
   absl::Status PutOperation(const storage::OperationRecord& record) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->WriteOperation());
@@ -154,6 +161,7 @@ class GatedStore : public storage::MotionStore {
   const std::shared_ptr<Gate> gate_;
   const std::shared_ptr<Gate> model_gate_;
   const std::shared_ptr<const FullDisk> disk_;
+  const std::shared_ptr<Gate> reading_gate_;
   absl::Status model_fault_;
 };
 

@@ -29,6 +29,7 @@ TestEngine::~TestEngine() { Stop(); }
 void TestEngine::Stop() {
   gate_->Open();
   model_gate_->Open();
+  reading_gate_->Open();
   engine_.reset();
 }
 
@@ -36,7 +37,8 @@ void TestEngine::Start(const absl::Status& model_fault) {
   auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
   INFO(store.status().ToString());
   REQUIRE(store.ok());
-  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_);
+  auto gated =
+      std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_, reading_gate_);
   gated->set_model_fault(model_fault);
   auto engine = server::Engine::Open(std::move(gated), options_);
   INFO(engine.status().ToString());

@@ -30,6 +30,7 @@ class TestEngine {
   std::string store_path() const { return directory_ / "store.db"; }
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
+  Gate& reading_gate() { return *reading_gate_; }
   FullDisk& disk() { return *disk_; }
   // From the next Start on.
   void set_options(const server::EngineOptions& options) { options_ = options; }
@@ -49,6 +50,7 @@ class TestEngine {
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<Gate> reading_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
   std::unique_ptr<server::Engine> engine_;
 };

@@ -176,7 +176,7 @@ class Client {
   absl::StatusOr<v1::VerifySummary> VerifyStore(
       const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message = {},
       CallOptions options = {}) const;
-  // Writes a backup to `path`.part, and gives it its name when it is whole and its checksum right:
+  // Writes a backup beside `path`, and gives it its name when it is whole and its checksum right:
   // what is at `path` is never half a backup. Calls `on_progress` (which may be null) with the
   // share, 0 to 1, that is there. ALREADY_EXISTS rather than replacing a file, unless `overwrite`;
   // DATA_LOSS if the checksum is wrong; UNKNOWN for a file that cannot be written. On an error

@@ -82,6 +82,21 @@ TEST_CASE("Damage: a clip is left out and named, at start and later", "[server][
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
+TEST_CASE("Damage: a clip that can be read again is whole again", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  Sql(engine, "UPDATE clip_chunk SET kind = 103 WHERE " + ChunksOf("b", 3));
+  engine.Start();
+  Settle(engine);
+  CHECK(ClipsOfModel(engine) == "ac");
+  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/clips/b "));
+  // As when a disk gives back what it did not.
+  Sql(engine, "UPDATE clip_chunk SET kind = 3 WHERE " + ChunksOf("b", 103));
+  engine.Wait(engine->DeleteClip("db", "c")->id);
+  CHECK(ClipsOfModel(engine) == "ab");
+  CHECK(Damaged(engine).find("databases/db/clips/b ") == std::string::npos);
+}
+
 TEST_CASE("Damage: a clip is left out where a model is extended", "[server][damage]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);
@@ -128,32 +143,6 @@ TEST_CASE("Damage: a database without a clip that can be read says so", "[server
   CHECK_THAT(newest.error_message, Catch::Contains("all are damaged"));
   engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
   CHECK(ClipsOfModel(engine) == "d");
-}
-
-TEST_CASE("Restore: what a backup brings is served at once", "[server][damage]") {
-  TestEngine from;
-  from.Create("db");
-  from.Wait(from.Ingest("db", "a", Walk(0))->operation.id);
-  auto backup = from->store().upkeep().BeginBackup({});
-  REQUIRE(backup.ok());
-  TestEngine to;
-  auto restore = to->store().upkeep().BeginRestore();
-  REQUIRE(restore.ok());
-  std::string block;
-  while (*(*backup)->Read(block)) REQUIRE((*restore)->Append(block).ok());
-  to.gate().Close();  // a build would stop here
-  const auto restored = to->Restore(**restore);
-  INFO(restored.status().ToString());
-  REQUIRE(restored.ok());
-  CHECK(restored->database_count == 1);
-  CHECK(restored->clip_count == 1);
-  const auto snapshot = (*to->FindDatabase("db"))->snapshot();
-  REQUIRE(snapshot != nullptr);
-  CHECK(snapshot->model.states() == (*from->FindDatabase("db"))->snapshot()->model.states());
-  CHECK(snapshot->record.version == 1);
-  to.gate().Open();
-  to.Wait(to.Ingest("db", "b", Walk(1))->operation.id);
-  CHECK(ClipsOfModel(to) == "ab");
 }
 
 }  // namespace motiondb::tests

@@ -1,0 +1,119 @@
+// What deleted clips leave on the disk is removed as soon as nobody needs it.
+#include <sqlite3.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+using storage::OperationState;
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+// The number that a query gives, beside a running engine or not.
+int Number(const TestEngine& engine, const std::string& sql) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(engine.store_path().c_str(), &database) == SQLITE_OK);
+  sqlite3_db_config(database, SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  int number = -1;
+  const auto keep = [](void* out, int, char** columns, char**) {
+    *static_cast<int*>(out) = std::stoi(columns[0]);
+    return 0;
+  };
+  const int code = sqlite3_exec(database, sql.c_str(), keep, &number, nullptr);
+  sqlite3_close(database);
+  REQUIRE(code == SQLITE_OK);
+  return number;
+}
+
+int DeletedClips(const TestEngine& engine) {
+  return Number(engine, "SELECT count(*) FROM clip WHERE deleted = 1");
+}
+
+// The first build is asked for and done: the model has the clip "a".
+void FillWithModel(TestEngine& engine) {
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  REQUIRE(engine.ModelVersion("db") == 1);
+}
+
+server::EngineOptions SlowOptions() {
+  server::EngineOptions options = TestEngine::QuickOptions();
+  options.rebuild_delay = std::chrono::hours(1);
+  options.rebuild_delay_limit = std::chrono::hours(1);
+  return options;
+}
+
+}  // namespace
+
+TEST_CASE("Purge: a clip that no model knows leaves nothing", "[server][purge]") {
+  TestEngine engine;
+  FillWithModel(engine);
+  engine.Stop();
+  engine.set_options(SlowOptions());
+  engine.Start();
+  for (int i = 1; i < 4; ++i) {
+    REQUIRE(engine.Ingest("db", "x", Walk(i)).ok());
+    const auto deletion = engine->DeleteClip("db", "x");
+    REQUIRE(deletion.ok());
+    CHECK(DeletedClips(engine) == 0);
+    // Also where no rebuild follows.
+    CHECK(engine->CancelOperation(deletion->id)->state == OperationState::kCancelled);
+  }
+  CHECK(engine.ModelVersion("db") == 1);
+}
+
+TEST_CASE("Purge: a clip that the model knows stays until there is another", "[server][purge]") {
+  TestEngine engine;
+  FillWithModel(engine);
+  engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
+  REQUIRE(engine.ModelVersion("db") == 2);
+  engine.gate().Close();
+  const auto deletion = engine->DeleteClip("db", "b")->id;
+  engine.gate().AwaitArrival();
+  CHECK(DeletedClips(engine) == 1);
+  engine.gate().Open();
+  CHECK(engine.Wait(deletion).state == OperationState::kSucceeded);
+  CHECK(engine.ModelVersion("db") == 3);
+  CHECK(DeletedClips(engine) == 0);
+}
+
+TEST_CASE("Purge: what was kept for a build goes with it, however it ends", "[server][purge]") {
+  TestEngine engine;
+  FillWithModel(engine);
+  engine.gate().Close();
+  const auto build = engine.Ingest("db", "x", Walk(1))->operation.id;
+  engine.gate().AwaitArrival();  // it may have read the clip
+  const auto next = engine->DeleteClip("db", "x")->id;
+  CHECK(DeletedClips(engine) == 1);
+  const bool is_cancelled = GENERATE(true, false);
+  CAPTURE(is_cancelled);
+  if (is_cancelled) {
+    engine->CancelOperation(next).IgnoreError();
+    engine->CancelOperation(build).IgnoreError();
+  }
+  engine.gate().Open();
+  CHECK((engine.Wait(build).state == OperationState::kCancelled) == is_cancelled);
+  if (!is_cancelled) engine.Wait(next);
+  CHECK(DeletedClips(engine) == 0);
+}
+
+TEST_CASE("Purge: what a former server left is removed at start", "[server][purge]") {
+  TestEngine engine;
+  FillWithModel(engine);
+  engine.Stop();
+  engine.set_options(SlowOptions());
+  engine.Start();
+  REQUIRE(engine.Ingest("db", "x", Walk(1)).ok());
+  engine.Stop();
+  Number(engine, "UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE id = 'x'");
+  REQUIRE(DeletedClips(engine) == 1);
+  engine.Start();
+  CHECK(DeletedClips(engine) == 0);
+  CHECK(engine.ModelVersion("db") == 1);
+}
+
+}  // namespace motiondb::tests

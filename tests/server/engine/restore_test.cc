@@ -1,0 +1,118 @@
+// What a backup brings is served once it is read, and not before.
+#include <catch2/catch.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+
+#include "tests/support/test_engine.h"
+
+namespace motiondb::tests {
+namespace {
+
+StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
+
+// Database "db" with the clip "a" and its model.
+void Fill(TestEngine& engine) {
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+}
+
+// A backup of an engine that has come in whole at another.
+std::unique_ptr<storage::StoreRestore> Bring(TestEngine& from, TestEngine& to) {
+  auto backup = from->store().upkeep().BeginBackup({});
+  REQUIRE(backup.ok());
+  auto restore = to->store().upkeep().BeginRestore();
+  REQUIRE(restore.ok());
+  std::string block;
+  while (*(*backup)->Read(block)) REQUIRE((*restore)->Append(block).ok());
+  return *std::move(restore);
+}
+
+// A restore during whose check something else happens.
+class InterruptedRestore final : public storage::StoreRestore {
+ public:
+  InterruptedRestore(std::unique_ptr<storage::StoreRestore> restore,
+                     std::function<void()> meanwhile)
+      : restore_(std::move(restore)), meanwhile_(std::move(meanwhile)) {}
+  absl::Status Append(std::string_view bytes) override { return restore_->Append(bytes); }
+  absl::Status Check(const core::Cancelled& cancelled) override {
+    meanwhile_();
+    return restore_->Check(cancelled);
+  }
+  absl::Status Finish(const core::Cancelled& cancelled) override {
+    return restore_->Finish(cancelled);
+  }
+
+ private:
+  const std::unique_ptr<storage::StoreRestore> restore_;
+  const std::function<void()> meanwhile_;
+};
+
+}  // namespace
+
+TEST_CASE("Restore: what a backup brings is served at once", "[server][restore]") {
+  TestEngine from;
+  Fill(from);
+  TestEngine to;
+  const auto restore = Bring(from, to);
+  to.gate().Close();  // a build would stop here
+  const auto restored = to->Restore(*restore, {});
+  INFO(restored.status().ToString());
+  REQUIRE(restored.ok());
+  CHECK(restored->database_count == 1);
+  CHECK(restored->clip_count == 1);
+  const auto snapshot = (*to->FindDatabase("db"))->snapshot();
+  REQUIRE(snapshot != nullptr);
+  CHECK(snapshot->model.states() == (*from->FindDatabase("db"))->snapshot()->model.states());
+  CHECK(snapshot->record.version == 1);
+  to.gate().Open();
+  to.Wait(to.Ingest("db", "b", Walk(1))->operation.id);
+  CHECK((*to->FindDatabase("db"))->snapshot()->model.clips().size() == 2);
+}
+
+TEST_CASE("Restore: who finds a database finds its clips counted and its model",
+          "[server][restore]") {
+  TestEngine from;
+  Fill(from);
+  TestEngine to;
+  const auto restore = Bring(from, to);
+  to.reading_gate().Close();
+  absl::StatusOr<server::StoreAmount> restored;
+  std::jthread restoring([&] { restored = to->Restore(*restore, {}); });
+  to.reading_gate().AwaitArrival();
+  CHECK(absl::IsNotFound(to->FindDatabase("db").status()));
+  CHECK(to->Databases().empty());
+  to.reading_gate().Open();
+  restoring.join();
+  REQUIRE(restored.ok());
+  const auto live = to->FindDatabase("db");
+  REQUIRE(live.ok());
+  CHECK((*live)->stored().clip_count == 1);
+  CHECK(to->CurrentModel(**live).ok());
+}
+
+TEST_CASE("Restore: others make databases while a backup is checked", "[server][restore]") {
+  TestEngine from;
+  Fill(from);
+  TestEngine to;
+  InterruptedRestore restore(Bring(from, to), [&] { to.Create("other"); });
+  const auto restored = to->Restore(restore, {});
+  CHECK(absl::IsFailedPrecondition(restored.status()));
+  CHECK(to->Databases().size() == 1);
+  CHECK(to->FindDatabase("other").ok());
+}
+
+TEST_CASE("Restore: one whose caller is gone brings nothing", "[server][restore]") {
+  TestEngine from;
+  Fill(from);
+  TestEngine to;
+  bool is_gone = false;
+  InterruptedRestore restore(Bring(from, to), [&] { is_gone = true; });
+  const auto restored = to->Restore(restore, [&] { return is_gone; });
+  CHECK(absl::IsCancelled(restored.status()));
+  CHECK(to->Databases().empty());
+  CHECK(to->store().ListDatabases({})->empty());
+}
+
+}  // namespace motiondb::tests

@@ -1,0 +1,112 @@
+// A sector of the disk that cannot be read costs what is on it.
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "tests/storage/fault_disk.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+
+using absl::StatusCode;
+
+// A clip whose file and states take many pages.
+storage::NewClip LongClip(const std::string& id, unsigned seed) {
+  auto clip = SampleClip("d", id, seed);
+  clip.states = SampleStates(6000, seed);
+  clip.record.frame_count = 6000;
+  clip.file_bytes = Encoded(SampleStates(6000, seed + 1000));
+  return clip;
+}
+
+// Clips "a" and "b" and a model of `model`; the byte of the file where `bytes`, of a blob, are.
+std::int64_t FillAndFind(const StoreFile& file, const std::vector<storage::NewClip>& model,
+                         const std::string& bytes) {
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    REQUIRE_OK(store->AddClip(LongClip("a", 1)));
+    REQUIRE_OK(store->AddClip(SampleClip("d", "b", 2)));
+    REQUIRE_OK(store->PutModel("d", SampleModel(model)));
+  }
+  const std::size_t place = ReadFile(file.path()).find(bytes);
+  REQUIRE(place != std::string::npos);
+  return static_cast<std::int64_t>(place);
+}
+
+// Bytes far within a blob.
+std::string Within(const std::string& blob) { return blob.substr(200'000, 32); }
+
+}  // namespace
+
+TEST_CASE("Unreadable sector: of a clip's states", "[storage][sector]") {
+  const StoreFile file;
+  FaultDisk disk;
+  const auto b = SampleClip("d", "b", 2);
+  const auto place = FillAndFind(file, {b}, Within(Encoded(LongClip("a", 1).states)));
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
+  REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss, "clip 'a'");
+  REQUIRE_OK(store->ReadClipStates("d", "b"));
+  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE(Require(store->ListClips("d", {})).size() == 2);
+  REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: "));
+
+  // It can be deleted and ingested again; what is left of it is in nobody's way.
+  REQUIRE_OK(store->DeleteClip("d", "a"));
+  REQUIRE_ERROR(store->PurgeDeletedClips("d"), StatusCode::kDataLoss, "");
+  REQUIRE_OK(store->AddClip(LongClip("a", 1)));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "c", 3)));
+  REQUIRE_OK(store->DeleteClip("d", "c"));
+  REQUIRE_ERROR(store->PurgeDeletedClips("d"), StatusCode::kDataLoss, "");
+  REQUIRE_OK(store->PutModel("d", SampleModel({LongClip("a", 1), b})));
+  REQUIRE_ERROR(store->PutModel("d", SampleModel({SampleClip("d", "c", 3)})), StatusCode::kNotFound,
+                "'c'");
+  REQUIRE_OK(store->ReadModel("d", core::Serially));
+}
+
+TEST_CASE("Unreadable sector: of a clip's file", "[storage][sector]") {
+  const StoreFile file;
+  FaultDisk disk;
+  const auto a = LongClip("a", 1);
+  const auto place = FillAndFind(file, {a}, Within(a.file_bytes));
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
+  REQUIRE_ERROR(store->ReadClipSource("d", "a"), StatusCode::kDataLoss, "clip 'a'");
+  REQUIRE_OK(store->ReadClipStates("d", "a"));
+  REQUIRE_OK(store->DeleteClip("d", "a"));
+  REQUIRE_ERROR(store->GetClip("d", "a"), StatusCode::kNotFound, "a");
+  REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));
+}
+
+TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {
+  const StoreFile file;
+  FaultDisk disk;
+  const auto a = LongClip("a", 1);
+  const core::Model model = SampleModel({a});
+  const auto place = FillAndFind(file, {a}, Within(Encoded(model.parts())));
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
+  REQUIRE_ERROR(store->ReadModel("d", core::Serially), StatusCode::kDataLoss, "model 1");
+  REQUIRE(Require(store->PutModel("d", model)).version == 2);
+  REQUIRE_OK(store->ReadModel("d", core::Serially));
+}
+
+TEST_CASE("Unreadable sector: gives back what it did not, and all is well", "[storage][sector]") {
+  const StoreFile file;
+  FaultDisk disk;
+  const auto b = SampleClip("d", "b", 2);
+  const auto place = FillAndFind(file, {b}, Within(Encoded(LongClip("a", 1).states)));
+  disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
+  REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss, "clip 'a'");
+  disk.Arm(FaultDisk::Fault::kNone, 0);
+  REQUIRE_OK(store->ReadClipStates("d", "a"));
+  REQUIRE(Findings(*store).empty());
+}
+
+}  // namespace motiondb::tests

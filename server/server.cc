@@ -54,6 +54,7 @@ std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
 
 // How long clients have to close their connections before they are cut.
 constexpr milliseconds kFarewell{100};
+constexpr int kFurtherCalls = 1000;     // of one connection, which are told that they are too many
 constexpr int kOwnMetadata = 16 << 10;  // room for what gRPC and HTTP/2 add of their own
 
 constexpr const char* kServiceNames[] = {
@@ -117,9 +118,10 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   SetReflection(reflection, builder);
   // Two servers on one port would share its calls between two stores.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
-  // Beyond it streams of one connection wait; before, CallLimits answers, but not for health
-  // checks.
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, options.calls.calls.in_all);
+  // Beyond it calls of one connection wait in the client. CallLimits answers before; this is for
+  // health checks, which it does not see.
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
+                             options.calls.calls.in_all + kFurtherCalls);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   // A call is only known here, with its limits, when its first message is whole.
   builder.SetResourceQuota(grpc::ResourceQuota("motiondb")

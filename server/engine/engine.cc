@@ -119,7 +119,7 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveD
 absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> Engine::BeginIngest(
     const std::shared_ptr<LiveDatabase>& database) {
   std::unique_ptr<Rebuilder::Ingest> ingest;
-  MOTIONDB_RETURN_IF_ERROR(database->WhileAlive([&] {
+  MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&] {
     ingest = std::make_unique<Rebuilder::Ingest>(rebuilder_, database);
     return absl::OkStatus();
   }));
@@ -147,14 +147,16 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
                                                             const storage::AuditRecord* audit) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
-  const absl::Status deleted = live->WhileAlive([&]() -> absl::Status {
+  const absl::Status deleted = live->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
     MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip, audit));
     live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
     // A build at work may have read it, and purges at its end.
-    rebuilder_.UnlessBuilding(*live, [&] { PurgeDeletedClips(*store_, database); });
+    if (const std::unique_lock states(live->states_mutex(), std::try_to_lock); states) {
+      PurgeDeletedClips(*store_, database);
+    }
     MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
     return absl::OkStatus();
   });

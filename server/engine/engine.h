@@ -108,7 +108,7 @@ class Engine {
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Brings what is stored to life, then lets others find it.
   absl::StatusOr<StoreAmount> Load();
-  absl::StatusOr<LiveDatabases> ReadDatabases();
+  absl::Status ReadDatabases(LiveDatabases& databases);
   absl::Status ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record);
   absl::Status ResumeOperations(const LiveDatabases& databases);
   absl::Status RebuildWhereNeeded(const LiveDatabases& databases);

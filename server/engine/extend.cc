@@ -69,7 +69,7 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> ExtendSnapshot(
 absl::Status Extend(storage::MotionStore& store, LiveDatabase& database,
                     const EngineOptions& options, const core::ParallelFor& parallel) {
   const std::lock_guard lock(database.model_mutex());
-  return database.WhileAlive([&]() -> absl::Status {
+  return database.WhileAlive(Retiring::kAwait, [&]() -> absl::Status {
     const std::shared_ptr<const Snapshot> current = database.snapshot();
     if (current == nullptr) return absl::OkStatus();
     MOTIONDB_ASSIGN_OR_RETURN(auto extended,

@@ -142,7 +142,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
 
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
-  MOTIONDB_RETURN_IF_ERROR(database.WhileAlive([&]() -> absl::Status {
+  MOTIONDB_RETURN_IF_ERROR(database.WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(record, AddWithin(options.quota, store, database, clip));
     if (brings_scheme) database.set_scheme(scheme);
     return stored(record);

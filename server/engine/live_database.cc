@@ -109,16 +109,26 @@ void LiveDatabase::set_operation(std::string operation) {
   operation_ = std::move(operation);
 }
 
-absl::Status LiveDatabase::AwaitAlive(std::unique_lock<std::mutex>& life_lock) {
-  life_changed_.wait(life_lock, [this] { return life_ != Life::kRetiring; });
-  if (life_ == Life::kDeleted) return core::NotFound("database '{}' was deleted", name_);
-  return absl::OkStatus();
+absl::Status LiveDatabase::CheckAlive(Retiring retiring, std::unique_lock<std::mutex>& life_lock) {
+  if (retiring == Retiring::kAwait) {
+    life_changed_.wait(life_lock, [this] { return life_ != Life::kRetiring; });
+  }
+  switch (life_) {
+    case Life::kAlive:
+      return absl::OkStatus();
+    case Life::kRetiring:
+      return absl::UnavailableError(fmt::format("database '{}' is being deleted", name_));
+    case Life::kDeleted:
+      break;
+  }
+  return core::NotFound("database '{}' was deleted", name_);
 }
 
-absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& change) {
+absl::Status LiveDatabase::WhileAlive(Retiring retiring,
+                                      const std::function<absl::Status()>& change) {
   {
     std::unique_lock lock(life_mutex_);
-    MOTIONDB_RETURN_IF_ERROR(AwaitAlive(lock));
+    MOTIONDB_RETURN_IF_ERROR(CheckAlive(retiring, lock));
     ++changes_;
   }
   const absl::Cleanup ended = [this] {
@@ -132,7 +142,7 @@ absl::Status LiveDatabase::WhileAlive(const std::function<absl::Status()>& chang
 absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion) {
   {
     std::unique_lock lock(life_mutex_);
-    MOTIONDB_RETURN_IF_ERROR(AwaitAlive(lock));
+    MOTIONDB_RETURN_IF_ERROR(CheckAlive(Retiring::kRefuse, lock));
     life_ = Life::kRetiring;
     life_changed_.wait(lock, [this] { return changes_ == 0; });
   }

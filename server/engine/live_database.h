@@ -47,6 +47,10 @@ struct RebuildTally {
   double seconds = 0;
 };
 
+// What becomes of a change while the database is being deleted, which may yet fail: it is refused
+// with UNAVAILABLE, or waits.
+enum class Retiring { kRefuse, kAwait };
+
 class LiveDatabase {
  public:
   LiveDatabase(std::string name, const core::BuildSettings& settings)
@@ -86,15 +90,20 @@ class LiveDatabase {
   void set_operation(std::string operation);
 
   // Runs a change of what is stored, several at a time, but none once the database is deleted:
-  // NOT_FOUND then. Waits while it is being deleted; not to be nested.
-  absl::Status WhileAlive(const std::function<absl::Status()>& change);
-  // Runs the deletion itself, alone, when the changes under way have ended; others wait, so that
-  // they cannot keep it from ever coming. If it succeeds, the database is deleted from then on.
+  // NOT_FOUND then. Not to be nested.
+  absl::Status WhileAlive(Retiring retiring, const std::function<absl::Status()>& change);
+  // Runs the deletion itself, alone, when the changes under way have ended; no other
+  // begins, so that they cannot keep it from ever coming. If it succeeds, the database is deleted
+  // from then on.
   absl::Status Retire(const std::function<absl::Status()>& deletion);
 
   // Held from reading the current model, in the store or here, to putting the next one, so that
   // neither a build nor an extension is lost. Taken before WhileAlive.
   std::mutex& model_mutex() { return model_mutex_; }
+
+  // Held by a build from its beginning to its end, and by who removes what deleted clips leave.
+  // Taken before the model's; within WhileAlive it may be tried, but not waited for.
+  std::mutex& states_mutex() { return states_mutex_; }
 
   // Held while the first clip of a `source` database is on its way in, for it decides the markers.
   std::mutex& first_clip_mutex() { return first_clip_mutex_; }
@@ -102,8 +111,8 @@ class LiveDatabase {
  private:
   // REQUIRES: mutex_ is held.
   void Add(const StoredAmount& amount);
-  // Returns when the database is not being deleted. NOT_FOUND if it was.
-  absl::Status AwaitAlive(std::unique_lock<std::mutex>& life_lock);
+  // OK if the database is neither deleted nor being so.
+  absl::Status CheckAlive(Retiring retiring, std::unique_lock<std::mutex>& life_lock);
 
   const std::string name_;
   const core::BuildSettings settings_;
@@ -121,6 +130,7 @@ class LiveDatabase {
   std::condition_variable life_changed_;
   Life life_ = Life::kAlive;
   int changes_ = 0;  // under way
+  std::mutex states_mutex_;
   std::mutex model_mutex_;
   std::mutex first_clip_mutex_;
 };

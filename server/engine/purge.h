@@ -8,8 +8,8 @@
 namespace motiondb::server {
 
 // Removes what is left of deleted clips that the current model does not know. What cannot be
-// removed is logged and stays until the next time. REQUIRES: no build of the database is under way,
-// and it is not deleted meanwhile (LiveDatabase::WhileAlive).
+// removed is logged and stays until the next time. REQUIRES: LiveDatabase::states_mutex is
+// held, and the database is not deleted meanwhile (WhileAlive); or nobody knows it yet.
 void PurgeDeletedClips(storage::MotionStore& store, const std::string& database);
 
 }  // namespace motiondb::server

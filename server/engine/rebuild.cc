@@ -27,7 +27,7 @@ constexpr int kAttempts = 8;
 
 absl::Status DropModel(storage::MotionStore& store, LiveDatabase& database) {
   const std::lock_guard lock(database.model_mutex());
-  return database.WhileAlive([&] {
+  return database.WhileAlive(Retiring::kAwait, [&] {
     const absl::Status dropped = store.DropModel(database.name());
     if (!dropped.ok() && !absl::IsNotFound(dropped)) return dropped;
     database.set_snapshot(nullptr);
@@ -61,7 +61,7 @@ absl::StatusOr<int> Commit(storage::MotionStore& store, LiveDatabase& database, 
                            const EngineOptions& options, const core::ParallelFor& parallel) {
   int version = 0;
   const std::lock_guard lock(database.model_mutex());
-  const absl::Status status = database.WhileAlive([&]() -> absl::Status {
+  const absl::Status status = database.WhileAlive(Retiring::kAwait, [&]() -> absl::Status {
     auto record = store.PutModel(database.name(), model);
     if (absl::IsNotFound(record.status())) return absl::OkStatus();
     if (!record.ok()) return record.status();
@@ -155,13 +155,15 @@ absl::StatusOr<Rebuilt> BuildUntilStored(storage::MotionStore& store, LiveDataba
 absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
                                 const EngineOptions& options, const core::ParallelFor& parallel,
                                 const core::BuildProgress& progress) {
+  const std::lock_guard states(database.states_mutex());
   auto rebuilt = BuildUntilStored(store, database, options, parallel, progress);
   // However it ended: putting a model does this, but the current one may have stayed.
   database
-      .WhileAlive([&] {
-        PurgeDeletedClips(store, database.name());
-        return absl::OkStatus();
-      })
+      .WhileAlive(Retiring::kAwait,
+                  [&] {
+                    PurgeDeletedClips(store, database.name());
+                    return absl::OkStatus();
+                  })
       .IgnoreError();  // where the database was deleted, so were they
   return rebuilt;
 }

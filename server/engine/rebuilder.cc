@@ -79,12 +79,6 @@ void Rebuilder::Forget(const LiveDatabase& database) {
   queues_.erase(database.name());
 }
 
-void Rebuilder::UnlessBuilding(const LiveDatabase& database, const std::function<void()>& work) {
-  const std::lock_guard lock(mutex_);
-  const Queue* const queue = FindQueue(database);
-  if (queue == nullptr || queue->running == nullptr) work();
-}
-
 void Rebuilder::Stop() {
   std::unique_lock lock(mutex_);
   stopped_ = true;

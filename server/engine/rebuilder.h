@@ -58,8 +58,6 @@ class Rebuilder {
   // The database was deleted: its operations end, and its build stops without storing anything.
   // REQUIRES: within LiveDatabase::Retire.
   void Forget(const LiveDatabase& database);
-  // Runs `work`, which is short, unless a build of the database is at work; none begins meanwhile.
-  void UnlessBuilding(const LiveDatabase& database, const std::function<void()>& work);
   // Starts nothing more and stops what runs, whose operations are PENDING again; returns when
   // nothing runs.
   void Stop();

@@ -44,22 +44,22 @@ absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::Mo
 }
 
 absl::StatusOr<StoreAmount> Engine::Load() {
-  MOTIONDB_ASSIGN_OR_RETURN(LiveDatabases databases, ReadDatabases());
-  absl::Status status = ResumeOperations(databases);
+  LiveDatabases databases;
+  absl::Status status = ReadDatabases(databases);
+  if (status.ok()) status = ResumeOperations(databases);
   if (status.ok()) status = RebuildWhereNeeded(databases);
   StoreAmount amount;
   amount.database_count = static_cast<std::int32_t>(databases.size());
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
   // Last: what comes in from then on finds clips counted and models read. Also where something
-  // could not be resumed, for all of it is stored.
+  // could not be read or resumed, for all of it is stored.
   const std::lock_guard lock(mutex_);
   databases_.merge(databases);
   if (!status.ok()) return status;
   return amount;
 }
 
-absl::StatusOr<Engine::LiveDatabases> Engine::ReadDatabases() {
-  LiveDatabases databases;
+absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
   storage::Page page;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListDatabases(page));
@@ -74,7 +74,7 @@ absl::StatusOr<Engine::LiveDatabases> Engine::ReadDatabases() {
         return read;
       }
     }
-    if (static_cast<int>(records.size()) < page.limit) return databases;
+    if (static_cast<int>(records.size()) < page.limit) return absl::OkStatus();
     page.after = records.back().name;
   }
 }

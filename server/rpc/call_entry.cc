@@ -23,6 +23,7 @@ namespace {
 constexpr std::size_t kResourceLimit = 256;
 // Of requests and answers; 40 s of 34 markers at 60 Hz.
 constexpr std::size_t kLarge = 1 << 20;
+constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
@@ -165,12 +166,13 @@ grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   }
   if (checked_ && (method_.rule == nullptr || method_.rule->recorded) &&
       !(recorded_ && status.ok())) {
-    host_.access.Record(Record(status.error_code()));
+    const bool of_administrator = caller_.has_value() && caller_->role == storage::Role::kAdmin;
+    host_.access.Record(Record(status.error_code()), of_administrator);
   }
   if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
-  ticket_.SetEnded();
+  ticket_.SetEnded(std::chrono::milliseconds(answer_bytes / kSlowestBytesPerMillisecond));
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }
 

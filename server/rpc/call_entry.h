@@ -66,8 +66,8 @@ class CallEntry {
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
   // the request's id, and keeps what the role table says in the record of changes. From then on the
-  // client may take as long to take the answer as it may be silent. With a large answer the call
-  // keeps its place among those of its weight until it is taken.
+  // client may take as long to take the answer as it may be silent, and a second for each 64 kB.
+  // With a large answer the call keeps its place among those of its weight until it is taken.
   grpc::Status End(grpc::Status status, std::size_t answer_bytes = 0);
 
   const Method& method() const { return method_; }

@@ -37,8 +37,9 @@ class CallGate {
 
     // False: the gate was closed, and the call is to be refused.
     bool admitted() const { return admitted_; }
-    // The call has its answer; what is left is that the client takes it.
-    void SetEnded() { ended_ = Clock::now(); }
+    // The call has its answer; what is left is that the client takes it, for which it has `more`
+    // time than others.
+    void SetEnded(Clock::duration more) { ended_ = Clock::now() + more; }
 
    private:
     friend class CallGate;

@@ -120,9 +120,8 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
   return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckHolds(NowMicroseconds());
 }
 
-void AccessControl::Record(const storage::AuditRecord& record) {
-  const bool unknown = options_.authentication && record.principal == kAnonymous;
-  const bool changed_nothing = unknown || record.code != 0;
+void AccessControl::Record(const storage::AuditRecord& record, bool of_administrator) {
+  const bool changed_nothing = record.code != 0 && !of_administrator;
   if (changed_nothing &&
       !recorded_failures_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return;

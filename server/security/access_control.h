@@ -41,9 +41,10 @@ class AccessControl {
   // known no more. False if it is the same.
   bool ReplaceAdminToken(const std::string& token);
 
-  // Keeps an entry of the record of changes. Those of calls that failed are kept only so often from
-  // one source, so that nobody can push the rest out with them. What cannot be kept is logged.
-  void Record(const storage::AuditRecord& record);
+  // Keeps an entry of the record of changes. Those of calls that failed, of others than
+  // administrators, are kept only so often from one source, so that nobody can push the rest out
+  // with them. What cannot be kept is logged.
+  void Record(const storage::AuditRecord& record, bool of_administrator);
 
   TokenBook& tokens() { return tokens_; }
   storage::AccessStore& store() { return store_; }

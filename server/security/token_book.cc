@@ -23,13 +23,17 @@ bool KnownToken::HasSecret(std::string_view secret) const {
 }
 
 absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
-  if (ended_.load(std::memory_order_relaxed)) {
+  if (state_ != State::kHolds) {
     return absl::UnauthenticatedError(fmt::format("tokens/{} was revoked", record_.id));
   }
-  if (record_.expire_time_us != 0 && now_us >= record_.expire_time_us) {
+  if (HasExpired(now_us)) {
     return absl::UnauthenticatedError(fmt::format("tokens/{} has expired", record_.id));
   }
   return absl::OkStatus();
+}
+
+bool KnownToken::HasEnded(std::int64_t now_us) const {
+  return state_ == State::kEnded || HasExpired(now_us);
 }
 
 absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
@@ -72,20 +76,16 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
 
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
                                                        const storage::AuditRecord* audit) {
-  std::shared_ptr<KnownToken> known;
-  bool held = false;  // until now
-  std::int64_t revocations_before = 0;
+  std::shared_ptr<KnownToken> suspended;
   {
     const std::lock_guard lock(mutex_);
-    revocations_before = revocations_;
-    if (const auto found = known_.find(id); found != known_.end()) known = found->second;
-    held = known != nullptr && known->CheckHolds(now_us).ok();
-    if (held) known->End();
+    const auto found = known_.find(id);
+    if (found != known_.end() && found->second->Suspend()) suspended = found->second;
   }
   auto record = store_.RevokeToken(id, now_us, audit);
   const std::lock_guard lock(mutex_);
   if (!record.ok()) {
-    if (held && revocations_ == revocations_before) known->Resume();
+    if (suspended != nullptr) suspended->Resume();
     return record;
   }
   ++revocations_;
@@ -137,8 +137,7 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
 std::shared_ptr<const KnownToken> TokenBook::Keep(storage::TokenRecord record,
                                                   std::int64_t now_us) {
   if (known_.size() >= next_sweep_) {
-    std::erase_if(known_,
-                  [&](const auto& entry) { return !entry.second->CheckHolds(now_us).ok(); });
+    std::erase_if(known_, [&](const auto& entry) { return entry.second->HasEnded(now_us); });
     next_sweep_ = std::max(next_sweep_, known_.size() + known_.size() / 2);
   }
   std::string id = record.id;

@@ -23,19 +23,35 @@ namespace motiondb::server {
 class KnownToken {
  public:
   explicit KnownToken(storage::TokenRecord record)
-      : record_(std::move(record)), ended_(record_.revoke_time_us != 0) {}
+      : record_(std::move(record)),
+        state_(record_.revoke_time_us != 0 ? State::kEnded : State::kHolds) {}
 
   const storage::TokenRecord& record() const { return record_; }
   bool HasSecret(std::string_view secret) const;
-  void End() { ended_.store(true, std::memory_order_relaxed); }
-  // It goes on after all: its end could not be stored.
-  void Resume() { ended_.store(false, std::memory_order_relaxed); }
+  void End() { state_ = State::kEnded; }
+  // Holds no more from here on, until its end is stored (End) or could not be (Resume). False if
+  // somebody else is ending it, or has.
+  bool Suspend() {
+    State holds = State::kHolds;
+    return state_.compare_exchange_strong(holds, State::kSuspended);
+  }
+  void Resume() {
+    State suspended = State::kSuspended;
+    state_.compare_exchange_strong(suspended, State::kHolds);
+  }
+  // For good.
+  bool HasEnded(std::int64_t now_us) const;
   // UNAUTHENTICATED once it was revoked or its time is over.
   absl::Status CheckHolds(std::int64_t now_us) const;
 
  private:
+  enum class State { kHolds, kSuspended, kEnded };
+  bool HasExpired(std::int64_t now_us) const {
+    return record_.expire_time_us != 0 && now_us >= record_.expire_time_us;
+  }
+
   const storage::TokenRecord record_;
-  std::atomic<bool> ended_;
+  std::atomic<State> state_;
 };
 
 struct MadeToken {

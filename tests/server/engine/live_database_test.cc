@@ -12,6 +12,7 @@ namespace motiondb::tests {
 namespace {
 
 using server::LiveDatabase;
+using server::Retiring;
 
 const auto kNothing = [] { return absl::OkStatus(); };
 
@@ -22,10 +23,11 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
   // Each begins its next change while another is in the midst of one.
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
-    threads.emplace_back([&] {
+    threads.emplace_back([&, i] {
+      const auto retiring = i % 2 == 0 ? Retiring::kAwait : Retiring::kRefuse;
       absl::Status status;
-      while (status.ok()) {
-        status = database.WhileAlive([&] {
+      while (status.ok() || absl::IsUnavailable(status)) {
+        status = database.WhileAlive(retiring, [&] {
           ++changes;
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
           --changes;
@@ -37,13 +39,16 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
   }
   while (changes < 2) std::this_thread::yield();
   int changes_meanwhile = -1;
+  absl::Status refused;
   const absl::Status deleted = database.Retire([&] {
     changes_meanwhile = changes;
+    refused = database.WhileAlive(Retiring::kRefuse, kNothing);
     return absl::OkStatus();
   });
   for (std::thread& thread : threads) thread.join();
   CHECK(deleted.ok());
   CHECK(changes_meanwhile == 0);
+  CHECK(absl::IsUnavailable(refused));
   CHECK(ended == 4);
   CHECK(absl::IsNotFound(database.Retire(kNothing)));
 }
@@ -53,10 +58,11 @@ TEST_CASE("LiveDatabase: lives on where its deletion fails", "[server]") {
   CHECK(absl::IsResourceExhausted(
       database.Retire([] { return absl::ResourceExhaustedError("disk"); })));
   CHECK_THROWS(database.Retire([]() -> absl::Status { throw std::bad_alloc(); }));
-  CHECK_THROWS(database.WhileAlive([]() -> absl::Status { throw std::bad_alloc(); }));
-  CHECK(database.WhileAlive(kNothing).ok());
+  CHECK_THROWS(
+      database.WhileAlive(Retiring::kAwait, []() -> absl::Status { throw std::bad_alloc(); }));
+  CHECK(database.WhileAlive(Retiring::kAwait, kNothing).ok());
   CHECK(database.Retire(kNothing).ok());
-  CHECK(absl::IsNotFound(database.WhileAlive(kNothing)));
+  CHECK(absl::IsNotFound(database.WhileAlive(Retiring::kAwait, kNothing)));
 }
 
 }  // namespace

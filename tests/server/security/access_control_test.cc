@@ -304,18 +304,22 @@ TEST_CASE("Access: without authentication everybody is an anonymous administrato
 TEST_CASE("Access: nobody fills the record of changes with what fails", "[security]") {
   Access access;
   for (int i = 0; i < 100; ++i) {
-    access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7});
+    access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7}, false);
   }
   for (int i = 0; i < 100; ++i) {  // too many wrong tokens
-    access.control.Record({.principal = "anonymous", .peer = "10.0.0.1", .code = 8});
+    access.control.Record({.principal = "anonymous", .peer = "10.0.0.1", .code = 8}, false);
   }
   for (int i = 0; i < 100; ++i) {  // changes of what is not there
-    access.control.Record({.principal = "tokens/b", .peer = "10.0.0.1", .code = 5});
+    access.control.Record({.principal = "tokens/b", .peer = "10.0.0.1", .code = 5}, false);
   }
-  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0});
+  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0}, false);
+  for (int i = 0; i < 100; ++i) {  // copies that an administrator broke off
+    access.control.Record({.principal = "tokens/c", .peer = "10.0.0.1", .code = 1}, true);
+  }
+  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0}, false);
   const auto records = access.store.ListAuditRecords(0, 1000);
   REQUIRE(records.ok());
-  CHECK(records->size() == 31);
+  CHECK(records->size() == 132);
   CHECK(records->front().code == 0);
 }
 

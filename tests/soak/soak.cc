@@ -32,7 +32,11 @@ using Clock = std::chrono::steady_clock;
 // be far beyond it within minutes.
 constexpr int kMostDescriptors = 200;
 constexpr int kMostThreads = 64;
+#ifdef __SANITIZE_ADDRESS__  // which keeps what was freed for a while, and notes on every byte
+constexpr double kMostMemoryMb = 2048;
+#else
 constexpr double kMostMemoryMb = 512;
+#endif
 constexpr double kMostLogMb = 64;
 // The last third of the run against the second: what grows for ever grows there too.
 constexpr double kMostGrowth = 1.25;

@@ -55,6 +55,13 @@ std::string Strangers(const StoreFile& file) {
   return names;
 }
 
+std::string SomeBackup() {
+  const StoreFile file;
+  const auto store = file.Open();
+  Fill(*store);
+  return Backup(*store);
+}
+
 }  // namespace
 
 TEST_CASE("Backup: what is restored is what was there", "[storage][backup]") {
@@ -163,10 +170,7 @@ TEST_CASE("Restore: tokens and the record of changes are those of both", "[stora
 }
 
 TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage][backup]") {
-  const StoreFile from;
-  const auto source = from.Open();
-  Fill(*source);
-  const std::string bytes = Backup(*source);
+  const std::string bytes = SomeBackup();
   const StoreFile to;
   const auto target = to.Open();
   REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));
@@ -234,10 +238,7 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
 }
 
 TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][backup]") {
-  const StoreFile from;
-  const auto source = from.Open();
-  Fill(*source);
-  const std::string bytes = Backup(*source);
+  const std::string bytes = SomeBackup();
   const StoreFile to;
   const auto target = to.Open();
   REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));

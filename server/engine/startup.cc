@@ -87,9 +87,10 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   live.set_scheme(std::move(scheme));
   // A former server may have stopped before it did.
   PurgeDeletedClips(*store_, record.name);
+  // Queries are answered by the model alone, also where the list of clips is damaged.
+  live.set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) live.AddStored(AmountOf(clip));
-  live.set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
   const auto snapshot = live.snapshot();
   spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);

@@ -78,6 +78,34 @@ v1::MarkerObservation Part(const v1::MarkerObservation& walk, int first, int cou
   return part;
 }
 
+// An ingest whose client dies halfway. It may have been stored without its client knowing, so that
+// a figure with this number must not come again.
+void IngestInTooShortATime(const client::Client& client, int number,
+                           std::chrono::milliseconds timeout, Tally& tally) {
+  v1::IngestClipHeader header;
+  header.set_parent(kDatabase);
+  header.set_file_name("late.bvh");
+  tally.Add("Ingest in too short a time",
+            client.IngestBytes(header, Figure(number, 2000), {}, {.timeout = timeout}).status(),
+            {StatusCode::kDeadlineExceeded, StatusCode::kCancelled});
+}
+
+// What was stored of these after all; else the database would grow for as long as this runs.
+void DeleteLateClips(const client::Client& client, Tally& tally) {
+  v1::ListClipsRequest request;
+  request.set_parent(kDatabase);
+  const auto clips = client.AllClips(request);
+  tally.Add("List", clips.status());
+  if (!clips.ok()) return;
+  for (const v1::Clip& clip : *clips) {
+    if (!clip.name().starts_with(fmt::format("{}/clips/late", kDatabase))) continue;
+    v1::DeleteClipRequest remove;
+    remove.set_name(clip.name());
+    // Another such client may have been first.
+    tally.Add("Delete late", client.DeleteClip(remove).status(), {StatusCode::kNotFound});
+  }
+}
+
 }  // namespace
 
 client::Client Connect(const Soak& soak) {
@@ -223,22 +251,15 @@ void Administer(Soak& soak) {
 void Misbehave(Soak& soak, unsigned seed) {
   const client::Client client = Connect(soak);
   std::mt19937 random(seed);
-  while (!soak.over) {
+  for (int round = 0; !soak.over; ++round) {
     SendNoise(soak.address, random);
     IngestGarbage(client, random, soak.tally);
     AskNonsense(client, random, soak.tally);
     ObserveWithoutReading(client, "soak", soak.walk.positions(), soak.walk.frame_count(),
                           MarkerCount(soak.walk), 0.5);
-    // An ingest whose client dies halfway: too short a deadline.
-    v1::IngestClipHeader header;
-    header.set_parent(kDatabase);
-    header.set_file_name("late.bvh");
-    soak.tally.Add("Ingest in too short a time",
-                   client
-                       .IngestBytes(header, Figure(5000 + static_cast<int>(random() % 1000), 2000),
-                                    {}, {.timeout = std::chrono::milliseconds(1 + random() % 5)})
-                       .status(),
-                   {StatusCode::kDeadlineExceeded, StatusCode::kCancelled});
+    IngestInTooShortATime(client, 10000 * static_cast<int>(seed) + round,
+                          std::chrono::milliseconds(1 + random() % 5), soak.tally);
+    if (round % 10 == 9) DeleteLateClips(client, soak.tally);
   }
 }
 

@@ -1,9 +1,30 @@
-// SQL that damages a store behind its back.
+// Damages a store behind its back: SQL that does, and bytes written over. Functions keep no state.
 #pragma once
 
+#include <sqlite3.h>
+
+#include <catch2/catch.hpp>
+#include <fstream>
 #include <string>
 
 namespace motiondb::tests {
+
+// Runs a script on a store's file; the store must be closed. The first column of the last row, as
+// text.
+inline std::string RunSql(const std::string& path, const std::string& script) {
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(path.c_str(), &database) == SQLITE_OK);
+  std::string value;
+  const auto keep = [](void* out, int, char** columns, char**) {
+    *static_cast<std::string*>(out) = columns[0] == nullptr ? "" : columns[0];
+    return 0;
+  };
+  const int code = sqlite3_exec(database, script.c_str(), keep, &value, nullptr);
+  INFO(script << ": " << sqlite3_errmsg(database));
+  sqlite3_close(database);
+  REQUIRE(code == SQLITE_OK);
+  return value;
+}
 
 // Changes a byte of a chunk. `row` tells which chunk of `table`.
 inline std::string ChangeByte(const std::string& table, int place, const std::string& row) {
@@ -16,6 +37,19 @@ inline std::string ChangeByte(const std::string& table, int place, const std::st
 inline std::string ChunksOf(const std::string& clip, int kind) {
   return "kind = " + std::to_string(kind) +
          " AND clip_key = (SELECT clip_key FROM clip WHERE id = '" + clip + "')";
+}
+
+// A script that gives the first page of a table or an index.
+inline std::string RootPageOf(const std::string& name) {
+  return "SELECT rootpage FROM sqlite_schema WHERE name = '" + name + "'";
+}
+
+// Writes over the beginning of a page of a store that is closed.
+inline void RuinPage(const std::string& path, long page) {
+  constexpr long kPageBytes = 16384;
+  std::fstream bytes(path, std::ios::in | std::ios::out | std::ios::binary);
+  bytes.seekp((page - 1) * kPageBytes);
+  bytes << std::string(64, '\x7f');
 }
 
 }  // namespace motiondb::tests

@@ -223,10 +223,8 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
   SECTION("one whose tables are damaged") {
     const StoreFile worn;
     { Fill(*worn.Open()); }
-    const auto page = std::stol(worn.Sql("SELECT rootpage FROM sqlite_schema WHERE name = 'clip'"));
-    std::string inside = ReadFile(worn.path());
-    inside.replace(static_cast<std::size_t>(page - 1) * 16384, 64, std::string(64, '\x7f'));
-    refused(Sealed(inside), "the backup: ");
+    RuinPage(worn.path(), std::stol(worn.Sql(RootPageOf("clip"))));
+    refused(Sealed(ReadFile(worn.path())), "the backup: ");
   }
   SECTION("one that lacks a table") {
     const StoreFile worn;

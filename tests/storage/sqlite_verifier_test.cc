@@ -2,7 +2,6 @@
 #include "storage/sqlite/sqlite_verifier.h"
 
 #include <catch2/catch.hpp>
-#include <fstream>
 #include <string>
 
 #include "tests/storage/damaged_store.h"
@@ -113,13 +112,7 @@ TEST_CASE("Verify: names what is damaged", "[storage][verify]") {
 TEST_CASE("Verify: a page that SQLite finds damaged is the file's", "[storage][verify]") {
   const StoreFile file;
   Fill(file);
-  const auto page =
-      std::stol(file.Sql("SELECT rootpage FROM sqlite_schema WHERE name = 'clip_by_content'"));
-  {
-    std::fstream bytes(file.path(), std::ios::in | std::ios::out | std::ios::binary);
-    bytes.seekp((page - 1) * 16384);
-    bytes << std::string(64, '\x7f');
-  }
+  RuinPage(file.path(), std::stol(file.Sql(RootPageOf("clip_by_content"))));
   REQUIRE_THAT(Findings(*file.Open()), Contains(": the file: "));
 }
 

@@ -1,7 +1,6 @@
 // A store's file in a folder of its own, deleted with the test, and raw SQL on it behind its back.
 #pragma once
 
-#include <sqlite3.h>
 #include <stdlib.h>
 
 #include <filesystem>
@@ -9,6 +8,7 @@
 #include <string>
 
 #include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/storage/damaged_store.h"
 #include "tests/storage/require_ok.h"
 
 namespace motiondb::tests {
@@ -35,21 +35,8 @@ class StoreFile {
     return Require(TryOpen(std::move(options)));
   }
 
-  // Runs a script on the file; the store must be closed. The first column of the last row, as text.
-  std::string Sql(const std::string& script) const {
-    sqlite3* database = nullptr;
-    REQUIRE(sqlite3_open(path().c_str(), &database) == SQLITE_OK);
-    std::string value;
-    const auto keep = [](void* out, int, char** columns, char**) {
-      *static_cast<std::string*>(out) = columns[0] == nullptr ? "" : columns[0];
-      return 0;
-    };
-    const int code = sqlite3_exec(database, script.c_str(), keep, &value, nullptr);
-    INFO(script << ": " << sqlite3_errmsg(database));
-    sqlite3_close(database);
-    REQUIRE(code == SQLITE_OK);
-    return value;
-  }
+  // Runs a script on the file, as RunSql.
+  std::string Sql(const std::string& script) const { return RunSql(path(), script); }
 
  private:
   std::filesystem::path folder_;

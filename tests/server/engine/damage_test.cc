@@ -1,6 +1,4 @@
 // A damaged blob costs what it is of, and is named; the rest is built and served.
-#include <sqlite3.h>
-
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -24,12 +22,8 @@ void Fill(TestEngine& engine) {
   engine.Stop();
 }
 
-void Sql(const TestEngine& engine, const std::string& script) {
-  sqlite3* database = nullptr;
-  REQUIRE(sqlite3_open(engine.store_path().c_str(), &database) == SQLITE_OK);
-  const int code = sqlite3_exec(database, script.c_str(), nullptr, nullptr, nullptr);
-  sqlite3_close(database);
-  REQUIRE(code == SQLITE_OK);
+std::string Sql(const TestEngine& engine, const std::string& script) {
+  return RunSql(engine.store_path(), script);
 }
 
 // Waits for all operations there are.
@@ -117,6 +111,15 @@ TEST_CASE("Damage: a model is built anew from the clips", "[server][damage]") {
   Settle(engine);
   CHECK(ClipsOfModel(engine) == "abc");
   CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/models/"));
+}
+
+TEST_CASE("Damage: a model serves though the list of its clips is damaged", "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  RuinPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_by_id"))));
+  engine.Start();
+  CHECK(ClipsOfModel(engine) == "abc");
+  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db "));
 }
 
 TEST_CASE("Damage: a source or a skeleton costs the model nothing", "[server][damage]") {

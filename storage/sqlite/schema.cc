@@ -1,5 +1,9 @@
 #include "storage/sqlite/schema.h"
 
+#include <functional>
+#include <map>
+#include <string>
+
 #include "core/motion/error.h"
 #include "storage/sqlite/transaction.h"
 
@@ -166,6 +170,22 @@ CREATE TABLE audit (
 
 constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess};
 
+// What makes each table, index, trigger and view, by its kind and name. Without the statistics that
+// ANALYZE leaves. From the last kind to the first: tables before their indices.
+using SchemaObjects = std::map<std::string, std::string, std::greater<>>;
+absl::StatusOr<SchemaObjects> Definitions(Connection& connection) {
+  SchemaObjects definitions;
+  Statement object = connection.Query(
+      "SELECT type, name, tbl_name, ifnull(sql, '') FROM sqlite_schema "
+      "WHERE type <> 'table' OR name NOT IN ('sqlite_stat1', 'sqlite_stat4')");
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool row, object.Step());
+    if (!row) return definitions;
+    definitions[fmt::format("{} '{}'", object.Text(0), object.Text(1))] =
+        fmt::format("{}: {}", object.Text(2), object.Text(3));
+  }
+}
+
 }  // namespace
 
 std::span<const char* const> Migrations() { return kMigrations; }
@@ -185,6 +205,24 @@ absl::Status Migrate(Connection& connection, std::span<const char* const> migrat
     MOTIONDB_RETURN_IF_ERROR(
         connection.Execute(fmt::format("PRAGMA user_version = {}", version + 1)));
     MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  }
+  return absl::OkStatus();
+}
+
+absl::Status CheckSchema(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto definitions, Definitions(connection));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto fresh,
+      Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+  MOTIONDB_RETURN_IF_ERROR(Migrate(*fresh, kMigrations));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto expected, Definitions(*fresh));
+  for (const auto& [object, definition] : expected) {
+    const auto found = definitions.find(object);
+    if (found == definitions.end()) return core::DataLoss("the {} is missing", object);
+    if (found->second != definition) return core::DataLoss("the {} is not a store's", object);
+  }
+  for (const auto& [object, definition] : definitions) {
+    if (!expected.contains(object)) return core::DataLoss("a store has no {}", object);
   }
   return absl::OkStatus();
 }

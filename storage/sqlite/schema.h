@@ -20,4 +20,9 @@ std::span<const char* const> Migrations();
 // version.
 absl::Status Migrate(Connection& connection, std::span<const char* const> migrations);
 
+// DATA_LOSS, naming the first that differs, unless the tables, indices, triggers and views are
+// those, word by word, that all of Migrations() make. A trigger of somebody else's would change
+// what is stored behind the server's back.
+absl::Status CheckSchema(Connection& connection);
+
 }  // namespace motiondb::storage

@@ -15,6 +15,7 @@
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/operation_table.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/token_table.h"
 
 namespace motiondb::storage {
@@ -72,6 +73,10 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
   const std::int64_t bytes_before = totals_.byte_count;
   const Phase phase = phase_;
   const absl::Status status = read_([&](Connection& connection) -> absl::Status {
+    if (phase == Phase::kSchema) {
+      Advance();
+      return Note("", In("the file", CheckSchema(connection)));
+    }
     if (phase == Phase::kFile) return CheckFile(connection);
     if (phase == Phase::kRecords) return CheckRecords(connection);
     for (int row = 0; row < kStepRows && totals_.byte_count - bytes_before < kStepBytes; ++row) {
@@ -101,7 +106,7 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
 }
 
 double SqliteVerifier::progress() const {
-  if (phase_ == Phase::kFile) return 0;
+  if (phase_ <= Phase::kFile) return 0;
   if (phase_ == Phase::kDone) return 1;
   const double read = static_cast<double>(totals_.byte_count) / static_cast<double>(file_bytes_);
   return kFileShare + (1 - kFileShare) * std::min(1.0, read);

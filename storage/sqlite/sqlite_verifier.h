@@ -29,7 +29,7 @@ class SqliteVerifier final : public StoreVerifier {
   const VerifyTotals& totals() const override { return totals_; }
 
  private:
-  enum class Phase { kFile, kClips, kSkeletons, kModels, kRecords, kDone };
+  enum class Phase { kSchema, kFile, kClips, kSkeletons, kModels, kRecords, kDone };
 
   absl::Status CheckFile(Connection& connection);
   // Each checks one row, the one after `last_key_`. False if there is none.
@@ -50,7 +50,7 @@ class SqliteVerifier final : public StoreVerifier {
 
   const Read read_;
   const core::Cancelled cancelled_;
-  Phase phase_ = Phase::kFile;
+  Phase phase_ = Phase::kSchema;
   std::int64_t last_key_ = 0;    // of the rows of this phase that were checked
   std::int64_t file_bytes_ = 1;  // the blobs have no more
   VerifyTotals totals_;

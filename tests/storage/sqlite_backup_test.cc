@@ -226,11 +226,17 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     RuinPage(worn.path(), std::stol(worn.Sql(RootPageOf("clip"))));
     refused(Sealed(ReadFile(worn.path())), "the backup: ");
   }
-  SECTION("one that lacks a table") {
-    const StoreFile worn;
-    { Fill(*worn.Open()); }
-    worn.Sql("DROP TABLE token");
-    refused(Sealed(ReadFile(worn.path())), "the backup: ");
+  SECTION("one whose tables are others") {
+    const auto changed = [&](const std::string& script, const std::string& text) {
+      const StoreFile worn;
+      { Fill(*worn.Open()); }
+      worn.Sql(script);
+      refused(Sealed(ReadFile(worn.path())), "the backup: the file: " + text);
+    };
+    changed("DROP TABLE token", "the table 'token' is missing");
+    changed("ALTER TABLE token ADD COLUMN hint TEXT", "the table 'token' is not a store's");
+    changed("CREATE TRIGGER lose AFTER INSERT ON clip BEGIN DELETE FROM clip; END",
+            "a store has no trigger 'lose'");
   }
   REQUIRE_OK(Restore(*target, bytes));
 }

@@ -102,6 +102,11 @@ TEST_CASE("Verify: names what is damaged", "[storage][verify]") {
                                "WHERE id = 'b'"),
                  Contains("refers to a row of table skeleton that is not there"));
   }
+  SECTION("tables that are not a store's") {
+    REQUIRE(FindingsAfter("CREATE VIEW more AS SELECT * FROM clip") ==
+            ": the file: a store has no view 'more'\n");
+    REQUIRE(FindingsAfter("ANALYZE").empty());
+  }
   SECTION("several at once") {
     const std::string found = FindingsAfter(ChangeByte("clip_chunk", 26, ChunksOf("b", 1)) + ";" +
                                             ChangeByte("clip_chunk", 26, ChunksOf("a", 1)));

@@ -9,7 +9,7 @@ cd "$(dirname "$0")/../.."
 
 files=(bvh amc trc c3d urdf marker_set)
 blobs=(chunk states_codec skeleton_codec graph_codec prediction_codec recognition_codec model_codec)
-requests=(names ingest_stream recognize estimate predict represent observe plan)
+requests=(names ingest_stream recognize estimate predict represent observe plan restore)
 all=("${files[@]}" "${blobs[@]}" "${requests[@]}")
 runs=""
 seconds=""
@@ -27,7 +27,7 @@ done
 # How many executions take some seconds.
 runs_of() {
   case "$1" in
-    plan) echo 150 ;;
+    plan | restore) echo 150 ;;
     recognize | estimate | predict | observe) echo 1000 ;;
     represent | ingest_stream | model_codec) echo 5000 ;;
     *) echo 20000 ;;

@@ -183,6 +183,15 @@ TEST_CASE("Seeds: IngestClip", "[seeds]") {
   WriteSeed("ingest_stream_fuzz", "amc", stream);
 }
 
+TEST_CASE("Seeds: changes of a backup", "[seeds]") {
+  using namespace std::string_literals;
+  WriteSeed("restore_fuzz", "as_it_is", "\1"s);
+  WriteSeed("restore_fuzz", "without_its_checksum", "\0\1\7\0\0\0\2ab"s);
+  WriteSeed("restore_fuzz", "byte", "\1\1\x88\x13\0\0\1a"s);
+  WriteSeed("restore_fuzz", "value", "\1\2\3\4\0\1\5"s);
+  WriteSeed("restore_fuzz", "text", "\1\2\4\1\0\4\3abc"s);
+}
+
 TEST_CASE("Seeds: names and tokens", "[seeds]") {
   for (const char* const name :
        {"databases/db", "databases/db/clips/a", "databases/db/skeletons/s", "operations/o",

@@ -1,0 +1,88 @@
+// Backups that somebody changed, up to the store that they are restored to. One that is refused
+// leaves the store as it was; all of one that is taken can be read. changed_backup.h has the input.
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <string>
+
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/fuzz/server/answer_properties.h"
+#include "tests/fuzz/storage/changed_backup.h"
+#include "tests/fuzz/support/properties.h"
+#include "tests/support/temporary_directory.h"
+
+using namespace motiondb;
+
+namespace {
+
+constexpr std::size_t kBlockBytes = 64 << 10;
+constexpr int kMostRows = 1000;
+
+absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
+  const auto restore = store.upkeep().BeginRestore();
+  tests::Holds(restore.ok(), "a restore begins in a store without databases");
+  for (std::size_t begin = 0; begin < backup.size(); begin += kBlockBytes) {
+    const absl::Status taken =
+        (*restore)->Append(std::string_view(backup).substr(begin, kBlockBytes));
+    if (!taken.ok()) return taken;
+  }
+  const absl::Status checked = (*restore)->Check({});
+  if (!checked.ok()) return checked;
+  const absl::Status finished = (*restore)->Finish({});
+  tests::Holds(finished.ok(), "what passed all checks is taken");
+  return finished;
+}
+
+// Its value, which must be there.
+template <typename T>
+T Read(absl::StatusOr<T> result) {
+  if (!result.ok()) std::fprintf(stderr, "%s\n", result.status().ToString().c_str());
+  tests::Holds(result.ok(), "what a restore took can be read");
+  return *std::move(result);
+}
+
+void ReadAll(storage::MotionStore& store) {
+  for (const auto& database : Read(store.ListDatabases({.after = "", .limit = kMostRows}))) {
+    const std::string& name = database.name;
+    for (const auto& clip : Read(store.ListClips(name, {.after = "", .limit = kMostRows}))) {
+      Read(store.ReadClipSource(name, clip.id));
+      Read(store.ReadClipStates(name, clip.id));
+    }
+    for (const auto& skeleton :
+         Read(store.ListSkeletons(name, {.after = "", .limit = kMostRows}))) {
+      Read(store.GetSkeleton(name, skeleton.id));
+    }
+    Read(store.ListModels(name, 0, kMostRows));
+    const auto model = store.ReadModel(name, core::Serially);
+    if (absl::IsNotFound(model.status())) continue;  // no clip is known yet
+    tests::Holds(model.ok(), "the model that a restore took can be read");
+  }
+  Read(store.ListOperations("", "", kMostRows));
+  Read(store.access().ListTokens("", kMostRows));
+  Read(store.access().ListAuditRecords(0, kMostRows));
+}
+
+}  // namespace
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const std::string backup = tests::ChangedBackup(data, size);
+  const tests::TemporaryDirectory directory;
+  const std::string path = directory / "store.db";
+  auto store = storage::SqliteMotionStore::Open(path);
+  tests::Holds(store.ok(), "a store opens");
+  const absl::Status restored = Restore(**store, backup);
+  tests::HoldsRefusal(restored);
+  if (restored.ok()) {
+    ReadAll(**store);
+  } else {
+    tests::Holds(Read((*store)->ListDatabases({})).empty(), "a refused backup changes nothing");
+  }
+  store->reset();
+  const auto files = std::filesystem::directory_iterator(std::filesystem::path(path).parent_path());
+  tests::Holds(std::ranges::all_of(files,
+                                   [](const auto& file) {
+                                     return file.path().filename().string().starts_with("store.db");
+                                   }),
+               "nothing else is left in the folder");
+  return 0;
+}

@@ -46,6 +46,32 @@ absl::Status ReadPieces(ByteSource& source, std::uint64_t bytes,
   return absl::OkStatus();
 }
 
+// Whether these are the parts of what the tables say of a build.
+absl::Status CheckIsOf(Connection& connection, std::int64_t built_key,
+                       const core::ModelParts& parts) {
+  Statement build = connection.Query(
+      "SELECT clip_count, dimension_count FROM model WHERE model_key = ?", built_key);
+  MOTIONDB_RETURN_IF_ERROR(build.Step().status());
+  const auto clip_count = std::ssize(parts.clips);
+  const auto dimension_count = parts.scale.divisor.size();
+  if (build.Integer(0) != clip_count || build.Integer(1) != dimension_count) {
+    return core::DataLoss("parts: expected {} clips of {} dimensions, got {} of {}",
+                          build.Integer(0), build.Integer(1), clip_count, dimension_count);
+  }
+  Statement row = connection.Query(
+      "SELECT id, frame_count FROM model_clip JOIN clip USING (clip_key) WHERE model_key = ? "
+      "ORDER BY position",
+      built_key);
+  for (const core::ModelClip& clip : parts.clips) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found || row.Text(0) != clip.id || row.Integer(1) != clip.frame_count) {
+      return core::DataLoss("parts: its clip '{}' of {} frames is not the store's", clip.id,
+                            clip.frame_count);
+    }
+  }
+  return absl::OkStatus();
+}
+
 // Lets SQLite's own long statements be cancelled while it lives, from a thread beside them: where
 // it goes through the pages of a file, SQLite calls nobody, but can be interrupted.
 class Interruptible {
@@ -299,7 +325,10 @@ absl::Status SqliteVerifier::CheckModelParts(Connection& connection, std::int64_
   if (bytes > kDecodedModelBytes) return CheckBytes(connection, owner, BlobKind::kModel);
   totals_.byte_count += bytes;
   return ReadBlob(connection, owner, BlobKind::kModel, bytes,
-                  [](ByteSource& source) { return DecodeModel(source).status(); });
+                  [&](ByteSource& source) -> absl::Status {
+                    MOTIONDB_ASSIGN_OR_RETURN(const core::ModelParts parts, DecodeModel(source));
+                    return CheckIsOf(connection, built_key, parts);
+                  });
 }
 
 }  // namespace motiondb::storage

@@ -97,6 +97,13 @@ TEST_CASE("Verify: names what is damaged", "[storage][verify]") {
     REQUIRE_THAT(FindingsAfter("DELETE FROM model_clip WHERE position = 1"),
                  Contains("databases/d/models/1: parts: expected 2 clips with 120 frames, got 1"));
   }
+  SECTION("a model of which the tables say something else") {
+    REQUIRE_THAT(FindingsAfter("UPDATE model SET dimension_count = 17"),
+                 Contains("databases/d/models/1: parts: expected 2 clips of 17 dimensions, got 2 "
+                          "of 18"));
+    REQUIRE_THAT(FindingsAfter("UPDATE model_clip SET position = 5 WHERE position = 0"),
+                 Contains("databases/d/models/1: parts: its clip 'b' of 60 frames is not"));
+  }
   SECTION("a reference into nothing") {
     REQUIRE_THAT(FindingsAfter("PRAGMA foreign_keys = OFF; UPDATE clip SET skeleton_key = 99 "
                                "WHERE id = 'b'"),

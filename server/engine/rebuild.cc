@@ -13,6 +13,7 @@
 #include "server/engine/clip_list.h"
 #include "server/engine/extend.h"
 #include "server/engine/purge.h"
+#include "server/engine/stoppable.h"
 
 namespace motiondb::server {
 namespace {
@@ -120,10 +121,23 @@ absl::StatusOr<core::Model> Build(storage::MotionStore& store, LiveDatabase& dat
   return model;
 }
 
+// What is only computed can be given up at any moment; what is stored and served comes after it.
+absl::StatusOr<core::Model> BuildUnlessStopped(storage::MotionStore& store, LiveDatabase& database,
+                                               const std::vector<storage::ClipRecord>& clips,
+                                               const core::ParallelFor& parallel,
+                                               const core::BuildProgress& progress) {
+  try {
+    return Build(store, database, clips, parallel, progress);
+  } catch (const WorkStopped&) {
+    return absl::CancelledError("stopped");
+  }
+}
+
 absl::StatusOr<Rebuilt> BuildUntilStored(storage::MotionStore& store, LiveDatabase& database,
                                          const EngineOptions& options,
                                          const core::ParallelFor& parallel,
-                                         const core::BuildProgress& progress) {
+                                         const core::BuildProgress& progress,
+                                         const core::Cancelled& stopped) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(store, database.name()));
     if (clips.empty()) {
@@ -134,7 +148,8 @@ absl::StatusOr<Rebuilt> BuildUntilStored(storage::MotionStore& store, LiveDataba
     MOTIONDB_ASSIGN_OR_RETURN(const int stays, VersionThatStays(store, database));
     if (stays != 0) return Rebuilt{stays, ""};
 
-    absl::StatusOr<core::Model> model = Build(store, database, clips, parallel, progress);
+    absl::StatusOr<core::Model> model =
+        BuildUnlessStopped(store, database, clips, Stoppable(parallel, stopped), progress);
     if (absl::IsAborted(model.status())) continue;
     if (!model.ok()) return model.status();
     if (!progress(kReadShare + kBuildShare + kCalibrateShare, "storing")) {
@@ -154,9 +169,10 @@ absl::StatusOr<Rebuilt> BuildUntilStored(storage::MotionStore& store, LiveDataba
 
 absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
                                 const EngineOptions& options, const core::ParallelFor& parallel,
-                                const core::BuildProgress& progress) {
+                                const core::BuildProgress& progress,
+                                const core::Cancelled& stopped) {
   const std::lock_guard states(database.states_mutex());
-  auto rebuilt = BuildUntilStored(store, database, options, parallel, progress);
+  auto rebuilt = BuildUntilStored(store, database, options, parallel, progress, stopped);
   // However it ended: putting a model does this, but the current one may have stayed.
   database
       .WhileAlive(Retiring::kAwait,

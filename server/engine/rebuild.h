@@ -23,10 +23,12 @@ struct Rebuilt {
 // not drifted (HasDrifted), it stays, and its version is returned. Else takes as long as a build.
 // Clips that come during the build are made known to the new model before it answers. Clips that
 // are damaged are left out; DATA_LOSS if no other is left. Thread-safe, but the caller runs one a
-// database at a time. Codes: CANCELLED (progress said stop), NOT_FOUND (the database was deleted),
-// and those of the store and of core::BuildModel.
+// database at a time. `stopped` is asked often, from the threads of `parallel`. Codes: CANCELLED
+// (stopped, or progress said so), NOT_FOUND (the database was deleted), and those of the store and
+// of core::BuildModel.
 absl::StatusOr<Rebuilt> Rebuild(storage::MotionStore& store, LiveDatabase& database,
                                 const EngineOptions& options, const core::ParallelFor& parallel,
-                                const core::BuildProgress& progress);
+                                const core::BuildProgress& progress,
+                                const core::Cancelled& stopped);
 
 }  // namespace motiondb::server

@@ -153,10 +153,12 @@ void Rebuilder::Run(Build& build) {
     book_.Advance(build.operation, fraction, stage);
     return build.stop == StopReason::kNone;
   };
+  const auto stopped = [&] { return build.stop != StopReason::kNone; };
   const Clock::time_point began = Clock::now();
   absl::StatusOr<Rebuilt> rebuilt;
   try {
-    rebuilt = Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress);
+    rebuilt =
+        Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress, stopped);
   } catch (const std::bad_alloc&) {
     rebuilt = absl::ResourceExhaustedError("not enough memory to build the model");
   } catch (const std::exception& error) {

@@ -15,8 +15,9 @@ namespace motiondb::server {
 namespace {
 
 // Beyond these a setting is a mistake: motion capture ends at about 1 kHz.
-constexpr double kHighestFrameRateHz = 10'000;
-constexpr int kLowestMinFrames = 2;  // one frame has no variance
+constexpr double kLowestFrameRateHz = 1;
+constexpr double kHighestFrameRateHz = 1000;  // the fastest that motion is captured with
+constexpr int kLowestMinFrames = 2;           // one frame has no variance
 constexpr int kHighestMinFrames = 1'000'000;
 
 absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
@@ -38,8 +39,8 @@ absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
 absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
   core::BuildSettings settings;
   const double rate = database.frame_rate_hz();
-  if (!std::isfinite(rate) || rate < 0 || rate > kHighestFrameRateHz) {
-    return FieldViolation("database.frame_rate_hz", "expected more than 0 and at most {}, got {}",
+  if (rate != 0 && !(rate >= kLowestFrameRateHz && rate <= kHighestFrameRateHz)) {
+    return FieldViolation("database.frame_rate_hz", "expected {} to {}, got {}", kLowestFrameRateHz,
                           kHighestFrameRateHz, rate);
   }
   const int min_frames = database.min_frames();

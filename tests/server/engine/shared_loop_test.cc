@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "server/engine/stoppable.h"
 #include "server/engine/workers.h"
 
 namespace motiondb::server {
@@ -64,6 +65,24 @@ TEST_CASE("SharedLoop: an exception comes out after the rest have ended", "[serv
   };
   REQUIRE_THROWS_WITH(workers.build_parallel()(20, body), "three");
   REQUIRE(ran == 20);
+}
+
+TEST_CASE("Stoppable: begins nothing more once it is stopped", "[server]") {
+  Workers workers(Threads(2));
+  std::atomic<bool> stop{false};
+  const auto parallel = Stoppable(workers.build_parallel(), [&] { return stop.load(); });
+  std::atomic<int> ran{0};
+  parallel(20, [&](int) { ++ran; });
+  REQUIRE(ran == 20);
+  const auto nested = [&](int) {
+    parallel(10, [&](int) {
+      if (++ran == 25) stop = true;
+    });
+  };
+  REQUIRE_THROWS_AS(parallel(1000, nested), WorkStopped);
+  REQUIRE(ran <= 30);  // those that had begun on two threads
+  REQUIRE_THROWS_AS(parallel(3, [&](int) { ++ran; }), WorkStopped);
+  REQUIRE(ran <= 30);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // motiondbd: opens the store, serves until SIGTERM or SIGINT, and drains.
 #include <fmt/format.h>
+#include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
 
@@ -27,6 +28,12 @@ namespace {
 void LogGrpc() {
   // What gRPC cannot do comes back as a status and is told once, in our words.
   gpr_set_log_function([](gpr_log_func_args* line) { spdlog::debug("grpc: {}", line->message); });
+  // Nor is it for a client to write lines of its own: text that is not UTF-8 is a field's
+  // violation.
+  google::protobuf::SetLogHandler(
+      [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
+        spdlog::debug("protobuf: {}", message);
+      });
 }
 
 void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& signals) {

@@ -70,7 +70,8 @@ absl::Status SetMarkerSet(const std::string& given, v1::Database& database) {
 
 absl::Status Run(const CreateOptions& options, const GlobalOptions& global) {
   v1::CreateDatabaseRequest request;
-  request.set_database_id(ShortName(DatabaseName(options.database)));
+  const std::string name = DatabaseName(options.database);
+  request.set_database_id(name.substr(name.find('/') + 1));
   v1::Database& database = *request.mutable_database();
   database.set_frame_rate_hz(options.frame_rate_hz);
   database.set_min_frames(options.min_frames);

@@ -62,7 +62,8 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
   }
   return Fail("no token", evidence.address,
               absl::UnauthenticatedError(
-                  "a token is needed: send the header `authorization: Bearer {token}`"));
+                  "a token is needed (--token-file or MOTIONDB_TOKEN of motiondb; the header "
+                  "`authorization: Bearer {token}`)"));
 }
 
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,

@@ -51,6 +51,13 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
   if (!options.admin_token_file.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(plan.access.admin_token, ReadAdminToken(options.admin_token_file));
   }
+  if (loopback && !plan.access.authentication &&
+      (!options.admin_token_file.empty() || options.certificate_role.has_value())) {
+    plan.warning = fmt::format(
+        "nobody is asked for a token at {}: admin-token-file and certificate-role have no effect "
+        "without --authentication token",
+        listen);
+  }
   if (loopback || (encrypted && plan.access.authentication)) return plan;
 
   const std::string lacks = fmt::format("{}{}{}", encrypted ? "" : "TLS",

@@ -22,6 +22,16 @@ bool IsHost(const std::string& text) {
   return bracketed || text.find_first_of(":[]") == std::string::npos;
 }
 
+// A range takes "nan", which is neither less nor more than its ends.
+const CLI::Validator Number(
+    [](std::string& text) {
+      double value = 0;
+      return CLI::detail::lexical_cast(text, value) && std::isfinite(value)
+                 ? std::string()
+                 : fmt::format("'{}' is not a number", text);
+    },
+    "");
+
 }  // namespace
 
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
@@ -31,6 +41,7 @@ CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::mil
   };
   return app.add_option_function<double>(name, set, description)
       ->type_name("SECONDS")
+      ->check(Number)
       ->check(CLI::Range(least, most))
       ->default_str(fmt::format("{:g}", static_cast<double>(time.count()) / 1000));
 }

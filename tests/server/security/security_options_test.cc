@@ -58,6 +58,18 @@ TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for
   CHECK(!tokens->reflection);
 }
 
+TEST_CASE("Security: roles that nobody is asked for are told of", "[security]") {
+  const auto none = PlanSecurity({.certificate_role = storage::Role::kReader}, kLoopback);
+  REQUIRE(none.ok());
+  CHECK_THAT(none->warning,
+             Catch::Contains("certificate-role") && Catch::Contains("--authentication token"));
+  const auto asked = PlanSecurity(
+      {.authentication = Authentication::kToken, .certificate_role = storage::Role::kReader},
+      kLoopback);
+  REQUIRE(asked.ok());
+  CHECK(asked->warning.empty());
+}
+
 TEST_CASE("Security: elsewhere TLS and tokens are needed", "[security]") {
   const Files files;
   const absl::Status bare = PlanSecurity({}, kEverywhere).status();

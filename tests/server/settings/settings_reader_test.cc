@@ -73,6 +73,16 @@ TEST_CASE("Settings: flags beat variables, variables the file, the file the defa
   }
 }
 
+TEST_CASE("Settings: a time is a number", "[settings]") {
+  for (const char* const text : {"nan", "inf", "-inf", "1e999", "soon"}) {
+    CAPTURE(text);
+    SettingsReader reader;
+    CHECK(!Read(reader, {"--store", "/s.db", "--call-time-limit", text}).empty());
+    SettingsReader grace;
+    CHECK(!Read(grace, {"--store", "/s.db", "--grace-seconds", text}).empty());
+  }
+}
+
 TEST_CASE("Settings: every one has all three forms", "[settings]") {
   const TemporaryDirectory directory;
   SettingsReader defaults;

@@ -93,8 +93,12 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
     : monitor_(std::move(monitor)),
       engine_(std::move(engine)),
       attachment_(*monitor_, *engine_),
-      host_(new CallHost{
-          *engine_, {engine_->store().access(), access}, CallLimits(calls), {}, *monitor_}) {
+      host_(new CallHost{*engine_,
+                         {engine_->store().access(), access},
+                         CallLimits(calls),
+                         MessageMemory(calls.message_memory_bytes),
+                         {},
+                         *monitor_}) {
   untaken_ = WatchUntaken(*host_);
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
@@ -124,8 +128,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
                              options.calls.calls.in_all + kFurtherCalls);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   // A call is only known here, with its limits, when its first message is whole.
-  builder.SetResourceQuota(grpc::ResourceQuota("motiondb")
-                               .Resize(static_cast<std::size_t>(options.message_memory_bytes)));
+  builder.SetResourceQuota(
+      grpc::ResourceQuota("motiondb")
+          .Resize(static_cast<std::size_t>(options.calls.message_memory_bytes)));
   // More than a call may have (CallLimits): beyond this gRPC ends the connection without a word.
   builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE,
                              4 * options.calls.max_metadata_bytes + kOwnMetadata);

@@ -27,10 +27,7 @@ class Tls;
 
 struct ServerOptions {
   std::string listen = "127.0.0.1:50051";  // port 0: a free one
-  int max_message_bytes = 64 << 20;        // largest request taken; a query may carry a whole file
-  // That gRPC may keep of messages which come in, whole ones and those that are half sent; beyond
-  // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down.
-  std::int64_t message_memory_bytes = 512 << 20;
+  int max_message_bytes = 16 << 20;        // largest request taken; a query may carry a whole file
   CallLimitOptions calls;
   SecurityOptions security;
   EngineOptions engine;

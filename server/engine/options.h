@@ -26,7 +26,9 @@ struct EngineOptions {
   // when it has drifted; others are simply built again.
   std::chrono::duration<double> extend_from{0.5};
   std::size_t max_file_bytes = std::size_t{64} << 20;  // of a motion file with its skeleton
-  int max_frames = 1'000'000;  // of a clip or observation: at its own rate, and at the database's
+  // Of a clip or observation, at its own rate, and at the database's; of 34 markers, of more as
+  // many fewer. More than an hour at 60 Hz.
+  int max_frames = 250'000;
   std::size_t max_databases = 1000;
   DatabaseQuota quota;
 };

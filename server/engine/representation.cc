@@ -1,14 +1,30 @@
 #include "server/engine/representation.h"
 
+#include <algorithm>
 #include <variant>
 
+#include "absl/strings/cord.h"
 #include "core/motion/error.h"
 
 namespace motiondb::server {
 namespace {
 
-// Frames times joints: some ten seconds of forward kinematics. A million frames have 268 joints.
-constexpr double kMostPlacings = 1 << 28;
+// Frames times joints: some three seconds of forward kinematics. A quarter of a million frames have
+// 268 joints.
+constexpr double kMostPlacings = 1 << 26;
+// Frames of a set of more markers take more memory and time; the limit is meant for these.
+constexpr double kUsualMarkers = 34;
+// Frames times markers or joints: half a minute of 34 markers at 60 Hz, a tenth of a second of
+// recognition with its windows far apart, some seconds with one at each frame.
+constexpr double kMostLightPoints = 1 << 16;
+
+constexpr char kHeavyWorkMark[] = "motiondb.heavy-work";
+
+absl::Status HeavyWork() {
+  absl::Status status = absl::ResourceExhaustedError("this is heavy work");
+  status.SetPayload(kHeavyWorkMark, absl::Cord());
+  return status;
+}
 
 double FrameCount(const core::Motion& motion) {
   if (const auto* joints = std::get_if<core::JointMotion>(&motion)) {
@@ -23,18 +39,40 @@ double FrameRate(const core::Motion& motion) {
   return std::visit([](const auto& form) { return form.frame_rate_hz; }, motion);
 }
 
-absl::Status CheckFrameCount(const core::Motion& motion, int max_frames) {
-  const double frames = FrameCount(motion);
-  if (frames > max_frames) {
-    return core::InvalidArgument("the motion has {} frames; at most {} are taken", frames,
-                                 max_frames);
+bool IsHeavyWork(const absl::Status& status) {
+  return status.GetPayload(kHeavyWorkMark).has_value();
+}
+
+absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
+                       const core::Motion& motion) {
+  const double own_frames = FrameCount(motion);
+  if (own_frames > limits.max_frames) {
+    return core::InvalidArgument("the motion has {} frames; at most {} are taken", own_frames,
+                                 limits.max_frames);
+  }
+  const double seconds = own_frames / FrameRate(motion);
+  const double frames = std::max(own_frames, seconds * limits.frame_rate_hz);
+  if (!(frames <= limits.max_frames)) {
+    return core::InvalidArgument(
+        "the motion has {} frames at {:g} Hz, {:g} s; at the database's {:g} Hz at most {} frames "
+        "({:g} s) are taken",
+        own_frames, FrameRate(motion), seconds, limits.frame_rate_hz, limits.max_frames,
+        limits.max_frames / limits.frame_rate_hz);
+  }
+  const double points = frames * marker_count;
+  if (points > limits.max_frames * kUsualMarkers) {
+    return core::InvalidArgument(
+        "the motion has {:.0f} frames; of {} markers at most {:.0f} are taken", frames,
+        marker_count, limits.max_frames * kUsualMarkers / marker_count);
   }
   const auto* const joints = std::get_if<core::JointMotion>(&motion);
-  if (joints != nullptr && frames * joints->skeleton->joint_count() > kMostPlacings) {
+  const double placings = joints == nullptr ? 0 : own_frames * joints->skeleton->joint_count();
+  if (placings > kMostPlacings) {
     return core::InvalidArgument("the motion has {} frames of {} joints, more than can be placed",
-                                 frames, joints->skeleton->joint_count());
+                                 own_frames, joints->skeleton->joint_count());
   }
-  return absl::OkStatus();
+  const bool light = std::max(points, placings) <= kMostLightPoints;
+  return light || limits.allowed == Allowed::kAllWork ? absl::OkStatus() : HeavyWork();
 }
 
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
@@ -42,15 +80,7 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     const core::Motion& motion, core::Gaps gaps,
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes) {
-  MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(motion, limits.max_frames));
-  const double seconds = FrameCount(motion) / FrameRate(motion);
-  if (!(seconds * limits.frame_rate_hz <= limits.max_frames)) {
-    return core::InvalidArgument(
-        "the motion has {} frames at {:g} Hz, {:g} s; at the database's {:g} Hz at most {} frames "
-        "({:g} s) are taken",
-        FrameCount(motion), FrameRate(motion), seconds, limits.frame_rate_hz, limits.max_frames,
-        limits.max_frames / limits.frame_rate_hz);
-  }
+  MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
   return core::Represent(scheme, motion, limits.frame_rate_hz, gaps, leg_length_m, notes);
 }
 

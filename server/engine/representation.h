@@ -11,10 +11,19 @@
 
 namespace motiondb::server {
 
+// What may be done at once, beside other calls: what is over within moments, or all that the limits
+// allow.
+enum class Allowed { kLightWork, kAllWork };
+
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
-  int max_frames = 0;        // at that rate, and of the motion at its own
+  // At that rate, and of the motion at its own; of 34 markers, of more markers as many fewer.
+  int max_frames = 0;
+  Allowed allowed = Allowed::kAllWork;
 };
+
+// Whether a motion was not represented because that is heavy work, which was not allowed.
+bool IsHeavyWork(const absl::Status& status);
 
 // As core::Represent. INVALID_ARGUMENT also for a motion that lasts too long: a file of a few bytes
 // can claim to last a century.
@@ -24,9 +33,10 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes = nullptr);
 
-// INVALID_ARGUMENT for a motion of more frames of its own, each of which becomes all the markers of
-// a set, or of more joints in them than can be placed.
-absl::Status CheckFrameCount(const core::Motion& motion, int max_frames);
+// Before a motion becomes the markers of a set, at the limits' frame rate. INVALID_ARGUMENT for one
+// that lasts too long or has more joints in its frames than can be placed; IsHeavyWork.
+absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
+                       const core::Motion& motion);
 
 // Frame rate of the motion's own frames.
 double FrameRate(const core::Motion& motion);

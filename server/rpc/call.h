@@ -13,6 +13,7 @@
 #include "core/motion/cancellation.h"
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
+#include "server/engine/representation.h"
 #include "server/observability/log_fields.h"
 #include "server/rpc/call_entry.h"
 #include "server/rpc/call_host.h"
@@ -27,6 +28,8 @@ struct Call {
   std::chrono::system_clock::time_point deadline;  // far away where the client set none
   CallEntry& entry;                                // who asks
   Monitor& monitor;                                // how the server is doing
+
+  Allowed allowed() const { return entry.allowed(); }
 };
 
 // Owned by gRPC: deletes itself when the call is over.
@@ -44,6 +47,29 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   CallEntry entry_;
 };
 
+// Ends the call with what kHandler makes. What turns out to be heavy is begun again as that.
+template <auto kHandler, typename Request, typename Response>
+void Work(CallHost& host, const Request& request, Response& response, UnaryReactor& reactor,
+          grpc::Status checked) {
+  if (!checked.ok()) return reactor.End(std::move(checked));
+  CallEntry& entry = reactor.entry();
+  const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
+  const LogFields fields{{"request_id", entry.request_id()}};
+  bool is_heavy = false;
+  std::size_t bytes = 0;
+  grpc::Status answered = RunHandler(call.cancelled, [&]() -> absl::Status {
+    absl::Status handled = kHandler(call, request, response);
+    is_heavy = IsHeavyWork(handled);
+    if (!handled.ok()) return handled;
+    bytes = response.ByteSizeLong();
+    return entry.HoldAnswer(bytes);
+  });
+  if (!is_heavy) return reactor.End(std::move(answered), bytes);
+  entry.BeginHeavy([&](grpc::Status entered) {
+    Work<kHandler>(host, request, response, reactor, std::move(entered));
+  });
+}
+
 // Answers with kHandler(call, request, response), run on a request thread. gRPC keeps context,
 // request and response until the call is finished.
 template <auto kHandler, typename Request, typename Response>
@@ -56,13 +82,7 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
   }
   reactor->entry().Weigh(request->ByteSizeLong());
   reactor->entry().Begin(*request, [&host, request, response, reactor](grpc::Status checked) {
-    if (!checked.ok()) return reactor->End(std::move(checked));
-    CallEntry& entry = reactor->entry();
-    const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
-    const LogFields fields{{"request_id", entry.request_id()}};
-    grpc::Status answered =
-        RunHandler(call.cancelled, [&] { return kHandler(call, *request, *response); });
-    reactor->End(std::move(answered), response->ByteSizeLong());
+    Work<kHandler>(host, *request, *response, *reactor, std::move(checked));
   });
   return reactor;
 }

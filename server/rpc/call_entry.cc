@@ -23,6 +23,7 @@ namespace {
 constexpr std::size_t kResourceLimit = 256;
 // Of requests and answers; 40 s of 34 markers at 60 Hz.
 constexpr std::size_t kLarge = 1 << 20;
+constexpr std::size_t kSmall = 64 << 10;  // of which there may be as many as there are calls
 constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
@@ -64,6 +65,7 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       watch_(host.monitor, method.name, KindOf(method)),
       deadline_(Deadline(host, context, method)),
       place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
+      memory_(host.memory),
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
 void CallEntry::Weigh(std::size_t request_bytes) {
@@ -86,6 +88,22 @@ void CallEntry::Begin(const google::protobuf::Message& request,
     if (!checked.ok() || !elsewhere) return work(std::move(checked));
     Post([work] { work(grpc::Status::OK); });
   });
+}
+
+void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
+  weight_ = CallWeight::kHeavy;
+  const absl::Status entered = EnterOwnPlace(*caller_);
+  if (!entered.ok()) return work(ToGrpcStatus(entered));
+  Post([work = std::move(work)] { work(grpc::Status::OK); });
+}
+
+absl::Status CallEntry::HoldAnswer(std::size_t bytes) {
+  // Twice: as a message, and as the bytes that it is sent as.
+  return bytes <= kSmall ? absl::OkStatus() : memory_.Hold(2 * static_cast<std::int64_t>(bytes));
+}
+
+absl::Status CallEntry::HoldFile(std::size_t bytes) {
+  return bytes <= kSmall ? absl::OkStatus() : memory_.Hold(static_cast<std::int64_t>(bytes));
 }
 
 void CallEntry::Post(std::function<void()> work) {
@@ -123,12 +141,15 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   } else {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
-  if (weight_ != CallWeight::kLight) {
-    const std::string client =
-        caller.principal == kAnonymous ? SourceOf(AddressOf(peer_)) : caller.principal;
-    MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client));
-  }
+  if (weight_ != CallWeight::kLight) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace(caller));
   caller_ = std::move(caller);
+  return absl::OkStatus();
+}
+
+absl::Status CallEntry::EnterOwnPlace(const Caller& caller) {
+  const std::string client =
+      caller.principal == kAnonymous ? SourceOf(AddressOf(peer_)) : caller.principal;
+  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client));
   return absl::OkStatus();
 }
 

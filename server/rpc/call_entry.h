@@ -19,6 +19,7 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "server/observability/call_watch.h"
+#include "server/engine/representation.h"
 #include "server/rpc/call_host.h"
 #include "server/rpc/method.h"
 #include "server/security/caller.h"
@@ -45,6 +46,13 @@ class CallEntry {
   // that came to: where it is OK in the place that Post has, so that nobody waits in a lane who may
   // not be there. The request must outlive the check.
   void Begin(const google::protobuf::Message& request, std::function<void(grpc::Status)> work);
+  // For a light call whose work turns out to be heavy: runs `work`, as Begin does, in the place of
+  // a heavy one, or with RESOURCE_EXHAUSTED. REQUIRES: the call passed its check.
+  void BeginHeavy(std::function<void(grpc::Status)> work);
+  // What the call may do where it is.
+  Allowed allowed() const {
+    return weight_ == CallWeight::kLight ? Allowed::kLightWork : Allowed::kAllWork;
+  }
   // Runs a further piece of the call's work, which must not throw, on a request thread; heavy calls
   // in their lane, upkeep on its thread.
   void Post(std::function<void()> work);
@@ -63,6 +71,11 @@ class CallEntry {
   // What a call ends with whose client, for as long as it may, sent nothing, before the first
   // message or after another, or took nothing: DEADLINE_EXCEEDED.
   grpc::Status Silent() const;
+
+  // An answer of so many bytes waits for the client from here on, a file for the rest of it. Small
+  // ones are not counted. RESOURCE_EXHAUSTED.
+  absl::Status HoldAnswer(std::size_t bytes);
+  absl::Status HoldFile(std::size_t bytes);
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
   // the request's id, and keeps what the role table says in the record of changes. From then on the
@@ -86,6 +99,7 @@ class CallEntry {
 
  private:
   absl::StatusOr<Caller> Authenticate();
+  absl::Status EnterOwnPlace(const Caller& caller);
   std::string Subject(const google::protobuf::Message& request) const;
   storage::AuditRecord Record(grpc::StatusCode code) const;
 
@@ -99,6 +113,7 @@ class CallEntry {
   const std::chrono::system_clock::time_point deadline_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
+  MessageMemory::Share memory_;
   bool checked_ = false;
   bool recorded_ = false;
   std::optional<Caller> caller_;  // nothing before a Check that the caller passed

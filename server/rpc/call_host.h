@@ -5,6 +5,7 @@
 #include "server/observability/monitor.h"
 #include "server/rpc/call_gate.h"
 #include "server/rpc/call_limits.h"
+#include "server/rpc/message_memory.h"
 #include "server/security/access_control.h"
 
 namespace motiondb::server {
@@ -13,6 +14,7 @@ struct CallHost {
   Engine& engine;
   AccessControl access;
   CallLimits limits;
+  MessageMemory memory;
   CallGate gate;
   Monitor& monitor;
 };

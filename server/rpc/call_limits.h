@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <map>
 #include <mutex>
 #include <string>
@@ -32,6 +33,10 @@ struct CallLimitOptions {
   // That it may before its first message, if that is less: nobody knows yet who it is.
   std::chrono::milliseconds longest_first_silence{10'000};
   int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
+  // That gRPC may keep of messages which come in, whole ones and those that are half sent; beyond
+  // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down. As much again may be held
+  // of files that were sent in part, and of answers that are not taken (MessageMemory).
+  std::int64_t message_memory_bytes = 512 << 20;
 };
 
 class CallLimits {

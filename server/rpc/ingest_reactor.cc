@@ -27,6 +27,7 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
  private:
   absl::Status Take(v1::IngestClipRequest& message) override {
     MOTIONDB_RETURN_IF_ERROR(stream_.Take(std::move(message)));
+    MOTIONDB_RETURN_IF_ERROR(entry().HoldFile(stream_.byte_count()));
     if (database_ != nullptr) return absl::OkStatus();
     MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
     MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));

@@ -14,8 +14,9 @@ absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
                        v1::RepresentResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
                             FindSubject(call.engine, "database", request.database()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto markers, MarkersFrom("observation", request.observation(),
-                                                            call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto markers,
+                            MarkersFrom("observation", request.observation(), call.engine,
+                                        *subject.database, call.allowed()));
   SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();
 }

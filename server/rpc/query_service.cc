@@ -24,8 +24,9 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                             FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
-                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states,
+                            StatesFrom("observation", request.observation(), call.engine,
+                                       *subject.database, call.allowed()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             core::Recognize(model, states, options, call.cancelled));
   return SetRecognition(windows, subject.database->name(), model, request.top_count(), response);
@@ -37,8 +38,9 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
                             FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
-                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states,
+                            StatesFrom("observation", request.observation(), call.engine,
+                                       *subject.database, call.allowed()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto estimation,
                             core::Estimate(model, states, options, call.cancelled));
   SetEstimation(estimation, model, response);
@@ -51,8 +53,9 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
                             FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("", request, model));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto states, StatesFrom("observation", request.observation(),
-                                                          call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto states,
+                            StatesFrom("observation", request.observation(), call.engine,
+                                       *subject.database, call.allowed()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction,
                             core::Predict(model, states, options, call.cancelled));
   SetPrediction(prediction, subject.database->name(), model, response);
@@ -68,8 +71,9 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("prediction.", first, model));
   MOTIONDB_ASSIGN_OR_RETURN(const double every,
                             StepFrom("every_seconds", request.every_seconds(), model));
-  MOTIONDB_ASSIGN_OR_RETURN(auto states, StatesFrom("prediction.observation", first.observation(),
-                                                    call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(auto states,
+                            StatesFrom("prediction.observation", first.observation(), call.engine,
+                                       *subject.database, call.allowed()));
   const auto series =
       std::make_shared<PredictionSeries>(subject.snapshot, std::move(states), options, every);
   return [series, name = subject.database->name(),

@@ -35,14 +35,19 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddMebibytes(app, "--max-message-mib", settings.server.max_message_bytes, "Largest request taken")
       ->group("Limits");
-  AddMebibytes(app, "--message-memory-mib", settings.server.message_memory_bytes,
-               "Memory for requests that come in, whole or half sent", 1 << 20)
+  AddMebibytes(
+      app, "--message-memory-mib", calls.message_memory_bytes,
+      "Memory for requests that come in, whole or half sent; and as much for files that come in "
+      "and answers that nobody takes",
+      1 << 20)
       ->group("Limits");
   AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,
                "Largest metadata taken with a call: names and values, and 32 bytes for each")
       ->group("Limits");
-  AddCount(app, "--max-frames", engine.max_frames, 2, 100'000'000,
-           "Longest clip or observation, in frames: at its own frame rate, and at the database's");
+  AddCount(
+      app, "--max-frames", engine.max_frames, 2, 100'000'000,
+      "Longest clip or observation, in frames: at its own frame rate, and at the database's; of "
+      "more than 34 markers as many fewer");
   AddCount(app, "--max-databases", engine.max_databases, 1, 1'000'000, "Most databases");
   AddCount(app, "--max-database-clips", engine.quota.clip_count, 1, 100'000'000,
            "Most clips in one database");
@@ -55,7 +60,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
                "address; behind a proxy all calls come from the proxy's");
   AddCallLimit(app, "--max-heavy-calls", calls.heavy,
                "heavy calls (ingests, exports, plans, series of predictions, backups, queries of "
-               "over 1 MiB)");
+               "over 1 MiB or of a long motion)");
   AddCallLimit(app, "--max-streams", calls.streams, "streams of frames");
   AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
              "Time after which a call ends, but for streams of frames, waits for an operation and "
@@ -68,7 +73,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
 }
 
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems) {
-  if (settings.server.message_memory_bytes >= settings.server.max_message_bytes) return;
+  if (settings.server.calls.message_memory_bytes >= settings.server.max_message_bytes) return;
   problems.push_back(absl::InvalidArgumentError(
       "message-memory-mib: less than max-message-mib, so the largest request would never come in"));
 }

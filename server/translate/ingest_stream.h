@@ -25,6 +25,8 @@ class IngestStream {
 
   // Id of the database; empty until the header has come.
   const std::string& database() const { return database_; }
+  // Of the file and its skeleton, so far.
+  std::size_t byte_count() const { return file_.file_bytes.size() + file_.skeleton_bytes.size(); }
 
   // The file, when the stream has ended. INVALID_ARGUMENT if something is missing.
   absl::StatusOr<IngestFile> Finish();

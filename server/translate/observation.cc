@@ -2,7 +2,6 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/engine/representation.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/file_format.h"
 #include "server/translate/frames.h"
@@ -106,31 +105,38 @@ absl::StatusOr<ObservedMotion> Read(std::string_view field, const v1::Observatio
   return observed;
 }
 
+absl::Status InForm(const ObservedMotion& observed, const absl::Status& status) {
+  return IsHeavyWork(status) ? status : AtField(observed.form_field, status);
+}
+
 }  // namespace
 
 absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
                                                const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database) {
+                                               const LiveDatabase& database, Allowed allowed) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
                             Read(field, observation, engine, database, scheme->set));
-  const RepresentationLimits limits{database.settings().frame_rate_hz, engine.options().max_frames};
+  const RepresentationLimits limits{database.settings().frame_rate_hz, engine.options().max_frames,
+                                    allowed};
   auto states =
       RepresentWithin(limits, *scheme, observed.motion, core::Gaps::kKeep, observed.leg_length_m);
-  if (!states.ok()) return AtField(observed.form_field, states.status());
+  if (!states.ok()) return InForm(observed, states.status());
   return states;
 }
 
 absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
                                                const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database) {
+                                               const LiveDatabase& database, Allowed allowed) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
                             Read(field, observation, engine, database, scheme->set));
+  const RepresentationLimits limits{FrameRate(observed.motion), engine.options().max_frames,
+                                    allowed};
   MOTIONDB_RETURN_IF_ERROR(
-      AtField(observed.form_field, CheckFrameCount(observed.motion, engine.options().max_frames)));
+      InForm(observed, CheckSize(limits, scheme->set.marker_count(), observed.motion)));
   auto markers = core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m);
-  if (!markers.ok()) return AtField(observed.form_field, markers.status());
+  if (!markers.ok()) return InForm(observed, markers.status());
   return markers;
 }
 

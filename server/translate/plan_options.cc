@@ -136,7 +136,8 @@ absl::StatusOr<core::PlanStart> StartFrom(const v1::PlanRequest& request, Engine
   } else if (request.has_observation_start()) {
     MOTIONDB_ASSIGN_OR_RETURN(
         start.observation,
-        StatesFrom("observation_start", request.observation_start(), engine, database));
+        StatesFrom("observation_start", request.observation_start(), engine, database,
+                   Allowed::kAllWork));  // a plan is heavy itself
   }
   return start;
 }

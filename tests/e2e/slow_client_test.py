@@ -131,6 +131,11 @@ class SlowClients(unittest.TestCase):
             [line] = [line for line in status if line.startswith("VmRSS")]
         return int(line.split()[1]) / 1024
 
+    def ended(self, method):
+        """How many calls of the method have their answer, taken or not."""
+        return sum(int(ended["call_count"]) for ended in self.server.ask_one("status")["methods"]
+                   if ended["method"] == method)
+
     def answered(self, method):
         """Whether a call of the method has its answer, taken or not."""
         return any(ended["method"] == method for ended in self.server.ask_one("status")["methods"])
@@ -183,6 +188,37 @@ class SlowClients(unittest.TestCase):
         self.assertGreater(refusals, 0)
         self.assertEqual(self.server.run(*export).returncode, 0)
         call.close()
+
+    def test_answers_that_nobody_takes_take_the_memory_that_they_may(self):
+        many = ["--max-heavy-calls", "1000", "--max-heavy-calls-per-client", "1000"]
+        self.serve("--max-message-mib", "16", "--message-memory-mib", "32", *many)
+        self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
+        write_bvh(self.path("walk.bvh"), 0)
+        self.server.ask("ingest", "walks", self.path("walk.bvh"), "--label", "walk")
+        write_bvh(self.path("long.bvh"), 0, frames=12000)
+        with open(self.path("long.bvh"), "rb") as file:
+            observation = field(1, field(1, b"long.bvh") + field(3, file.read()))
+        message = field(1, b"databases/walks") + field(2, observation)
+        before = self.memory()
+        calls = []
+        for _ in range(40):
+            call = Call(self.server.address, "ObserveService/Represent", message, window=0)
+            while call.rest:
+                call.go_on()
+            calls.append(call)
+        while self.ended("ObserveService.Represent") < len(calls):
+            for call in calls:
+                call.go_on()
+        held = self.memory() - before
+        refused = [method for method in self.server.ask_one("status")["methods"]
+                   if method["method"] == "ObserveService.Represent"][0]["errors"]
+        for call in calls:
+            call.close()
+        print(f"\n{len(calls)} answers of 1 MiB that nobody takes: {held:.0f} MiB, where 32 may be "
+              f"held; refused: {refused}")
+        self.assertEqual([error["code"] for error in refused], ["RESOURCE_EXHAUSTED"])
+        # And 32 of requests, and what those that work at the moment take.
+        self.assertLess(held, 120)
 
 
 if __name__ == "__main__":

@@ -19,8 +19,8 @@ absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& res
   tests::TrainedEngine& trained = tests::Trained();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom("", request, trained.model()));
   MOTIONDB_ASSIGN_OR_RETURN(
-      const auto states,
-      server::StatesFrom("observation", request.observation(), *trained.engine, *trained.database));
+      const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
+                                            *trained.database, server::Allowed::kAllWork));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Predict(trained.model(), states, options));
   server::SetPrediction(answer, "db", trained.model(), response);
   return absl::OkStatus();

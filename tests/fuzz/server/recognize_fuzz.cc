@@ -19,8 +19,8 @@ absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeRespons
   tests::TrainedEngine& trained = tests::Trained();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
   MOTIONDB_ASSIGN_OR_RETURN(
-      const auto states,
-      server::StatesFrom("observation", request.observation(), *trained.engine, *trained.database));
+      const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
+                                            *trained.database, server::Allowed::kAllWork));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Recognize(trained.model(), states, options));
   return server::SetRecognition(answer, "db", trained.model(), request.top_count(), response);
 }

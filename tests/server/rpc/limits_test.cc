@@ -1,10 +1,12 @@
 // What a client may take of a server: calls at a time, time, silence.
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <deque>
 #include <future>
 #include <memory>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
@@ -149,17 +151,28 @@ TEST_CASE(
   CHECK(list(3 << 10, other).ok());
 }
 
+// Two frames that last so long that they become many: 17 minutes at 60 Hz.
+v1::Observation SlowMotion(TestServer& server) {
+  v1::RepresentRequest represent;
+  represent.set_database("databases/db");
+  *represent.mutable_observation() = ObservedWalk();
+  const auto queries = server.NewStub<v1::ObserveService>();
+  const auto walk = Ask(*queries, &v1::ObserveService::Stub::Represent, represent);
+  REQUIRE(walk.status.ok());
+  v1::Observation observation;
+  v1::MarkerObservation& markers = *observation.mutable_markers();
+  markers = walk.response.markers();
+  const std::size_t bytes = markers.positions().size() / markers.frame_count();
+  markers.mutable_positions()->resize(2 * bytes);
+  markers.set_frame_count(2);
+  markers.set_frame_rate_hz(0.001);
+  REQUIRE(observation.ByteSizeLong() < 1000);
+  return observation;
+}
+
 TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[server][limits]") {
   TestServer server(With({.heavy = {1, 1}}));
   server.CreateTrained("db");
-  const auto clips = server.NewStub<v1::ClipService>();
-  grpc::ClientContext context;
-  v1::IngestClipResponse stored;
-  const auto ingest = clips->IngestClip(&context, &stored);
-  v1::IngestClipRequest header;
-  header.mutable_header()->set_parent("databases/db");
-  header.mutable_header()->set_file_name("late.bvh");
-  REQUIRE(ingest->Write(header));
   const auto queries = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest short_one;
   short_one.set_database("databases/db");
@@ -169,16 +182,41 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
   const auto recognize = [&](const v1::RecognizeRequest& request) {
     return Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
   };
+  const auto clips = server.NewStub<v1::ClipService>();
+  v1::IngestClipRequest header;
+  header.mutable_header()->set_parent("databases/db");
+  header.mutable_header()->set_file_name("late.bvh");
+  v1::IngestClipResponse stored;
+  std::deque<grpc::ClientContext> contexts;
+  std::vector<std::unique_ptr<grpc::ClientWriter<v1::IngestClipRequest>>> ingests;
   grpc::Status refused;
   for (int tries = 0; tries < 200 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
        ++tries) {
+    // Again and again: one that comes beside a query is refused itself.
+    if (tries % 20 == 0) {
+      ingests.push_back(clips->IngestClip(&contexts.emplace_back(), &stored));
+      REQUIRE(ingests.back()->Write(header));
+    }
     refused = recognize(long_one);
   }
   INFO(refused.error_message());
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
   CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
   CHECK(recognize(short_one).ok());
-  context.TryCancel();
+  v1::RecognizeRequest slow_one = short_one;
+  *slow_one.mutable_observation() = SlowMotion(server);
+  const grpc::Status slow = recognize(slow_one);
+  INFO(slow.error_message());
+  CHECK(slow.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(slow.error_message().find("--max-heavy-calls") != std::string::npos);
+  for (grpc::ClientContext& context : contexts) context.TryCancel();
+  grpc::Status free = recognize(slow_one);
+  for (int tries = 0; tries < 500 && !free.ok(); ++tries) {
+    std::this_thread::sleep_for(milliseconds(10));
+    free = recognize(slow_one);
+  }
+  INFO(free.error_message());
+  CHECK(free.ok());
 }
 
 // A file of minutes of motion: more than a call may have that weighs nothing.
@@ -219,6 +257,41 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
   done.set_value();
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
   CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+}
+
+TEST_CASE("Limits: files that come in part hold memory that others cannot have",
+          "[server][limits]") {
+  TestServer server(With({.message_memory_bytes = 32 << 20}));
+  server.CreateTrained("db");
+  const auto clips = server.NewStub<v1::ClipService>();
+  v1::IngestClipRequest header;
+  header.mutable_header()->set_parent("databases/db");
+  header.mutable_header()->set_file_name("slow.bvh");
+  v1::IngestClipRequest block;
+  block.set_file_block(std::string(1 << 20, ' '));
+  const auto send = [&](grpc::ClientWriter<v1::IngestClipRequest>& ingest, int blocks) {
+    bool open = ingest.Write(header);
+    for (int i = 0; i < blocks && open; ++i) open = ingest.Write(block);
+  };
+  grpc::ClientContext slow;
+  v1::IngestClipResponse ignored;
+  const auto waiting = clips->IngestClip(&slow, &ignored);
+  send(*waiting, 24);
+  grpc::Status ended;
+  // It is no motion; until the first has come so far, that is what is said.
+  for (int tries = 0; tries < 100 && ended.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
+       ++tries) {
+    grpc::ClientContext context;
+    v1::IngestClipResponse response;
+    const auto ingest = clips->IngestClip(&context, &response);
+    send(*ingest, 12);
+    ingest->WritesDone();
+    ended = ingest->Finish();
+  }
+  slow.TryCancel();
+  INFO(ended.error_message());
+  CHECK(ended.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(ended.error_message().find("--message-memory-mib") != std::string::npos);
 }
 
 TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") {

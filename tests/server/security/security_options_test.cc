@@ -59,13 +59,16 @@ TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for
 }
 
 TEST_CASE("Security: roles that nobody is asked for are told of", "[security]") {
-  const auto none = PlanSecurity({.certificate_role = storage::Role::kReader}, kLoopback);
+  const Files files;
+  SecurityOptions options = files.Encrypted();
+  options.tls.client_ca = files.authority.certificate();
+  options.certificate_role = storage::Role::kReader;
+  const auto none = PlanSecurity(options, kLoopback);
   REQUIRE(none.ok());
   CHECK_THAT(none->warning,
              Catch::Contains("certificate-role") && Catch::Contains("--authentication token"));
-  const auto asked = PlanSecurity(
-      {.authentication = Authentication::kToken, .certificate_role = storage::Role::kReader},
-      kLoopback);
+  options.authentication = Authentication::kToken;
+  const auto asked = PlanSecurity(options, kLoopback);
   REQUIRE(asked.ok());
   CHECK(asked->warning.empty());
 }

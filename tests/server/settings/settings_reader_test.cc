@@ -241,7 +241,7 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   REQUIRE(Read(delays, {"--store", directory / "a.db", "--rebuild-delay", "20"}).empty());
   CHECK(delays.Check().size() == 1);
   SettingsReader memory;
-  REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "63"}).empty());
+  REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "15"}).empty());
   CHECK(memory.Check().size() == 1);
 }
 

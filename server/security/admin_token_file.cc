@@ -6,6 +6,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 
 #include "absl/strings/ascii.h"
 #include "core/motion/error.h"
@@ -15,6 +16,15 @@ namespace {
 
 constexpr std::size_t kShortest = 20;
 
+// What is wrong with a file of this mode, which makes whoever knows or writes what is in it an
+// administrator; empty: nothing.
+std::string_view FaultOf(mode_t mode) {
+  if ((mode & S_IROTH) != 0) return "everybody on this machine can read it";
+  if ((mode & S_IWOTH) != 0) return "everybody on this machine can write it";
+  if ((mode & S_IWGRP) != 0) return "its group can write it";
+  return "";
+}
+
 }  // namespace
 
 absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
@@ -22,9 +32,8 @@ absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
   if (stat(path.c_str(), &status) != 0) {
     return core::InvalidArgument("{}: {}", path, std::strerror(errno));
   }
-  if ((status.st_mode & S_IROTH) != 0) {
-    return core::InvalidArgument(
-        "{}: everybody on this machine can read it; expected mode 0600 or 0640", path);
+  if (const std::string_view fault = FaultOf(status.st_mode); !fault.empty()) {
+    return core::InvalidArgument("{}: {}; expected mode 0600 or 0640", path, fault);
   }
   std::ifstream file(path, std::ios::binary);
   if (!file) return core::InvalidArgument("{}: cannot be read", path);

@@ -62,10 +62,9 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
           "Who may call: token: who shows one; none: everybody; by-address: everybody if only "
           "this machine can reach --listen, else who shows a token")
       ->group(kGroup);
-  app.add_option(
-         "--admin-token-file", security.admin_token_file,
-         "What it holds counts as an administrator's token; not to be readable by all; read "
-         "again when it changes")
+  app.add_option("--admin-token-file", security.admin_token_file,
+                 "What it holds counts as an administrator's token; not to be readable by all, nor "
+                 "writable by others than its owner; read again when it changes")
       ->type_name("FILE")
       ->group(kGroup);
   AddWord(app, "--certificate-role", security.certificate_role, kRoles,

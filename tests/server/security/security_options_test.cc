@@ -145,10 +145,22 @@ TEST_CASE("Security: the administrator's token file is kept from others", "[secu
   std::ofstream(path) << "  a long enough secret of an admin\n";
   chmod(path.c_str(), 0644);
   CHECK_THAT(Message({.admin_token_file = path}), Catch::StartsWith(path + ": everybody"));
-  chmod(path.c_str(), 0640);
-  const auto plan = PlanSecurity({.admin_token_file = path}, kLoopback);
-  REQUIRE(plan.ok());
-  CHECK(plan->access.admin_token == "a long enough secret of an admin");
+  for (const mode_t mode : {0602, 0622, 0642}) {
+    chmod(path.c_str(), mode);
+    CHECK_THAT(Message({.admin_token_file = path}),
+               Catch::StartsWith(path + ": everybody on this machine can write it"));
+  }
+  for (const mode_t mode : {0620, 0660}) {
+    chmod(path.c_str(), mode);
+    CHECK_THAT(Message({.admin_token_file = path}),
+               Catch::StartsWith(path + ": its group can write it"));
+  }
+  for (const mode_t mode : {0400, 0440, 0600, 0640}) {
+    chmod(path.c_str(), mode);
+    const auto plan = PlanSecurity({.admin_token_file = path}, kLoopback);
+    REQUIRE(plan.ok());
+    CHECK(plan->access.admin_token == "a long enough secret of an admin");
+  }
   std::ofstream(path) << "short";
   CHECK_THAT(Message({.admin_token_file = path}), Catch::Contains("at least 20 characters"));
   CHECK_THAT(Message({.admin_token_file = path + "x"}), Catch::StartsWith(path + "x: "));

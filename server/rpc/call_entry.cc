@@ -26,6 +26,8 @@ constexpr std::size_t kLarge = 1 << 20;
 constexpr std::size_t kSmall = 64 << 10;  // of which there may be as many as there are calls
 constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
+using TimePoint = std::chrono::system_clock::time_point;
+
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
 // It has a timeout of its own, and takes no thread meanwhile.
@@ -33,15 +35,19 @@ bool WaitsForOperation(const Method& method) {
   return method.name == "OperationService.WaitOperation";
 }
 
-std::chrono::system_clock::time_point Deadline(const CallHost& host,
-                                               const grpc::CallbackServerContext& context,
-                                               const Method& method) {
+TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& method) {
   if (method.weight == CallWeight::kStream || method.weight == CallWeight::kUpkeep ||
       WaitsForOperation(method)) {
-    return context.deadline();
+    return of_client;
   }
-  return std::min(context.deadline(),
-                  std::chrono::system_clock::now() + host.limits.options().longest_call);
+  return std::min(of_client, std::chrono::system_clock::now() + host.limits.options().longest_call);
+}
+
+// When a client may itself take its deadline for past, and cancel the call: its clock began to run
+// before the call came here, and it told its time rounded up, by a hundredth at most.
+TimePoint Earliest(TimePoint of_client) {
+  constexpr std::chrono::milliseconds kOnTheWay{20};
+  return of_client - (of_client - std::chrono::system_clock::now()) / 100 - kOnTheWay;
 }
 
 CallKind KindOf(const Method& method) {
@@ -63,7 +69,9 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       peer_(context.peer()),
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
-      deadline_(Deadline(host, context, method)),
+      client_deadline_(context.deadline()),
+      deadline_(Deadline(host, client_deadline_, method)),
+      client_may_give_up_(Earliest(client_deadline_)),
       place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
       memory_(host.memory),
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
@@ -178,12 +186,20 @@ grpc::Status CallEntry::Silent() const {
                       Seconds(host_.limits.options().longest_silence))};
 }
 
+grpc::Status CallEntry::TimeIsUp() const {
+  const auto now = std::chrono::system_clock::now();
+  if (deadline_ < client_deadline_ && now > deadline_) {
+    return {grpc::StatusCode::DEADLINE_EXCEEDED,
+            fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
+                        Seconds(host_.limits.options().longest_call))};
+  }
+  if (now < client_may_give_up_) return grpc::Status::OK;
+  return {grpc::StatusCode::DEADLINE_EXCEEDED, "took longer than the deadline that the client set"};
+}
+
 grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
-  if (status.error_code() == grpc::StatusCode::CANCELLED && deadline_ < context_.deadline() &&
-      std::chrono::system_clock::now() > deadline_) {
-    status = {grpc::StatusCode::DEADLINE_EXCEEDED,
-              fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
-                          Seconds(host_.limits.options().longest_call))};
+  if (status.error_code() == grpc::StatusCode::CANCELLED) {
+    if (grpc::Status late = TimeIsUp(); !late.ok()) status = std::move(late);
   }
   if (checked_ && (method_.rule == nullptr || method_.rule->recorded) &&
       !(recorded_ && status.ok())) {

@@ -100,6 +100,9 @@ class CallEntry {
  private:
   absl::StatusOr<Caller> Authenticate();
   absl::Status EnterOwnPlace(const Caller& caller);
+  // What a call that nobody waits for any more ends with where that is for lack of time:
+  // DEADLINE_EXCEEDED, with whose limit it was. OK: it was not.
+  grpc::Status TimeIsUp() const;
   std::string Subject(const google::protobuf::Message& request) const;
   storage::AuditRecord Record(grpc::StatusCode code) const;
 
@@ -110,7 +113,10 @@ class CallEntry {
   const std::string peer_;  // kept: gRPC may forget it when the client goes away
   const std::string request_id_;
   CallWatch watch_;
+  // Read once: gRPC works it out anew each time, a little earlier or later.
+  const std::chrono::system_clock::time_point client_deadline_;
   const std::chrono::system_clock::time_point deadline_;
+  const std::chrono::system_clock::time_point client_may_give_up_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
   MessageMemory::Share memory_;

@@ -4,6 +4,9 @@
 #include <deque>
 #include <future>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <sstream>
 #include <string>
 #include <thread>
 #include <vector>
@@ -17,6 +20,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
 #include "server/security/role_table.h"
+#include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -383,6 +387,47 @@ TEST_CASE("Limits: a call ends when the server's time is up", "[server][limits]"
   INFO(answer.status.error_message());
   CHECK(answer.status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
   CHECK(answer.status.error_message().find("--call-time-limit") != std::string::npos);
+}
+
+// What the server logs of calls that end after the deadline that their client set: "CODE message".
+std::set<std::string> LogOfLateCalls(std::size_t count) {
+  TestServer server(With({}));
+  const CapturedLog log(spdlog::level::debug);
+  std::promise<void> done;
+  const std::shared_future<void> held = done.get_future().share();
+  server::Workers& workers = server.server().engine().workers();
+  for (int i = 0; i < workers.request_threads(); ++i) {
+    workers.Post([held] { held.wait(); });
+  }
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  const v1::ListDatabasesRequest request;
+  std::vector<grpc::ClientContext> contexts(count);
+  std::vector<v1::ListDatabasesResponse> responses(count);
+  std::vector<std::promise<void>> ends(count);
+  const auto deadline = std::chrono::system_clock::now() + milliseconds(500);
+  for (std::size_t i = 0; i < count; ++i) {
+    contexts[i].set_deadline(deadline);
+    stub->async()->ListDatabases(&contexts[i], &request, &responses[i],
+                                 [&end = ends[i]](const grpc::Status&) { end.set_value(); });
+  }
+  for (auto& end : ends) end.get_future().wait();
+  std::this_thread::sleep_for(milliseconds(200));  // until it is past at the server, too
+  done.set_value();
+  server.Stop();
+  std::set<std::string> lines;
+  std::istringstream text(log.text());
+  for (std::string line; std::getline(text, line);) {
+    const auto json = nlohmann::json::parse(line);
+    if (json.value("method", "") != "DatabaseService.ListDatabases") continue;
+    lines.insert(json["code"].get<std::string>() + " " + json["message"].get<std::string>());
+  }
+  return lines;
+}
+
+TEST_CASE("Limits: the deadline of a client is not taken for the server's own limit",
+          "[server][limits]") {
+  CHECK(LogOfLateCalls(200) == std::set<std::string>{"DEADLINE_EXCEEDED call: took longer than the "
+                                                     "deadline that the client set"});
 }
 
 TEST_CASE("Limits: a wait for an operation has its own timeout, not that of calls",

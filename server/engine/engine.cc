@@ -185,10 +185,11 @@ std::vector<storage::Damage> Engine::damages() {
   return damages;
 }
 
-absl::StatusOr<storage::OperationRecord> Engine::CancelOperation(const std::string& operation) {
+absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operation) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
-  if (!record.done()) rebuilder_.Cancel(record);
-  return operations_.Get(operation);
+  const bool is_first = !record.done() && rebuilder_.Cancel(record);
+  MOTIONDB_ASSIGN_OR_RETURN(auto after, operations_.Get(operation));
+  return Cancellation{std::move(after), is_first};
 }
 
 }  // namespace motiondb::server

@@ -37,6 +37,11 @@ struct Ingested {
   storage::OperationRecord operation;
 };
 
+struct Cancellation {
+  storage::OperationRecord operation;  // as it then stands
+  bool is_first = false;               // false: it was over, or was to stop, before this
+};
+
 class Engine {
  public:
   // Reads the stored models, without building any, and takes up what a former server left undone. A
@@ -84,8 +89,8 @@ class Engine {
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
                                                       const storage::AuditRecord* audit = nullptr);
-  // Returns the operation as it then stands. NOT_FOUND.
-  absl::StatusOr<storage::OperationRecord> CancelOperation(const std::string& operation);
+  // NOT_FOUND.
+  absl::StatusOr<Cancellation> CancelOperation(const std::string& operation);
 
   // What was found damaged since the start, at most a hundred things.
   std::vector<storage::Damage> damages();

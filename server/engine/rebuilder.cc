@@ -53,20 +53,21 @@ Rebuilder::Ingest::~Ingest() {
   rebuilder_.Arm(*queue);
 }
 
-void Rebuilder::Cancel(const storage::OperationRecord& operation) {
+bool Rebuilder::Cancel(const storage::OperationRecord& operation) {
   const std::lock_guard lock(mutex_);
   const auto found = queues_.find(operation.database);
-  if (found == queues_.end()) return;
+  if (found == queues_.end()) return false;
   Queue& queue = found->second;
   if (const auto waiting = std::ranges::find(queue.waiting, operation.id);
       waiting != queue.waiting.end()) {
     queue.waiting.erase(waiting);
     book_.Cancel(operation.id);
     Arm(queue);
-  } else if (queue.running != nullptr && queue.running->operation == operation.id) {
-    StopReason none = StopReason::kNone;
-    queue.running->stop.compare_exchange_strong(none, StopReason::kCancelled);
+    return true;
   }
+  if (queue.running == nullptr || queue.running->operation != operation.id) return false;
+  StopReason none = StopReason::kNone;
+  return queue.running->stop.compare_exchange_strong(none, StopReason::kCancelled);
 }
 
 void Rebuilder::Forget(const LiveDatabase& database) {

@@ -53,8 +53,9 @@ class Rebuilder {
   };
 
   // Asks an operation to stop: a waiting one is CANCELLED at once, one at work soon. The clips
-  // stay; the next change, or the next start of the server, rebuilds.
-  void Cancel(const storage::OperationRecord& operation);
+  // stay; the next change, or the next start of the server, rebuilds. False where that changes
+  // nothing: it is over, or is to stop already.
+  bool Cancel(const storage::OperationRecord& operation);
   // The database was deleted: its operations end, and its build stops without storing anything.
   // REQUIRES: within LiveDatabase::Retire.
   void Forget(const LiveDatabase& database);

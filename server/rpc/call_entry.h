@@ -96,6 +96,9 @@ class CallEntry {
   // one transaction: End then keeps none, unless the call fails after all. `resource` names what is
   // changed.
   storage::AuditRecord RecordWithChange(std::string resource);
+  // The call, though it will have done what was asked, changed nothing: End keeps what it keeps of
+  // one that failed.
+  void NoteNoChange() { changed_ = false; }
 
  private:
   absl::StatusOr<Caller> Authenticate();
@@ -122,6 +125,7 @@ class CallEntry {
   MessageMemory::Share memory_;
   bool checked_ = false;
   bool recorded_ = false;
+  bool changed_ = true;
   std::optional<Caller> caller_;  // nothing before a Check that the caller passed
   std::string principal_ = kAnonymous;
   std::string resource_;

@@ -39,8 +39,9 @@ absl::Status ListOperations(const Call& call, const v1::ListOperationsRequest& r
 absl::Status CancelOperation(const Call& call, const v1::CancelOperationRequest& request,
                              v1::CancelOperationResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseOperationName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.CancelOperation(id));
-  SetOperation(record, *response.mutable_operation());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto cancellation, call.engine.CancelOperation(id));
+  if (!cancellation.is_first) call.entry.NoteNoChange();
+  SetOperation(cancellation.operation, *response.mutable_operation());
   return absl::OkStatus();
 }
 

@@ -17,7 +17,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kMinute{60'000};
-constexpr int kRecordedFailuresPerMinute = 10;
+constexpr int kRecordedInVainPerMinute = 10;
 constexpr char kAdminTokenId[] = "admin-token-file";
 
 // The token in `Bearer {token}`; empty where the header has another form.
@@ -44,7 +44,7 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
       admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
-      recorded_failures_(kRecordedFailuresPerMinute, kMinute),
+      recorded_in_vain_(kRecordedInVainPerMinute, kMinute),
       warnings_(1, kMinute) {
   if (!options_.authentication) return;
   const absl::Status read = tokens_.ReadAhead(NowMicroseconds());
@@ -121,10 +121,10 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
   return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckHolds(NowMicroseconds());
 }
 
-void AccessControl::Record(const storage::AuditRecord& record, bool of_administrator) {
-  const bool changed_nothing = record.code != 0 && !of_administrator;
-  if (changed_nothing &&
-      !recorded_failures_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
+void AccessControl::Record(const storage::AuditRecord& record, bool of_administrator,
+                           bool changed) {
+  if (!changed && !of_administrator &&
+      !recorded_in_vain_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return;
   }
   const absl::Status kept = store_.AddAuditRecord(record);

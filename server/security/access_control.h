@@ -41,10 +41,10 @@ class AccessControl {
   // known no more. False if it is the same.
   bool ReplaceAdminToken(const std::string& token);
 
-  // Keeps an entry of the record of changes. Those of calls that failed, of others than
-  // administrators, are kept only so often from one source, so that nobody can push the rest out
-  // with them. What cannot be kept is logged.
-  void Record(const storage::AuditRecord& record, bool of_administrator);
+  // Keeps an entry of the record of changes. Those of calls that changed nothing, as where they
+  // failed, of others than administrators, are kept only so often from one source, so that nobody
+  // can push the rest out with them. What cannot be kept is logged.
+  void Record(const storage::AuditRecord& record, bool of_administrator, bool changed);
 
   TokenBook& tokens() { return tokens_; }
   storage::AccessStore& store() { return store_; }
@@ -63,7 +63,7 @@ class AccessControl {
   std::shared_ptr<KnownToken> admin_token_;  // null: there is none
   TokenBook tokens_;
   AttemptLimit failures_;
-  AttemptLimit recorded_failures_;
+  AttemptLimit recorded_in_vain_;
   AttemptLimit warnings_;
 };
 

@@ -61,7 +61,7 @@ TEST_CASE("Purge: a clip that no model knows leaves nothing", "[server][purge]")
     REQUIRE(deletion.ok());
     CHECK(DeletedClips(engine) == 0);
     // Also where no rebuild follows.
-    CHECK(engine->CancelOperation(deletion->id)->state == OperationState::kCancelled);
+    CHECK(engine->CancelOperation(deletion->id)->operation.state == OperationState::kCancelled);
   }
   CHECK(engine.ModelVersion("db") == 1);
 }

@@ -90,12 +90,18 @@ TEST_CASE("Rebuilder: a waiting operation is cancelled at once, a running one so
   const auto running = engine.Ingest("db", "a", Walk(0))->operation.id;
   engine.gate().AwaitArrival();
   const auto waiting = engine.Ingest("db", "b", Walk(1))->operation.id;
-  CHECK(engine->CancelOperation(waiting)->state == OperationState::kCancelled);
-  CHECK(engine->CancelOperation(running)->state == OperationState::kRunning);
+  const auto first = engine->CancelOperation(waiting);
+  CHECK(first->operation.state == OperationState::kCancelled);
+  CHECK(first->is_first);
+  CHECK(!engine->CancelOperation(waiting)->is_first);
+  const auto soon = engine->CancelOperation(running);
+  CHECK(soon->operation.state == OperationState::kRunning);
+  CHECK(soon->is_first);
+  CHECK(!engine->CancelOperation(running)->is_first);
   engine.gate().Open();
   CHECK(engine.Wait(running).state == OperationState::kCancelled);
   CHECK(engine.ModelVersion("db") == 0);
-  CHECK(engine->CancelOperation(running)->state == OperationState::kCancelled);
+  CHECK(engine->CancelOperation(running)->operation.state == OperationState::kCancelled);
   CHECK(absl::IsNotFound(engine->CancelOperation("x").status()));
 
   // The clips stay: the next change builds a model of them all.

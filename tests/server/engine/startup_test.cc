@@ -77,7 +77,7 @@ TEST_CASE("Startup: a cancelled operation is not resumed, but its clips are buil
   TestEngine engine;
   engine.Create("db");
   const auto cancelled = engine.Ingest("db", "a", Walk(0))->operation.id;
-  REQUIRE(engine->CancelOperation(cancelled)->state == OperationState::kCancelled);
+  REQUIRE(engine->CancelOperation(cancelled)->operation.state == OperationState::kCancelled);
   engine.Stop();
   engine.Start();
   CHECK(WaitForNewest(engine, "db").state == OperationState::kSucceeded);
@@ -109,7 +109,8 @@ TEST_CASE("Startup: with a full disk, what is stored is served, and built when t
   const bool is_resumed = GENERATE(true, false);
   CAPTURE(is_resumed);
   // Elsewise it is the clips that ask for a rebuild.
-  if (!is_resumed) REQUIRE(engine->CancelOperation(left)->state == OperationState::kCancelled);
+  if (!is_resumed)
+    REQUIRE(engine->CancelOperation(left)->operation.state == OperationState::kCancelled);
   engine.Stop();
 
   engine.disk().Set(FullDisk::Lacks::kRoom);

@@ -1,5 +1,7 @@
 // The record of changes: who, what, on what, from where, and how it ended.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <string>
 #include <vector>
 
@@ -124,6 +126,42 @@ TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]")
   CHECK(lines[3] == "anonymous" + what + std::to_string(StatusCode::UNAUTHENTICATED));
   CHECK(lines[4] == reader.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
   CHECK(lines[5] == admin.token().name() + what + "0");
+}
+
+// The entries there are of operations cancelled.
+int Cancels(const std::vector<v1::AuditEntry>& entries) {
+  return static_cast<int>(
+      std::ranges::count(entries, "OperationService.CancelOperation", &v1::AuditEntry::method));
+}
+
+TEST_CASE("Audit: whoever cancels what is done pushes nothing out", "[security][rpc]") {
+  server::ServerOptions options;
+  options.engine.rebuild_delay = options.engine.rebuild_delay_limit = std::chrono::minutes(2);
+  TestServer server(options);
+  server.CreateDatabase("walks");
+  const std::string operation = server.IngestFigure("walks", "walk", "walk", {}).operation().name();
+  const std::string ingester = NewToken(server, v1::ROLE_INGESTER).secret();
+  const std::string admin = NewToken(server, v1::ROLE_ADMIN).secret();
+  AskForTokens(server);
+  const auto operations = server.NewStub<v1::OperationService>();
+  const auto cancel = [&](const std::string& name) {
+    return Ask(*operations, &v1::OperationService::Stub::CancelOperation,
+               Named<v1::CancelOperationRequest>(name), ingester);
+  };
+  for (int i = 0; i < 51; ++i) {
+    const auto cancelled = cancel(operation);
+    REQUIRE(cancelled.status.ok());
+    REQUIRE(cancelled.response.operation().state() == v1::OPERATION_STATE_CANCELLED);
+  }
+  CHECK(Cancels(Audit(server, admin)) == 11);
+
+  // What changes something is recorded all the same.
+  const auto clips = server.NewStub<v1::ClipService>();
+  const auto deleted = Ask(*clips, &v1::ClipService::Stub::DeleteClip,
+                           Named<v1::DeleteClipRequest>("databases/walks/clips/walk"), ingester);
+  REQUIRE(deleted.status.ok());
+  REQUIRE(cancel(deleted.response.operation().name()).status.ok());
+  CHECK(Cancels(Audit(server, admin)) == 12);
 }
 
 // Takes a backup, to its end or until its first block is here.

@@ -86,9 +86,12 @@ void HttpConnection::Respond() {
     return Write(Refusal(http::status::method_not_allowed, "expected GET or HEAD"), keep_alive);
   }
   if (page->at_once) return Write(page->make(), keep_alive);
-  host_.MakeElsewhere(*page, [self = shared_from_this(), keep_alive](HttpAnswer answer) {
-    if (!self->closed_) self->Write(std::move(answer), keep_alive);
-  });
+  const bool is_coming =
+      host_.MakeElsewhere(*page, [self = shared_from_this(), keep_alive](HttpAnswer answer) {
+        if (!self->closed_) self->Write(std::move(answer), keep_alive);
+      });
+  if (is_coming) return;
+  Write(Refusal(http::status::service_unavailable, "too many wait for pages already"), keep_alive);
 }
 
 void HttpConnection::Write(HttpAnswer answer, bool keep_alive) {

@@ -22,8 +22,9 @@ class HttpConnectionHost {
   virtual const HttpLimits& limits() const = 0;
   // The page of a path; null where there is none.
   virtual const HttpPage* FindPage(std::string_view path) const = 0;
-  // Makes a page elsewhere and brings the answer back to this thread.
-  virtual void MakeElsewhere(const HttpPage& page, std::function<void(HttpAnswer)> take) = 0;
+  // Makes a page elsewhere and brings the answer back to this thread. False, and nothing comes,
+  // where too many wait for pages already.
+  virtual bool MakeElsewhere(const HttpPage& page, std::function<void(HttpAnswer)> take) = 0;
   virtual void OnClosed(HttpConnection& connection) = 0;
 };
 

@@ -2,14 +2,17 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
+#include <map>
 #include <thread>
 #include <unordered_set>
 #include <utility>
+#include <vector>
 
 #include "core/motion/error.h"
 #include "server/observability/http_connection.h"
@@ -42,6 +45,8 @@ absl::StatusOr<tcp::endpoint> Resolve(const std::string& listen) {
 }
 
 class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
+  using Take = std::function<void(HttpAnswer)>;
+
  public:
   BeastHttpServer(HttpPages pages, const HttpLimits& limits)
       : pages_(std::move(pages)), limits_(limits) {}
@@ -81,12 +86,17 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     return found == pages_.end() ? nullptr : &found->second;
   }
 
-  void MakeElsewhere(const HttpPage& page, std::function<void(HttpAnswer)> take) override {
-    asio::post(makers_, [this, &page, take = std::move(take)]() mutable {
-      asio::post(context_, [take = std::move(take), answer = page.make()]() mutable {
-        take(std::move(answer));
-      });
+  bool MakeElsewhere(const HttpPage& page, Take take) override {
+    // Half are left to pages made at once: those who wait here cannot be made to make room.
+    if (waiting_ >= std::max(1, limits_.connections / 2)) return false;
+    ++waiting_;
+    std::vector<Take>& takers = takers_[&page];
+    takers.push_back(std::move(take));
+    if (takers.size() > 1) return true;
+    asio::post(makers_, [this, &page] {
+      asio::post(context_, [this, &page, answer = page.make()] { Hand(page, answer); });
     });
+    return true;
   }
 
   void OnClosed(HttpConnection& connection) override { connections_.erase(&connection); }
@@ -101,12 +111,19 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
         });
         return;
       }
-      Take(std::move(socket));
+      Admit(std::move(socket));
       Accept();
     });
   }
 
-  void Take(tcp::socket socket) {
+  // Gives all who asked for a page while it was made what came of it.
+  void Hand(const HttpPage& page, const HttpAnswer& answer) {
+    const std::vector<Take> takers = std::exchange(takers_[&page], {});
+    waiting_ -= static_cast<int>(takers.size());
+    for (const Take& take : takers) take(answer);
+  }
+
+  void Admit(tcp::socket socket) {
     if (static_cast<int>(connections_.size()) >= limits_.connections && !MakeRoom()) return;
     const auto connection = std::make_shared<HttpConnection>(*this, std::move(socket));
     connections_.insert(connection.get());
@@ -134,6 +151,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   // Each is kept by what it waits for. Before the context, which ends what they wait for.
   std::unordered_set<HttpConnection*> connections_;
   asio::io_context context_;
+  std::map<const HttpPage*, std::vector<Take>> takers_;  // of each page that is being made
+  int waiting_ = 0;                                      // of them all
   tcp::acceptor acceptor_{context_};
   asio::steady_timer rest_{context_};
   asio::thread_pool makers_{1};

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <condition_variable>
+#include <future>
 #include <memory>
 #include <mutex>
 #include <thread>
@@ -179,6 +180,38 @@ TEST_CASE("HttpServer: a page that takes long keeps no other client waiting", "[
   }
   waiting.join();
   CHECK_THAT(late, EndsWith("at last\n"));
+}
+
+TEST_CASE("HttpServer: those who wait for a page that hangs lock nobody out", "[server][http]") {
+  constexpr int kMany = 64;
+  std::promise<void> open;
+  const std::shared_future<void> opened = open.get_future().share();
+  std::atomic<int> made = 0;
+  const auto hanging = [&] {
+    ++made;
+    opened.wait();
+    return HttpAnswer{.body = "at last\n"};
+  };
+  const auto server = StartServer({}, {{"/hanging", {.make = hanging}}});
+  const std::string ask = "GET /hanging HTTP/1.1\r\nHost: test\r\nConnection: close\r\n\r\n";
+  HttpClient first(server->address());
+  first.Send(ask);
+  while (made == 0) std::this_thread::sleep_for(milliseconds(1));
+  for (int i = 0; i < kMany; ++i) {
+    HttpClient(server->address()).Send(ask);
+    CHECK_THAT(Fetch(server->address(), "/now"), EndsWith("now\n"));
+  }
+  std::vector<std::unique_ptr<HttpClient>> waiting;
+  for (int i = 0; i < kMany; ++i) {
+    waiting.push_back(std::make_unique<HttpClient>(server->address()));
+    waiting.back()->Send(ask);
+    CHECK_THAT(Fetch(server->address(), "/now"), EndsWith("now\n"));
+  }
+  CHECK_THAT(waiting.back()->ReadToEnd(), StartsWith("HTTP/1.1 503 ") && Contains("too many wait"));
+  open.set_value();
+  CHECK_THAT(first.ReadToEnd(), EndsWith("at last\n"));
+  CHECK(made == 1);
+  CHECK_THAT(Fetch(server->address(), "/hanging"), EndsWith("at last\n"));
 }
 
 TEST_CASE("HttpServer: many clients at once", "[server][http]") {

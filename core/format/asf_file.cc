@@ -4,6 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "core/format/joint_limit.h"
 #include "core/format/text_encoding.h"
 #include "core/format/text_scanner.h"
 
@@ -180,6 +181,10 @@ class AsfReader {
     if (!index_.emplace(bone_.name, static_cast<int>(file_.bones.size())).second) {
       return scanner_.Error("expected bone names to differ, found '{}' twice", bone_.name);
     }
+    if (file_.bones.size() >= kMostJoints) {
+      return scanner_.Error("expected at most {} joints, found bone '{}' after them", kMostJoints,
+                            bone_.name);
+    }
     file_.bones.push_back(std::move(bone_));
     return absl::OkStatus();
   }
@@ -292,6 +297,13 @@ class AsfReader {
         return scanner_.Error("expected bone '{}' in ':hierarchy'", file_.bones[i].name);
       }
       children[file_.bones[i].parent].push_back(i);
+    }
+    const std::ptrdiff_t tips =
+        std::count_if(children.begin() + 1, children.end(),
+                      [](const std::vector<int>& below) { return below.empty(); });
+    if (static_cast<std::ptrdiff_t>(file_.bones.size()) + tips > kMostJoints) {
+      return scanner_.Error("expected at most {} joints, found {} bones that end in {} tips",
+                            kMostJoints, file_.bones.size(), tips);
     }
     std::vector<AsfBone> ordered;
     std::vector<std::pair<int, int>> open = {{0, -1}};  // bone, its parent's place in `ordered`

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "core/format/joint_limit.h"
 #include "core/format/unique_names.h"
 
 namespace motiondb::core {
@@ -79,6 +80,10 @@ class HierarchyReader {
   }
 
   absl::Status Open(BvhJoint joint) {
+    if (joints_.size() >= kMostJoints) {
+      return scanner_.Error("expected at most {} joints, found joint '{}' after them", kMostJoints,
+                            joint.name);
+    }
     const std::string_view brace = scanner_.Token();
     if (brace != "{") {
       return scanner_.Expected(fmt::format("'{{' after joint '{}'", joint.name), brace);

@@ -6,6 +6,7 @@
 #include <array>
 #include <utility>
 
+#include "core/format/joint_limit.h"
 #include "core/format/text_encoding.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
@@ -205,6 +206,11 @@ class UrdfFileReader {
     UrdfJoint joint;
     joint.line = element.GetLineNum();
     MOTIONDB_RETURN_IF_ERROR(ReadName(element, "name", joint.name));
+    // The base is one besides.
+    if (urdf_.joints.size() + 1 >= kMostJoints) {
+      return Error(element, "expected at most {} joints, found joint '{}' after them",
+                   kMostJoints - 1, Shown(joint.name));
+    }
     MOTIONDB_RETURN_IF_ERROR(ReadType(element, joint));
     MOTIONDB_RETURN_IF_ERROR(ReadEnd(element, joint, "parent", joint.parent));
     MOTIONDB_RETURN_IF_ERROR(ReadEnd(element, joint, "child", joint.child));

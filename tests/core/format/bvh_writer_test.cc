@@ -7,6 +7,7 @@
 #include <numbers>
 #include <random>
 
+#include "core/format/joint_limit.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
@@ -217,11 +218,16 @@ TEST_CASE("WriteBvh: refuses what cannot be written", "[core][format]") {
 }
 
 TEST_CASE("WriteBvh: a chain of 20,000 joints takes no stack", "[core][format]") {
-  std::vector<Joint> joints(20000);
-  for (int j = 0; j < 20000; ++j) {
-    joints[j] = {.name = "j" + std::to_string(j), .parent = j - 1, .offset_m = {0, 0, 0.001}};
-  }
-  const auto text = core::WriteBvh(Motion(std::move(joints), 1));
+  const auto written = [](int count) {
+    std::vector<Joint> joints(count);
+    for (int j = 0; j < count; ++j) {
+      joints[j] = {.name = "j" + std::to_string(j), .parent = j - 1, .offset_m = {0, 0, 0.001}};
+    }
+    return core::WriteBvh(Motion(std::move(joints), 1));
+  };
+  CHECK(written(20'000).ok());
+  // The longest that readers take, with its end.
+  const auto text = written(core::kMostJoints - 1);
   REQUIRE(text.ok());
   CHECK(ReadText(core::FileFormat::kBvh, *text, kWritten).ok());
 }

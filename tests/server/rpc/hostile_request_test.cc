@@ -197,14 +197,15 @@ TEST_CASE("Hostile request: a robot of many joints is refused", "[server][rpc][h
   plan.set_database("databases/db");
   plan.mutable_goal()->set_x_m(1);
   plan.mutable_robot()->set_file_name("chain.urdf");
-  const auto refusal = [&](const char* type) {
-    plan.mutable_robot()->set_urdf(Chain(20'000, type));
+  const auto refusal = [&](int joints, const char* type) {
+    plan.mutable_robot()->set_urdf(Chain(joints, type));
     const auto refused = Ask(victim.query(), &v1::QueryService::Stub::Plan, plan).status;
     CheckRefused(refused, "robot.urdf");
     return refused.error_message();
   };
-  CHECK_THAT(refusal("continuous"), Contains("at most 300 degrees of freedom"));
-  CHECK_THAT(refusal("fixed"), Contains("at most 1000 joints"));
+  CHECK_THAT(refusal(1999, "continuous"), Contains("at most 300 degrees of freedom"));
+  CHECK_THAT(refusal(1999, "fixed"), Contains("at most 1000 joints"));
+  CHECK_THAT(refusal(20'000, "fixed"), Contains("at most 1999 joints"));
 }
 
 TEST_CASE("Hostile request: a series of predictions that would not go on is refused",
@@ -292,15 +293,21 @@ TEST_CASE("Hostile request: a set as large as a crowd is refused, in a file and 
   header.set_parent("databases/db");
   header.set_file_name("crowd.bvh");
   CheckRefused(server.Ingest(header, Crowd(300)), "file_block");
+  const grpc::Status throng = server.Ingest(header, Crowd(250'000));
+  CheckRefused(throng, "file_block");
+  CHECK_THAT(throng.error_message(), Contains("crowd.bvh:") && Contains("at most 2000 joints"));
 }
 
 TEST_CASE("Hostile request: a long crowd is refused before its joints are placed",
           "[server][rpc][hostile]") {
-  Victim victim;
-  const std::string crowd = Crowd(2700, kMostFrames);  // with ends, 5405 joints
+  constexpr int kFrames = 140'000;
+  server::ServerOptions options = OneThread();
+  options.engine.max_frames = kFrames;
+  Victim victim(options);
+  const std::string crowd = Crowd(995, kFrames);  // with ends, 1995 joints
   const auto check = [](const grpc::Status& status, const std::string& field) {
     CheckRefused(status, field);
-    CHECK_THAT(status.error_message(), Contains("100000 frames of 5405 joints"));
+    CHECK_THAT(status.error_message(), Contains("140000 frames of 1995 joints"));
   };
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.grpc.pb.h"
@@ -16,6 +17,8 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+// That are read of a list: one may take a megabyte, and two fill a page.
+constexpr int kSkeletonsAtOnce = 8;
 
 absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
                      v1::GetClipResponse& response) {
@@ -62,16 +65,24 @@ absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& req
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("parent", request.parent()));
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));
   const std::string scope = SkeletonName(id, "");
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string after, DecodePageToken(scope, request.page_token()));
+  MOTIONDB_ASSIGN_OR_RETURN(std::string after, DecodePageToken(scope, request.page_token()));
   MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(id).status());
-  MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                            call.engine.store().ListSkeletons(id, {after, size + 1}));
-  const auto make = [&](const storage::SkeletonRecord& record, v1::Skeleton& to) {
-    SetSkeleton(id, record, to);
-  };
-  response.set_next_page_token(FillPageFrom(records, size, scope, *response.mutable_skeletons(),
-                                            make, [](const auto& record) { return record.id; }));
-  return absl::OkStatus();
+  PageBudget budget(size);
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto records,
+                              call.engine.store().ListSkeletons(id, {after, kSkeletonsAtOnce}));
+    if (records.empty()) return absl::OkStatus();
+    for (const storage::SkeletonRecord& record : records) {
+      v1::Skeleton skeleton;
+      SetSkeleton(id, record, skeleton);
+      if (!budget.Take(skeleton.ByteSizeLong())) {
+        response.set_next_page_token(EncodePageToken(scope, after));
+        return absl::OkStatus();
+      }
+      *response.add_skeletons() = std::move(skeleton);
+      after = record.id;
+    }
+  }
 }
 
 // Moves the next block of `bytes` from `begin` on into the message; false where none is left.

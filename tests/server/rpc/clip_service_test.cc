@@ -1,4 +1,10 @@
+#include <fmt/format.h>
+
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.pb.h"
@@ -190,6 +196,35 @@ TEST_CASE("ClipService: skeletons are stored once and can be read", "[server][rp
   CHECK(skeleton.dof_count() == 33);
   get.set_name("databases/db/skeletons/none");
   CHECK(Ask(*stub, &Stub::GetSkeleton, get).status.error_code() == grpc::StatusCode::NOT_FOUND);
+}
+
+TEST_CASE("ClipService: skeletons in pages of any size, each once", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  constexpr int kSkeletons = 19;
+  for (int i = 0; i < kSkeletons; ++i) {
+    std::string bvh = WriteBvh({.phase = 0.1 * i});
+    bvh.replace(bvh.find("OFFSET 9 -4 0"), 8, fmt::format("OFFSET {}", 9 + 0.1 * i));
+    REQUIRE(server.Ingest(Header(fmt::format("walk{}.bvh", i)), bvh).ok());
+  }
+  const auto stub = server.NewStub<v1::ClipService>();
+  for (const int size : {1, 7, 8, 9, 19, 100}) {
+    CAPTURE(size);
+    v1::ListSkeletonsRequest list;
+    list.set_parent("databases/db");
+    list.set_page_size(size);
+    std::vector<std::string> names;
+    do {
+      const auto page = Ask(*stub, &Stub::ListSkeletons, list);
+      REQUIRE(page.status.ok());
+      CHECK(page.response.skeletons_size() <= size);
+      for (const auto& skeleton : page.response.skeletons()) names.push_back(skeleton.name());
+      list.set_page_token(page.response.next_page_token());
+      CHECK((names.size() < kSkeletons) == !list.page_token().empty());
+    } while (!list.page_token().empty());
+    CHECK(names.size() == kSkeletons);
+    CHECK(std::ranges::adjacent_find(names, std::greater_equal<>()) == names.end());
+  }
 }
 
 }  // namespace

@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <filesystem>
+#include <string_view>
 #include <vector>
 
 #include "storage/sqlite/sqlite_status.h"
@@ -17,6 +20,24 @@ constexpr int kPagesAtOnce = 256;
 
 // A hidden name, which nobody gives a copy of their own.
 std::string Prefix(const fs::path& store) { return fmt::format(".{}.", store.filename().string()); }
+
+// What SQLite adds to the name of a file that it writes, besides that of the file itself.
+constexpr std::array<std::string_view, 4> kSuffixes = {"", "-wal", "-shm", "-journal"};
+
+// Whether this is the name of a copy, or of what SQLite has beside one. All of the name: the store
+// `robots.db` may be in the folder of a store `robots`.
+bool IsOfCopy(std::string_view name, const fs::path& store) {
+  const std::string prefix = Prefix(store);
+  if (!name.starts_with(prefix)) return false;
+  name.remove_prefix(prefix.size());
+  for (const std::string_view purpose : {"backup-", "restore-"}) {
+    if (!name.starts_with(purpose)) continue;
+    name.remove_prefix(purpose.size());
+    const std::size_t digits = std::min(name.find_first_not_of("0123456789"), name.size());
+    return digits > 0 && std::ranges::count(kSuffixes, name.substr(digits)) > 0;
+  }
+  return false;
+}
 
 }  // namespace
 
@@ -32,9 +53,8 @@ CopyFile::CopyFile(const std::string& store_path, const std::string& purpose)
 
 void CopyFile::Remove() {
   std::error_code ignored;
-  for (const char* const suffix : {"", "-wal", "-shm", "-journal"}) {
-    fs::remove(path_ + suffix, ignored);
-  }
+  for (const std::string_view suffix : kSuffixes)
+    fs::remove(fmt::format("{}{}", path_, suffix), ignored);
 }
 
 void RemoveLeftCopies(const std::string& store_path) {
@@ -42,7 +62,7 @@ void RemoveLeftCopies(const std::string& store_path) {
   std::error_code ignored;
   std::vector<fs::path> left;
   for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), ignored)) {
-    if (entry.path().filename().string().starts_with(Prefix(path))) left.push_back(entry.path());
+    if (IsOfCopy(entry.path().filename().string(), path)) left.push_back(entry.path());
   }
   for (const fs::path& file : left) fs::remove(file, ignored);
 }

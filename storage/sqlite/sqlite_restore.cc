@@ -59,7 +59,7 @@ absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::st
                                                                    TakeOver take_over) {
   std::unique_ptr<SqliteRestore> restore(new SqliteRestore(store_path, std::move(take_over)));
   restore->stream_.open(restore->file_.path(), std::ios::binary | std::ios::trunc);
-  if (!restore->stream_) {
+  if (!restore->stream_ || stat(restore->file_.path().c_str(), &restore->opened_) != 0) {
     return absl::UnavailableError(
         fmt::format("cannot write '{}': {}", restore->file_.path(), std::strerror(errno)));
   }
@@ -85,6 +85,7 @@ absl::Status SqliteRestore::Write(std::string_view bytes) {
   errno = 0;
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   stream_.flush();
+  written_bytes_ += static_cast<std::int64_t>(bytes.size());
   if (stream_) return absl::OkStatus();
   const std::string message =
       fmt::format("cannot write '{}': {}", file_.path(), std::strerror(errno == 0 ? EIO : errno));
@@ -105,12 +106,30 @@ absl::Status SqliteRestore::CheckSum() {
   return absl::OkStatus();
 }
 
+absl::Status SqliteRestore::CheckIsThere() const {
+  struct stat found {};
+  if (stat(file_.path().c_str(), &found) != 0) {
+    return absl::UnavailableError(
+        fmt::format("'{}', to which the backup was written, is gone ({}): restore it again",
+                    file_.path(), std::strerror(errno)));
+  }
+  if (found.st_dev != opened_.st_dev || found.st_ino != opened_.st_ino ||
+      found.st_size != written_bytes_) {
+    return absl::UnavailableError(
+        fmt::format("'{}' is not the file to which the backup was written, or was changed: restore "
+                    "it again",
+                    file_.path()));
+  }
+  return absl::OkStatus();
+}
+
 absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {
   MOTIONDB_RETURN_IF_ERROR(CheckSum());
   stream_.close();
+  MOTIONDB_RETURN_IF_ERROR(CheckIsThere());
   if (const absl::Status store = CheckIsStore(file_.path()); !store.ok()) return NoBackup();
   // Migrates it, too.
-  auto backup = OpenWriter(file_.path(), "");
+  auto backup = OpenWriterOfExisting(file_.path());
   if (!backup.ok()) return OfBackup(backup.status());
   // It need not outlive a crash.
   MOTIONDB_RETURN_IF_ERROR((*backup)->Execute("PRAGMA synchronous = OFF"));

@@ -2,6 +2,9 @@
 // copied into the store by the one connection that writes, in one transaction.
 #pragma once
 
+#include <sys/stat.h>
+
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <memory>
@@ -31,9 +34,13 @@ class SqliteRestore final : public StoreRestore {
       : file_(store_path, "restore"), take_over_(std::move(take_over)) {}
   absl::Status Write(std::string_view bytes);
   absl::Status CheckSum();
+  // Whether the file that was written is where it was: UNAVAILABLE.
+  absl::Status CheckIsThere() const;
 
   CopyFile file_;
   std::ofstream stream_;
+  struct stat opened_ {};  // the file when it was made; tells it from another of its name
+  std::int64_t written_bytes_ = 0;
   Sha256 digest_;
   std::string tail_;  // the last bytes so far, which may be the trailer
   bool begun_ = false;

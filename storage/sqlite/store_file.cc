@@ -69,6 +69,22 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
       path, mode.Text(0));
 }
 
+absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std::string& path,
+                                                           const std::string& vfs) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto connection,
+                            Connection::Open(path, SQLITE_OPEN_READWRITE | flags, vfs));
+  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kCommonSetup));
+  MOTIONDB_RETURN_IF_ERROR(Initialize(*connection, path));
+  if (path != kInMemory) MOTIONDB_RETURN_IF_ERROR(UseLog(*connection, path));
+  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kWriterSetup));
+  const absl::Status migrated = Migrate(*connection, Migrations());
+  if (!migrated.ok()) {
+    return absl::Status(migrated.code(),
+                        fmt::format("'{}': {}", path, std::string(migrated.message())));
+  }
+  return connection;
+}
+
 }  // namespace
 
 absl::Status CheckIsStore(const std::string& path) {
@@ -101,18 +117,11 @@ absl::Status CheckIsStore(const std::string& path) {
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs) {
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto connection, Connection::Open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, vfs));
-  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kCommonSetup));
-  MOTIONDB_RETURN_IF_ERROR(Initialize(*connection, path));
-  if (path != kInMemory) MOTIONDB_RETURN_IF_ERROR(UseLog(*connection, path));
-  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kWriterSetup));
-  const absl::Status migrated = Migrate(*connection, Migrations());
-  if (!migrated.ok()) {
-    return absl::Status(migrated.code(),
-                        fmt::format("'{}': {}", path, std::string(migrated.message())));
-  }
-  return connection;
+  return OpenWriterWith(SQLITE_OPEN_CREATE, path, vfs);
+}
+
+absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path) {
+  return OpenWriterWith(0, path, "");
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,

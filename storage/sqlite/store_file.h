@@ -22,6 +22,8 @@ absl::Status CheckIsStore(const std::string& path);
 // ":memory:". Its holder holds the StoreLock.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs);
+// The same of a file that there is; UNAVAILABLE where there is none.
+absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path);
 
 // A connection that can only read, and never checkpoints.
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,

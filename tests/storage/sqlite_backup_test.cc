@@ -298,6 +298,42 @@ TEST_CASE("Backup: what a killed process left is removed", "[storage][backup]") 
   REQUIRE(Strangers(file) == kept + " ");
 }
 
+TEST_CASE("Backup: what another store's process has on its way stays", "[storage][backup]") {
+  const StoreFile file;
+  // The folder of `store.db` may have a store `store.db.old`, and one called as a backup is.
+  const std::string kept = GENERATE(".store.db.old.restore-1", ".store.db.old.backup-1-wal",
+                                    ".store.db.restore-1.restore-1", ".store.db.restore-",
+                                    ".store.db.restore-1-other", ".store.db.restore-x");
+  std::ofstream(file.folder() / kept) << "not ours";
+  file.Open();
+  REQUIRE(Strangers(file) == kept + " ");
+}
+
+TEST_CASE("Restore: a file that is gone or is another is said", "[storage][backup]") {
+  const std::string bytes = SomeBackup();
+  const StoreFile file;
+  const auto target = file.Open();
+  const auto restore = Require(target->upkeep().BeginRestore());
+  REQUIRE_OK(restore->Append(bytes));
+  const std::string name = Strangers(file);
+  const auto path = file.folder() / name.substr(0, name.size() - 1);
+  std::string expected = "gone";
+  SECTION("gone") { std::filesystem::remove(path); }
+  SECTION("another") {
+    const auto aside = file.folder() / "aside";
+    std::filesystem::copy(path, aside);
+    std::filesystem::rename(aside, path);
+    expected = "not the file";
+  }
+  SECTION("cut short") {
+    std::filesystem::resize_file(path, 0);
+    expected = "not the file";
+  }
+  REQUIRE_ERROR(restore->Check({}), StatusCode::kUnavailable, expected);
+  REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");
+  REQUIRE(Require(target->ListDatabases({})).empty());
+}
+
 TEST_CASE("Backup: can be cancelled", "[storage][backup]") {
   const StoreFile file;
   const auto store = file.Open();

@@ -56,9 +56,11 @@ class MotionStore {
                                                             const Page& page) = 0;
   // The clip is gone for every other call at once. Its states stay on disk, for the current model
   // and for one that is being built from them, until PurgeDeletedClips, or a model that is put or
-  // dropped, finds that the current model does not need them.
-  virtual absl::Status DeleteClip(const std::string& database, const std::string& clip,
-                                  const AuditRecord* audit = nullptr) = 0;
+  // dropped, finds that the current model does not need them. Returns the record of what was
+  // deleted.
+  virtual absl::StatusOr<ClipRecord> DeleteClip(const std::string& database,
+                                                const std::string& clip,
+                                                const AuditRecord* audit = nullptr) = 0;
   // The bytes that were ingested.
   virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                                     const std::string& clip) = 0;

@@ -148,8 +148,8 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
   const absl::Status deleted = live->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record, store_->GetClip(database, clip));
-    MOTIONDB_RETURN_IF_ERROR(store_->DeleteClip(database, clip, audit));
+    MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
+                              store_->DeleteClip(database, clip, audit));
     live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);

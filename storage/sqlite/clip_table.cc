@@ -195,10 +195,11 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
   return states;
 }
 
-absl::Status RemoveClip(Connection& connection, const std::string& database,
-                        const std::string& clip, Remains remains) {
+absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
+                                      const std::string& clip, Remains remains) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
+  MOTIONDB_ASSIGN_OR_RETURN(ClipRecord record, SelectClip(connection, database, clip));
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
           .Run());
@@ -206,7 +207,8 @@ absl::Status RemoveClip(Connection& connection, const std::string& database,
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
   }
-  return DeleteUnusedSkeletons(connection, database_key);
+  MOTIONDB_RETURN_IF_ERROR(DeleteUnusedSkeletons(connection, database_key));
+  return record;
 }
 
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key) {

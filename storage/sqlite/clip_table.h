@@ -31,9 +31,10 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
 // that is to happen all the same leaves them.
 enum class Remains { kFree, kLeave };
 
-// Deletes a clip. Its states stay, for the current model and for one that is being built.
-absl::Status RemoveClip(Connection& connection, const std::string& database,
-                        const std::string& clip, Remains remains);
+// Deletes a clip and returns its record. Its states stay, for the current model and for one that is
+// being built.
+absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
+                                      const std::string& clip, Remains remains);
 // Deletes what is left of deleted clips that no model needs.
 absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
 // The same of one clip. The keys of those there are, ascending.

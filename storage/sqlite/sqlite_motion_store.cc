@@ -220,8 +220,9 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
   return Read([&](Connection& connection) { return SelectClips(connection, database, page); });
 }
 
-absl::Status SqliteMotionStore::DeleteClip(const std::string& database, const std::string& clip,
-                                           const AuditRecord* audit) {
+absl::StatusOr<ClipRecord> SqliteMotionStore::DeleteClip(const std::string& database,
+                                                         const std::string& clip,
+                                                         const AuditRecord* audit) {
   return WriteAndFree(audit, [&](Connection& connection, Remains remains) {
     return RemoveClip(connection, database, clip, remains);
   });

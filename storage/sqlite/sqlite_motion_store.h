@@ -49,8 +49,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<ClipRecord> GetClip(const std::string& database, const std::string& clip) override;
   absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                     const Page& page) override;
-  absl::Status DeleteClip(const std::string& database, const std::string& clip,
-                          const AuditRecord* audit = nullptr) override;
+  absl::StatusOr<ClipRecord> DeleteClip(const std::string& database, const std::string& clip,
+                                        const AuditRecord* audit = nullptr) override;
   absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                             const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,

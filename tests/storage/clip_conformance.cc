@@ -92,7 +92,13 @@ void TestClips(StoreUnderTest& store) {
     for (const int limit : {1, 3, 7, 100}) REQUIRE(ClipIds(store, "d", limit) == ids);
   }
   SECTION("a deleted clip is gone, and may come back") {
-    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    const auto before = Require(store->GetClip("d", "walk"));
+    const auto deleted = Require(store->DeleteClip("d", "walk"));
+    REQUIRE(deleted.id == "walk");
+    REQUIRE(deleted.content_hash == before.content_hash);
+    REQUIRE(deleted.frame_count == before.frame_count);
+    REQUIRE(deleted.byte_count == before.byte_count);
+    REQUIRE(deleted.skeleton_id == before.skeleton_id);
     REQUIRE_ERROR(store->GetClip("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE_ERROR(store->DeleteClip("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE_ERROR(store->ReadClipStates("d", "walk"), StatusCode::kNotFound, "walk");

@@ -148,18 +148,21 @@ absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::ListClips(const std
   return PageOf<ClipRecord>(in->clips, page, [](const auto& entry) { return entry.second.record; });
 }
 
-absl::Status InMemoryMotionStore::DeleteClip(const std::string& database, const std::string& clip,
-                                             const storage::AuditRecord* audit) {
+absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& database,
+                                                           const std::string& clip,
+                                                           const storage::AuditRecord* audit) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
-  const std::string skeleton = found->record.skeleton_id;
+  ClipRecord record = found->record;
   Database* const in = *Find(database);
   in->deleted.push_back(*found);
   in->clips.erase(clip);
-  const bool used = std::ranges::any_of(
-      in->clips, [&](const auto& entry) { return entry.second.record.skeleton_id == skeleton; });
-  if (!used) in->skeletons.erase(skeleton);
-  return Note(audit);
+  const bool used = std::ranges::any_of(in->clips, [&](const auto& entry) {
+    return entry.second.record.skeleton_id == record.skeleton_id;
+  });
+  if (!used) in->skeletons.erase(record.skeleton_id);
+  MOTIONDB_RETURN_IF_ERROR(Note(audit));
+  return record;
 }
 
 absl::StatusOr<storage::ClipSource> InMemoryMotionStore::ReadClipSource(const std::string& database,

@@ -47,8 +47,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                               const std::string& clip) override;
   absl::StatusOr<std::vector<storage::ClipRecord>> ListClips(const std::string& database,
                                                              const storage::Page& page) override;
-  absl::Status DeleteClip(const std::string& database, const std::string& clip,
-                          const storage::AuditRecord* audit = nullptr) override;
+  absl::StatusOr<storage::ClipRecord> DeleteClip(
+      const std::string& database, const std::string& clip,
+      const storage::AuditRecord* audit = nullptr) override;
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,

@@ -233,11 +233,11 @@ TEST_CASE("Faults: an extension", "[storage][power]") {
 TEST_CASE("Faults: deletion", "[storage][power]") {
   SECTION("of a clip that the model needs") {
     RunAll({FileOf(FillWithModel),
-            [](Store& store) { return store.DeleteClip("d", "walk", &kEntry); }});
+            [](Store& store) { return store.DeleteClip("d", "walk", &kEntry).status(); }});
   }
   SECTION("of a clip that it does not need") {
     RunAll({FileOf(FillWithModel),
-            [](Store& store) { return store.DeleteClip("d", "run", &kEntry); }});
+            [](Store& store) { return store.DeleteClip("d", "run", &kEntry).status(); }});
   }
   SECTION("of a database") {
     RunAll(

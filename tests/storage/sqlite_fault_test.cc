@@ -58,7 +58,7 @@ TEST_CASE("SqliteMotionStore: a call interrupted at any step changes nothing", "
       [&] { return store->AddClip(run).status(); },
       [&] { return store->PutModel("d", next).status(); },
       [&] { return store->PutOperation(SampleOperation("d", "op")); },
-      [&] { return store->DeleteClip("d", "walk"); },
+      [&] { return store->DeleteClip("d", "walk").status(); },
       [&] { return store->DropModel("d"); },
   };
   for (const auto& call : calls) {

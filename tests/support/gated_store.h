@@ -80,8 +80,9 @@ class GatedStore : public storage::MotionStore {
                                                              const storage::Page& page) override {
     return store_->ListClips(database, page);
   }
-  absl::Status DeleteClip(const std::string& database, const std::string& clip,
-                          const storage::AuditRecord* audit = nullptr) override {
+  absl::StatusOr<storage::ClipRecord> DeleteClip(
+      const std::string& database, const std::string& clip,
+      const storage::AuditRecord* audit = nullptr) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DeleteClip(database, clip, audit);
   }

@@ -1,7 +1,12 @@
 // What a database may hold.
 #include <catch2/catch.hpp>
+#include <functional>
+#include <memory>
 #include <string>
+#include <utility>
 
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/gated_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -78,6 +83,53 @@ TEST_CASE("Quota: what is counted is what the store tells, again after a restart
   CHECK((*again)->stored().byte_count == clip->byte_count);
   REQUIRE(engine->DeleteClip("db", "walk").ok());
   CHECK((*again)->stored().byte_count == 0);
+}
+
+// A store in which the id of a clip passes to another one right before a clip is deleted.
+class SwappingStore : public GatedStore {
+ public:
+  explicit SwappingStore(std::unique_ptr<storage::MotionStore> store)
+      : GatedStore(std::move(store), std::make_shared<Gate>()) {}
+
+  absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
+                                                 const std::string& clip,
+                                                 const storage::AuditRecord* audit) override {
+    if (before_deletion) std::exchange(before_deletion, {})();
+    return GatedStore::DeleteClip(database, clip, audit);
+  }
+
+  std::function<void()> before_deletion;
+};
+
+TEST_CASE("Quota: a deletion gives back what it deleted, though the id has changed hands",
+          "[server][quota]") {
+  auto memory = storage::SqliteMotionStore::Open(":memory:");
+  REQUIRE(memory.ok());
+  auto owned = std::make_unique<SwappingStore>(*std::move(memory));
+  SwappingStore& store = *owned;
+  const auto opened = server::Engine::Open(std::move(owned), With({}));
+  REQUIRE(opened.ok());
+  server::Engine& engine = **opened;
+  REQUIRE(engine
+              .CreateDatabase("db", {.frame_rate_hz = 60, .min_frames = 4},
+                              {server::kSourceMarkerSet, ""})
+              .ok());
+  const auto live = *engine.FindDatabase("db");
+  const auto ingest = [&](int frame_count) {
+    server::IngestFile file;
+    file.file_name = "walk.bvh";
+    file.file_bytes = WriteBvh({.act = Act::kWalk, .frame_count = frame_count});
+    return engine.Ingest(live, std::move(file), {}).status();
+  };
+  REQUIRE(ingest(61).ok());
+  store.before_deletion = [&] {
+    REQUIRE(engine.DeleteClip("db", "walk").ok());
+    REQUIRE(ingest(91).ok());
+  };
+  REQUIRE(engine.DeleteClip("db", "walk").ok());
+  CHECK(live->stored().clip_count == 0);
+  CHECK(live->stored().frame_count == 0);
+  CHECK(live->stored().byte_count == 0);
 }
 
 TEST_CASE("Quota: databases are bounded", "[server][quota]") {

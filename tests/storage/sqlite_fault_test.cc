@@ -19,10 +19,24 @@ int steps_left = 0;
 // Largest size of the file, in pages; 0 for any.
 int most_pages = 0;
 
-int CountSteps(void*) { return steps_left > 0 && --steps_left == 0 ? 1 : 0; }
+// Whether the running statement was begun in a transaction.
+bool began_in_transaction = false;
+
+int NoteBegin(unsigned, void* connection, void*, void*) {
+  began_in_transaction = sqlite3_get_autocommit(static_cast<sqlite3*>(connection)) == 0;
+  return 0;
+}
+
+int CountSteps(void* connection) {
+  // SQLite asks again as a COMMIT returns: it has done its work, which no fault could undo.
+  const bool ended = sqlite3_get_autocommit(static_cast<sqlite3*>(connection)) != 0;
+  if (began_in_transaction && ended) return 0;
+  return steps_left > 0 && --steps_left == 0 ? 1 : 0;
+}
 
 int SetFaults(sqlite3* connection, const char**, const void*) {
-  sqlite3_progress_handler(connection, 1, CountSteps, nullptr);
+  sqlite3_progress_handler(connection, 1, CountSteps, connection);
+  sqlite3_trace_v2(connection, SQLITE_TRACE_STMT, NoteBegin, connection);
   if (most_pages > 0) {
     const std::string pragma = "PRAGMA max_page_count = " + std::to_string(most_pages);
     return sqlite3_exec(connection, pragma.c_str(), nullptr, nullptr, nullptr);

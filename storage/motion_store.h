@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
 #include "storage/records.h"
@@ -40,9 +41,15 @@ class MotionStore {
                                       const AuditRecord* audit = nullptr) = 0;
   virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
   virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
-  // With all that it holds.
+  // With all that it holds: it is gone for every other call at once, and its name is free. What it
+  // held stays on disk until PurgeDeletedDatabases.
   virtual absl::Status DeleteDatabase(const std::string& database,
                                       const AuditRecord* audit = nullptr) = 0;
+  // Removes what is left of deleted databases, in many short changes, between which others get
+  // their turn. It may be called beside all else, one call at a time. CANCELLED, with the rest left
+  // for the next call, once `cancelled` says so. DATA_LOSS if something cannot be read and stays;
+  // all else is removed.
+  virtual absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) = 0;
 
   // Clips, in order of id. AddClip returns the record as stored: where the wanted id is taken by
   // another file, "-2", "-3", ... is added, unless id_is_fixed. ALREADY_EXISTS, naming the clip, if

@@ -27,6 +27,7 @@ Engine::~Engine() {
 }
 
 void Engine::Drain() {
+  draining_ = true;
   operations_.ReleaseWaiters();
   rebuilder_.Stop();
   extender_.Stop();
@@ -73,7 +74,21 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
   }));
   skeletons_.Clear();
   spdlog::info("database '{}': deleted", database);
+  FreeDeletedDatabases();
   return absl::OkStatus();
+}
+
+void Engine::FreeDeletedDatabases() {
+  if (draining_ || freeing_waits_.exchange(true)) return;
+  workers_.PostUpkeep([this] {
+    freeing_waits_ = false;  // a database that is deleted from here on may be missed
+    const absl::Status freed = store_->PurgeDeletedDatabases(
+        [this] { return draining_.load() || workers_.upkeep_waits(); });
+    if (absl::IsCancelled(freed)) return FreeDeletedDatabases();  // behind what waits
+    if (freed.ok()) return;
+    spdlog::warn("what is left of deleted databases could not all be removed: {}",
+                 freed.ToString());
+  });
 }
 
 std::size_t Engine::database_count() {

@@ -4,6 +4,7 @@
 // A database is named by its id alone here, without "databases/".
 #pragma once
 
+#include <atomic>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -109,6 +110,8 @@ class Engine {
  private:
   Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions& options);
   std::size_t database_count();
+  // Frees what deleted databases left, on the thread for upkeep, in the breaks of its other work.
+  void FreeDeletedDatabases();
   // By name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Brings what is stored to life, then lets others find it.
@@ -128,6 +131,9 @@ class Engine {
   Workers workers_;
   Rebuilder rebuilder_;
   Extender extender_;
+
+  std::atomic<bool> freeing_waits_{false};  // for the thread for upkeep
+  std::atomic<bool> draining_{false};
 
   // Held over creating and deleting, which may be long; mutex_ only guards the map.
   std::mutex naming_mutex_;

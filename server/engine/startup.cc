@@ -56,6 +56,8 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   const std::lock_guard lock(mutex_);
   databases_.merge(databases);
   if (!status.ok()) return status;
+  // A former server, or the one that a backup is of, may have stopped before it did.
+  FreeDeletedDatabases();
   return amount;
 }
 

@@ -62,7 +62,11 @@ void Workers::PostHeavy(std::function<void()> work) {
 }
 
 void Workers::PostUpkeep(std::function<void()> work) {
-  boost::asio::post(upkeep_, Counted(std::move(work)));
+  queued_upkeep_.fetch_add(1, std::memory_order_relaxed);
+  boost::asio::post(upkeep_, Counted([this, work = std::move(work)] {
+                      queued_upkeep_.fetch_sub(1, std::memory_order_relaxed);
+                      work();
+                    }));
 }
 
 core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }

@@ -28,6 +28,8 @@ class Workers {
   void PostHeavy(std::function<void()> work);
   // The same of work on the store as a whole, on a thread that nothing else waits for.
   void PostUpkeep(std::function<void()> work);
+  // Whether such work waits for that thread.
+  bool upkeep_waits() const { return queued_upkeep_.load(std::memory_order_relaxed) > 0; }
   // Pieces of work of these kinds that no thread has begun.
   int queued() const { return queued_.load(std::memory_order_relaxed); }
   int request_threads() const { return request_threads_; }
@@ -52,6 +54,7 @@ class Workers {
   const int request_threads_;
   const int build_threads_;
   std::atomic<int> queued_{0};
+  std::atomic<int> queued_upkeep_{0};
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;
   boost::asio::thread_pool extensions_;

@@ -12,7 +12,7 @@ namespace {
 std::string SelectWhere(std::string_view condition) {
   return fmt::format(
       "SELECT name, frame_rate_hz, min_frames, scaling, marker_set, marker_set_text, "
-      "create_time_us FROM database WHERE {}",
+      "create_time_us FROM database WHERE deleted = 0 AND {}",
       condition);
 }
 
@@ -69,13 +69,20 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
   }
 }
 
-absl::Status DeleteDatabaseRow(Connection& connection, const std::string& name) {
-  MOTIONDB_RETURN_IF_ERROR(connection.Query("DELETE FROM database WHERE name = ?", name).Run());
+absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name) {
+  // The name is free for another; no database has one with a slash.
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE database SET deleted = 1, name = 'deleted/' || database_key "
+                 "WHERE name = ? AND deleted = 0",
+                 name)
+          .Run());
   return connection.changes() == 0 ? NoDatabase(name) : absl::OkStatus();
 }
 
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name) {
-  Statement row = connection.Query("SELECT database_key FROM database WHERE name = ?", name);
+  Statement row =
+      connection.Query("SELECT database_key FROM database WHERE name = ? AND deleted = 0", name);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoDatabase(name);
   return row.Integer(0);

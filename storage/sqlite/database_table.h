@@ -16,7 +16,8 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
 absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name);
 absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connection,
                                                             const Page& page);
-absl::Status DeleteDatabaseRow(Connection& connection, const std::string& name);
+// Gone for all that looks for it by its name; FreeDeletedDatabases removes it.
+absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name);
 
 // NOT_FOUND.
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);

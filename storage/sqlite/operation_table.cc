@@ -17,7 +17,7 @@ std::string SelectWhere(std::string_view condition) {
   return fmt::format(
       "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
       "operation.create_time_us, update_time_us FROM operation JOIN database "
-      "USING (database_key) WHERE {}",
+      "USING (database_key) WHERE deleted = 0 AND {}",
       condition);
 }
 
@@ -54,7 +54,10 @@ absl::Status ForgetOldOperations(Connection& connection, std::int64_t database_k
 // The sequence number below which a page begins.
 absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::string& before) {
   if (before.empty()) return std::numeric_limits<std::int64_t>::max();
-  Statement row = connection.Query("SELECT sequence FROM operation WHERE id = ?", before);
+  Statement row = connection.Query(
+      "SELECT sequence FROM operation JOIN database USING (database_key) WHERE deleted = 0 AND "
+      "id = ?",
+      before);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoOperation(before);
   return row.Integer(0);

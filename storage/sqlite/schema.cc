@@ -168,7 +168,12 @@ CREATE TABLE audit (
 ) STRICT;
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess};
+// A deleted database stays, under a name that no other has, until all that it holds is freed.
+constexpr char kDeletion[] = R"sql(
+ALTER TABLE database ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1));
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess, kDeletion};
 
 // What makes each table, index, trigger and view, by its kind and name. Without the statistics that
 // ANALYZE leaves. From the last kind to the first: tables before their indices.

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
+#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -12,6 +13,7 @@
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/database_table.h"
+#include "storage/sqlite/deleted_databases.h"
 #include "storage/sqlite/model_table.h"
 #include "storage/sqlite/operation_table.h"
 #include "storage/sqlite/skeleton_table.h"
@@ -38,8 +40,8 @@ const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
 }
 
 absl::Status CheckWithoutDatabases(Connection& connection) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto count,
-                            connection.QueryInteger("SELECT count(*) FROM database"));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto count, connection.QueryInteger("SELECT count(*) FROM database WHERE deleted = 0"));
   if (count == 0) return absl::OkStatus();
   return core::FailedPrecondition(
       "the store holds databases ({}): a backup is restored into a store without any", count);
@@ -153,8 +155,19 @@ absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(con
 
 absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
                                                const AuditRecord* audit) {
-  return WriteWith(audit,
-                   [&](Connection& connection) { return DeleteDatabaseRow(connection, database); });
+  return WriteWith(
+      audit, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
+}
+
+absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
+  const auto write = [this](const std::function<absl::Status(Connection&)>& piece) {
+    const auto began = std::chrono::steady_clock::now();
+    absl::Status written = Write(piece);
+    // Whoever lets go of a mutex and takes it again at once is before those who wait for it.
+    std::this_thread::sleep_for(std::chrono::steady_clock::now() - began);
+    return written;
+  };
+  return FreeDeletedDatabases(write, cancelled);
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {

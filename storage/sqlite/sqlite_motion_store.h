@@ -44,6 +44,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
   absl::Status DeleteDatabase(const std::string& database,
                               const AuditRecord* audit = nullptr) override;
+  absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
   absl::StatusOr<ClipRecord> GetClip(const std::string& database, const std::string& clip) override;

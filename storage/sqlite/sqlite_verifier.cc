@@ -186,9 +186,11 @@ absl::Status SqliteVerifier::CheckFile(Connection& connection) {
 
 absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   Statement row = connection.Query(
-      "SELECT clip_key, name, id, deleted, frame_count, root_path_crc, ifnull((SELECT version FROM "
+      "SELECT clip_key, name, id, clip.deleted, frame_count, root_path_crc, ifnull((SELECT version "
+      "FROM "
       "model WHERE model.database_key = clip.database_key AND current = 1), 0) FROM clip "
-      "JOIN database USING (database_key) WHERE clip_key > ? AND (deleted = 0 OR clip_key IN "
+      "JOIN database USING (database_key) WHERE database.deleted = 0 AND clip_key > ? AND "
+      "(clip.deleted = 0 OR clip_key IN "
       "(SELECT clip_key FROM model_clip)) ORDER BY clip_key LIMIT 1",
       last_key_);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
@@ -218,7 +220,7 @@ absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
 absl::StatusOr<bool> SqliteVerifier::CheckSkeleton(Connection& connection) {
   Statement row = connection.Query(
       "SELECT skeleton_key, name, id FROM skeleton JOIN database USING (database_key) "
-      "WHERE skeleton_key > ? ORDER BY skeleton_key LIMIT 1",
+      "WHERE deleted = 0 AND skeleton_key > ? ORDER BY skeleton_key LIMIT 1",
       last_key_);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return false;
@@ -236,7 +238,8 @@ absl::StatusOr<bool> SqliteVerifier::CheckSkeleton(Connection& connection) {
 absl::StatusOr<bool> SqliteVerifier::CheckModel(Connection& connection) {
   Statement row = connection.Query(
       "SELECT model_key, name, version, COALESCE(base_key, model_key), clip_count, frame_count "
-      "FROM model JOIN database USING (database_key) WHERE current = 1 AND model_key > ? "
+      "FROM model JOIN database USING (database_key) WHERE deleted = 0 AND current = 1 AND "
+      "model_key > ? "
       "ORDER BY model_key LIMIT 1",
       last_key_);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());

@@ -41,6 +41,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
       const storage::Page& page) override;
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::AuditRecord* audit = nullptr) override;
+  absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
 
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
   absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,

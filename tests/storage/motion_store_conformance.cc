@@ -52,6 +52,7 @@ void TestDeleteDatabaseWithAll(StoreUnderTest& store) {
     REQUIRE_OK(store->PutOperation(SampleOperation(name, std::string("op-") + name)));
   }
   REQUIRE_OK(store->DeleteDatabase("a"));
+  if (GENERATE(true, false)) REQUIRE_OK(store->PurgeDeletedDatabases({}));
   REQUIRE_ERROR(store->GetClip("a", "walk"), StatusCode::kNotFound, "a");
   REQUIRE_ERROR(store->ReadModel("a", core::Serially), StatusCode::kNotFound, "a");
   REQUIRE_ERROR(store->GetOperation("op-a"), StatusCode::kNotFound, "op-a");

@@ -12,7 +12,7 @@ namespace motiondb::tests {
 
 TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2);
+  const int version = GENERATE(1, 2, 3);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));

@@ -41,6 +41,8 @@ storage::SqliteOptions Options(const std::string& vfs) {
 struct Change {
   std::string before;
   std::function<absl::Status(Store&)> change;
+  // Of a change that nobody sees: the rest of it, with which it is done wherever it was broken off.
+  std::function<void(Store&, const StoreFile&)> rest;
 };
 
 // The bytes of a store that `fill` filled.
@@ -138,6 +140,7 @@ class FaultRun {
     const std::string dump = Dump(*store);
     const bool right = (may_be_before && dump == before_) || (may_be_after && dump == after_);
     REQUIRE(right);
+    if (change_.rest) change_.rest(*store, file_);
   }
 
   void CutPowerAt(int at, unsigned seed) {
@@ -243,6 +246,21 @@ TEST_CASE("Faults: deletion", "[storage][power]") {
     RunAll(
         {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", &kEntry); }});
   }
+  SECTION("of what a deleted database left") {
+    const auto fill = [](Store& store) {
+      FillWithModel(store);
+      REQUIRE_OK(store.DeleteDatabase("d", &kEntry));
+      REQUIRE_OK(store.CreateDatabase(SampleDatabase("d")));
+      REQUIRE_OK(store.AddClip(SampleClip("d", "jump", 3)));
+    };
+    const auto rest = [](Store& store, const StoreFile& file) {
+      REQUIRE_OK(store.PurgeDeletedDatabases({}));
+      REQUIRE(file.Sql("SELECT count(*) FROM database") == "1");
+      REQUIRE(file.Sql("SELECT count(DISTINCT clip_key) FROM clip_chunk") == "1");
+      REQUIRE(Findings(store).empty());
+    };
+    RunAll({FileOf(fill), [](Store& store) { return store.PurgeDeletedDatabases({}); }, rest});
+  }
 }
 
 TEST_CASE("Faults: a restore", "[storage][power]") {
@@ -264,7 +282,7 @@ TEST_CASE("Faults: a token", "[storage][power]") {
 }
 
 TEST_CASE("Faults: a migration", "[storage][power][migration]") {
-  const int version = GENERATE(1, 2);
+  const int version = GENERATE(1, 2, 3);
   RunAll({OldStore(version), [](Store&) { return absl::OkStatus(); }});
 }
 

@@ -96,6 +96,34 @@ TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {
   REQUIRE_OK(store->ReadModel("d", core::Serially));
 }
 
+TEST_CASE("Unreadable sector: of a database that is deleted", "[storage][sector]") {
+  const StoreFile file;
+  FaultDisk disk;
+  const auto a = LongClip("a", 1);
+  const core::Model model = SampleModel({a});
+  const std::string lost = GENERATE_COPY(Within(Encoded(a.states)), Within(a.file_bytes),
+                                         Within(Encoded(model.parts())));
+  disk.LoseSector(file.path(), FillAndFind(file, {a}, lost), SQLITE_IOERR_READ);
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
+  REQUIRE_OK(store->DeleteDatabase("d"));
+  REQUIRE(Require(store->ListDatabases({})).empty());
+  // One chunk cannot be freed, and stays with what it is of.
+  for (int round = 0; round < 2; ++round) {
+    REQUIRE_ERROR(store->PurgeDeletedDatabases({}), StatusCode::kDataLoss, "");
+    REQUIRE(file.Sql("SELECT (SELECT count(*) FROM clip_chunk) + (SELECT count(*) FROM "
+                     "model_chunk) + (SELECT count(*) FROM skeleton_chunk)") == "1");
+    REQUIRE(file.Sql("SELECT (SELECT count(*) FROM clip) + (SELECT count(*) FROM model)") == "1");
+  }
+  // It is in nobody's way, and goes once the disk gives it back.
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->AddClip(a));
+  disk.Arm(FaultDisk::Fault::kNone, 0);
+  REQUIRE_OK(store->PurgeDeletedDatabases({}));
+  REQUIRE(file.Sql("SELECT count(*) FROM database") == "1");
+  REQUIRE(file.Sql("SELECT count(*) FROM clip") == "1");
+  REQUIRE(Findings(*store).empty());
+}
+
 TEST_CASE("Unreadable sector: gives back what it did not, and all is well", "[storage][sector]") {
   const StoreFile file;
   FaultDisk disk;

@@ -68,6 +68,10 @@ class GatedStore : public storage::MotionStore {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DeleteDatabase(database, audit);
   }
+  absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->PurgeDeletedDatabases(cancelled);
+  }
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->AddClip(clip);

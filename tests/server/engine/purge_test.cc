@@ -2,7 +2,9 @@
 #include <sqlite3.h>
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <string>
+#include <thread>
 
 #include "tests/support/test_engine.h"
 
@@ -114,6 +116,30 @@ TEST_CASE("Purge: what a former server left is removed at start", "[server][purg
   engine.Start();
   CHECK(DeletedClips(engine) == 0);
   CHECK(engine.ModelVersion("db") == 1);
+}
+
+TEST_CASE("Purge: what a deleted database held is freed afterwards, or by the next server",
+          "[server][purge]") {
+  TestEngine engine;
+  FillWithModel(engine);
+  const bool is_interrupted = GENERATE(true, false);
+  CAPTURE(is_interrupted);
+  if (is_interrupted) {
+    engine.Stop();
+    Number(engine, "UPDATE database SET deleted = 1, name = 'deleted/1'");
+    engine.Start();
+  } else {
+    REQUIRE(engine->DeleteDatabase("db").ok());
+  }
+  CHECK(engine->Databases().empty());
+  engine.Create("db");
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (Number(engine, "SELECT count(*) FROM database") > 1) {
+    REQUIRE(std::chrono::steady_clock::now() < end);
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(Number(engine, "SELECT count(*) FROM clip_chunk") == 0);
+  CHECK(Number(engine, "SELECT count(*) FROM model_chunk") == 0);
 }
 
 }  // namespace motiondb::tests

@@ -1,0 +1,220 @@
+#include "storage/sqlite/deleted_databases.h"
+
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "core/motion/error.h"
+
+namespace motiondb::storage {
+namespace {
+
+constexpr std::int64_t kPieceBytes = 4 << 20;
+constexpr int kPieceRows = 256;
+constexpr std::int64_t kBeforeAll = std::numeric_limits<std::int64_t>::max();
+
+// Where freeing has come to among what has chunks: from the last key to the first, so that a model
+// goes before the one that it extends.
+struct Place {
+  std::int64_t owner = kBeforeAll;
+  bool owner_is_done = true;
+  // The last chunk of the owner.
+  std::int64_t kind = -1;
+  std::int64_t position = -1;
+};
+
+// Whether it may go well another time, as it is.
+bool MayPass(const absl::Status& status) {
+  return absl::IsUnavailable(status) || absl::IsResourceExhausted(status) ||
+         absl::IsCancelled(status);
+}
+
+// Frees one database.
+class Freeing {
+ public:
+  Freeing(std::int64_t database_key, const WriteOnce& write, const core::Cancelled& cancelled)
+      : key_(database_key), write_(write), cancelled_(cancelled) {}
+
+  // What cannot be read, and what needs it, stays: DATA_LOSS.
+  absl::Status Run() {
+    MOTIONDB_RETURN_IF_ERROR(FreeRows(
+        "model_clip WHERE (model_key, position) IN (SELECT model_key, position FROM model_clip "
+        "WHERE model_key IN (SELECT model_key FROM model WHERE database_key = ?) LIMIT ?)"));
+    for (const std::string_view table : {"model", "clip", "skeleton"}) {
+      MOTIONDB_RETURN_IF_ERROR(FreeOwners(table));
+    }
+    MOTIONDB_RETURN_IF_ERROR(
+        FreeRows("operation WHERE sequence IN (SELECT sequence FROM operation WHERE "
+                 "database_key = ? LIMIT ?)"));
+    if (!left_.ok()) return left_;
+    return write_([&](Connection& connection) {
+      return connection.Query("DELETE FROM database WHERE database_key = ? AND deleted = 1", key_)
+          .Run();
+    });
+  }
+
+ private:
+  // One transaction; CANCELLED before it.
+  absl::Status Write(const std::function<absl::Status(Connection&)>& piece) {
+    if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
+    return write_(piece);
+  }
+
+  // Notes that something stays because of `status`; what may pass is an error.
+  absl::Status Leave(const absl::Status& status) {
+    if (MayPass(status)) return status;
+    if (left_.ok()) left_ = absl::DataLossError(status.message());
+    return absl::OkStatus();
+  }
+
+  // Deletes small rows: `what` takes the database and a number of them.
+  absl::Status FreeRows(std::string_view what) {
+    const std::string sql = fmt::format("DELETE FROM {}", what);
+    bool more = true;
+    while (more) {
+      const absl::Status freed = Write([&](Connection& connection) -> absl::Status {
+        MOTIONDB_RETURN_IF_ERROR(connection.Query(sql, key_, kPieceRows).Run());
+        more = connection.changes() > 0;
+        return absl::OkStatus();
+      });
+      if (!freed.ok()) return Leave(freed);
+    }
+    return absl::OkStatus();
+  }
+
+  // Deletes the database's rows of a table, each after its chunks.
+  absl::Status FreeOwners(std::string_view table) {
+    Place place;
+    bool more = true;
+    while (more) {
+      Place reached = place;
+      const auto free_rows = [&](int rows) {
+        reached = place;
+        reached_any_ = false;
+        freed_rows_ = 0;
+        return Write([&](Connection& connection) -> absl::Status {
+          MOTIONDB_ASSIGN_OR_RETURN(more, FreePiece(connection, table, rows, reached));
+          return absl::OkStatus();
+        });
+      };
+      absl::Status freed = free_rows(kPieceRows);
+      // Those before it again: one that cannot be freed undoes what was freed with it.
+      if (!freed.ok() && !MayPass(freed) && freed_rows_ > 0) freed = free_rows(freed_rows_);
+      if (!freed.ok()) {
+        MOTIONDB_RETURN_IF_ERROR(Leave(freed));
+        // Past the one that stays; where not even that can be found, no other can.
+        if (!reached_any_) return absl::OkStatus();
+        more = true;
+      }
+      place = reached;
+    }
+    return absl::OkStatus();
+  }
+
+  // Frees so many chunks and rows from `place` on, or fewer large ones. False at the end.
+  absl::StatusOr<bool> FreePiece(Connection& connection, std::string_view table, int rows,
+                                 Place& place) {
+    std::int64_t bytes = 0;
+    for (; freed_rows_ < rows && bytes < kPieceBytes; ++freed_rows_) {
+      if (place.owner_is_done) {
+        MOTIONDB_ASSIGN_OR_RETURN(const bool found, FindOwner(connection, table, place));
+        if (!found) return false;
+      }
+      MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t freed, FreeNext(connection, table, place));
+      bytes += freed;
+    }
+    return true;
+  }
+
+  absl::StatusOr<bool> FindOwner(Connection& connection, std::string_view table, Place& place) {
+    Statement row = connection.Query(
+        fmt::format("SELECT {0}_key FROM {0} WHERE database_key = ? AND {0}_key < ? "
+                    "ORDER BY {0}_key DESC LIMIT 1",
+                    table),
+        key_, place.owner);
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (found) place = {.owner = row.Integer(0), .owner_is_done = false};
+    return found;
+  }
+
+  // Frees the owner's next chunk, or the owner after the last; returns its bytes.
+  absl::StatusOr<std::int64_t> FreeNext(Connection& connection, std::string_view table,
+                                        Place& place) {
+    std::int64_t chunk_key = 0;
+    std::int64_t bytes = 0;
+    {
+      Statement chunk = connection.Query(
+          fmt::format("SELECT chunk_key, kind, position, length(chunk) FROM {0}_chunk WHERE "
+                      "{0}_key = ? AND (kind, position) > (?, ?) ORDER BY kind, position LIMIT 1",
+                      table),
+          place.owner, place.kind, place.position);
+      const auto found = chunk.Step();
+      if (!found.ok()) {
+        // Its chunks cannot be gone through: it stays as it is.
+        place.owner_is_done = true;
+        reached_any_ = true;
+        return found.status();
+      }
+      if (*found) {
+        chunk_key = chunk.Integer(0);
+        place.kind = chunk.Integer(1);
+        place.position = chunk.Integer(2);
+        bytes = chunk.Integer(3);
+      } else {
+        place.owner_is_done = true;
+      }
+    }
+    reached_any_ = true;
+    if (place.owner_is_done) {
+      MOTIONDB_RETURN_IF_ERROR(
+          connection.Query(fmt::format("DELETE FROM {0} WHERE {0}_key = ?", table), place.owner)
+              .Run());
+    } else {
+      MOTIONDB_RETURN_IF_ERROR(
+          connection
+              .Query(fmt::format("DELETE FROM {}_chunk WHERE chunk_key = ?", table), chunk_key)
+              .Run());
+    }
+    return bytes;
+  }
+
+  const std::int64_t key_;
+  const WriteOnce& write_;
+  const core::Cancelled& cancelled_;
+  absl::Status left_;  // why something stays
+  // Of the last piece: whether it came to something to free, and how much of that it freed.
+  bool reached_any_ = false;
+  int freed_rows_ = 0;
+};
+
+// The next deleted database after a key; 0: there is none.
+absl::Status FindDeleted(Connection& connection, std::int64_t after, std::int64_t& key) {
+  Statement row = connection.Query(
+      "SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? "
+      "ORDER BY database_key LIMIT 1",
+      after);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  key = found ? row.Integer(0) : 0;
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::Status FreeDeletedDatabases(const WriteOnce& write, const core::Cancelled& cancelled) {
+  absl::Status left;
+  std::int64_t key = 0;
+  while (true) {
+    MOTIONDB_RETURN_IF_ERROR(
+        write([&](Connection& connection) { return FindDeleted(connection, key, key); }));
+    if (key == 0) return left;
+    const absl::Status freed = Freeing(key, write, cancelled).Run();
+    if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;
+    left.Update(freed);
+  }
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,144 @@
+// A deleted database is gone at once; what it held is freed in pieces, beside all else.
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/model/extend_model.h"
+#include "tests/storage/backup_bytes.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests {
+namespace {
+
+using absl::StatusCode;
+
+constexpr char kRows[] =
+    "SELECT (SELECT count(*) FROM clip) + (SELECT count(*) FROM clip_chunk) + (SELECT count(*) "
+    "FROM skeleton) + (SELECT count(*) FROM skeleton_chunk) + (SELECT count(*) FROM model) + "
+    "(SELECT count(*) FROM model_layer) + (SELECT count(*) FROM model_clip) + (SELECT count(*) "
+    "FROM model_chunk) + (SELECT count(*) FROM operation) + (SELECT count(*) FROM database)";
+constexpr char kChunkBytes[] = "SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk";
+
+// A database with all that one may hold: models, of which one extends another, and a deleted clip.
+void Fill(storage::MotionStore& store, const std::string& database) {
+  const auto sample = [&](const std::string& id, unsigned seed) {
+    return SampleClip(database, id, seed);
+  };
+  REQUIRE_OK(store.CreateDatabase(SampleDatabase(database)));
+  for (const auto& clip : {sample("walk", 1), sample("run", 2), sample("gone", 3)}) {
+    REQUIRE_OK(store.AddClip(clip));
+  }
+  const core::Model model = SampleModel({sample("walk", 1), sample("gone", 3)});
+  REQUIRE_OK(store.PutModel(database, SampleModel({sample("walk", 1)})));
+  REQUIRE_OK(store.PutModel(database, model));
+  const auto run = sample("run", 2);
+  std::vector<core::BuildInput> inputs;
+  inputs.push_back({run.record.id, run.record.label, run.states, run.record.subject});
+  REQUIRE_OK(store.PutExtension(
+      database, Require(core::ExtendModel(model, std::move(inputs), core::Serially)), 0.1));
+  REQUIRE_OK(store.DeleteClip(database, "gone"));
+  REQUIRE_OK(store.PutOperation(SampleOperation(database, database + "-op")));
+}
+
+}  // namespace
+
+TEST_CASE("Deleted databases: leave nothing, and nobody else's goes", "[storage][deletion]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  Fill(*store, "kept");
+  const std::string before = file.Sql(kRows);
+  const std::string dump = Dump(*store);
+  Fill(*store, "d");
+  REQUIRE(file.Sql(kRows) != before);
+  REQUIRE_OK(store->DeleteDatabase("d"));
+  REQUIRE(file.Sql(kRows) != before);
+  REQUIRE(Dump(*store) == dump);
+  REQUIRE(Findings(*store).empty());
+  REQUIRE_ERROR(store->GetOperation("d-op"), StatusCode::kNotFound, "d-op");
+  REQUIRE_ERROR(store->ListOperations("", "d-op", 10), StatusCode::kNotFound, "d-op");
+  REQUIRE_ERROR(store->DeleteDatabase("d"), StatusCode::kNotFound, "'d'");
+  const std::string hidden = file.Sql("SELECT name FROM database WHERE deleted = 1");
+  REQUIRE_ERROR(store->GetDatabase(hidden), StatusCode::kNotFound, hidden);
+  REQUIRE_ERROR(store->DeleteDatabase(hidden), StatusCode::kNotFound, hidden);
+
+  REQUIRE_OK(store->PurgeDeletedDatabases({}));
+  REQUIRE(file.Sql(kRows) == before);
+  REQUIRE(Dump(*store) == dump);
+  REQUIRE(Findings(*store).empty());
+}
+
+TEST_CASE("Deleted databases: the name is free at once, again and again", "[storage][deletion]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  for (int round = 0; round < 3; ++round) {
+    Fill(*store, "d");
+    REQUIRE_OK(store->DeleteDatabase("d"));
+  }
+  REQUIRE(file.Sql("SELECT count(*) FROM database") == "3");
+  REQUIRE_OK(store->PurgeDeletedDatabases({}));
+  REQUIRE(file.Sql(kRows) == "0");
+}
+
+TEST_CASE("Deleted databases: are freed a few megabytes at a time, and others write between",
+          "[storage][deletion]") {
+  const StoreFile file;
+  auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  for (unsigned seed = 1; seed < 4; ++seed) {
+    auto large = SampleClip("d", "large", seed);
+    large.file_bytes.assign(9'000'000, static_cast<char>(seed));
+    REQUIRE_OK(store->AddClip(large));
+  }
+  REQUIRE_OK(store->DeleteDatabase("d"));
+  const auto left = [&] { return std::stol(file.Sql(kChunkBytes)); };
+  const long whole = left();
+  REQUIRE(whole > 27'000'000);
+
+  long before = whole;
+  long most = 0;
+  int turns = 0;
+  const auto write_between = [&] {
+    most = std::max(most, before - left());
+    before = left();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("new" + std::to_string(++turns))));
+    return false;
+  };
+  SECTION("to the end") { REQUIRE_OK(store->PurgeDeletedDatabases(write_between)); }
+  SECTION("broken off, and by the next to open the store") {
+    const auto stop = [&] { return write_between() || before < whole / 2; };
+    REQUIRE_ERROR(store->PurgeDeletedDatabases(stop), StatusCode::kCancelled, "");
+    REQUIRE(left() > 0);
+    store.reset();
+    store = file.Open();
+    REQUIRE_OK(store->PurgeDeletedDatabases(write_between));
+  }
+  REQUIRE(left() == 0);
+  REQUIRE(turns > 6);
+  REQUIRE(most > 0);
+  REQUIRE(most < 5 << 20);
+  REQUIRE(file.Sql("SELECT count(*) FROM database WHERE deleted = 1") == "0");
+}
+
+TEST_CASE("Deleted databases: are no databases to a restore, nor damage to one",
+          "[storage][deletion]") {
+  const StoreFile from;
+  const auto source = from.Open();
+  Fill(*source, "d");
+  REQUIRE_OK(source->DeleteDatabase("d"));
+  Fill(*source, "kept");
+  const StoreFile to;
+  const auto target = to.Open();
+  Fill(*target, "d");
+  REQUIRE_OK(target->DeleteDatabase("d"));
+  REQUIRE_OK(Restore(*target, Backup(*source)));
+  REQUIRE_OK(target->PurgeDeletedDatabases({}));
+  REQUIRE(Dump(*target) == Dump(*source));
+  REQUIRE(to.Sql("SELECT count(*) FROM database") == "1");
+}
+
+}  // namespace motiondb::tests

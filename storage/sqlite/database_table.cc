@@ -88,6 +88,14 @@ absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::str
   return row.Integer(0);
 }
 
+absl::Status CheckWithoutDatabases(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto count, connection.QueryInteger("SELECT count(*) FROM database WHERE deleted = 0"));
+  if (count == 0) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "the store holds databases ({}): a backup is restored into a store without any", count);
+}
+
 absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
                               const std::string& text) {
   MOTIONDB_RETURN_IF_ERROR(

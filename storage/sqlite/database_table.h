@@ -22,6 +22,9 @@ absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name
 // NOT_FOUND.
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);
 
+// FAILED_PRECONDITION if there is a database: a backup is restored into a store without any.
+absl::Status CheckWithoutDatabases(Connection& connection);
+
 // Gives a database the marker set that its first clip brings. FAILED_PRECONDITION if it has
 // another.
 absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,

@@ -4,7 +4,6 @@
 #include <chrono>
 #include <exception>
 #include <filesystem>
-#include <thread>
 #include <type_traits>
 #include <utility>
 
@@ -37,14 +36,6 @@ const absl::Status& StatusOf(const absl::Status& status) { return status; }
 template <typename T>
 const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
-}
-
-absl::Status CheckWithoutDatabases(Connection& connection) {
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto count, connection.QueryInteger("SELECT count(*) FROM database WHERE deleted = 0"));
-  if (count == 0) return absl::OkStatus();
-  return core::FailedPrecondition(
-      "the store holds databases ({}): a backup is restored into a store without any", count);
 }
 
 absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewClip& clip) {
@@ -160,14 +151,7 @@ absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
 }
 
 absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
-  const auto write = [this](const std::function<absl::Status(Connection&)>& piece) {
-    const auto began = std::chrono::steady_clock::now();
-    absl::Status written = Write(piece);
-    // Whoever lets go of a mutex and takes it again at once is before those who wait for it.
-    std::this_thread::sleep_for(std::chrono::steady_clock::now() - began);
-    return written;
-  };
-  return FreeDeletedDatabases(write, cancelled);
+  return FreeDeletedDatabases([this](const auto& piece) { return Write(piece); }, cancelled);
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {

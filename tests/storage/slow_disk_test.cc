@@ -26,6 +26,7 @@ TEST_CASE("Slow disk: checking the file's pages ends soon once it is cancelled",
   const auto verifier =
       Require(store->upkeep().BeginVerify([&] { return disk.reads() > before + 100; }));
   std::vector<storage::Damage> found;
+  REQUIRE(Require(verifier->Step(found)));  // the definitions of the tables, a few pages
   REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "stopped");
   REQUIRE(found.empty());
   REQUIRE(disk.reads() < before + kPages / 2);

@@ -90,7 +90,8 @@ absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
     log.Enter(stage);
     return true;
   };
-  MOTIONDB_RETURN_IF_ERROR(server::Rebuild(*store, live, {}, parallel, progress).status());
+  const auto stopped = [] { return false; };
+  MOTIONDB_RETURN_IF_ERROR(server::Rebuild(*store, live, {}, parallel, progress, stopped).status());
   log.Leave();
   return std::move(log).stages();
 }

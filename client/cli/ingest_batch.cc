@@ -77,6 +77,8 @@ void IngestBatch::Stored(const v1::IngestClipResponse& response) {
   } else {
     fmt::print("{}", IngestedClipText(response.clip()));
   }
+  // At once, so that a script which is ended knows what is stored.
+  std::fflush(stdout);
 }
 
 absl::Status IngestBatch::AwaitModel() {

@@ -111,7 +111,10 @@ int Run(int argc, char** argv) {
     status = absl::DataLossError("standard output: cannot be written");
   }
   if (status.ok()) return 0;
-  fmt::print(stderr, "motiondb: {}\n", std::string(status.message()));
+  // gRPC has no words for some, such as text that is not UTF-8.
+  fmt::print(stderr, "motiondb: {}\n",
+             status.message().empty() ? absl::StatusCodeToString(status.code())
+                                      : std::string(status.message()));
   return kFailed;
 }
 

@@ -1,11 +1,13 @@
 #include "server/security/key_pair.h"
 
+#include <fmt/chrono.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <fstream>
 #include <memory>
 #include <sstream>
@@ -37,6 +39,12 @@ Memory MemoryOf(const std::string& text) {
 // A key that is encrypted would have OpenSSL ask at the terminal.
 int NoPassphrase(char*, int, int, void*) { return -1; }
 
+std::string DateOf(const ASN1_TIME* time) {
+  std::tm parts{};
+  return ASN1_TIME_to_tm(time, &parts) == 1 ? fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", parts)
+                                            : "a date that cannot be read";
+}
+
 absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::string& text) {
   const Memory memory = MemoryOf(text);
   Certificate certificate(PEM_read_bio_X509(memory.get(), nullptr, NoPassphrase, nullptr),
@@ -44,6 +52,11 @@ absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::st
   ERR_clear_error();
   if (certificate == nullptr) {
     return core::InvalidArgument("{}: expected a certificate in PEM", path);
+  }
+  const ASN1_TIME* const end = X509_get0_notAfter(certificate.get());
+  if (X509_cmp_current_time(end) < 0) {
+    return core::InvalidArgument("{}: the certificate expired on {}: no client would take it", path,
+                                 DateOf(end));
   }
   return certificate;
 }

@@ -3,6 +3,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/access.pb.h"
 #include "server/translate/field_violation.h"
+#include "server/translate/plain_text.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/timestamp.h"
 #include "server/translate/utf8.h"
@@ -61,10 +62,8 @@ absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request) {
   if (request.has_lifetime()) {
     MOTIONDB_ASSIGN_OR_RETURN(wanted.lifetime_us, LifetimeFrom(request.lifetime()));
   }
-  if (request.description().size() > kLongestDescription) {
-    return FieldViolation("description", "expected at most {} bytes, got {}", kLongestDescription,
-                          request.description().size());
-  }
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckPlainText("description", request.description(), kLongestDescription));
   wanted.description = request.description();
   return wanted;
 }

@@ -1,6 +1,5 @@
 #include "server/translate/ingest_stream.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -8,6 +7,7 @@
 #include "server/engine/file_names.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/file_format.h"
+#include "server/translate/plain_text.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
@@ -15,18 +15,6 @@ namespace {
 
 constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
 constexpr std::size_t kLongestText = 255;
-
-// Labels, subjects and file names end up in tables and on terminals.
-absl::Status CheckText(std::string_view field, const std::string& text) {
-  if (text.size() > kLongestText) {
-    return FieldViolation(field, "expected at most {} bytes, got {}", kLongestText, text.size());
-  }
-  const auto is_control = [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; };
-  if (std::ranges::any_of(text, is_control)) {
-    return FieldViolation(field, "has a control character");
-  }
-  return absl::OkStatus();
-}
 
 }  // namespace
 
@@ -57,13 +45,14 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   file_.file_name = WithoutFolders(header.file_name());
   file_.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
   if (file_.file_name.empty()) return FieldViolation("header.file_name", "is missing");
-  MOTIONDB_RETURN_IF_ERROR(CheckText("header.file_name", file_.file_name));
-  MOTIONDB_RETURN_IF_ERROR(CheckText("header.skeleton_file_name", file_.skeleton_file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.file_name", file_.file_name, kLongestText));
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckPlainText("header.skeleton_file_name", file_.skeleton_file_name, kLongestText));
   MOTIONDB_ASSIGN_OR_RETURN(file_.format,
                             FileFormatFrom("header", header.format(), file_.file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", file_.format, file_.skeleton_file_name));
-  MOTIONDB_RETURN_IF_ERROR(CheckText("header.label", header.label()));
-  MOTIONDB_RETURN_IF_ERROR(CheckText("header.subject", header.subject()));
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kLongestText));
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kLongestText));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
                             ConventionsFrom("header", header.conventions()));
   if (!header.clip_id().empty()) {

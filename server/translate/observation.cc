@@ -105,10 +105,6 @@ absl::StatusOr<ObservedMotion> Read(std::string_view field, const v1::Observatio
   return observed;
 }
 
-absl::Status InForm(const ObservedMotion& observed, const absl::Status& status) {
-  return IsHeavyWork(status) ? status : AtField(observed.form_field, status);
-}
-
 }  // namespace
 
 absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
@@ -121,7 +117,7 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
                                     allowed};
   auto states =
       RepresentWithin(limits, *scheme, observed.motion, core::Gaps::kKeep, observed.leg_length_m);
-  if (!states.ok()) return InForm(observed, states.status());
+  if (!states.ok()) return AtField(observed.form_field, states.status());
   return states;
 }
 
@@ -134,9 +130,9 @@ absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
   const RepresentationLimits limits{FrameRate(observed.motion), engine.options().max_frames,
                                     allowed};
   MOTIONDB_RETURN_IF_ERROR(
-      InForm(observed, CheckSize(limits, scheme->set.marker_count(), observed.motion)));
+      AtField(observed.form_field, CheckSize(limits, scheme->set.marker_count(), observed.motion)));
   auto markers = core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m);
-  if (!markers.ok()) return InForm(observed, markers.status());
+  if (!markers.ok()) return AtField(observed.form_field, markers.status());
   return markers;
 }
 

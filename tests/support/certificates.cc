@@ -24,14 +24,16 @@ Authority::Authority(const std::string& folder, const std::string& name)
           own_.key + " -out " + own_.certificate);
 }
 
-KeyPairFiles Authority::Issue(const std::string& file, const std::string& common_name) const {
+KeyPairFiles Authority::Issue(const std::string& file, const std::string& common_name,
+                              int days) const {
   const std::string base = folder_ + "/" + file;
   const KeyPairFiles made{base + ".crt", base + ".key"};
   std::ofstream(base + ".ext") << "subjectAltName = DNS:localhost, IP:127.0.0.1\n";
   Openssl("req " + std::string(kNewKey) + " -subj /CN=" + common_name + " -keyout " + made.key +
           " -out " + base + ".csr");
-  Openssl("x509 -req -days 2 -in " + base + ".csr -CA " + own_.certificate + " -CAkey " + own_.key +
-          " -CAcreateserial -extfile " + base + ".ext -out " + made.certificate);
+  Openssl("x509 -req -days " + std::to_string(days) + " -in " + base + ".csr -CA " +
+          own_.certificate + " -CAkey " + own_.key + " -CAcreateserial -extfile " + base +
+          ".ext -out " + made.certificate);
   return made;
 }
 

@@ -19,8 +19,8 @@ class Authority {
 
   const std::string& certificate() const { return own_.certificate; }
   // For `common_name`; as a server's it is good for localhost and 127.0.0.1. Replaces what an
-  // earlier call for the same `file` made.
-  KeyPairFiles Issue(const std::string& file, const std::string& common_name) const;
+  // earlier call for the same `file` made. It is good for `days`; less than 0: it has expired.
+  KeyPairFiles Issue(const std::string& file, const std::string& common_name, int days = 2) const;
 
  private:
   const std::string folder_;

@@ -120,6 +120,9 @@ TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
   options = files.Encrypted();
   options.tls.certificate = "/nonexistent/server.crt";
   CHECK_THAT(Message(options), Catch::StartsWith("/nonexistent/server.crt: cannot be read"));
+  const KeyPairFiles old = files.authority.Issue("old", "localhost", -1);
+  options.tls = {.certificate = old.certificate, .key = old.key};
+  CHECK_THAT(Message(options), Catch::StartsWith(old.certificate + ": the certificate expired on"));
   options = files.Encrypted();
   std::swap(options.tls.certificate, options.tls.key);
   CHECK_THAT(Message(options), Catch::Contains("server.key: expected a certificate"));

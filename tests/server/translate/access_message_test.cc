@@ -24,6 +24,14 @@ TEST_CASE("WantedToken: what a request asks for", "[server]") {
   CHECK(server::WantedFrom(request)->lifetime_us == 0);
   request.mutable_lifetime()->set_nanos(1'000'000'000);
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+  request.clear_lifetime();
+  for (const std::string& text :
+       {std::string("\x1b[31mred"), std::string("two\nlines"), std::string(201, 'x')}) {
+    request.set_description(text);
+    CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+  }
+  request.clear_description();
+  REQUIRE(server::WantedFrom(request).ok());
   request.set_role(static_cast<v1::Role>(9));
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
 }

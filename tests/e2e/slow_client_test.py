@@ -217,8 +217,9 @@ class SlowClients(unittest.TestCase):
         print(f"\n{len(calls)} answers of 1 MiB that nobody takes: {held:.0f} MiB, where 32 may be "
               f"held; refused: {refused}")
         self.assertEqual([error["code"] for error in refused], ["RESOURCE_EXHAUSTED"])
-        # And 32 of requests, and what those that work at the moment take.
-        self.assertLess(held, 120)
+        self.assertGreaterEqual(int(refused[0]["call_count"]), 24)  # each counts twice
+        # And 32 of requests, and what works at the moment; a sanitizer keeps what was freed for a while.
+        self.assertLess(held, 600 if programs.SLOWNESS > 1 else 120)
 
 
 if __name__ == "__main__":

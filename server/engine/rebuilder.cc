@@ -150,11 +150,11 @@ void Rebuilder::OnTimer(const std::string& database) {
 }
 
 void Rebuilder::Run(Build& build) {
+  const auto stopped = [&] { return build.stop != StopReason::kNone; };
   const auto progress = [&](double fraction, std::string_view stage) {
     book_.Advance(build.operation, fraction, stage);
-    return build.stop == StopReason::kNone;
+    return !stopped();
   };
-  const auto stopped = [&] { return build.stop != StopReason::kNone; };
   const Clock::time_point began = Clock::now();
   absl::StatusOr<Rebuilt> rebuilt;
   try {

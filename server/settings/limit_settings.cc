@@ -73,9 +73,16 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
 }
 
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems) {
-  if (settings.server.calls.message_memory_bytes >= settings.server.max_message_bytes) return;
-  problems.push_back(absl::InvalidArgumentError(
-      "message-memory-mib: less than max-message-mib, so the largest request would never come in"));
+  const auto memory = static_cast<std::size_t>(settings.server.calls.message_memory_bytes);
+  if (memory < static_cast<std::size_t>(settings.server.max_message_bytes)) {
+    problems.push_back(absl::InvalidArgumentError(
+        "message-memory-mib: less than max-message-mib, so the largest request would never come "
+        "in"));
+  }
+  if (memory < settings.server.engine.max_file_bytes) {
+    problems.push_back(absl::InvalidArgumentError(
+        "message-memory-mib: less than max-file-mib, so the largest file would never come in"));
+  }
 }
 
 }  // namespace motiondb::server

@@ -191,7 +191,7 @@ class SlowClients(unittest.TestCase):
 
     def test_answers_that_nobody_takes_take_the_memory_that_they_may(self):
         many = ["--max-heavy-calls", "1000", "--max-heavy-calls-per-client", "1000"]
-        self.serve("--max-message-mib", "16", "--message-memory-mib", "32", *many)
+        self.serve("--max-file-mib", "16", "--message-memory-mib", "32", *many)
         self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
         write_bvh(self.path("walk.bvh"), 0)
         self.server.ask("ingest", "walks", self.path("walk.bvh"), "--label", "walk")

@@ -1,7 +1,6 @@
 // What a client may take of a server: calls at a time, time, silence.
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <deque>
 #include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -19,7 +18,7 @@
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
-#include "server/security/role_table.h"
+#include "tests/server/rpc/limited_server.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
@@ -27,14 +26,6 @@ namespace motiondb::tests {
 namespace {
 
 using std::chrono::milliseconds;
-
-server::ServerOptions With(const server::CallLimitOptions& calls) {
-  server::ServerOptions options;
-  options.listen = "127.0.0.1:0";
-  options.engine.rebuild_delay = milliseconds(50);
-  options.calls = calls;
-  return options;
-}
 
 // How long an error says to wait; negative where it does not.
 double RetrySeconds(const grpc::Status& status) {
@@ -87,21 +78,6 @@ class AnsweredStream {
   const std::unique_ptr<grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>> stream_;
 };
 
-TEST_CASE("CallWeight: every call that is heavy or lasts is one of the contract",
-          "[server][limits]") {
-  int heavy = 0;
-  int streams = 0;
-  int upkeep = 0;
-  for (const server::CallRule& rule : server::CallRules()) {
-    heavy += rule.weight == server::CallWeight::kHeavy ? 1 : 0;
-    streams += rule.weight == server::CallWeight::kStream ? 1 : 0;
-    upkeep += rule.weight == server::CallWeight::kUpkeep ? 1 : 0;
-  }
-  CHECK(heavy == 4);
-  CHECK(streams == 1);
-  CHECK(upkeep == 3);
-}
-
 TEST_CASE("Limits: more streams than there may be are refused, with when to try again",
           "[server][limits]") {
   TestServer server(With({.streams = {8, 2}}));
@@ -153,149 +129,6 @@ TEST_CASE(
   CHECK(list(3 << 10, other).ok());
   CHECK(!list(1 << 20, client).ok());
   CHECK(list(3 << 10, other).ok());
-}
-
-// Two frames that last so long that they become many: 17 minutes at 60 Hz.
-v1::Observation SlowMotion(TestServer& server) {
-  v1::RepresentRequest represent;
-  represent.set_database("databases/db");
-  *represent.mutable_observation() = ObservedWalk();
-  const auto queries = server.NewStub<v1::ObserveService>();
-  const auto walk = Ask(*queries, &v1::ObserveService::Stub::Represent, represent);
-  REQUIRE(walk.status.ok());
-  v1::Observation observation;
-  v1::MarkerObservation& markers = *observation.mutable_markers();
-  markers = walk.response.markers();
-  const std::size_t bytes = markers.positions().size() / markers.frame_count();
-  markers.mutable_positions()->resize(2 * bytes);
-  markers.set_frame_count(2);
-  markers.set_frame_rate_hz(0.001);
-  REQUIRE(observation.ByteSizeLong() < 1000);
-  return observation;
-}
-
-TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[server][limits]") {
-  TestServer server(With({.heavy = {1, 1}}));
-  server.CreateTrained("db");
-  const auto queries = server.NewStub<v1::QueryService>();
-  v1::RecognizeRequest short_one;
-  short_one.set_database("databases/db");
-  *short_one.mutable_observation() = ObservedWalk();
-  v1::RecognizeRequest long_one = short_one;
-  long_one.mutable_observation()->mutable_file()->mutable_data()->append(2 << 20, '\n');
-  const auto recognize = [&](const v1::RecognizeRequest& request) {
-    return Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
-  };
-  const auto clips = server.NewStub<v1::ClipService>();
-  v1::IngestClipRequest header;
-  header.mutable_header()->set_parent("databases/db");
-  header.mutable_header()->set_file_name("late.bvh");
-  v1::IngestClipResponse stored;
-  std::deque<grpc::ClientContext> contexts;
-  std::vector<std::unique_ptr<grpc::ClientWriter<v1::IngestClipRequest>>> ingests;
-  grpc::Status refused;
-  for (int tries = 0; tries < 200 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
-       ++tries) {
-    // Again and again: one that comes beside a query is refused itself.
-    if (tries % 20 == 0) {
-      ingests.push_back(clips->IngestClip(&contexts.emplace_back(), &stored));
-      REQUIRE(ingests.back()->Write(header));
-    }
-    refused = recognize(long_one);
-  }
-  INFO(refused.error_message());
-  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
-  CHECK(recognize(short_one).ok());
-  v1::RecognizeRequest slow_one = short_one;
-  *slow_one.mutable_observation() = SlowMotion(server);
-  const grpc::Status slow = recognize(slow_one);
-  INFO(slow.error_message());
-  CHECK(slow.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(slow.error_message().find("--max-heavy-calls") != std::string::npos);
-  for (grpc::ClientContext& context : contexts) context.TryCancel();
-  grpc::Status free = recognize(slow_one);
-  for (int tries = 0; tries < 500 && !free.ok(); ++tries) {
-    std::this_thread::sleep_for(milliseconds(10));
-    free = recognize(slow_one);
-  }
-  INFO(free.error_message());
-  CHECK(free.ok());
-}
-
-// A file of minutes of motion: more than a call may have that weighs nothing.
-v1::Observation LongWalk() {
-  v1::Observation observation = ObservedWalk();
-  observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 16000}));
-  REQUIRE(observation.ByteSizeLong() > 1 << 20);
-  return observation;
-}
-
-TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[server][limits]") {
-  TestServer server(With({.heavy = {2, 2}}));
-  server.CreateTrained("db");
-  std::promise<void> done;
-  const std::shared_future<void> held = done.get_future().share();
-  server::Workers& workers = server.server().engine().workers();
-  for (int i = 0; i < workers.request_threads(); ++i) {
-    workers.PostHeavy([held] { held.wait(); });
-  }
-  const auto queries = server.NewStub<v1::QueryService>();
-  v1::RecognizeRequest request;
-  request.set_database("databases/db");
-  *request.mutable_observation() = LongWalk();
-  const auto recognize = [&] {
-    grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + milliseconds(500));
-    v1::RecognizeResponse response;
-    return queries->Recognize(&context, request, &response);
-  };
-  // Those wait for a thread, and nobody waits for them any more; their places they have.
-  CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
-  CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
-  grpc::Status refused = recognize();
-  for (int tries = 0; tries < 20 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
-       ++tries) {
-    refused = recognize();
-  }
-  done.set_value();
-  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
-}
-
-TEST_CASE("Limits: files that come in part hold memory that others cannot have",
-          "[server][limits]") {
-  TestServer server(With({.message_memory_bytes = 32 << 20}));
-  server.CreateTrained("db");
-  const auto clips = server.NewStub<v1::ClipService>();
-  v1::IngestClipRequest header;
-  header.mutable_header()->set_parent("databases/db");
-  header.mutable_header()->set_file_name("slow.bvh");
-  v1::IngestClipRequest block;
-  block.set_file_block(std::string(1 << 20, ' '));
-  const auto send = [&](grpc::ClientWriter<v1::IngestClipRequest>& ingest, int blocks) {
-    bool open = ingest.Write(header);
-    for (int i = 0; i < blocks && open; ++i) open = ingest.Write(block);
-  };
-  grpc::ClientContext slow;
-  v1::IngestClipResponse ignored;
-  const auto waiting = clips->IngestClip(&slow, &ignored);
-  send(*waiting, 24);
-  grpc::Status ended;
-  // It is no motion; until the first has come so far, that is what is said.
-  for (int tries = 0; tries < 100 && ended.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
-       ++tries) {
-    grpc::ClientContext context;
-    v1::IngestClipResponse response;
-    const auto ingest = clips->IngestClip(&context, &response);
-    send(*ingest, 12);
-    ingest->WritesDone();
-    ended = ingest->Finish();
-  }
-  slow.TryCancel();
-  INFO(ended.error_message());
-  CHECK(ended.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(ended.error_message().find("--message-memory-mib") != std::string::npos);
 }
 
 TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") {

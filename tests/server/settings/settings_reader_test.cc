@@ -242,7 +242,12 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   CHECK(delays.Check().size() == 1);
   SettingsReader memory;
   REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "15"}).empty());
-  CHECK(memory.Check().size() == 1);
+  CHECK(memory.Check().size() == 2);  // neither the largest request nor the largest file fits
+  SettingsReader small_files;
+  REQUIRE(Read(small_files, {"--store", directory / "a.db", "--message-memory-mib", "15",
+                             "--max-file-mib", "15"})
+              .empty());
+  CHECK(small_files.Check().size() == 1);
 }
 
 TEST_CASE("Settings: a start is refused what a check refuses, but for the store", "[settings]") {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "storage/change_terms.h"
 
 namespace motiondb::storage {
 
@@ -43,8 +44,8 @@ class AccessStore {
  public:
   virtual ~AccessStore() = default;
 
-  // `audit` as MotionStore has it. ALREADY_EXISTS if the id is taken.
-  virtual absl::Status AddToken(const TokenRecord& record, const AuditRecord* audit = nullptr) = 0;
+  // ALREADY_EXISTS if the id is taken.
+  virtual absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) = 0;
   // NOT_FOUND.
   virtual absl::StatusOr<TokenRecord> GetToken(const std::string& id) = 0;
   // In the order in which they were made: those after the token `after` (empty: from the first), at
@@ -53,7 +54,7 @@ class AccessStore {
                                                               int limit) = 0;
   // The record as it then stands; one that was revoked keeps its time. NOT_FOUND.
   virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                                  const AuditRecord* audit = nullptr) = 0;
+                                                  const ChangeTerms& terms = {}) = 0;
 
   // The last hundred thousand entries are kept.
   virtual absl::Status AddAuditRecord(const AuditRecord& record) = 0;

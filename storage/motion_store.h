@@ -6,9 +6,6 @@
 // accepts any non-empty string. Codes used by all: NOT_FOUND (what was named is not there),
 // ALREADY_EXISTS, DATA_LOSS (stored bytes are damaged: names which), UNAVAILABLE or
 // RESOURCE_EXHAUSTED (disk).
-//
-// `audit`, where it is not null, is the entry in the record of changes: kept with the change, or
-// neither is.
 #pragma once
 
 #include <memory>
@@ -20,6 +17,7 @@
 #include "core/motion/cancellation.h"
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
+#include "storage/change_terms.h"
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
 
@@ -38,13 +36,13 @@ class MotionStore {
 
   // Databases, in order of name.
   virtual absl::Status CreateDatabase(const DatabaseRecord& record,
-                                      const AuditRecord* audit = nullptr) = 0;
+                                      const ChangeTerms& terms = {}) = 0;
   virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
   virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
   // With all that it holds: it is gone for every other call at once, and its name is free. What it
   // held stays on disk until PurgeDeletedDatabases.
   virtual absl::Status DeleteDatabase(const std::string& database,
-                                      const AuditRecord* audit = nullptr) = 0;
+                                      const ChangeTerms& terms = {}) = 0;
   // Removes what is left of deleted databases, in many short changes, between which others get
   // their turn. It may be called beside all else, one call at a time. CANCELLED, with the rest left
   // for the next call, once `cancelled` says so. DATA_LOSS if something cannot be read and stays;
@@ -67,7 +65,7 @@ class MotionStore {
   // deleted.
   virtual absl::StatusOr<ClipRecord> DeleteClip(const std::string& database,
                                                 const std::string& clip,
-                                                const AuditRecord* audit = nullptr) = 0;
+                                                const ChangeTerms& terms = {}) = 0;
   // The bytes that were ingested.
   virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                                     const std::string& clip) = 0;

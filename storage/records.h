@@ -9,6 +9,7 @@
 
 #include "core/format/motion_file.h"
 #include "core/model/model.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/skeleton.h"
 #include "core/motion/states.h"
 #include "storage/access_store.h"
@@ -55,6 +56,7 @@ struct NewClip {
   // The entry of the record of changes that is kept in the same transaction, of the clip as stored;
   // empty: none. May be called more than once, and from another thread that adds a clip.
   std::function<AuditRecord(const ClipRecord&)> audit;
+  core::Cancelled cancelled;  // as ChangeTerms has it
 };
 
 struct ClipSource {

@@ -45,13 +45,17 @@ std::vector<int> NeededJoints(const std::vector<BoundRule>& rules, const Skeleto
   return needed;
 }
 
+// Some milliseconds of the largest skeletons.
+constexpr Eigen::Index kFramesBetweenQuestions = 256;
+
 // Frames x 3 rules, of joints.
 struct JointMarkers {
   FrameMatrix positions_m;  // without the offsets
   JointMatrix offsets;      // as their links turn them, leg lengths; no rows where no rule has one
 };
 
-JointMarkers MarkersOfJoints(const BoundMapping& mapping, const JointMotion& motion) {
+absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const JointMotion& motion,
+                                             const Cancelled& cancelled) {
   const std::vector<BoundRule>& rules = mapping.rules;
   const std::vector<int> needed = NeededJoints(rules, *motion.skeleton);
   std::vector<Eigen::Isometry3d> world_from_joint(motion.skeleton->joint_count());
@@ -60,6 +64,9 @@ JointMarkers MarkersOfJoints(const BoundMapping& mapping, const JointMotion& mot
   JointMarkers markers{FrameMatrix::Zero(frames, numbers),
                        JointMatrix::Zero(mapping.has_offsets ? frames : 0, numbers)};
   for (Eigen::Index t = 0; t < frames; ++t) {
+    if (t % kFramesBetweenQuestions == 0 && cancelled && cancelled()) {
+      return absl::CancelledError("the mapping was cancelled");
+    }
     ForwardKinematics(*motion.skeleton, motion.angles.row(t), needed, world_from_joint);
     for (std::size_t m = 0; m < rules.size(); ++m) {
       const auto at = static_cast<Eigen::Index>(3 * m);
@@ -102,7 +109,8 @@ absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion) {
 }
 
 absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motion& motion,
-                                         std::optional<double> leg_length_m) {
+                                         std::optional<double> leg_length_m,
+                                         const Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const BoundMapping mapping, BindMapping(scheme, PointNames(motion)));
 
   MarkerMotion mapped;
@@ -118,7 +126,7 @@ absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motio
   }
   const JointMotion& joints = std::get<JointMotion>(motion);
   mapped.frame_rate_hz = joints.frame_rate_hz;
-  JointMarkers markers = MarkersOfJoints(mapping, joints);
+  MOTIONDB_ASSIGN_OR_RETURN(JointMarkers markers, MarkersOfJoints(mapping, joints, cancelled));
   mapped.positions_m = std::move(markers.positions_m);
   if (mapping.has_offsets) {
     if (!leg_length_m) {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/motion.h"
 
 namespace motiondb::core {
@@ -74,8 +75,9 @@ Landmarks RecognizeLandmarks(const std::vector<std::string>& names);
 // Brings a motion to the set's markers at the motion's own frame rate, by the mapping with the most
 // signature names of those that fit. Markers that carry the set's own names need no mapping.
 // INVALID_ARGUMENT if none fits, naming what the closest one lacks. `leg_length_m` overrides the
-// measured size that offsets scale with. Missing source markers make NaN.
+// measured size that offsets scale with. Missing source markers make NaN. CANCELLED.
 absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motion& motion,
-                                         std::optional<double> leg_length_m = std::nullopt);
+                                         std::optional<double> leg_length_m = std::nullopt,
+                                         const Cancelled& cancelled = {});
 
 }  // namespace motiondb::core

@@ -178,15 +178,23 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Gaps gaps,
                                         std::optional<double> leg_length_m,
-                                        std::vector<std::string>* notes) {
-  MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped, ApplyScheme(scheme, motion, leg_length_m));
+                                        std::vector<std::string>* notes,
+                                        const Cancelled& cancelled) {
+  const auto go_on = [&] {
+    return cancelled && cancelled() ? absl::CancelledError("the motion is no longer wanted")
+                                    : absl::OkStatus();
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
+                            ApplyScheme(scheme, motion, leg_length_m, cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckPositions(mapped));
   if (gaps == Gaps::kFill) {
     // After the mapping: only markers that are used must be whole.
     MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
     if (notes != nullptr) notes->insert(notes->end(), filled.begin(), filled.end());
   }
+  MOTIONDB_RETURN_IF_ERROR(go_on());
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
+  MOTIONDB_RETURN_IF_ERROR(go_on());
   return ComputeStates(scheme.set, resampled, leg_length_m);
 }
 

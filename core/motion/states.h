@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
 
 namespace motiondb::core {
@@ -58,11 +59,12 @@ enum class Gaps {
 };
 
 // The whole way from a motion to states: gaps, ApplyScheme, Resample, ComputeStates. `notes`, where
-// given, receives what was filled.
+// given, receives what was filled. CANCELLED, soon after `cancelled` says so.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
                                         double frame_rate_hz, Gaps gaps,
                                         std::optional<double> leg_length_m = std::nullopt,
-                                        std::vector<std::string>* notes = nullptr);
+                                        std::vector<std::string>* notes = nullptr,
+                                        const Cancelled& cancelled = {});
 
 // Marker positions in the world (m, z up), frames x 3 N_v: the way back from states.
 FrameMatrix WorldPositions(const StateSequence& sequence);

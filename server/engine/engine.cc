@@ -36,7 +36,7 @@ void Engine::Drain() {
 absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
                                                                const core::BuildSettings& settings,
                                                                const MarkerSetSetting& marker_set,
-                                                               const storage::AuditRecord* audit) {
+                                                               const storage::ChangeTerms& terms) {
   const storage::DatabaseRecord record{.name = database,
                                        .settings = settings,
                                        .marker_set = marker_set.name,
@@ -52,7 +52,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                     "--max-databases",
                     count));
   }
-  MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, audit));
+  MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
   const std::lock_guard lock(mutex_);
   databases_[database] = std::move(live);
   spdlog::info("database '{}': created", database);
@@ -60,11 +60,11 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
 }
 
 absl::Status Engine::DeleteDatabase(const std::string& database,
-                                    const storage::AuditRecord* audit) {
+                                    const storage::ChangeTerms& terms) {
   const std::lock_guard naming(naming_mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   MOTIONDB_RETURN_IF_ERROR(live->Retire([&] {
-    const absl::Status deleted = store_->DeleteDatabase(database, audit);
+    const absl::Status deleted = store_->DeleteDatabase(database, terms);
     if (!deleted.ok()) return deleted;
     rebuilder_.Forget(*live);
     live->set_snapshot(nullptr);
@@ -159,12 +159,12 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
 
 absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& database,
                                                             const std::string& clip,
-                                                            const storage::AuditRecord* audit) {
+                                                            const storage::ChangeTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
   const absl::Status deleted = live->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
-                              store_->DeleteClip(database, clip, audit));
+                              store_->DeleteClip(database, clip, terms));
     live->ForgetUnreadable(clip);
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);

@@ -62,12 +62,12 @@ class Engine {
 
   // Changes take their entry of the record of changes along to the store; null: there is none.
   // ALREADY_EXISTS, RESOURCE_EXHAUSTED.
-  absl::StatusOr<storage::DatabaseRecord> CreateDatabase(
-      const std::string& database, const core::BuildSettings& settings,
-      const MarkerSetSetting& marker_set, const storage::AuditRecord* audit = nullptr);
+  absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
+                                                         const core::BuildSettings& settings,
+                                                         const MarkerSetSetting& marker_set,
+                                                         const storage::ChangeTerms& terms = {});
   // With its clips, models and operations; what runs for it stops.
-  absl::Status DeleteDatabase(const std::string& database,
-                              const storage::AuditRecord* audit = nullptr);
+  absl::Status DeleteDatabase(const std::string& database, const storage::ChangeTerms& terms = {});
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
 
@@ -89,7 +89,7 @@ class Engine {
   // Returns the rebuild that takes the clip out of the model. NOT_FOUND.
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
-                                                      const storage::AuditRecord* audit = nullptr);
+                                                      const storage::ChangeTerms& terms = {});
   // NOT_FOUND.
   absl::StatusOr<Cancellation> CancelOperation(const std::string& operation);
 

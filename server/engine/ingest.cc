@@ -12,6 +12,7 @@
 #include "server/engine/content_hash.h"
 #include "server/engine/file_names.h"
 #include "server/engine/representation.h"
+#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 namespace {
@@ -108,10 +109,12 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   if (!source.ok()) return source.status();
 
   // The first clip of a `source` database brings the markers; others wait until it is in.
-  std::unique_lock<std::mutex> first_clip;
+  std::unique_lock first_clip(database.first_clip_mutex(), std::defer_lock);
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
-    first_clip = std::unique_lock(database.first_clip_mutex());
+    if (!storage::Lock(first_clip, cancelled)) {
+      return absl::CancelledError("the clip was no longer wanted when the first one was in");
+    }
     MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
     if (scheme != nullptr) first_clip.unlock();
   }
@@ -122,7 +125,8 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   }
 
   std::vector<std::string> notes;
-  const RepresentationLimits limits{database.settings().frame_rate_hz, options.max_frames};
+  const RepresentationLimits limits{
+      database.settings().frame_rate_hz, options.max_frames, {Allowed::kAllWork, cancelled}};
   auto states = RepresentWithin(limits, *scheme, source->motion, core::Gaps::kFill,
                                 file.leg_length_m, &notes);
   if (absl::IsInvalidArgument(states.status())) {
@@ -137,8 +141,8 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
 
   storage::NewClip clip = MakeClip(database, std::move(file), *source, *std::move(states), notes);
   clip.record.content_hash = content_hash;
+  clip.cancelled = cancelled;
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
-  if (cancelled && cancelled()) return absl::CancelledError("the client went away");
 
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;

@@ -106,7 +106,7 @@ class LiveDatabase {
   std::mutex& states_mutex() { return states_mutex_; }
 
   // Held while the first clip of a `source` database is on its way in, for it decides the markers.
-  std::mutex& first_clip_mutex() { return first_clip_mutex_; }
+  std::timed_mutex& first_clip_mutex() { return first_clip_mutex_; }
 
  private:
   // REQUIRES: mutex_ is held.
@@ -132,7 +132,7 @@ class LiveDatabase {
   int changes_ = 0;  // under way
   std::mutex states_mutex_;
   std::mutex model_mutex_;
-  std::mutex first_clip_mutex_;
+  std::timed_mutex first_clip_mutex_;
 };
 
 }  // namespace motiondb::server

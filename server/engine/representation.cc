@@ -72,7 +72,7 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                                  own_frames, joints->skeleton->joint_count());
   }
   const bool light = std::max(points, placings) <= kMostLightPoints;
-  return light || limits.allowed == Allowed::kAllWork ? absl::OkStatus() : HeavyWork();
+  return light || limits.terms.allowed == Allowed::kAllWork ? absl::OkStatus() : HeavyWork();
 }
 
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
@@ -81,7 +81,9 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
-  return core::Represent(scheme, motion, limits.frame_rate_hz, gaps, leg_length_m, notes);
+  return core::Represent(scheme, motion, limits.frame_rate_hz, gaps, leg_length_m, notes,
+
+                         limits.terms.cancelled);
 }
 
 }  // namespace motiondb::server

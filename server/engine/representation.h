@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/states.h"
 
 namespace motiondb::server {
@@ -15,18 +16,24 @@ namespace motiondb::server {
 // allow.
 enum class Allowed { kLightWork, kAllWork };
 
+// How much may be done, and until when.
+struct WorkTerms {
+  Allowed allowed = Allowed::kAllWork;
+  core::Cancelled cancelled;
+};
+
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
   // At that rate, and of the motion at its own; of 34 markers, of more markers as many fewer.
   int max_frames = 0;
-  Allowed allowed = Allowed::kAllWork;
+  WorkTerms terms;
 };
 
 // Whether a motion was not represented because that is heavy work, which was not allowed.
 bool IsHeavyWork(const absl::Status& status);
 
 // As core::Represent. INVALID_ARGUMENT also for a motion that lasts too long: a file of a few bytes
-// can claim to last a century.
+// can claim to last a century. CANCELLED.
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
                                                     const core::Motion& motion, core::Gaps gaps,

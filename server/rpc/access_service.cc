@@ -31,7 +31,7 @@ absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request
   MOTIONDB_ASSIGN_OR_RETURN(
       const MadeToken made,
       call.entry.access().tokens().Make(wanted.role, wanted.database, wanted.description, now_us,
-                                        expire_time_us, audit));
+                                        expire_time_us, audit, call.cancelled));
   SetToken(made.record, *response.mutable_token());
   response.set_secret(made.secret);
   return absl::OkStatus();
@@ -59,8 +59,9 @@ absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request
   }
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseTokenName("name", name));
   const auto audit = call.entry.RecordWithChange(name);
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
-                            call.entry.access().tokens().Revoke(id, NowMicroseconds(), &audit));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto record,
+      call.entry.access().tokens().Revoke(id, NowMicroseconds(), {&audit, call.cancelled}));
   SetToken(record, *response.mutable_token());
   return absl::OkStatus();
 }

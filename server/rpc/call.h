@@ -29,7 +29,7 @@ struct Call {
   CallEntry& entry;                                // who asks
   Monitor& monitor;                                // how the server is doing
 
-  Allowed allowed() const { return entry.allowed(); }
+  WorkTerms terms() const { return {entry.allowed(), cancelled}; }
 };
 
 // Owned by gRPC: deletes itself when the call is over.

@@ -30,15 +30,16 @@ using TimePoint = std::chrono::system_clock::time_point;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
-// It has a timeout of its own, and takes no thread meanwhile.
-bool WaitsForOperation(const Method& method) {
-  return method.name == "OperationService.WaitOperation";
-}
-
 TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& method) {
-  if (method.weight == CallWeight::kStream || method.weight == CallWeight::kUpkeep ||
-      WaitsForOperation(method)) {
-    return of_client;
+  switch (method.weight) {
+    case CallWeight::kStream:
+    case CallWeight::kUpkeep:
+    case CallWeight::kWait:
+      return of_client;
+    case CallWeight::kLight:
+    case CallWeight::kChange:
+    case CallWeight::kHeavy:
+      break;
   }
   return std::min(of_client, std::chrono::system_clock::now() + host.limits.options().longest_call);
 }
@@ -52,7 +53,7 @@ TimePoint Earliest(TimePoint of_client) {
 
 CallKind KindOf(const Method& method) {
   if (method.weight == CallWeight::kStream) return CallKind::kFrames;
-  if (WaitsForOperation(method) || method.streaming) return CallKind::kWait;
+  if (method.weight == CallWeight::kWait || method.streaming) return CallKind::kWait;
   return CallKind::kWork;
 }
 
@@ -73,6 +74,7 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       deadline_(Deadline(host, client_deadline_, method)),
       client_may_give_up_(Earliest(client_deadline_)),
       place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
+      request_memory_(host.memory),
       memory_(host.memory),
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
@@ -89,12 +91,15 @@ grpc::Status CallEntry::Admission() const {
 
 void CallEntry::Begin(const google::protobuf::Message& request,
                       std::function<void(grpc::Status)> work) {
+  if (const absl::Status held = HoldRequest(request); !held.ok()) return work(ToGrpcStatus(held));
   host_.engine.workers().Post([this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
-    const bool elsewhere = weight_ == CallWeight::kHeavy || weight_ == CallWeight::kUpkeep;
-    if (!checked.ok() || !elsewhere) return work(std::move(checked));
-    Post([work] { work(grpc::Status::OK); });
+    // That a change was refused is written too.
+    const bool heavy = weight_ == CallWeight::kHeavy || weight_ == CallWeight::kUpkeep;
+    const bool elsewhere = weight_ == CallWeight::kChange || (checked.ok() && heavy);
+    if (!elsewhere) return work(std::move(checked));
+    Post([work, checked] { work(checked); });
   });
 }
 
@@ -103,6 +108,11 @@ void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
   const absl::Status entered = EnterOwnPlace(*caller_);
   if (!entered.ok()) return work(ToGrpcStatus(entered));
   Post([work = std::move(work)] { work(grpc::Status::OK); });
+}
+
+absl::Status CallEntry::HoldRequest(const google::protobuf::Message& request) {
+  const std::size_t bytes = request.ByteSizeLong() <= kSmall ? 0 : request.SpaceUsedLong();
+  return request_memory_.Hold(static_cast<std::int64_t>(bytes));
 }
 
 absl::Status CallEntry::HoldAnswer(std::size_t bytes) {
@@ -121,7 +131,10 @@ void CallEntry::Post(std::function<void()> work) {
       return workers.PostHeavy(std::move(work));
     case CallWeight::kUpkeep:
       return workers.PostUpkeep(std::move(work));
+    case CallWeight::kChange:
+      return workers.PostChange(std::move(work));
     case CallWeight::kLight:
+    case CallWeight::kWait:
     case CallWeight::kStream:
       return workers.Post(std::move(work));
   }
@@ -149,7 +162,7 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   } else {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
-  if (weight_ != CallWeight::kLight) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace(caller));
+  if (CallLimits::HasOwnLimit(weight_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace(caller));
   caller_ = std::move(caller);
   return absl::OkStatus();
 }

@@ -42,9 +42,9 @@ class CallEntry {
   // Not OK: the call is to be refused with this. UNAVAILABLE (the server stops),
   // RESOURCE_EXHAUSTED.
   grpc::Status Admission() const;
-  // Checks the request on a request thread and then runs `work`, which must not throw, with what
-  // that came to: where it is OK in the place that Post has, so that nobody waits in a lane who may
-  // not be there. The request must outlive the check.
+  // Holds the request, checks it on a request thread and then runs `work`, which must not throw,
+  // with what that came to: where it is OK in the place that Post has, so that nobody waits in a
+  // lane who may not be there. The request must outlive the check.
   void Begin(const google::protobuf::Message& request, std::function<void(grpc::Status)> work);
   // For a light call whose work turns out to be heavy: runs `work`, as Begin does, in the place of
   // a heavy one, or with RESOURCE_EXHAUSTED. REQUIRES: the call passed its check.
@@ -72,6 +72,9 @@ class CallEntry {
   // message or after another, or took nothing: DEADLINE_EXCEEDED.
   grpc::Status Silent() const;
 
+  // A message came in, in place of the one before it; read, it may take many times its bytes. Begin
+  // asks for the first. RESOURCE_EXHAUSTED.
+  absl::Status HoldRequest(const google::protobuf::Message& request);
   // An answer of so many bytes waits for the client from here on, a file for the rest of it. Small
   // ones are not counted. RESOURCE_EXHAUSTED.
   absl::Status HoldAnswer(std::size_t bytes);
@@ -122,6 +125,7 @@ class CallEntry {
   const std::chrono::system_clock::time_point client_may_give_up_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
+  MessageMemory::Share request_memory_;
   MessageMemory::Share memory_;
   bool checked_ = false;
   bool recorded_ = false;

@@ -22,9 +22,19 @@ constexpr Words kWords[] = {{"calls", "calls", std::chrono::milliseconds(100)},
                             {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
                             {"streams", "streams", std::chrono::milliseconds(10'000)}};
 
-// Upkeep counts among the heavy calls.
 constexpr std::size_t Index(CallWeight weight) {
-  return static_cast<std::size_t>(weight == CallWeight::kUpkeep ? CallWeight::kHeavy : weight);
+  switch (weight) {
+    case CallWeight::kLight:
+    case CallWeight::kChange:
+    case CallWeight::kWait:
+      return 0;
+    case CallWeight::kHeavy:
+    case CallWeight::kUpkeep:
+      return 1;
+    case CallWeight::kStream:
+      return 2;
+  }
+  return 0;
 }
 
 absl::Status TooMany(const Words& words, int open, std::string_view whose,
@@ -48,6 +58,8 @@ void CallLimits::Slot::Release() {
   if (limits_ != nullptr) limits_->Leave(weight_, client_);
   limits_ = nullptr;
 }
+
+bool CallLimits::HasOwnLimit(CallWeight weight) { return Index(weight) != 0; }
 
 absl::StatusOr<CallLimits::Slot> CallLimits::Enter(CallWeight weight, const std::string& client) {
   const std::size_t i = Index(weight);

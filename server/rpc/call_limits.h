@@ -35,7 +35,8 @@ struct CallLimitOptions {
   int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
   // That gRPC may keep of messages which come in, whole ones and those that are half sent; beyond
   // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down. As much again may be held
-  // of files that were sent in part, and of answers that are not taken (MessageMemory).
+  // of requests as they were read, of files that were sent in part, and of answers that are not
+  // taken (MessageMemory).
   std::int64_t message_memory_bytes = 512 << 20;
 };
 
@@ -67,7 +68,9 @@ class CallLimits {
     return std::min(options_.longest_silence, options_.longest_first_silence);
   }
 
-  // kLight counts calls of every weight, so a heavy one or a stream enters twice.
+  // Whether calls of a weight are limited by themselves. All others count as kLight, and so do
+  // these: they enter twice.
+  static bool HasOwnLimit(CallWeight weight);
   // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.
   absl::StatusOr<Slot> Enter(CallWeight weight, const std::string& client);
 

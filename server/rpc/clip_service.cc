@@ -47,7 +47,7 @@ absl::Status DeleteClip(const Call& call, const v1::DeleteClipRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
   const auto audit = call.entry.RecordWithChange(request.name());
   MOTIONDB_ASSIGN_OR_RETURN(const auto operation,
-                            call.engine.DeleteClip(id.database, id.id, &audit));
+                            call.engine.DeleteClip(id.database, id.id, {&audit, call.cancelled}));
   SetOperation(operation, *response.mutable_operation());
   return absl::OkStatus();
 }

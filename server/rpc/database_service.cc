@@ -17,9 +17,9 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   MOTIONDB_ASSIGN_OR_RETURN(const auto settings, SettingsFrom(request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto marker_set, MarkerSetFrom(request.database()));
   const auto audit = call.entry.RecordWithChange(DatabaseName(request.database_id()));
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto record,
-      call.engine.CreateDatabase(request.database_id(), settings, marker_set, &audit));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record,
+                            call.engine.CreateDatabase(request.database_id(), settings, marker_set,
+                                                       {&audit, call.cancelled}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(record.name));
   SetDatabase(record, *live, *response.mutable_database());
   return absl::OkStatus();
@@ -67,7 +67,7 @@ absl::Status DeleteDatabase(const Call& call, const v1::DeleteDatabaseRequest& r
                             v1::DeleteDatabaseResponse&) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
   const auto audit = call.entry.RecordWithChange(request.name());
-  return call.engine.DeleteDatabase(id, &audit);
+  return call.engine.DeleteDatabase(id, {&audit, call.cancelled});
 }
 
 absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseRequest& request,

@@ -29,19 +29,18 @@ std::int64_t MessageMemory::held() const {
 absl::Status MessageMemory::Change(std::int64_t from, std::int64_t to) {
   if (to > limit_) {
     return absl::ResourceExhaustedError(
-        fmt::format("{:.1f} MiB of files and answers would be held for this call, more than the "
-                    "{:.1f} MiB for all (--message-memory-mib): ask for less at a time",
+        fmt::format("{:.1f} MiB of messages would be held for this call, more than the "
+                    "{:.1f} MiB for all (--message-memory-mib): send or ask for less",
                     Mebibytes(to), Mebibytes(limit_)));
   }
   const std::lock_guard lock(mutex_);
   const std::int64_t others = held_ - from;
   if (to > from && others + to > limit_) {
-    return RetryLater(
-        std::chrono::seconds(1),
-        "{:.1f} MiB of files and answers are on their way, and with {:.1f} more there "
-        "would be more than there may be (--message-memory-mib): try again when some "
-        "have been taken",
-        Mebibytes(held_), Mebibytes(to - from));
+    return RetryLater(std::chrono::seconds(1),
+                      "{:.1f} MiB of messages are on their way, and with {:.1f} more there "
+                      "would be more than there may be (--message-memory-mib): try again when some "
+                      "have been dealt with",
+                      Mebibytes(held_), Mebibytes(to - from));
   }
   held_ = others + to;
   return absl::OkStatus();

@@ -1,5 +1,5 @@
-// Memory that calls hold on to while a client takes its time: files on their way in, answers on
-// their way out. Thread-safe; outlives its shares.
+// Memory that calls hold on to: requests as they were read, files on their way in, answers on their
+// way out. Thread-safe; outlives its shares.
 #pragma once
 
 #include <cstdint>

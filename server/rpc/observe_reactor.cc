@@ -31,7 +31,10 @@ class ObserveReactor final
   }
 
   void OnReadDone(bool ok) override {
-    Do(Turn::kServer, [this, ok] { entry_.Post([this, ok] { ok ? Work() : Close(); }); });
+    Do(Turn::kServer, [this, ok] {
+      const absl::Status held = ok ? entry_.HoldRequest(request_) : absl::OkStatus();
+      entry_.Post([this, ok, held] { ok ? Work(held) : Close(); });
+    });
   }
   void OnWriteDone(bool ok) override {
     writing_ = false;
@@ -55,8 +58,9 @@ class ObserveReactor final
     start();
   }
 
-  void Work() {
-    const grpc::Status status = RunHandler(entry_.cancelled(), [this] { return Take(); });
+  void Work(const absl::Status& held) {
+    const grpc::Status status =
+        RunHandler(entry_.cancelled(), [&] { return held.ok() ? Take() : held; });
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
     silence_.Restart();

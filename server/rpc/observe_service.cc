@@ -16,7 +16,7 @@ absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
                             FindSubject(call.engine, "database", request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto markers,
                             MarkersFrom("observation", request.observation(), call.engine,
-                                        *subject.database, call.allowed()));
+                                        *subject.database, call.terms()));
   SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();
 }

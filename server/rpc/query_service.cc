@@ -26,7 +26,7 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states,
                             StatesFrom("observation", request.observation(), call.engine,
-                                       *subject.database, call.allowed()));
+                                       *subject.database, call.terms()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             core::Recognize(model, states, options, call.cancelled));
   return SetRecognition(windows, subject.database->name(), model, request.top_count(), response);
@@ -40,7 +40,7 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states,
                             StatesFrom("observation", request.observation(), call.engine,
-                                       *subject.database, call.allowed()));
+                                       *subject.database, call.terms()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto estimation,
                             core::Estimate(model, states, options, call.cancelled));
   SetEstimation(estimation, model, response);
@@ -55,7 +55,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("", request, model));
   MOTIONDB_ASSIGN_OR_RETURN(const auto states,
                             StatesFrom("observation", request.observation(), call.engine,
-                                       *subject.database, call.allowed()));
+                                       *subject.database, call.terms()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction,
                             core::Predict(model, states, options, call.cancelled));
   SetPrediction(prediction, subject.database->name(), model, response);
@@ -71,9 +71,8 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom("prediction.", first, model));
   MOTIONDB_ASSIGN_OR_RETURN(const double every,
                             StepFrom("every_seconds", request.every_seconds(), model));
-  MOTIONDB_ASSIGN_OR_RETURN(auto states,
-                            StatesFrom("prediction.observation", first.observation(), call.engine,
-                                       *subject.database, call.allowed()));
+  MOTIONDB_ASSIGN_OR_RETURN(auto states, StatesFrom("prediction.observation", first.observation(),
+                                                    call.engine, *subject.database, call.terms()));
   const auto series =
       std::make_shared<PredictionSeries>(subject.snapshot, std::move(states), options, every);
   return [series, name = subject.database->name(),
@@ -89,8 +88,8 @@ absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResp
   MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
                             FindSubject(call.engine, "database", request.database()));
   const core::Model& model = subject.snapshot->model;
-  MOTIONDB_ASSIGN_OR_RETURN(auto options,
-                            OptionsFrom(request, model, call.engine, *subject.database));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto options, OptionsFrom(request, model, call.engine, *subject.database, call.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, subject.database->scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const PlanBody body, BodyFrom(request, options.start_clip, *scheme,
                                                           call.engine, *subject.database));

@@ -14,17 +14,17 @@ constexpr bool kChanges = true;
 constexpr bool kCopiesAll = true;
 
 constexpr CallRule kRules[] = {
-    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kLight, kServer, "database_id",
+    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kChange, kServer, "database_id",
      "databases/"},
     {"DatabaseService.GetDatabase", kReader, kReads, kLight, kDatabase, "name"},
     {"DatabaseService.ListDatabases", kReader, kReads, kLight, kList, ""},
-    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kLight, kDatabase, "name"},
+    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kChange, kDatabase, "name"},
     {"DatabaseService.DescribeDatabase", kReader, kReads, kLight, kDatabase, "name"},
 
     {"ClipService.IngestClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
     {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},
-    {"ClipService.DeleteClip", kIngester, kChanges, kLight, kDatabase, "name"},
+    {"ClipService.DeleteClip", kIngester, kChanges, kChange, kDatabase, "name"},
     {"ClipService.ExportClip", kReader, kReads, kHeavy, kDatabase, "name"},
     {"ClipService.GetSkeleton", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListSkeletons", kReader, kReads, kLight, kDatabase, "parent"},
@@ -46,12 +46,12 @@ constexpr CallRule kRules[] = {
 
     {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
     {"OperationService.ListOperations", kReader, kReads, kLight, kList, "database"},
-    {"OperationService.WaitOperation", kReader, kReads, kLight, kOperation, "name"},
-    {"OperationService.CancelOperation", kIngester, kChanges, kLight, kOperation, "name"},
+    {"OperationService.WaitOperation", kReader, kReads, kWait, kOperation, "name"},
+    {"OperationService.CancelOperation", kIngester, kChanges, kChange, kOperation, "name"},
 
-    {"AccessService.CreateToken", kAdmin, kChanges, kLight, kServer, "database"},
+    {"AccessService.CreateToken", kAdmin, kChanges, kChange, kServer, "database"},
     {"AccessService.ListTokens", kAdmin, kReads, kLight, kServer, ""},
-    {"AccessService.RevokeToken", kAdmin, kChanges, kLight, kServer, "name"},
+    {"AccessService.RevokeToken", kAdmin, kChanges, kChange, kServer, "name"},
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
     {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},

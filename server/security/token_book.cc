@@ -52,7 +52,8 @@ absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
 
 absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string& database,
                                           const std::string& description, std::int64_t now_us,
-                                          std::int64_t expire_time_us, const MakeAudit& audit) {
+                                          std::int64_t expire_time_us, const MakeAudit& audit,
+                                          const core::Cancelled& cancelled) {
   MadeToken made;
   storage::TokenRecord& record = made.record;
   MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(kTokenIdBytes));
@@ -67,7 +68,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   const std::int64_t revocations_before = revocations();
   std::optional<storage::AuditRecord> entry;
   if (audit) entry = audit(record);
-  MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record, entry ? &*entry : nullptr));
+  MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record, {entry ? &*entry : nullptr, cancelled}));
   made.secret = JoinToken(record.id, secret);
   const std::lock_guard lock(mutex_);
   if (revocations_ == revocations_before) Keep(record, now_us);
@@ -75,14 +76,14 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
 }
 
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
-                                                       const storage::AuditRecord* audit) {
+                                                       const storage::ChangeTerms& terms) {
   std::shared_ptr<KnownToken> suspended;
   {
     const std::lock_guard lock(mutex_);
     const auto found = known_.find(id);
     if (found != known_.end() && found->second->Suspend()) suspended = found->second;
   }
-  auto record = store_.RevokeToken(id, now_us, audit);
+  auto record = store_.RevokeToken(id, now_us, terms);
   const std::lock_guard lock(mutex_);
   if (!record.ok()) {
     if (suspended != nullptr) suspended->Resume();

@@ -74,11 +74,12 @@ class TokenBook {
   // where there is one, makes its entry of the record of changes, which is kept with it.
   absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
                                  const std::string& description, std::int64_t now_us,
-                                 std::int64_t expire_time_us, const MakeAudit& audit = {});
+                                 std::int64_t expire_time_us, const MakeAudit& audit = {},
+                                 const core::Cancelled& cancelled = {});
   // Refuses its bearer at once, and returns when that is stored. NOT_FOUND, and the codes of the
   // store, after which the token holds as before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
-                                              const storage::AuditRecord* audit = nullptr);
+                                              const storage::ChangeTerms& terms = {});
 
   // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
   std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;

@@ -109,12 +109,13 @@ absl::StatusOr<ObservedMotion> Read(std::string_view field, const v1::Observatio
 
 absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
                                                const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database, Allowed allowed) {
+                                               const LiveDatabase& database,
+                                               const WorkTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
                             Read(field, observation, engine, database, scheme->set));
   const RepresentationLimits limits{database.settings().frame_rate_hz, engine.options().max_frames,
-                                    allowed};
+                                    terms};
   auto states =
       RepresentWithin(limits, *scheme, observed.motion, core::Gaps::kKeep, observed.leg_length_m);
   if (!states.ok()) return AtField(observed.form_field, states.status());
@@ -123,15 +124,16 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
 
 absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
                                                const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database, Allowed allowed) {
+                                               const LiveDatabase& database,
+                                               const WorkTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
                             Read(field, observation, engine, database, scheme->set));
-  const RepresentationLimits limits{FrameRate(observed.motion), engine.options().max_frames,
-                                    allowed};
+  const RepresentationLimits limits{FrameRate(observed.motion), engine.options().max_frames, terms};
   MOTIONDB_RETURN_IF_ERROR(
       AtField(observed.form_field, CheckSize(limits, scheme->set.marker_count(), observed.motion)));
-  auto markers = core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m);
+  auto markers =
+      core::ApplyScheme(*scheme, observed.motion, observed.leg_length_m, terms.cancelled);
   if (!markers.ok()) return AtField(observed.form_field, markers.status());
   return markers;
 }

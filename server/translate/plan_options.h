@@ -24,8 +24,9 @@ struct PlanOptions {
 };
 
 // Everything that the request says is checked, and every error names its field: INVALID_ARGUMENT,
-// but NOT_FOUND for the skeleton of an observation's joints.
+// but NOT_FOUND for the skeleton of an observation's joints, and CANCELLED.
 absl::StatusOr<PlanOptions> OptionsFrom(const v1::PlanRequest& request, const core::Model& model,
-                                        Engine& engine, const LiveDatabase& database);
+                                        Engine& engine, const LiveDatabase& database,
+                                        const core::Cancelled& cancelled = {});
 
 }  // namespace motiondb::server

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "storage/cancellable_lock.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/copy_file.h"
@@ -36,6 +37,10 @@ const absl::Status& StatusOf(const absl::Status& status) { return status; }
 template <typename T>
 const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
+}
+
+absl::Status NotItsTurn() {
+  return absl::CancelledError("the change was no longer wanted when its turn came");
 }
 
 absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewClip& clip) {
@@ -93,28 +98,31 @@ SqliteMotionStore::SqliteMotionStore(std::string path, std::optional<StoreLock> 
       now_us_(std::move(now_us)) {}
 
 template <typename Work>
-auto SqliteMotionStore::Write(const Work& work) {
-  const std::lock_guard lock(writer_mutex_);
+auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled) {
+  using Result = std::invoke_result_t<Work, Connection&>;
+  std::unique_lock lock(writer_mutex_, std::defer_lock);
+  if (!Lock(lock, cancelled)) return Result(NotItsTurn());
   return InTransaction(*writer_, Transaction::Kind::kWrite, work);
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteWith(const AuditRecord* audit, const Work& work) {
-  return Write([&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
+auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work) {
+  const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
     auto result = work(connection);
-    if (StatusOf(result).ok() && audit != nullptr) {
-      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *audit));
+    if (StatusOf(result).ok() && terms.audit != nullptr) {
+      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, *terms.audit));
     }
     return result;
-  });
+  };
+  return Write(write, terms.cancelled);
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const AuditRecord* audit, const Work& work) {
+auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work) {
   auto freed =
-      WriteWith(audit, [&](Connection& connection) { return work(connection, Remains::kFree); });
+      WriteWith(terms, [&](Connection& connection) { return work(connection, Remains::kFree); });
   if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(audit,
+  return WriteWith(terms,
                    [&](Connection& connection) { return work(connection, Remains::kLeave); });
 }
 
@@ -131,8 +139,8 @@ auto SqliteMotionStore::Read(const Work& work) {
 }
 
 absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record,
-                                               const AuditRecord* audit) {
-  return WriteWith(audit,
+                                               const ChangeTerms& terms) {
+  return WriteWith(terms,
                    [&](Connection& connection) { return InsertDatabase(connection, record); });
 }
 
@@ -145,9 +153,9 @@ absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(con
 }
 
 absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
-                                               const AuditRecord* audit) {
+                                               const ChangeTerms& terms) {
   return WriteWith(
-      audit, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
+      terms, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
 }
 
 absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
@@ -161,7 +169,11 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     additions_.push_back(&own);
   }
   // Whoever gets here first writes for all who wait, so that they share one sync.
-  const std::lock_guard writing(writer_mutex_);
+  std::unique_lock writing(writer_mutex_, std::defer_lock);
+  if (!Lock(writing, clip.cancelled)) {
+    if (Withdraw(own)) return NotItsTurn();
+    writing.lock();
+  }
   if (!own.added) {
     std::vector<Addition*> together;
     {
@@ -173,6 +185,11 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     if (together.size() == 1 || !AddInOne(together)) AddEach(together, own);
   }
   return *std::move(own.added);
+}
+
+bool SqliteMotionStore::Withdraw(const Addition& addition) {
+  const std::lock_guard lock(additions_mutex_);
+  return std::erase(additions_, &addition) > 0;
 }
 
 bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
@@ -219,8 +236,8 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::DeleteClip(const std::string& database,
                                                          const std::string& clip,
-                                                         const AuditRecord* audit) {
-  return WriteAndFree(audit, [&](Connection& connection, Remains remains) {
+                                                         const ChangeTerms& terms) {
+  return WriteAndFree(terms, [&](Connection& connection, Remains remains) {
     return RemoveClip(connection, database, clip, remains);
   });
 }
@@ -248,7 +265,7 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
-  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+  return WriteAndFree({}, [&](Connection& connection, Remains remains) {
     return InsertModel(connection, database, model, now_us_(), remains);
   });
 }
@@ -293,7 +310,7 @@ absl::StatusOr<std::vector<ModelRecord>> SqliteMotionStore::ListModels(const std
 }
 
 absl::Status SqliteMotionStore::DropModel(const std::string& database) {
-  return WriteAndFree(nullptr, [&](Connection& connection, Remains remains) {
+  return WriteAndFree({}, [&](Connection& connection, Remains remains) {
     return RetireCurrentModel(connection, database, remains);
   });
 }
@@ -332,8 +349,8 @@ absl::StatusOr<std::vector<OperationRecord>> SqliteMotionStore::ListOperations(
   });
 }
 
-absl::Status SqliteMotionStore::AddToken(const TokenRecord& record, const AuditRecord* audit) {
-  return WriteWith(audit, [&](Connection& connection) { return InsertToken(connection, record); });
+absl::Status SqliteMotionStore::AddToken(const TokenRecord& record, const ChangeTerms& terms) {
+  return WriteWith(terms, [&](Connection& connection) { return InsertToken(connection, record); });
 }
 
 absl::StatusOr<TokenRecord> SqliteMotionStore::GetToken(const std::string& id) {
@@ -347,9 +364,9 @@ absl::StatusOr<std::vector<TokenRecord>> SqliteMotionStore::ListTokens(const std
 
 absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id,
                                                            std::int64_t time_us,
-                                                           const AuditRecord* audit) {
+                                                           const ChangeTerms& terms) {
   return WriteWith(
-      audit, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
+      terms, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
 }
 
 absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record) {
@@ -385,7 +402,8 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
 }
 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
-  const std::lock_guard lock(writer_mutex_);
+  std::unique_lock lock(writer_mutex_, std::defer_lock);
+  if (!Lock(lock, cancelled)) return NotItsTurn();
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
   MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));

@@ -38,12 +38,10 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> Open(const std::string& path,
                                                                  SqliteOptions options = {});
 
-  absl::Status CreateDatabase(const DatabaseRecord& record,
-                              const AuditRecord* audit = nullptr) override;
+  absl::Status CreateDatabase(const DatabaseRecord& record, const ChangeTerms& terms = {}) override;
   absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
-  absl::Status DeleteDatabase(const std::string& database,
-                              const AuditRecord* audit = nullptr) override;
+  absl::Status DeleteDatabase(const std::string& database, const ChangeTerms& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
@@ -51,7 +49,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                     const Page& page) override;
   absl::StatusOr<ClipRecord> DeleteClip(const std::string& database, const std::string& clip,
-                                        const AuditRecord* audit = nullptr) override;
+                                        const ChangeTerms& terms = {}) override;
   absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                             const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
@@ -82,11 +80,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                                                               int limit) override;
 
   AccessStore& access() override { return *this; }
-  absl::Status AddToken(const TokenRecord& record, const AuditRecord* audit = nullptr) override;
+  absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) override;
   absl::StatusOr<TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after, int limit) override;
   absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                          const AuditRecord* audit = nullptr) override;
+                                          const ChangeTerms& terms = {}) override;
   absl::Status AddAuditRecord(const AuditRecord& record) override;
   absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                             int limit) override;
@@ -104,15 +102,15 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                     std::function<std::int64_t()> now_us);
 
   // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
-  // happens, or after an error none.
+  // happens, or after an error none. CANCELLED while it waits for its turn.
   template <typename Work>
-  auto Write(const Work& work);
+  auto Write(const Work& work, const core::Cancelled& cancelled = {});
   // The same with an entry of the record of changes.
   template <typename Work>
-  auto WriteWith(const AuditRecord* audit, const Work& work);
+  auto WriteWith(const ChangeTerms& terms, const Work& work);
   // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
   template <typename Work>
-  auto WriteAndFree(const AuditRecord* audit, const Work& work);
+  auto WriteAndFree(const ChangeTerms& terms, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 
@@ -121,6 +119,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     const NewClip* clip = nullptr;
     std::optional<absl::StatusOr<ClipRecord>> added;  // guarded by writer_mutex_
   };
+  // False: somebody has taken it up, and will write it.
+  bool Withdraw(const Addition& addition);
   // Both REQUIRE: writer_mutex_ is held. An addition is told what became of it only when that is so
   // for good. All in one transaction; false, with nothing done, if that fails.
   bool AddInOne(const std::vector<Addition*>& additions);
@@ -133,7 +133,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   const std::string path_;  // empty for a store in memory
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
-  std::mutex writer_mutex_;
+  std::timed_mutex writer_mutex_;
   std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
   std::function<std::int64_t()> now_us_;

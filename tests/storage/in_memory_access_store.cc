@@ -16,19 +16,19 @@ absl::StatusOr<InMemoryAccessStore::Tokens::iterator> InMemoryAccessStore::Find(
   return found;
 }
 
-void InMemoryAccessStore::Note(const AuditRecord* audit) {
-  if (audit == nullptr) return;
-  audit_.push_back(*audit);
+void InMemoryAccessStore::Note(const ChangeTerms& terms) {
+  if (terms.audit == nullptr) return;
+  audit_.push_back(*terms.audit);
   audit_.back().sequence = static_cast<std::int64_t>(audit_.size());
 }
 
-absl::Status InMemoryAccessStore::AddToken(const TokenRecord& record, const AuditRecord* audit) {
+absl::Status InMemoryAccessStore::AddToken(const TokenRecord& record, const ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   if (Find(record.id).ok()) {
     return absl::AlreadyExistsError(fmt::format("token '{}' exists already", record.id));
   }
   tokens_.push_back(record);
-  Note(audit);
+  Note(terms);
   return absl::OkStatus();
 }
 
@@ -51,11 +51,11 @@ absl::StatusOr<std::vector<TokenRecord>> InMemoryAccessStore::ListTokens(const s
 
 absl::StatusOr<TokenRecord> InMemoryAccessStore::RevokeToken(const std::string& id,
                                                              std::int64_t time_us,
-                                                             const AuditRecord* audit) {
+                                                             const ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto found, Find(id));
   if (found->revoke_time_us == 0) found->revoke_time_us = time_us;
-  Note(audit);
+  Note(terms);
   return *found;
 }
 

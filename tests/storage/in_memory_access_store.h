@@ -12,20 +12,19 @@ namespace motiondb::tests {
 class InMemoryAccessStore : public storage::AccessStore {
  public:
   absl::Status AddToken(const storage::TokenRecord& record,
-                        const storage::AuditRecord* audit = nullptr) override;
+                        const storage::ChangeTerms& terms = {}) override;
   absl::StatusOr<storage::TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<storage::TokenRecord>> ListTokens(const std::string& after,
                                                                int limit) override;
-  absl::StatusOr<storage::TokenRecord> RevokeToken(
-      const std::string& id, std::int64_t time_us,
-      const storage::AuditRecord* audit = nullptr) override;
+  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
+                                                   const storage::ChangeTerms& terms = {}) override;
   absl::Status AddAuditRecord(const storage::AuditRecord& record) override;
   absl::StatusOr<std::vector<storage::AuditRecord>> ListAuditRecords(std::int64_t before,
                                                                      int limit) override;
 
  private:
   // Null: nothing. REQUIRES: the mutex is held.
-  void Note(const storage::AuditRecord* audit);
+  void Note(const storage::ChangeTerms& terms);
   using Tokens = std::vector<storage::TokenRecord>;
   absl::StatusOr<Tokens::iterator> Find(const std::string& id);
 

@@ -55,18 +55,18 @@ absl::StatusOr<NewClip*> InMemoryMotionStore::FindClip(const std::string& databa
   return &found->second;
 }
 
-absl::Status InMemoryMotionStore::Note(const storage::AuditRecord* audit) {
-  return audit != nullptr ? access_.AddAuditRecord(*audit) : absl::OkStatus();
+absl::Status InMemoryMotionStore::Note(const storage::ChangeTerms& terms) {
+  return terms.audit != nullptr ? access_.AddAuditRecord(*terms.audit) : absl::OkStatus();
 }
 
 absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
-                                                 const storage::AuditRecord* audit) {
+                                                 const storage::ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   if (databases_.contains(record.name)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
   }
   databases_[record.name].record = record;
-  return Note(audit);
+  return Note(terms);
 }
 
 absl::StatusOr<DatabaseRecord> InMemoryMotionStore::GetDatabase(const std::string& database) {
@@ -82,12 +82,12 @@ absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(c
 }
 
 absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
-                                                 const storage::AuditRecord* audit) {
+                                                 const storage::ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Find(database).status());
   databases_.erase(database);
   std::erase_if(operations_, [&](const auto& record) { return record.database == database; });
-  return Note(audit);
+  return Note(terms);
 }
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
@@ -150,7 +150,7 @@ absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::ListClips(const std
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& database,
                                                            const std::string& clip,
-                                                           const storage::AuditRecord* audit) {
+                                                           const storage::ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   ClipRecord record = found->record;
@@ -161,7 +161,7 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& da
     return entry.second.record.skeleton_id == record.skeleton_id;
   });
   if (!used) in->skeletons.erase(record.skeleton_id);
-  MOTIONDB_RETURN_IF_ERROR(Note(audit));
+  MOTIONDB_RETURN_IF_ERROR(Note(terms));
   return record;
 }
 

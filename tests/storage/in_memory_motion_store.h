@@ -35,12 +35,12 @@ class InMemoryMotionStore final : public storage::MotionStore {
   explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,
-                              const storage::AuditRecord* audit = nullptr) override;
+                              const storage::ChangeTerms& terms = {}) override;
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
       const storage::Page& page) override;
   absl::Status DeleteDatabase(const std::string& database,
-                              const storage::AuditRecord* audit = nullptr) override;
+                              const storage::ChangeTerms& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
 
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
@@ -48,9 +48,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                               const std::string& clip) override;
   absl::StatusOr<std::vector<storage::ClipRecord>> ListClips(const std::string& database,
                                                              const storage::Page& page) override;
-  absl::StatusOr<storage::ClipRecord> DeleteClip(
-      const std::string& database, const std::string& clip,
-      const storage::AuditRecord* audit = nullptr) override;
+  absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
+                                                 const std::string& clip,
+                                                 const storage::ChangeTerms& terms = {}) override;
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
@@ -101,7 +101,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   // Makes it the current model, if its clips from number `first` on are stored; where that is the
   // first, or were when they were deleted.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
-  absl::Status Note(const storage::AuditRecord* audit);
+  absl::Status Note(const storage::ChangeTerms& terms);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
 

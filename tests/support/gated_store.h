@@ -52,9 +52,9 @@ class GatedStore : public storage::MotionStore {
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,
-                              const storage::AuditRecord* audit = nullptr) override {
+                              const storage::ChangeTerms& terms = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->CreateDatabase(record, audit);
+    return store_->CreateDatabase(record, terms);
   }
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override {
     return store_->GetDatabase(database);
@@ -64,9 +64,9 @@ class GatedStore : public storage::MotionStore {
     return store_->ListDatabases(page);
   }
   absl::Status DeleteDatabase(const std::string& database,
-                              const storage::AuditRecord* audit = nullptr) override {
+                              const storage::ChangeTerms& terms = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteDatabase(database, audit);
+    return store_->DeleteDatabase(database, terms);
   }
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
@@ -84,11 +84,11 @@ class GatedStore : public storage::MotionStore {
                                                              const storage::Page& page) override {
     return store_->ListClips(database, page);
   }
-  absl::StatusOr<storage::ClipRecord> DeleteClip(
-      const std::string& database, const std::string& clip,
-      const storage::AuditRecord* audit = nullptr) override {
+  absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
+                                                 const std::string& clip,
+                                                 const storage::ChangeTerms& terms = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteClip(database, clip, audit);
+    return store_->DeleteClip(database, clip, terms);
   }
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override {

@@ -70,6 +70,34 @@ TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
         absl::StatusCode::kInvalidArgument);
 }
 
+TEST_CASE("Represent: stops soon after it is no longer wanted, wherever it is", "[core][motion]") {
+  core::Joint root{.name = "hips"};
+  root.dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = Eigen::Vector3d::UnitZ()}};
+  const core::Joint left{.name = "lhip", .parent = 0, .offset_m = {0, 0.1, 0}};
+  const core::Joint right{.name = "rhip", .parent = 0, .offset_m = {0, -0.1, 0}};
+  const auto skeleton = core::Skeleton::Create("riser", {root, left, right});
+  REQUIRE(skeleton.ok());
+  const core::JointMotion motion{std::make_shared<const core::Skeleton>(*skeleton), 60,
+                                 core::JointMatrix::Constant(1000, 1, 1)};
+  const auto scheme = core::SourceScheme(motion);
+  REQUIRE(scheme.ok());
+  int asked = 0;
+  int wanted = 1000;
+  const auto represent = [&] {
+    asked = 0;
+    return core::Represent(*scheme, motion, 60, core::Gaps::kKeep, 0.9, nullptr,
+                           [&] { return ++asked > wanted; });
+  };
+  REQUIRE(represent().ok());
+  // In the mapping, and between what follows it.
+  const int in_all = asked;
+  CHECK(in_all >= 4);
+  for (wanted = 0; wanted < in_all; ++wanted) {
+    CHECK(represent().status().code() == absl::StatusCode::kCancelled);
+    CHECK(asked == wanted + 1);
+  }
+}
+
 TEST_CASE("SourceScheme: a crowd of markers makes no set", "[core][motion][hostile]") {
   core::MarkerMotion motion = Hips(0.9F);
   while (motion.names.size() <= core::kMostMarkers) {

@@ -20,7 +20,7 @@ absl::Status Estimate(const v1::EstimateRequest& request, v1::EstimateResponse& 
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
-                                            *trained.database, server::Allowed::kAllWork));
+                                            *trained.database, server::WorkTerms{}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Estimate(trained.model(), states, options));
   server::SetEstimation(answer, trained.model(), response);
   return absl::OkStatus();

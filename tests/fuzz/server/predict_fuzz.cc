@@ -20,7 +20,7 @@ absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& res
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom("", request, trained.model()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
-                                            *trained.database, server::Allowed::kAllWork));
+                                            *trained.database, server::WorkTerms{}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Predict(trained.model(), states, options));
   server::SetPrediction(answer, "db", trained.model(), response);
   return absl::OkStatus();

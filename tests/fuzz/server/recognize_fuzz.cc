@@ -20,7 +20,7 @@ absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeRespons
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
-                                            *trained.database, server::Allowed::kAllWork));
+                                            *trained.database, server::WorkTerms{}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, core::Recognize(trained.model(), states, options));
   return server::SetRecognition(answer, "db", trained.model(), request.top_count(), response);
 }

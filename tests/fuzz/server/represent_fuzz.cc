@@ -19,7 +19,7 @@ absl::Status Represent(const v1::RepresentRequest& request, v1::RepresentRespons
   tests::TrainedEngine& trained = tests::Trained();
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto markers, server::MarkersFrom("observation", request.observation(), *trained.engine,
-                                              *trained.database, server::Allowed::kAllWork));
+                                              *trained.database, server::WorkTerms{}));
   tests::HoldsMotion(markers);
   server::SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();

@@ -93,9 +93,9 @@ class SwappingStore : public GatedStore {
 
   absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
                                                  const std::string& clip,
-                                                 const storage::AuditRecord* audit) override {
+                                                 const storage::ChangeTerms& terms) override {
     if (before_deletion) std::exchange(before_deletion, {})();
-    return GatedStore::DeleteClip(database, clip, audit);
+    return GatedStore::DeleteClip(database, clip, terms);
   }
 
   std::function<void()> before_deletion;

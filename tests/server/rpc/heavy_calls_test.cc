@@ -178,5 +178,25 @@ TEST_CASE("Limits: files that come in part hold memory that others cannot have",
   CHECK(ended.error_message().find("--message-memory-mib") != std::string::npos);
 }
 
+TEST_CASE("Limits: a request takes the memory that it has once it is read", "[server][limits]") {
+  TestServer server(With({.message_memory_bytes = 32 << 20}));
+  server.CreateTrained("db");
+  const auto queries = server.NewStub<v1::QueryService>();
+  v1::PlanRequest request;
+  request.set_database("databases/db");
+  const auto plan = [&] { return Ask(*queries, &v1::QueryService::Stub::Plan, request).status; };
+  CHECK(plan().error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+  // Two bytes each, and far more as messages.
+  for (int i = 0; i < 1'000'000; ++i) request.mutable_obstacles()->add_discs();
+  REQUIRE(request.ByteSizeLong() < 4 << 20);
+  const grpc::Status refused = plan();
+  INFO(refused.error_message());
+  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(refused.error_message().find("--message-memory-mib") != std::string::npos);
+  // What was refused is given back.
+  request.mutable_obstacles()->mutable_discs()->DeleteSubrange(100'000, 900'000);
+  for (int i = 0; i < 20; ++i) CHECK(plan().error_code() == grpc::StatusCode::INVALID_ARGUMENT);
+}
+
 }  // namespace
 }  // namespace motiondb::tests

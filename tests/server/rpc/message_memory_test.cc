@@ -26,7 +26,7 @@ TEST_CASE("MessageMemory: calls share what there is", "[server][limits]") {
   CHECK(memory.held() == 60);
   const absl::Status never = first.Hold(101);
   CHECK(absl::IsResourceExhausted(never));
-  CHECK(std::string(never.message()).find("ask for less") != std::string::npos);
+  CHECK(std::string(never.message()).find("send or ask for less") != std::string::npos);
   CHECK(memory.held() == 60);
 }
 

@@ -107,11 +107,11 @@ TEST_CASE("Access: a token ends when it expires and when it is revoked", "[secur
 class SlowStore final : public InMemoryAccessStore {
  public:
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                                   const storage::AuditRecord* audit) override {
+                                                   const storage::ChangeTerms& terms) override {
     asked.set_value();
     const absl::Status outcome = answer.get_future().get();
     if (!outcome.ok()) return outcome;
-    return InMemoryAccessStore::RevokeToken(id, time_us, audit);
+    return InMemoryAccessStore::RevokeToken(id, time_us, terms);
   }
 
   std::promise<void> asked;

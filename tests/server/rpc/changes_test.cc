@@ -1,0 +1,67 @@
+// Calls that change what the store lists: they wait for their turn to write, and nobody else for
+// them.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <future>
+#include <string>
+
+#include "motiondb/v1/access.grpc.pb.h"
+#include "motiondb/v1/database.grpc.pb.h"
+#include "server/security/role_table.h"
+#include "tests/server/rpc/limited_server.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/while_writing.h"
+#include "tests/support/test_server.h"
+
+namespace motiondb::tests {
+namespace {
+
+TEST_CASE("CallWeight: what changes the store never waits for it on a request thread",
+          "[server][limits]") {
+  int changes = 0;
+  for (const server::CallRule& rule : server::CallRules()) {
+    CAPTURE(rule.method);
+    const bool light = rule.weight == server::CallWeight::kLight;
+    CHECK_FALSE((rule.recorded && light));
+    changes += rule.weight == server::CallWeight::kChange ? 1 : 0;
+  }
+  CHECK(changes == 6);
+}
+
+TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor a thread for long",
+          "[server][limits]") {
+  server::ServerOptions options = With({});
+  options.engine.query_threads = 1;
+  TestServer server(options);
+  server.CreateTrained("db");
+  server::Engine& engine = server.server().engine();
+  const auto databases = server.NewStub<v1::DatabaseService>();
+  const auto create = [&](const std::string& id, std::chrono::milliseconds time) {
+    v1::CreateDatabaseRequest request;
+    request.set_database_id(id);
+    grpc::ClientContext context;
+    context.set_deadline(std::chrono::system_clock::now() + time);
+    v1::CreateDatabaseResponse response;
+    return databases->CreateDatabase(&context, request, &response);
+  };
+  std::future<grpc::Status> waiting;
+  WhileWriting(engine.store(), SampleClip("db", "holder", 1), [&] {
+    CHECK(create("late", std::chrono::milliseconds(300)).error_code() ==
+          grpc::StatusCode::DEADLINE_EXCEEDED);
+    // The thread for changes is free again, and the one for queries was all the time.
+    std::promise<void> free;
+    engine.workers().PostChange([&] { free.set_value(); });
+    free.get_future().wait();
+    waiting =
+        std::async(std::launch::async, [&] { return create("in-time", std::chrono::minutes(1)); });
+    v1::GetDatabaseRequest get;
+    get.set_name("databases/db");
+    CHECK(Ask(*databases, &v1::DatabaseService::Stub::GetDatabase, get).status.ok());
+  });
+  CHECK(waiting.get().ok());
+  CHECK_FALSE(engine.FindDatabase("late").ok());
+  CHECK(engine.FindDatabase("in-time").ok());
+}
+
+}  // namespace
+}  // namespace motiondb::tests

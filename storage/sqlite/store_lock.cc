@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -20,9 +21,20 @@ std::string HolderOf(int file) {
   return size > 0 ? fmt::format(" (process {})", std::string(text, size)) : "";
 }
 
+absl::Status CheckHasOneName(const std::string& store_path) {
+  struct stat store {};
+  if (stat(store_path.c_str(), &store) != 0 || store.st_nlink <= 1) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "'{}' has {} names (hard links): by another name a second server could damage it, and its "
+      "log "
+      "would be missed; keep the name that has the log (-wal), if one has, and remove the others",
+      store_path, store.st_nlink);
+}
+
 }  // namespace
 
 absl::StatusOr<StoreLock> StoreLock::Acquire(const std::string& store_path) {
+  MOTIONDB_RETURN_IF_ERROR(CheckHasOneName(store_path));
   const std::string path = store_path + "-lock";
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
   if (file < 0) {

@@ -3,6 +3,12 @@
 //
 // It is an flock on a file beside the store, "<store>-lock", which the system lets go when the
 // process ends, however it ends. The file stays; it means nothing by itself.
+//
+// So the lock goes by the store's name, as SQLite's log does, and a store that has several names
+// (hard links) is refused. A lock on the store's own inode would keep a second server out, but not
+// the harm: by its other name a store is opened without the log of the first, which after a kill
+// holds what was acknowledged. Nor could it be had safely on every file system: where flock is made
+// of fcntl locks, as on NFS, it would clash with those that SQLite takes on the same file.
 #pragma once
 
 #include <string>
@@ -13,8 +19,9 @@ namespace motiondb::storage {
 
 class StoreLock {
  public:
-  // FAILED_PRECONDITION, naming the process, if another holds it; UNAVAILABLE if the lock file
-  // cannot be made.
+  // The store need not be there. FAILED_PRECONDITION, naming the process, if another holds it, or,
+  // putting nothing beside it, if the store has several names; UNAVAILABLE if the lock file cannot
+  // be made.
   static absl::StatusOr<StoreLock> Acquire(const std::string& store_path);
   StoreLock(StoreLock&& other) noexcept;
   StoreLock& operator=(StoreLock&& other) noexcept;

@@ -133,6 +133,35 @@ TEST_CASE("SqliteMotionStore: a second one on the same file is refused", "[stora
   REQUIRE_OK(file.Open()->GetDatabase("d"));
 }
 
+TEST_CASE("SqliteMotionStore: a store with two names is refused by both, also while it is open",
+          "[storage][open]") {
+  const StoreFile file;
+  REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
+  const std::string link = (file.folder() / "link.db").string();
+  const auto require_refused = [](const std::string& path) {
+    REQUIRE_ERROR(storage::SqliteMotionStore::Open(path), StatusCode::kFailedPrecondition,
+                  "'" + path + "' has 2 names (hard links)");
+  };
+  {
+    const auto store = file.Open();
+    std::filesystem::create_hard_link(file.path(), link);
+    require_refused(link);
+    REQUIRE_FALSE(std::filesystem::exists(link + "-lock"));
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
+  }
+  require_refused(link);
+  require_refused(file.path());
+  std::filesystem::remove(link);
+  REQUIRE_OK(file.Open()->GetDatabase("e"));
+}
+
+TEST_CASE("SqliteMotionStore: an empty file with two names is refused", "[storage][open]") {
+  const StoreFile file;
+  std::ofstream(file.path()).flush();
+  std::filesystem::create_hard_link(file.path(), file.folder() / "link.db");
+  RequireLeftAlone(file, "has 2 names");
+}
+
 TEST_CASE("Migrate: runs what is missing, in order, once", "[storage][migration]") {
   const StoreFile file;
   const auto connection = Require(

@@ -82,7 +82,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
         });
   }
   if (options.security.tls.enabled()) {
-    MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls));
+    const auto tell_end = [&monitor = *server->monitor_](std::int64_t end_time_s) {
+      monitor.SetCertificateEnd(end_time_s);
+    };
+    MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, tell_end));
   }
   MOTIONDB_RETURN_IF_ERROR(server->Listen(options, plan.reflection));
   return server;

@@ -48,6 +48,14 @@ std::string ProcessText(const v1::GetServerStatusResponse& status) {
                      status.thread_count(), status.open_file_count(), status.open_file_limit());
 }
 
+std::string StoreText(const v1::GetServerStatusResponse& status) {
+  std::string text =
+      fmt::format("{}, log {}", BytesText(status.store_bytes()), BytesText(status.log_bytes()));
+  if (status.disk_bytes() == 0) return text;  // not known, or told by an older server
+  return text + fmt::format("; {} of {} free on its disk", BytesText(status.disk_free_bytes()),
+                            BytesText(status.disk_bytes()));
+}
+
 // "NOT_FOUND 3, INTERNAL 1".
 std::string ErrorsText(const v1::MethodStatus& method) {
   std::string text;
@@ -178,8 +186,7 @@ std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t n
   table.AddRow(
       {"without a good token", fmt::format("{} calls", status.authentication_failure_count())});
   table.AddRow({"process", ProcessText(status)});
-  table.AddRow({"store", fmt::format("{}, log {}", BytesText(status.store_bytes()),
-                                     BytesText(status.log_bytes()))});
+  table.AddRow({"store", StoreText(status)});
   return table.ToString() + "\n" + DatabasesText(status) + MethodsText(status) +
          DamagesText(status);
 }

@@ -84,6 +84,21 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_damages",
                "Things stored that were found damaged since the start, at most 100.",
                static_cast<double>(figures.damages.size()));
+  families.Add(
+      MetricType::Gauge, "motiondb_certificate_end_time_seconds",
+      "When the server's certificate ends, in seconds since the Unix epoch; 0 without TLS.",
+      static_cast<double>(figures.certificate_end_time_s));
+}
+
+// Without series while the store is not there yet.
+void AddDisk(const ServerFigures& figures, Families& families) {
+  const auto add = [&](const char* name, const char* help, std::int64_t bytes) {
+    families.Begin(MetricType::Gauge, name, help);
+    if (figures.disk_bytes > 0) families.Put({}, static_cast<double>(bytes));
+  };
+  add("motiondb_disk_bytes", "Size of the file system that the store is on.", figures.disk_bytes);
+  add("motiondb_disk_free_bytes", "What the server may still take of that file system.",
+      figures.disk_free_bytes);
 }
 
 using Value = std::function<double(const DatabaseFigures&)>;
@@ -169,6 +184,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
 std::vector<MetricFamily> FamiliesOf(const ServerFigures& figures) {
   Families families;
   AddServer(figures, families);
+  AddDisk(figures, families);
   AddDatabases(figures, families);
   AddRebuilds(figures, families);
   AddProcess(figures, families);

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 #include <prometheus/text_serializer.h>
+#include <sys/statvfs.h>
 
 #include <filesystem>
 #include <mutex>
@@ -18,6 +19,14 @@ std::int64_t FileBytes(const std::string& path) {
   std::error_code error;
   const auto bytes = std::filesystem::file_size(path, error);
   return error ? 0 : static_cast<std::int64_t>(bytes);
+}
+
+// What is kept for the superuser is not counted as free.
+void SetDisk(const std::string& path, ServerFigures& figures) {
+  struct statvfs disk {};
+  if (statvfs(path.c_str(), &disk) != 0) return;
+  figures.disk_bytes = static_cast<std::int64_t>(disk.f_blocks * disk.f_frsize);
+  figures.disk_free_bytes = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
 }
 
 DatabaseFigures FiguresOf(Engine& engine, const LiveDatabase& database) {
@@ -61,6 +70,7 @@ ServerFigures Monitor::Figures() const {
                         .start_time_us = start_time_us_,
                         .encrypted = encrypted_,
                         .authenticated = authenticated_,
+                        .certificate_end_time_s = certificate_end_time_s_,
                         .ended_calls = calls_.ended(),
                         .failed_calls = calls_.failed(),
                         .methods = calls_.Methods(),
@@ -71,6 +81,7 @@ ServerFigures Monitor::Figures() const {
   if (!options_.store_path.empty()) {
     figures.store_bytes = FileBytes(options_.store_path);
     figures.log_bytes = FileBytes(options_.store_path + "-wal");
+    SetDisk(options_.store_path, figures);
   }
   const std::shared_lock lock(engine_mutex_);
   if (engine_ == nullptr) return figures;

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <shared_mutex>
 #include <string>
 #include <vector>
@@ -38,6 +39,8 @@ class Monitor {
 
   // How clients reach the server; said once, before it serves.
   void SetTransport(bool encrypted, bool authenticated);
+  // When the certificate that is served ends, Unix time in seconds.
+  void SetCertificateEnd(std::int64_t time_s) { certificate_end_time_s_ = time_s; }
 
   // Kept as long as the engine may be read: its end waits for those who read it.
   class Attachment {
@@ -67,6 +70,7 @@ class Monitor {
   std::atomic<Phase> phase_ = Phase::kStarting;
   std::atomic<bool> encrypted_ = false;
   std::atomic<bool> authenticated_ = false;
+  std::atomic<std::int64_t> certificate_end_time_s_ = 0;
   mutable std::shared_mutex engine_mutex_;
   Engine* engine_ = nullptr;
 };

@@ -36,6 +36,7 @@ struct ServerFigures {
   std::int64_t start_time_us = 0;
   bool encrypted = false;
   bool authenticated = false;
+  std::int64_t certificate_end_time_s = 0;  // Unix time; 0: it serves without TLS
   std::int64_t ended_calls = 0;
   std::int64_t failed_calls = 0;       // by the server's own fault
   std::vector<MethodFigures> methods;  // of which calls have ended, in order of name
@@ -47,6 +48,8 @@ struct ServerFigures {
   ProcessFigures process;
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;
+  std::int64_t disk_bytes = 0;             // of the file system that the store is on; 0: not known
+  std::int64_t disk_free_bytes = 0;        // of these, what the server may still take
   std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
   std::vector<storage::Damage> damages;    // found since the start, at most 100
 };

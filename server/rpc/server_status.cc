@@ -79,6 +79,8 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   SetProcess(figures.process, response);
   response.set_store_bytes(figures.store_bytes);
   response.set_log_bytes(figures.log_bytes);
+  response.set_disk_bytes(figures.disk_bytes);
+  response.set_disk_free_bytes(figures.disk_free_bytes);
   for (const DatabaseFigures& database : figures.databases) {
     SetDatabase(database, *response.add_databases());
   }

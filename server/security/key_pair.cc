@@ -5,14 +5,13 @@
 #include <openssl/pem.h>
 #include <openssl/x509.h>
 
-#include <cerrno>
-#include <cstring>
+#include <algorithm>
 #include <ctime>
-#include <fstream>
+#include <limits>
 #include <memory>
-#include <sstream>
 
 #include "core/motion/error.h"
+#include "server/security/text_file.h"
 
 namespace motiondb::server {
 namespace {
@@ -20,17 +19,6 @@ namespace {
 using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
 using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
 using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
-
-absl::StatusOr<std::string> ReadText(const std::string& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    return core::InvalidArgument("{}: cannot be read: {}", path,
-                                 errno == 0 ? "it is empty" : std::strerror(errno));
-  }
-  return text.str();
-}
 
 Memory MemoryOf(const std::string& text) {
   return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
@@ -45,11 +33,27 @@ std::string DateOf(const ASN1_TIME* time) {
                                             : "a date that cannot be read";
 }
 
+Certificate NextIn(BIO& memory) {
+  Certificate certificate(PEM_read_bio_X509(&memory, nullptr, NoPassphrase, nullptr), X509_free);
+  ERR_clear_error();
+  return certificate;
+}
+
+// Of the first of all certificates in it to end. There is one, with a date that can be read.
+std::int64_t FirstEndIn(const std::string& text) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  const Memory memory = MemoryOf(text);
+  while (const Certificate certificate = NextIn(*memory)) {
+    std::tm parts{};
+    if (ASN1_TIME_to_tm(X509_get0_notAfter(certificate.get()), &parts) != 1) continue;
+    first = std::min<std::int64_t>(first, timegm(&parts));
+  }
+  return first;
+}
+
 absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::string& text) {
   const Memory memory = MemoryOf(text);
-  Certificate certificate(PEM_read_bio_X509(memory.get(), nullptr, NoPassphrase, nullptr),
-                          X509_free);
-  ERR_clear_error();
+  Certificate certificate = NextIn(*memory);
   if (certificate == nullptr) {
     return core::InvalidArgument("{}: expected a certificate in PEM", path);
   }
@@ -75,10 +79,11 @@ absl::StatusOr<Key> KeyIn(const std::string& path, const std::string& text) {
 
 absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
   TlsTexts texts;
-  MOTIONDB_ASSIGN_OR_RETURN(texts.certificate, ReadText(files.certificate));
-  MOTIONDB_ASSIGN_OR_RETURN(texts.key, ReadText(files.key));
+  MOTIONDB_ASSIGN_OR_RETURN(texts.certificate, ReadTextFile(files.certificate));
+  MOTIONDB_ASSIGN_OR_RETURN(texts.key, ReadTextFile(files.key));
   MOTIONDB_ASSIGN_OR_RETURN(const Certificate certificate,
                             CertificateIn(files.certificate, texts.certificate));
+  texts.end_time_s = FirstEndIn(texts.certificate);
   MOTIONDB_ASSIGN_OR_RETURN(const Key key, KeyIn(files.key, texts.key));
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     ERR_clear_error();
@@ -86,7 +91,7 @@ absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
                                  files.certificate);
   }
   if (!files.client_ca.empty()) {
-    MOTIONDB_ASSIGN_OR_RETURN(texts.client_ca, ReadText(files.client_ca));
+    MOTIONDB_ASSIGN_OR_RETURN(texts.client_ca, ReadTextFile(files.client_ca));
     MOTIONDB_RETURN_IF_ERROR(CertificateIn(files.client_ca, texts.client_ca).status());
   }
   return texts;

@@ -1,6 +1,7 @@
 // Reads and checks what TLS is made of: PEM files. Safe to call from any thread.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "absl/status/statusor.h"
@@ -20,6 +21,9 @@ struct TlsTexts {
   std::string certificate;
   std::string key;
   std::string client_ca;
+  // When the first of the certificates that are served ends: the server's, or one between it and
+  // its authority. Unix time in seconds.
+  std::int64_t end_time_s = 0;
 
   bool operator==(const TlsTexts&) const = default;
 };

@@ -12,6 +12,7 @@
 #include <memory>
 
 #include "absl/status/statusor.h"
+#include "server/security/certificate_end.h"
 #include "server/security/file_watch.h"
 #include "server/security/key_pair.h"
 #include "server/security/memory_file.h"
@@ -20,8 +21,10 @@ namespace motiondb::server {
 
 class Tls {
  public:
-  // INVALID_ARGUMENT, naming the file that is wrong.
-  static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files);
+  // INVALID_ARGUMENT, naming the file that is wrong. `tell_end` is told when the certificate ends,
+  // here and, on a thread of the watch's own, whenever there is another.
+  static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
+                                                    CertificateEnd::Tell tell_end);
 
   // A client certificate is required where `client_ca` was given. Connections made two seconds
   // after a change of the files see it, those that stand go on.
@@ -29,7 +32,7 @@ class Tls {
 
  private:
   Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
-      MemoryFile client_ca);
+      MemoryFile client_ca, CertificateEnd end);
   absl::StatusOr<bool> TakeChange();
 
   const TlsFiles files_;
@@ -38,6 +41,7 @@ class Tls {
   MemoryFile key_;
   MemoryFile client_ca_;
   std::shared_ptr<grpc::ServerCredentials> credentials_;
+  CertificateEnd end_;
   FileWatch watch_;  // last: it changes what is above
 };
 

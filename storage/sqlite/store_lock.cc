@@ -26,8 +26,7 @@ absl::Status CheckHasOneName(const std::string& store_path) {
   if (stat(store_path.c_str(), &store) != 0 || store.st_nlink <= 1) return absl::OkStatus();
   return core::FailedPrecondition(
       "'{}' has {} names (hard links): by another name a second server could damage it, and its "
-      "log "
-      "would be missed; keep the name that has the log (-wal), if one has, and remove the others",
+      "log would be missed; keep the name that has the log (-wal), if one has, and remove the rest",
       store_path, store.st_nlink);
 }
 

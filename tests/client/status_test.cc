@@ -33,6 +33,7 @@ v1::GetServerStatusResponse SomeStatus() {
   status.set_open_file_count(40);
   status.set_open_file_limit(1024);
   status.set_store_bytes(2048);
+  status.set_disk_bytes(std::int64_t{4} << 30);  // and it is full
   auto* walks = status.add_databases();
   walks->set_name("databases/walks");
   walks->set_clip_count(7);
@@ -108,6 +109,12 @@ TEST_CASE("StatusText: how long calls take and how they fail, the busiest first"
   CHECK_THAT(more, !Contains("Some.Method3 "));
 }
 
+TEST_CASE("StatusText: a disk of which nothing is known is not mentioned", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();
+  status.clear_disk_bytes();
+  CHECK_THAT(StatusText(status, 0), Contains("store                 2.0 KiB, log 0 B\n"));
+}
+
 TEST_CASE("StatusText: the server, then its databases and what is being rebuilt", "[client][cli]") {
   const std::string text = StatusText(SomeStatus(), 1'065'000'000);
   CAPTURE(text);
@@ -119,7 +126,8 @@ TEST_CASE("StatusText: the server, then its databases and what is being rebuilt"
   CHECK_THAT(text, Contains("without a good token  9 calls\n"));
   CHECK_THAT(text, Contains("process               300.0 MiB of memory, 1 min 1 s of CPU time, "
                             "23 threads, 40 of 1024 files open\n"));
-  CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B\n"));
+  CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B; 0 B of 4.0 GiB free on its "
+                            "disk\n"));
   CHECK_THAT(
       text,
       Contains("DATABASE  CLIPS  FRAMES     SIZE  MODEL         AGE  BUILT IN  REBUILDS        "

@@ -48,6 +48,19 @@ TEST_CASE("MetricFamilies: a model, its rebuild and those before", "[server][met
                  Contains("motiondb_rebuild_seconds_sum{database=\"walks\"} 4.5\n"));
 }
 
+TEST_CASE("MetricFamilies: the disk, once it is known", "[server][metrics]") {
+  CHECK_THAT(Text({}), !Contains("motiondb_disk_free_bytes 0\n"));
+  CHECK_THAT(
+      Text({.disk_bytes = 1 << 30, .disk_free_bytes = 0}),
+      Contains("motiondb_disk_bytes 1073741824\n") && Contains("motiondb_disk_free_bytes 0\n"));
+}
+
+TEST_CASE("MetricFamilies: the end of the certificate, 0 without one", "[server][metrics]") {
+  CHECK_THAT(Text({}), Contains("motiondb_certificate_end_time_seconds 0\n"));
+  CHECK_THAT(Text({.certificate_end_time_s = 1'800'000'000}),
+             Contains("motiondb_certificate_end_time_seconds 1800000000\n"));
+}
+
 TEST_CASE("MetricFamilies: names are prometheus', each family is there once", "[server][metrics]") {
   std::set<std::string> names;
   for (const auto& family : server::FamiliesOf({})) {

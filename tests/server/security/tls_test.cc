@@ -4,6 +4,8 @@
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <cmath>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <thread>
@@ -118,6 +120,32 @@ TEST_CASE("TLS: new certificates are taken while the server runs, bad ones are n
   next.Issue("server", "localhost");
   CHECK(server.ComesToConnect(next));
   CHECK(!server.Connects(server.servers));
+}
+
+TEST_CASE("TLS: figures tell when the first of the served certificates ends, also of new ones",
+          "[security]") {
+  TlsServer server(false);
+  const auto ends_in_days = [&] {
+    const auto end = server.server->monitor().Figures().certificate_end_time_s;
+    return static_cast<double>(end - std::time(nullptr)) / 86'400;
+  };
+  CHECK(ends_in_days() == Approx(2).margin(0.1));  // as Authority::Issue makes them
+  // The authority's own certificate, which ends in two days, is served behind one that lasts.
+  server.servers.Issue("server", "localhost", 300);
+  const auto await = [&](double days) {
+    const auto latest = std::chrono::steady_clock::now() + seconds(20);
+    while (std::abs(ends_in_days() - days) > 0.1) {
+      REQUIRE(std::chrono::steady_clock::now() < latest);
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+  };
+  await(300);
+  CHECK_THAT(server.server->monitor().Exposition(),
+             Catch::Contains("\nmotiondb_certificate_end_time_seconds "));
+  const std::string chain =
+      ReadFile(server.pair.certificate) + ReadFile(server.servers.certificate());
+  std::ofstream(server.pair.certificate) << chain;
+  await(2);
 }
 
 TEST_CASE("TLS: with an authority of clients, each shows a certificate and is known by it",

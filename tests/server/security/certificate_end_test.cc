@@ -1,0 +1,49 @@
+#include "server/security/certificate_end.h"
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <vector>
+
+#include "tests/support/captured_log.h"
+
+namespace motiondb::tests {
+namespace {
+
+using server::CertificateEnd;
+
+constexpr std::int64_t kDay = 86'400;
+constexpr std::int64_t kNow = 1'800'000'000;  // 2027-01-15 08:00 UTC
+
+auto Lines(const CapturedLog& log) { return std::ranges::count(log.text(), '\n'); }
+
+TEST_CASE("CertificateEnd: a warning from 14 days before on, once for a certificate",
+          "[security]") {
+  const CapturedLog log(spdlog::level::debug);
+  std::vector<std::int64_t> told;
+  CertificateEnd end("/etc/server.pem", [&](std::int64_t time_s) { told.push_back(time_s); });
+  const std::int64_t first = kNow + 15 * kDay;
+  end.Look(first, kNow);
+  end.Look(first, kNow + kDay - 1);
+  CHECK(Lines(log) == 0);
+  for (int day = 1; day < 16; ++day) end.Look(first, kNow + day * kDay);
+  CHECK(Lines(log) == 1);
+  CHECK_THAT(log.text(), Catch::Contains("\"level\":\"warning\"") &&
+                             Catch::Contains("/etc/server.pem: a certificate in it ends on "
+                                             "2027-01-30 08:00 UTC"));
+  // Another one that is as short, then one that lasts.
+  end.Look(first + 1, kNow + 2 * kDay);
+  CHECK(Lines(log) == 2);
+  end.Look(kNow + 300 * kDay, kNow + 2 * kDay);
+  CHECK(Lines(log) == 2);
+  CHECK(told == std::vector<std::int64_t>{first, first + 1, kNow + 300 * kDay});
+}
+
+TEST_CASE("CertificateEnd: one that has ended is told of, too", "[security]") {
+  const CapturedLog log(spdlog::level::debug);
+  CertificateEnd end("a.pem", {});
+  end.Look(kNow - kDay, kNow);
+  CHECK(Lines(log) == 1);
+}
+
+}  // namespace
+}  // namespace motiondb::tests

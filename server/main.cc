@@ -20,7 +20,9 @@
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
 #include "server/systemd_notify.h"
+#include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_motion_store.h"
+#include "storage/sqlite/store_file.h"
 
 namespace motiondb::server {
 namespace {
@@ -43,6 +45,20 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
   context.run();
 }
 
+// Opens the store, which upgrades one of an older version: that is told, for an older server
+// refuses it from then on.
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const std::string& path) {
+  // What is wrong with it is for Open to say.
+  const int former = storage::ReadStoreVersion(path).value_or(0);
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(path));
+  const auto latest = static_cast<int>(storage::Migrations().size());
+  if (former > 0 && former < latest) {
+    spdlog::info("store {} upgraded from version {} to {}: older servers refuse it now", path,
+                 former, latest);
+  }
+  return store;
+}
+
 absl::Status Serve(const Settings& settings) {
   // Before any thread is made and before the address is announced: a signal that comes at any later
   // moment drains.
@@ -63,7 +79,7 @@ absl::Status Serve(const Settings& settings) {
     fmt::print("motiondbd: metrics at http://{}/metrics\n", http->address());
     std::fflush(stdout);
   }
-  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(settings.store_path));
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings.store_path));
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
   fmt::print("motiondbd: listening on {}\n", server->address());

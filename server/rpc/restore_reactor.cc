@@ -35,7 +35,7 @@ class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
 
   absl::Status Answer() override {
     if (restore_ == nullptr) {
-      return FieldViolation("block", "expected the bytes of a backup, got none");
+      return AtField("block", core::InvalidArgument("the backup is empty"));
     }
     const auto restored = engine_.Restore(*restore_, entry().cancelled());
     if (!restored.ok()) return AtField("block", restored.status());

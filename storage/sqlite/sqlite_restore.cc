@@ -20,7 +20,8 @@ namespace {
 constexpr char kIn[] = "the backup";
 
 absl::Status NoBackup() {
-  return core::InvalidArgument("this is not a backup of motiondb, or its beginning is damaged");
+  return core::InvalidArgument(
+      "this is not a backup, as `motiondb backup` writes it, or its beginning is damaged");
 }
 
 // What is damaged in a backup, or means nothing to SQLite (INTERNAL), is its sender's mistake: this
@@ -68,12 +69,12 @@ absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::st
 
 absl::Status SqliteRestore::Append(std::string_view bytes) {
   tail_ += bytes;
-  if (!begun_ && tail_.size() >= kSqliteMagic.size()) {
+  if (!begun_ && tail_.size() >= kStoreHeaderBytes) {
     // What is no backup at all need not be sent to its end.
-    if (!tail_.starts_with(kSqliteMagic)) return NoBackup();
+    if (!IsStoreHeader(tail_)) return NoBackup();
     begun_ = true;
   }
-  if (tail_.size() <= kBackupTrailerBytes) return absl::OkStatus();
+  if (!begun_ || tail_.size() <= kBackupTrailerBytes) return absl::OkStatus();
   const std::size_t ready = tail_.size() - kBackupTrailerBytes;
   MOTIONDB_RETURN_IF_ERROR(Write(std::string_view(tail_).substr(0, ready)));
   tail_.erase(0, ready);
@@ -94,10 +95,12 @@ absl::Status SqliteRestore::Write(std::string_view bytes) {
 }
 
 absl::Status SqliteRestore::CheckSum() {
-  if (!begun_) return NoBackup();
+  if (tail_.empty() && !begun_) return core::InvalidArgument("the backup is empty");
+  if (!begun_ && !tail_.starts_with(kSqliteMagic)) return NoBackup();
   if (!tail_.starts_with(kBackupMark) || tail_.size() != kBackupTrailerBytes) {
     return core::InvalidArgument(
-        "the backup is cut off: the checksum that it ends with is missing");
+        "the backup is cut off, or is the file of a store, which `motiondbd --store` serves: the "
+        "checksum that a backup ends with is missing");
   }
   digest_.Update(kBackupMark);
   if (std::string_view(tail_).substr(kBackupMark.size()) != digest_.Finish()) {

@@ -1,13 +1,16 @@
 #include "storage/sqlite/store_file.h"
 
 #include <array>
+#include <cerrno>
 #include <cstdint>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
 
 #include "core/motion/error.h"
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
@@ -15,9 +18,10 @@ namespace {
 
 constexpr char kInMemory[] = ":memory:";
 
-// A SQLite file's header.
-constexpr std::size_t kHeaderBytes = 100;
-constexpr std::size_t kIdPlace = 68;  // of the application id
+constexpr std::size_t kVersionPlace = 60;  // of user_version
+constexpr std::size_t kIdPlace = 68;       // of the application id
+
+using Header = std::array<char, kStoreHeaderBytes>;
 
 // For every connection. A wait of ten seconds is long for a lock that is held for moments.
 constexpr char kCommonSetup[] = R"sql(
@@ -41,6 +45,29 @@ PRAGMA wal_autocheckpoint = 0;
 absl::Status NotAStore(std::string_view path, std::string_view what) {
   return core::FailedPrecondition("'{}' is not a motiondb store but {}; it was left as it was",
                                   path, what);
+}
+
+std::uint32_t BigEndian(std::string_view header, std::size_t place) {
+  std::uint32_t value = 0;
+  for (std::size_t i = place; i < place + 4; ++i) {
+    value = value << 8 | static_cast<unsigned char>(header[i]);
+  }
+  return value;
+}
+
+std::string_view AsText(const Header& header) { return {header.data(), header.size()}; }
+
+// What a shorter file lacks is zero.
+absl::StatusOr<Header> ReadHeader(const std::string& path) {
+  Header header{};
+  errno = 0;
+  std::ifstream stream(path, std::ios::binary);
+  stream.read(header.data(), header.size());
+  if (stream.bad() || !stream.is_open()) {
+    return absl::UnavailableError(
+        fmt::format("cannot read '{}': {}", path, std::strerror(errno == 0 ? EIO : errno)));
+  }
+  return header;
 }
 
 // Gives an empty file its page size and its application id; a file that has an id keeps it.
@@ -69,6 +96,7 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
       path, mode.Text(0));
 }
 
+// Of whatever version the file is.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std::string& path,
                                                            const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection,
@@ -77,15 +105,14 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std:
   MOTIONDB_RETURN_IF_ERROR(Initialize(*connection, path));
   if (path != kInMemory) MOTIONDB_RETURN_IF_ERROR(UseLog(*connection, path));
   MOTIONDB_RETURN_IF_ERROR(connection->Execute(kWriterSetup));
-  const absl::Status migrated = Migrate(*connection, Migrations());
-  if (!migrated.ok()) {
-    return absl::Status(migrated.code(),
-                        fmt::format("'{}': {}", path, std::string(migrated.message())));
-  }
   return connection;
 }
 
 }  // namespace
+
+bool IsStoreHeader(std::string_view header) {
+  return header.starts_with(kSqliteMagic) && BigEndian(header, kIdPlace) == kApplicationId;
+}
 
 absl::Status CheckIsStore(const std::string& path) {
   namespace fs = std::filesystem;
@@ -100,28 +127,45 @@ absl::Status CheckIsStore(const std::string& path) {
 
   // Not by SQLite, which finds a file damaged that is shorter than its first page says, as one is
   // whose log was not moved into it to the end: a full disk or a power cut leaves it so.
-  std::array<char, kHeaderBytes> header{};
-  std::ifstream stream(path, std::ios::binary);
-  stream.read(header.data(), header.size());
-  if (stream.bad() || !stream.is_open()) {
-    return absl::UnavailableError(fmt::format("cannot read '{}'", path));
-  }
-  if (!std::string_view(header.data(), header.size()).starts_with(kSqliteMagic)) {
+  MOTIONDB_ASSIGN_OR_RETURN(const Header header, ReadHeader(path));
+  if (!AsText(header).starts_with(kSqliteMagic)) {
     return NotAStore(path, "a file of another kind");
   }
-  std::uint32_t id = 0;  // big-endian
-  for (int i = 0; i < 4; ++i) id = id << 8 | static_cast<unsigned char>(header[kIdPlace + i]);
-  if (id != kApplicationId) return NotAStore(path, "another SQLite file");
+  if (!IsStoreHeader(AsText(header))) return NotAStore(path, "another SQLite file");
   return absl::OkStatus();
+}
+
+absl::StatusOr<int> ReadStoreVersion(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const std::string file = fs::canonical(path, error).string();
+  if (error || fs::file_size(file, error) == 0) return 0;
+  MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
+  MOTIONDB_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
+  const auto version = static_cast<int>(BigEndian(AsText(header), kVersionPlace));
+  if (version >= static_cast<int>(Migrations().size())) return version;
+  // The log may hold a later one: an upgrade that was not moved into the file before a crash.
+  MOTIONDB_ASSIGN_OR_RETURN(const StoreLock lock, StoreLock::Acquire(file));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto reader, OpenReader(file, ""));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto logged, reader->QueryInteger("PRAGMA user_version"));
+  return static_cast<int>(logged);
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs) {
-  return OpenWriterWith(SQLITE_OPEN_CREATE, path, vfs);
+  MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(SQLITE_OPEN_CREATE, path, vfs));
+  const absl::Status migrated = Migrate(*connection, Migrations());
+  if (!migrated.ok()) {
+    return absl::Status(migrated.code(),
+                        fmt::format("'{}': {}", path, std::string(migrated.message())));
+  }
+  return connection;
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path) {
-  return OpenWriterWith(0, path, "");
+  MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(0, path, ""));
+  MOTIONDB_RETURN_IF_ERROR(Migrate(*connection, Migrations()));
+  return connection;
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,

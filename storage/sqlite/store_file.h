@@ -2,6 +2,7 @@
 // keep no state. storage/README.md explains the settings.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -14,15 +15,26 @@ namespace motiondb::storage {
 // What every SQLite file begins with.
 inline constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 
+// As many bytes tell what a SQLite file is.
+inline constexpr std::size_t kStoreHeaderBytes = 100;
+
+// Whether a file that begins so is a store's. REQUIRES: at least kStoreHeaderBytes.
+bool IsStoreHeader(std::string_view header);
+
 // OK if there is nothing at `path`, an empty file or a store. Else FAILED_PRECONDITION saying what
 // it is, leaving it as it was.
 absl::Status CheckIsStore(const std::string& path);
+
+// The version of the store at `path`, to be asked before it is opened, which upgrades it; 0 where
+// there is nothing, or no version yet. The codes of CheckIsStore, StoreLock and SQLite.
+absl::StatusOr<int> ReadStoreVersion(const std::string& path);
 
 // The one connection that writes and checkpoints; makes and upgrades the store. `path` may be
 // ":memory:". Its holder holds the StoreLock.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs);
-// The same of a file that there is; UNAVAILABLE where there is none.
+// The same of a file that there is; UNAVAILABLE where there is none. Errors of an upgrade do not
+// name the file.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path);
 
 // A connection that can only read, and never checkpoints.

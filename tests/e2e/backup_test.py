@@ -4,6 +4,7 @@
     backup_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
+import contextlib
 import glob
 import json
 import os
@@ -95,11 +96,16 @@ class Backup(WithServer):
         self.server.ask_one("backup", backup)
         with open(backup, "rb") as file:
             good = file.read()
+        with contextlib.closing(sqlite3.connect(self.path("photos.db"))) as photos:
+            photos.execute("CREATE TABLE photo (name)")
+        with open(self.path("photos.db"), "rb") as file:
+            other_file = file.read()
         log = open(self.path("log"), "w+")
         other = Server(self.path("other.db"), log=log)
         try:
             for damaged, expected in ((good[:-100], "cut off"), (good[:100], "cut off"),
-                                      (b"not at all", "not a backup"),
+                                      (b"not at all", "not a backup"), (other_file, "not a backup"),
+                                      (b"", "motiondb: the backup is empty"),
                                       (good[:5000] + b"\0\1\2\3" + good[5004:], "checksum")):
                 with open(self.path("damaged.mdb"), "wb") as file:
                     file.write(damaged)

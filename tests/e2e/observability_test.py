@@ -4,6 +4,7 @@
     observability_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
+import gzip
 import http.client
 import json
 import os
@@ -24,6 +25,7 @@ ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..")
 DASHBOARD = os.path.join(ROOT, "deploy/grafana/motiondb.json")
 RULES = os.path.join(ROOT, "deploy/prometheus/motiondb.rules.yml")
 SCRAPE = os.path.join(ROOT, "deploy/prometheus/prometheus.yml")
+OLD_STORES = os.path.join(ROOT, "tests/storage/old_stores")
 README = os.path.join(ROOT, "server/observability/README.md")
 
 BVH = """HIERARCHY
@@ -146,6 +148,11 @@ class Observability(unittest.TestCase):
                                outcome="succeeded"), 1)
         self.assertGreater(value(after, "motiondb_store_bytes"), 0)
         self.assertGreater(value(after, "motiondb_log_bytes"), 0)
+        disk = os.statvfs(self.path("motion.db"))
+        self.assertEqual(value(after, "motiondb_disk_bytes"), disk.f_blocks * disk.f_frsize)
+        free = value(after, "motiondb_disk_free_bytes")
+        self.assertTrue(0 < free < value(after, "motiondb_disk_bytes"), free)
+        self.assertEqual(value(after, "motiondb_certificate_end_time_seconds"), 0)
         self.assertLess(value(after, "motiondb_model_age_seconds", database="walks"), 60)
         self.assertEqual(families["motiondb_request_seconds"].type, "histogram")
         self.assertEqual(families["motiondb_rebuild_seconds"].type, "summary")
@@ -175,9 +182,12 @@ class Observability(unittest.TestCase):
                     if name == "motiondb_requests_total")
         self.assertEqual(int(status["call_count"]) + 1, ended)  # the status call itself
         self.assertTrue(status["serving"])
+        self.assertEqual(int(status["disk_bytes"]), value(values, "motiondb_disk_bytes"))
+        self.assertGreater(int(status["disk_free_bytes"]), 0)
         self.assertGreater(int(status["memory_bytes"]), 1 << 20)
         text = self.server.run("status")
         self.assertEqual(text.returncode, 0, text.stderr)
+        self.assertRegex(text.stdout, r"store +[0-9.]+ KiB, log .*; [0-9.]+ \wiB of [0-9.]+ \wiB free")
         self.assertRegex(text.stdout, r"walks +1 +90 +[0-9.]+ KiB +1 ")
         self.assertRegex(text.stdout, r"ClipService.IngestClip +1 +[0-9.]+ m?s ")
         print("\n" + text.stdout)
@@ -240,6 +250,18 @@ class Observability(unittest.TestCase):
         stored = [line for line in lines if "stored, 90 frames" in line["message"]]
         self.assertEqual(len(stored), 1)
         self.assertIn(stored[0]["request_id"], identities)
+
+    def test_an_upgrade_of_the_store_is_logged_once(self):
+        store = self.path("old.db")
+        with gzip.open(os.path.join(OLD_STORES, "version1.db.gz")) as old, open(store, "wb") as new:
+            new.write(old.read())
+        with open(self.path("upgrade.log"), "w") as log:
+            for how in (signal.SIGKILL, signal.SIGTERM, signal.SIGTERM):
+                Server(store, "--http-listen", "none", "--log-level", "info", log=log).stop(how)
+        with open(self.path("upgrade.log")) as log:
+            told = [line for line in log if "upgraded" in line]
+        self.assertEqual(len(told), 1, told)
+        self.assertRegex(told[0], r"info .*old\.db upgraded from version 1 to \d+: older servers")
 
     def test_a_failed_start_is_json_too(self):
         failed = subprocess.run(

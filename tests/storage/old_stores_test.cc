@@ -1,8 +1,10 @@
 // Stores that former versions wrote open, and hold what they held.
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <fstream>
 
 #include "storage/sqlite/schema.h"
+#include "storage/sqlite/store_file.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/store_dump.h"
@@ -43,6 +45,28 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
   }
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(storage::Migrations().size()));
   REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");
+}
+
+TEST_CASE("ReadStoreVersion: before and after an upgrade, also one that is in the log alone",
+          "[storage][migration]") {
+  const auto latest = static_cast<int>(storage::Migrations().size());
+  const StoreFile file;
+  CHECK(Require(storage::ReadStoreVersion(file.path())) == 0);
+  CHECK(std::filesystem::is_empty(file.folder()));
+  std::ofstream(file.path(), std::ios::binary).flush();
+  CHECK(Require(storage::ReadStoreVersion(file.path())) == 0);
+  std::ofstream(file.path(), std::ios::binary) << OldStore(2);
+  CHECK(Require(storage::ReadStoreVersion(file.path())) == 2);
+  {
+    // As a kill after the upgrade leaves it.
+    const StoreFile killed;
+    std::filesystem::copy_file(file.path(), killed.path());
+    const auto store = file.Open();
+    std::filesystem::copy_file(file.path() + "-wal", killed.path() + "-wal");
+    CHECK(Require(storage::ReadStoreVersion(killed.path())) == latest);
+    REQUIRE(Findings(*killed.Open()).empty());
+  }
+  CHECK(Require(storage::ReadStoreVersion(file.path())) == latest);
 }
 
 TEST_CASE("SqliteMotionStore: every former version has its store among the tests",

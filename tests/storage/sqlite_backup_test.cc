@@ -202,17 +202,25 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
       refused(bytes.substr(0, size), "");
     }
     refused(bytes.substr(0, bytes.size() / 2), "cut off");
-    refused("", "not a backup");
+    refused(bytes.substr(0, 99), "cut off");
+    refused(bytes.substr(0, 15), "not a backup");
+    refused("", "the backup is empty");
+  }
+  SECTION("a store's file") {
+    const StoreFile store;
+    { Fill(*store.Open()); }
+    refused(ReadFile(store.path()), "or is the file of a store, which `motiondbd --store` serves");
   }
   SECTION("something added") { refused(bytes + "x", "cut off"); }
   SECTION("another file") {
     refused(std::string(100'000, 'x'), "not a backup");
     refused(Sealed(std::string(100'000, 'x')), "not a backup");
   }
-  SECTION("another SQLite file, sealed") {
+  SECTION("another SQLite file, sealed or not") {
     const StoreFile other;
     other.Sql("CREATE TABLE photos (name); PRAGMA application_id = 7;");
     refused(Sealed(ReadFile(other.path())), "not a backup");
+    refused(ReadFile(other.path()), "not a backup");
   }
   SECTION("a store that was damaged when it was copied") {
     const StoreFile worn;
@@ -278,7 +286,7 @@ TEST_CASE("Restore: versions", "[storage][backup]") {
     { Fill(*newer.Open()); }
     newer.Sql("PRAGMA user_version = 1000");
     REQUIRE_ERROR(Restore(*target, Sealed(ReadFile(newer.path()))), StatusCode::kFailedPrecondition,
-                  "version 1000");
+                  "the backup: the store is of version 1000, from a newer motiondb");
     REQUIRE(Require(target->ListDatabases({})).empty());
   }
 }

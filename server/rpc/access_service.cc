@@ -61,7 +61,7 @@ absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request
   const auto audit = call.entry.RecordWithChange(name);
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto record,
-      call.entry.access().tokens().Revoke(id, NowMicroseconds(), {&audit, call.cancelled}));
+      call.entry.access().RevokeToken(id, NowMicroseconds(), {&audit, call.cancelled}));
   SetToken(record, *response.mutable_token());
   return absl::OkStatus();
 }

@@ -109,6 +109,20 @@ bool AccessControl::ReplaceAdminToken(const std::string& token) {
   return true;
 }
 
+bool AccessControl::CanAdministerWithoutToken() const {
+  const std::shared_lock lock(admin_mutex_);
+  return !options_.authentication || admin_token_ != nullptr ||
+         options_.certificate_role == storage::Role::kAdmin;
+}
+
+absl::StatusOr<storage::TokenRecord> AccessControl::RevokeToken(const std::string& id,
+                                                                std::int64_t now_us,
+                                                                const storage::ChangeTerms& terms) {
+  return tokens_.Revoke(
+      id, now_us, terms,
+      CanAdministerWithoutToken() ? TokenBook::LastAdmin::kMayGo : TokenBook::LastAdmin::kKeep);
+}
+
 absl::Status AccessControl::Fail(std::string_view what, const std::string& address,
                                  absl::Status status) {
   if (warnings_.Count(fmt::format("{} {}", SourceOf(address), what))) {

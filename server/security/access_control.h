@@ -41,6 +41,11 @@ class AccessControl {
   // known no more. False if it is the same.
   bool ReplaceAdminToken(const std::string& token);
 
+  // As TokenBook::Revoke. The last token of an administrator is kept unless somebody can administer
+  // without one: everybody, who has the administrator's token of the file, or a certificate.
+  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t now_us,
+                                                   const storage::ChangeTerms& terms = {});
+
   // Keeps an entry of the record of changes. Those of calls that changed nothing, as where they
   // failed, of others than administrators, are kept only so often from one source, so that nobody
   // can push the rest out with them. What cannot be kept is logged.
@@ -54,6 +59,7 @@ class AccessControl {
   absl::StatusOr<Caller> ByToken(const std::string& bearer, const std::string& address);
   // Null if it is not the administrator's.
   std::shared_ptr<const KnownToken> FindAdminToken(const std::string& bearer) const;
+  bool CanAdministerWithoutToken() const;
   // Logs it and returns `status`. `what` the caller at the address showed: the kind of failure.
   absl::Status Fail(std::string_view what, const std::string& address, absl::Status status);
 

@@ -16,6 +16,12 @@ constexpr int kSecretBytes = 32;
 constexpr std::size_t kReadAhead = 100'000;  // a few hundred bytes each
 constexpr int kPage = 1000;
 
+// Whether its bearer may do everything, tokens among it.
+bool Administers(const storage::TokenRecord& token, std::int64_t now_us) {
+  return token.role == storage::Role::kAdmin && token.database.empty() &&
+         KnownToken(token).CheckHolds(now_us).ok();
+}
+
 }  // namespace
 
 bool KnownToken::HasSecret(std::string_view secret) const {
@@ -75,8 +81,33 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   return made;
 }
 
+absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us) {
+  MOTIONDB_ASSIGN_OR_RETURN(const storage::TokenRecord token, store_.GetToken(id));
+  if (!Administers(token, now_us)) return absl::OkStatus();
+  std::string after;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPage));
+    if (page.empty()) break;
+    for (const storage::TokenRecord& other : page) {
+      if (other.id != id && Administers(other, now_us)) return absl::OkStatus();
+    }
+    after = page.back().id;
+  }
+  return core::FailedPrecondition(
+      "tokens/{} is the last one of an administrator: without it nobody could make another; make "
+      "one first (`motiondb token create --role admin`), or start the server with an "
+      "admin-token-file",
+      id);
+}
+
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
-                                                       const storage::ChangeTerms& terms) {
+                                                       const storage::ChangeTerms& terms,
+                                                       LastAdmin last_admin) {
+  std::unique_lock<std::mutex> revoking;
+  if (last_admin == LastAdmin::kKeep) {
+    revoking = std::unique_lock(revoking_mutex_);
+    MOTIONDB_RETURN_IF_ERROR(CheckIsNotLastAdmin(id, now_us));
+  }
   std::shared_ptr<KnownToken> suspended;
   {
     const std::lock_guard lock(mutex_);

@@ -76,10 +76,15 @@ class TokenBook {
                                  const std::string& description, std::int64_t now_us,
                                  std::int64_t expire_time_us, const MakeAudit& audit = {},
                                  const core::Cancelled& cancelled = {});
-  // Refuses its bearer at once, and returns when that is stored. NOT_FOUND, and the codes of the
-  // store, after which the token holds as before.
+  // Whether the last token of an administrator may be revoked; with kKeep it may not.
+  enum class LastAdmin { kMayGo, kKeep };
+
+  // Refuses its bearer at once, and returns when that is stored. FAILED_PRECONDITION if no other
+  // token that holds would be left of an administrator of all databases, and one is to be kept;
+  // NOT_FOUND, and the codes of the store. After an error the token holds as before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
-                                              const storage::ChangeTerms& terms = {});
+                                              const storage::ChangeTerms& terms = {},
+                                              LastAdmin last_admin = LastAdmin::kMayGo);
 
   // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
   std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;
@@ -89,11 +94,17 @@ class TokenBook {
 
  private:
   std::int64_t revocations() const;
+  // FAILED_PRECONDITION if the token is the last one of an administrator. REQUIRES: the revoking
+  // mutex is held.
+  absl::Status CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us);
   // Keeps a token in memory, and from time to time drops those that have ended: as many are there
   // as there are good ones, and half of that again. REQUIRES: the mutex is held.
   std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us);
 
   storage::AccessStore& store_;
+  // Held over the whole of a revocation that keeps the last administrator: of two who revoke each
+  // other at once, the second one finds the other gone.
+  std::mutex revoking_mutex_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
   // Nobody waits for the store under the mutex, so what was read there may be old by the time it is

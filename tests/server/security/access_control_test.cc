@@ -144,6 +144,64 @@ TEST_CASE("Access: a revocation that the disk is slow to take holds at once, and
   CHECK(control.Authenticate(Bearer(stolen.secret)).ok() == !outcome.ok());
 }
 
+bool IsKept(const absl::Status& revoked) {
+  return absl::IsFailedPrecondition(revoked) &&
+         revoked.message().find("the last one of an administrator") != std::string::npos;
+}
+
+TEST_CASE("Access: the last administrator's token is not revoked", "[security]") {
+  Access access;
+  const auto revoke = [&](const server::MadeToken& token) {
+    return access.control.RevokeToken(token.record.id, NowMicroseconds()).status();
+  };
+  const auto last = access.Make(Role::kAdmin);
+  // None of these can make another.
+  const auto of_one = access.Make(Role::kAdmin, "walks");
+  const auto expired = access.Make(Role::kAdmin, "", 1);
+  const auto former = access.Make(Role::kAdmin);
+  const auto reader = access.Make(Role::kReader);
+  CHECK(revoke(former).ok());
+  CHECK(IsKept(revoke(last)));
+  CHECK(access.CodeOf(Bearer(last.secret)) == absl::StatusCode::kOk);
+  CHECK(access.store.GetToken(last.record.id)->revoke_time_us == 0);
+  for (const auto* token : {&of_one, &expired, &former, &reader}) CHECK(revoke(*token).ok());
+  CHECK(absl::IsNotFound(access.control.RevokeToken("none", 1).status()));
+  const auto next = access.Make(Role::kAdmin, "", kHour);
+  CHECK(revoke(last).ok());
+  CHECK(IsKept(revoke(next)));
+}
+
+TEST_CASE("Access: the last administrator's token may go where one administers without",
+          "[security]") {
+  const auto revoke_only = [](const AccessOptions& options) {
+    Access access(options);
+    return access.control.RevokeToken(access.Make(Role::kAdmin).record.id, NowMicroseconds())
+        .status();
+  };
+  CHECK(IsKept(revoke_only({.authentication = true})));
+  CHECK(IsKept(revoke_only({.authentication = true, .certificate_role = Role::kIngester})));
+  CHECK(revoke_only({}).ok());
+  CHECK(revoke_only({.authentication = true, .admin_token = "the administrator's own"}).ok());
+  CHECK(revoke_only({.authentication = true, .certificate_role = Role::kAdmin}).ok());
+}
+
+TEST_CASE("Access: of administrators who revoke each other at once, one is left", "[security]") {
+  for (int round = 0; round < 50; ++round) {
+    Access access;
+    std::vector<std::string> ids;
+    for (int i = 0; i < 4; ++i) ids.push_back(access.Make(Role::kAdmin).record.id);
+    std::vector<absl::Status> revoked(ids.size());
+    std::vector<std::thread> threads;
+    for (std::size_t i = 0; i < ids.size(); ++i) {
+      threads.emplace_back(
+          [&, i] { revoked[i] = access.control.RevokeToken(ids[i], NowMicroseconds()).status(); });
+    }
+    for (std::thread& thread : threads) thread.join();
+    CHECK(std::ranges::count_if(revoked, IsKept) == 1);
+    CHECK(std::ranges::count_if(revoked, [](const auto& status) { return status.ok(); }) == 3);
+  }
+}
+
 TEST_CASE("Access: who fails too often is told when to come back; others are not locked out",
           "[security]") {
   Access access({.authentication = true, .failures_per_minute = 3});

@@ -124,6 +124,26 @@ TEST_CASE("RevokeToken: ends a token that is in use, at once and for good", "[se
         StatusCode::NOT_FOUND);
 }
 
+TEST_CASE("RevokeToken: the last one of an administrator stays, and the refusal is recorded",
+          "[security][rpc]") {
+  TestServer server;
+  const auto admin = Make(server, Wanted(v1::ROLE_ADMIN)).response;
+  AskForTokens(server);
+  const auto stub = server.NewStub<v1::AccessService>();
+  v1::RevokeTokenRequest request;
+  request.set_name(admin.token().name());
+  const grpc::Status refused = Ask(*stub, &Access::RevokeToken, request, admin.secret()).status;
+  CHECK(refused.error_code() == StatusCode::FAILED_PRECONDITION);
+  CHECK(refused.error_message().find(admin.token().name() + " is the last one") == 0);
+  const auto audit =
+      Ask(*stub, &Access::ListAuditEntries, v1::ListAuditEntriesRequest(), admin.secret());
+  REQUIRE(audit.response.entries_size() == 2);
+  CHECK(audit.response.entries(0).code() == static_cast<int>(StatusCode::FAILED_PRECONDITION));
+  const auto second = Make(server, Wanted(v1::ROLE_ADMIN), admin.secret()).response;
+  CHECK(Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.ok());
+  CHECK(!Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.ok());
+}
+
 TEST_CASE("RevokeToken: a secret in the name is in no record, log or error", "[security][rpc]") {
   TestServer server;
   const auto made = Make(server, Wanted(v1::ROLE_READER)).response;

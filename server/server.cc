@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/observability/listen_on.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
@@ -139,9 +140,7 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
                              4 * options.calls.max_metadata_bytes + kOwnMetadata);
   for (const auto& service : services_) builder.RegisterService(service.get());
   grpc_ = builder.BuildAndStart();
-  if (grpc_ == nullptr || port == 0) {
-    return absl::UnavailableError(fmt::format("cannot listen on {}", options.listen));
-  }
+  if (grpc_ == nullptr || port == 0) return WhyNotListening(options.listen);
   address_ = fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), port);
   for (const char* const name : kServiceNames) {
     grpc_->GetHealthCheckService()->SetServingStatus(name, true);

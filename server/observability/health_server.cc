@@ -5,17 +5,12 @@
 #include "server/observability/health_pages.h"
 
 namespace motiondb::server {
-namespace {
-
-constexpr const char* kDefaultListen = "127.0.0.1:9464";
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
                                                               const Monitor& monitor) {
   if (listen == "none") return nullptr;
   const bool asked_for = !listen.empty();
-  auto server = HttpServer::Start(asked_for ? listen : kDefaultListen, HealthPages(monitor));
+  auto server = HttpServer::Start(asked_for ? listen : kDefaultHttpListen, HealthPages(monitor));
   if (!asked_for && absl::IsUnavailable(server.status())) {
     spdlog::warn("no metrics and health pages: {}; choose another address with --http-listen",
                  std::string(server.status().message()));

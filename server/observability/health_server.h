@@ -10,6 +10,9 @@
 
 namespace motiondb::server {
 
+// Where the pages are unless something else is said.
+inline constexpr char kDefaultHttpListen[] = "127.0.0.1:9464";
+
 // Starts the pages at `listen`: HOST:PORT; "none" for no pages; empty for 127.0.0.1:9464, where
 // they are left out, with a warning, if another program has that port. Null where there are none.
 // Warns of an address that others can reach. The monitor must outlive the result. Codes: those of

@@ -16,6 +16,7 @@
 
 #include "core/motion/error.h"
 #include "server/observability/http_connection.h"
+#include "server/observability/listen_on.h"
 
 namespace motiondb::server {
 namespace {
@@ -25,24 +26,6 @@ using asio::ip::tcp;
 
 // How long to wait where a connection cannot be taken, as where no descriptor is left.
 constexpr std::chrono::milliseconds kRest{100};
-
-absl::StatusOr<tcp::endpoint> Resolve(const std::string& listen) {
-  const std::size_t colon = listen.rfind(':');
-  if (colon == std::string::npos || colon == 0 || colon + 1 == listen.size()) {
-    return core::InvalidArgument("HTTP: expected HOST:PORT, got '{}'", listen);
-  }
-  std::string host = listen.substr(0, colon);
-  if (host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
-  asio::io_context context;
-  boost::system::error_code error;
-  const auto found = tcp::resolver(context).resolve(
-      host, listen.substr(colon + 1), tcp::resolver::passive | tcp::resolver::numeric_service,
-      error);
-  if (error || found.empty()) {
-    return core::InvalidArgument("HTTP: expected HOST:PORT, got '{}': {}", listen, error.message());
-  }
-  return found.begin()->endpoint();
-}
 
 class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   using Take = std::function<void(HttpAnswer)>;
@@ -58,17 +41,10 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   }
 
   absl::Status Listen(const std::string& listen) {
-    MOTIONDB_ASSIGN_OR_RETURN(const tcp::endpoint endpoint, Resolve(listen));
-    boost::system::error_code error;
-    acceptor_.open(endpoint.protocol(), error);
-    if (!error) acceptor_.set_option(tcp::acceptor::reuse_address(true), error);
-    if (!error) acceptor_.bind(endpoint, error);
-    if (!error) acceptor_.listen(asio::socket_base::max_listen_connections, error);
-    if (error) {
-      return absl::UnavailableError(
-          fmt::format("HTTP: cannot listen on {}: {}", listen, error.message()));
+    if (const absl::Status status = ListenOn(listen, acceptor_); !status.ok()) {
+      return absl::Status(status.code(), fmt::format("HTTP: {}", std::string(status.message())));
     }
-    is_loopback_ = endpoint.address().is_loopback();
+    is_loopback_ = acceptor_.local_endpoint().address().is_loopback();
     address_ = fmt::format("{}:{}", listen.substr(0, listen.rfind(':')),
                            acceptor_.local_endpoint().port());
     Accept();

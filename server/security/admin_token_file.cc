@@ -2,14 +2,14 @@
 
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <string_view>
 
 #include "absl/strings/ascii.h"
 #include "core/motion/error.h"
+#include "server/security/text_file.h"
 
 namespace motiondb::server {
 namespace {
@@ -35,12 +35,16 @@ absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
   if (const std::string_view fault = FaultOf(status.st_mode); !fault.empty()) {
     return core::InvalidArgument("{}: {}; expected mode 0600 or 0640", path, fault);
   }
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return core::InvalidArgument("{}: cannot be read", path);
-  std::string text{std::istreambuf_iterator<char>(file), {}};
+  MOTIONDB_ASSIGN_OR_RETURN(std::string text, ReadTextFile(path));
   absl::StripAsciiWhitespace(&text);
   if (text.size() < kShortest) {
     return core::InvalidArgument("{}: expected a token of at least {} characters", path, kShortest);
+  }
+  if (!std::ranges::all_of(text, absl::ascii_isprint)) {
+    return core::InvalidArgument(
+        "{}: expected a token on one line, of printable ASCII characters: a call's header carries "
+        "no others; `openssl rand -hex 32` writes one",
+        path);
   }
   return text;
 }

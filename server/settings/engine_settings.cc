@@ -5,22 +5,13 @@ namespace motiondb::server {
 
 void AddEngineSettings(CLI::App& app, Settings& settings) {
   EngineOptions& engine = settings.server.engine;
-  app.add_option("--threads", engine.query_threads, "Threads for requests; 0: one a core")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
+  AddCount(app, "--threads", engine.query_threads, 0, 1024, "Threads for requests; 0: one a core")
       ->group("Engine");
-  app.add_option("--heavy-threads", engine.heavy_threads,
-                 "Of these, for long work such as plans and ingests; 0: all but one")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
+  AddCount(app, "--heavy-threads", engine.heavy_threads, 0, 1024,
+           "Of these, for long work such as plans and ingests; 0: all but one")
       ->group("Engine");
-  app.add_option("--build-threads", engine.build_threads,
-                 "Threads for building models; 0: one for two cores")
-      ->type_name("N")
-      ->check(CLI::Range(0, 1024))
-      ->capture_default_str()
+  AddCount(app, "--build-threads", engine.build_threads, 0, 1024,
+           "Threads for building models; 0: one for two cores")
       ->group("Engine");
   AddSeconds(app, "--rebuild-delay", engine.rebuild_delay, 0, 3600,
              "Time without an ingest after which the model is rebuilt")

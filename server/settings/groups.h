@@ -29,6 +29,7 @@ void AddLogSettings(CLI::App& app, Settings& settings);
 
 // Appends what is wrong with the settings as a whole; opens and changes nothing.
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems);
+void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckEngineSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& problems);

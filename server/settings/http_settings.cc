@@ -1,3 +1,7 @@
+#include <string>
+
+#include "core/motion/error.h"
+#include "server/observability/health_server.h"
 #include "server/settings/groups.h"
 #include "server/settings/options.h"
 
@@ -13,6 +17,23 @@ CLI::Validator ListenAddressOrNone() {
       "");
 }
 
+struct Address {
+  explicit Address(const std::string& listen)
+      : host(listen.substr(0, listen.rfind(':'))), port(listen.substr(listen.rfind(':') + 1)) {
+    if (host == "localhost") host = "127.0.0.1";
+  }
+  bool is_everywhere() const { return host == "0.0.0.0" || host == "[::]"; }
+
+  std::string host;
+  std::string port;
+};
+
+// Whether who listens at one keeps another from listening at the other.
+bool Clash(const Address& one, const Address& other) {
+  if (std::stoi(one.port) == 0 || std::stoi(one.port) != std::stoi(other.port)) return false;
+  return one.host == other.host || one.is_everywhere() || other.is_everywhere();
+}
+
 }  // namespace
 
 void AddHttpSettings(CLI::App& app, Settings& settings) {
@@ -24,6 +45,17 @@ void AddHttpSettings(CLI::App& app, Settings& settings) {
       ->check(ListenAddressOrNone())
       ->capture_default_str()
       ->group("Network");
+}
+
+void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems) {
+  if (settings.http_listen == "none") return;
+  const bool is_default = settings.http_listen.empty();
+  const std::string http = is_default ? kDefaultHttpListen : settings.http_listen;
+  const std::string& listen = settings.server.listen;
+  if (!Clash(Address(listen), Address(http))) return;
+  problems.push_back(core::InvalidArgument(
+      "listen and http-listen: {} and {}{} cannot both be listened at; give each a port of its own",
+      listen, http, is_default ? ", the default," : ""));
 }
 
 }  // namespace motiondb::server

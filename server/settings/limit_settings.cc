@@ -6,13 +6,9 @@ namespace motiondb::server {
 namespace {
 
 template <typename Count>
-void AddCount(CLI::App& app, const std::string& name, Count& count, int least, int most,
+void AddLimit(CLI::App& app, const std::string& name, Count& limit, int least, int most,
               const std::string& description) {
-  app.add_option(name, count, description)
-      ->type_name("N")
-      ->check(CLI::Range(least, most))
-      ->capture_default_str()
-      ->group("Limits");
+  AddCount(app, name, limit, least, most, description)->group("Limits");
 }
 
 constexpr char kByCaller[] = "client: a token or certificate, else an address";
@@ -20,8 +16,8 @@ constexpr char kByCaller[] = "client: a token or certificate, else an address";
 // `whose` tells what one client is. A call is counted before its token is looked at.
 void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit, const std::string& what,
                   const std::string& whose = kByCaller) {
-  AddCount(app, name, limit.in_all, 1, 1'000'000, "Most " + what + " under way, in all");
-  AddCount(app, name + "-per-client", limit.per_client, 1, 1'000'000,
+  AddLimit(app, name, limit.in_all, 1, 1'000'000, "Most " + what + " under way, in all");
+  AddLimit(app, name + "-per-client", limit.per_client, 1, 1'000'000,
            "Most " + what + " under way of one " + whose);
 }
 
@@ -44,14 +40,14 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,
                "Largest metadata taken with a call: names and values, and 32 bytes for each")
       ->group("Limits");
-  AddCount(
+  AddLimit(
       app, "--max-frames", engine.max_frames, 2, 100'000'000,
       "Longest clip or observation, in frames: at its own frame rate, and at the database's; of "
       "more than 34 markers as many fewer");
-  AddCount(app, "--max-databases", engine.max_databases, 1, 1'000'000, "Most databases");
-  AddCount(app, "--max-database-clips", engine.quota.clip_count, 1, 100'000'000,
+  AddLimit(app, "--max-databases", engine.max_databases, 1, 1'000'000, "Most databases");
+  AddLimit(app, "--max-database-clips", engine.quota.clip_count, 1, 100'000'000,
            "Most clips in one database");
-  AddCount(app, "--max-database-frames", engine.quota.frame_count, 2, 1'000'000'000,
+  AddLimit(app, "--max-database-frames", engine.quota.frame_count, 2, 1'000'000'000,
            "Most frames in one database; served, a frame of 34 markers takes 1.2 KB of memory");
   AddMebibytes(app, "--max-database-mib", engine.quota.byte_count,
                "Most bytes of clips in one database", 1 << 30)

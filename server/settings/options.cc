@@ -4,6 +4,7 @@
 
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 
 namespace motiondb::server {
 namespace {
@@ -33,6 +34,17 @@ const CLI::Validator Number(
     "");
 
 }  // namespace
+
+CLI::Validator WholeNumber() {
+  const auto check = [](std::string& text) {
+    // As CLI11 reads them; one that is too large is for the range to refuse.
+    char* end = nullptr;
+    static_cast<void>(std::strtoll(text.c_str(), &end, 0));
+    if (end != text.c_str() && *end == '\0') return std::string();
+    return fmt::format("'{}' is not a whole number", text);
+  };
+  return CLI::Validator(check, "");
+}
 
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
                         double least, double most, const std::string& description) {

@@ -12,6 +12,20 @@ namespace motiondb::server {
 CLI::Option* AddSeconds(CLI::App& app, const std::string& name, std::chrono::milliseconds& time,
                         double least, double most, const std::string& description);
 
+// Of text that is a whole number. A range alone says of 2.5 that it is not in the range.
+CLI::Validator WholeNumber();
+
+// A whole number from `least` to `most`. `count` holds the default and must outlive `app`.
+template <std::integral Count>
+CLI::Option* AddCount(CLI::App& app, const std::string& name, Count& count, int least, int most,
+                      const std::string& description) {
+  return app.add_option(name, count, description)
+      ->type_name("N")
+      ->check(WholeNumber())
+      ->check(CLI::Range(least, most))
+      ->capture_default_str();
+}
+
 // Given in units of 2^kBits bytes, from 1 to `most`. `bytes` holds the default and must outlive
 // `app`.
 template <int kBits, std::integral Bytes>
@@ -21,6 +35,7 @@ CLI::Option* AddBytes(CLI::App& app, const std::string& name, Bytes& bytes, cons
       .add_option_function<int>(
           name, [&bytes](int units) { bytes = static_cast<Bytes>(units) << kBits; }, description)
       ->type_name(unit)
+      ->check(WholeNumber())
       ->check(CLI::Range(1, most))
       ->default_str(std::to_string(bytes >> kBits));
 }

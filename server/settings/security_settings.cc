@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "server/settings/groups.h"
+#include "server/settings/options.h"
 
 namespace motiondb::server {
 namespace {
@@ -70,11 +71,8 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
   AddWord(app, "--certificate-role", security.certificate_role, kRoles,
           "What a client may do that shows a certificate and no token")
       ->group(kGroup);
-  app.add_option("--failures-per-minute", security.failures_per_minute,
-                 "Wrong tokens of one address after which more are not looked at for a while")
-      ->type_name("N")
-      ->check(CLI::Range(1, 1'000'000))
-      ->capture_default_str()
+  AddCount(app, "--failures-per-minute", security.failures_per_minute, 1, 1'000'000,
+           "Wrong tokens of one address after which more are not looked at for a while")
       ->group(kGroup);
   AddWord(app, "--reflection", security.reflection, kReflection,
           "Tell every caller, also without a token, which calls there are; auto: where everybody "

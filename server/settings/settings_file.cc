@@ -10,6 +10,7 @@
 #include <map>
 #include <optional>
 #include <sstream>
+#include <string_view>
 
 #include "core/motion/error.h"
 
@@ -17,6 +18,7 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kLargestFile = std::size_t{1} << 20;
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  // some editors begin UTF-8 with it
 
 // One line, read from the left.
 class LineReader {
@@ -155,7 +157,8 @@ std::vector<FileSetting> ParseSettings(const std::string& name, const std::strin
                                        std::vector<absl::Status>& problems) {
   std::vector<FileSetting> settings;
   std::map<std::string, int> line_of_key;
-  std::istringstream lines(text);
+  std::istringstream lines(text.starts_with(kByteOrderMark) ? text.substr(kByteOrderMark.size())
+                                                            : text);
   std::string line;
   for (int number = 1; std::getline(lines, line); ++number) {
     absl::StatusOr<std::optional<FileSetting>> setting = ParseLine(line);

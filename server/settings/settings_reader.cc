@@ -80,6 +80,7 @@ SettingsReader::SettingsReader()
 
 std::vector<absl::Status> SettingsReader::CheckToServe() const {
   std::vector<absl::Status> problems;
+  CheckHttpSettings(settings_, problems);
   CheckEngineSettings(settings_, problems);
   CheckLimitSettings(settings_, problems);
   CheckSecuritySettings(settings_, problems);

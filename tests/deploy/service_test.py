@@ -13,7 +13,8 @@ import tempfile
 import threading
 import unittest
 
-MOTIONDBD = sys.argv[1]
+MOTIONDBD = os.path.abspath(sys.argv[1])
+DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy")
 
 
 def run(*arguments, **variables):
@@ -89,6 +90,47 @@ class CheckConfig(Folder):
         self.assertEqual([line.split("#")[0] for line in again.stdout.splitlines()],
                          [line.split("#")[0] for line in result.stdout.splitlines()])
 
+    def example(self, begin):
+        """The lines that deploy/README.md shows after a command that begins so."""
+        with open(os.path.join(DEPLOY, "README.md"), encoding="utf-8") as readme:
+            _, _, rest = readme.read().partition(f"\n$ {begin}")
+        shown = rest.partition("\n```")[0].splitlines()[1:]
+        self.assertTrue(shown, begin)
+        return shown
+
+    def test_the_readme_shows_what_the_sample_gives(self):
+        shown = self.example("MOTIONDBD_THREADS=3 motiondbd --config motiondbd.conf "
+                             "--max-frames 50000 --check-config")
+        printed = subprocess.run(
+            [MOTIONDBD, "--config", "motiondbd.conf", "--max-frames", "50000", "--check-config"],
+            cwd=DEPLOY, capture_output=True, text=True, timeout=60,
+            env={**os.environ, "MOTIONDBD_THREADS": "3"}).stdout.splitlines()
+        shown.remove("...")
+        self.assertEqual([line for line in printed if line in shown], shown)
+
+    def test_the_readme_shows_what_a_wrong_file_gives(self):
+        shown = self.example("motiondbd --config wrong.conf")
+        self.write("wrong.conf", f'store = "{self.path("a.db")}"\nthreads = -3\nlisen = "x:1"\n')
+        wrong = subprocess.run([MOTIONDBD, "--config", "wrong.conf"], cwd=self.folder.name,
+                               capture_output=True, text=True, timeout=60)
+        self.assertEqual(wrong.stderr.splitlines(), shown)
+
+    def test_a_byte_order_mark_is_passed_over(self):
+        config = self.write("a.conf", f'\ufeffstore = "{self.path("a.db")}"\n')
+        result = run("--config", config, "--check-config")
+        self.assertEqual((result.returncode, result.stderr), (0, ""))
+
+    def test_why_an_address_cannot_be_listened_on(self):
+        holder = socket.create_server(("127.0.0.1", 0))
+        self.addCleanup(holder.close)
+        held = f"127.0.0.1:{holder.getsockname()[1]}"
+        for address, why in ((held, "Address already in use"),
+                             ("192.0.2.1:50051", "Cannot assign requested address")):
+            result = run("--store", self.path("a.db"), "--listen", address, "--insecure",
+                         "--http-listen", "none", "--log-level", "off")
+            self.assertEqual(result.returncode, 1)
+            self.assertIn(f"cannot listen on {address}: {why}", result.stderr)
+
     def test_a_mistake_names_file_and_line(self):
         config = self.write("a.conf", f'store = "{self.path("a.db")}"\nthreads = -1\nlisen = "x:1"\n')
         for arguments in (["--check-config"], []):
@@ -104,6 +146,8 @@ class CheckConfig(Folder):
                             (["--listen", "0.0.0.0:0"], "there is no TLS"),
                             (["--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"],
                              "/absent.crt: cannot be read"),
+                            (["--http-listen", "127.0.0.1:50051", "--listen", "127.0.0.1:50051"],
+                             "listen and http-listen: 127.0.0.1:50051 and"),
                             (["--admin-token-file", "/absent"], "/absent")):
             for check in (["--check-config"], []):
                 with self.subTest(flags=flags + check):
@@ -139,8 +183,7 @@ class CheckConfig(Folder):
 class HealthCheck(Folder):
     """The image's: by HTTP where there is any, else by the port of gRPC."""
 
-    CHECK = os.path.join(os.path.dirname(os.path.abspath(__file__)),
-                         "../../deploy/docker/health_check.sh")
+    CHECK = os.path.join(DEPLOY, "docker/health_check.sh")
 
     def healthy(self, **variables):
         return subprocess.run([self.CHECK], env={**os.environ, **variables}, timeout=60,

@@ -3,6 +3,7 @@
 #include <sys/stat.h>
 
 #include <catch2/catch.hpp>
+#include <filesystem>
 #include <fstream>
 #include <string>
 
@@ -133,6 +134,9 @@ TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
   options.tls.client_ca = files.pair.key;
   CHECK_THAT(Message(options), Catch::Contains("server.key: expected a certificate"));
   options = files.Encrypted();
+  std::ofstream(options.tls.certificate).flush();
+  CHECK_THAT(Message(options), Catch::EndsWith("server.crt: expected a certificate in PEM"));
+  options = files.Encrypted();
   options.tls.key.clear();
   CHECK_THAT(Message(options), Catch::Contains("together"));
   options = {};
@@ -167,6 +171,20 @@ TEST_CASE("Security: the administrator's token file is kept from others", "[secu
   std::ofstream(path) << "short";
   CHECK_THAT(Message({.admin_token_file = path}), Catch::Contains("at least 20 characters"));
   CHECK_THAT(Message({.admin_token_file = path + "x"}), Catch::StartsWith(path + "x: "));
+  // What no header of a call can carry is not the token that whoever wrote it had in mind.
+  for (const char* const text :
+       {"a long enough secret\nand another line", "a long enough secret \x01",
+        "a long enough secr\xc3\xa9t", "\xff\xfe\x80 a long enough secret"}) {
+    std::ofstream(path) << text;
+    CHECK_THAT(Message({.admin_token_file = path}),
+               Catch::StartsWith(path + ": expected a token on one line, of printable ASCII") &&
+                   !Catch::Contains("enough"));
+  }
+  std::ofstream(path).flush();
+  CHECK_THAT(Message({.admin_token_file = path}), Catch::Contains("at least 20 characters"));
+  std::filesystem::create_directory(path + ".d");
+  std::filesystem::permissions(path + ".d", std::filesystem::perms::owner_all);
+  CHECK(Message({.admin_token_file = path + ".d"}) == path + ".d: cannot be read: Is a directory");
 }
 
 }  // namespace

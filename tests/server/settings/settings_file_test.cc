@@ -52,6 +52,17 @@ TEST_CASE("SettingsFile: strings, words, numbers and arrays, with their lines", 
   CHECK(settings[6].line == 9);
 }
 
+TEST_CASE("SettingsFile: a byte order mark at its beginning is passed over", "[settings]") {
+  const auto settings = ParseWell(
+      "\xef\xbb\xbf"
+      "a = 1\nb = '\xef\xbb\xbf'\n");
+  REQUIRE(settings.size() == 2);
+  CHECK(settings[0].key == "a");
+  CHECK(settings[1].values == Values{"\xef\xbb\xbf"});
+  CHECK(ParseWell("\xef\xbb\xbf").empty());
+  CHECK(Problem("a = 1\n\xef\xbb\xbf") == "a.conf:2: expected `key = value`");
+}
+
 TEST_CASE("SettingsFile: a line that is no setting is named", "[settings]") {
   CHECK(Problem("a = 1\nnonsense\n") == "a.conf:2: expected `key = value`");
   CHECK(Problem("[network]\n") == "a.conf:1: expected `key = value`; there are no tables");
@@ -84,8 +95,10 @@ TEST_CASE("SettingsFile: a file that cannot be read is named", "[settings]") {
   CHECK(missing.status().code() == absl::StatusCode::kNotFound);
   CHECK(std::string(missing.status().message()).find("none.conf: cannot be read") !=
         std::string::npos);
+  CHECK_THAT(std::string(missing.status().message()), Catch::EndsWith("No such file or directory"));
   std::filesystem::create_directory(directory / "folder");
-  CHECK(!server::ReadSettingsFile(directory / "folder").ok());
+  CHECK_THAT(std::string(server::ReadSettingsFile(directory / "folder").status().message()),
+             Catch::EndsWith("folder: cannot be read: Is a directory"));
   std::ofstream(directory / "large") << std::string((1 << 20) + 1, '#');
   CHECK(server::ReadSettingsFile(directory / "large").status().code() ==
         absl::StatusCode::kInvalidArgument);

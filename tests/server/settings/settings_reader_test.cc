@@ -83,6 +83,60 @@ TEST_CASE("Settings: a time is a number", "[settings]") {
   }
 }
 
+TEST_CASE("Settings: a count is a whole number, and told if it is not", "[settings]") {
+  const TemporaryDirectory directory;
+  for (const char* const key : {"threads", "max-frames", "failures-per-minute", "max-file-mib"}) {
+    for (const char* const text : {"2.5", "many", "1e3", "7 ", ""}) {
+      CAPTURE(key, text);
+      const std::string said = std::string(key) + ": '" + text + "' is not a whole number";
+      SettingsReader flag;
+      const auto by_flag = Read(flag, {"--store", "/s.db", std::string("--") + key + "=" + text});
+      SettingsReader file;
+      const auto by_file =
+          Read(file, {"--config", WriteConfig(directory, std::string("store = '/s.db'\n") + key +
+                                                             " = '" + text + "'\n")});
+      if (*text != '\0') {
+        REQUIRE(by_flag.size() == 1);
+        CHECK(by_flag[0] == "--" + said);
+      }
+      REQUIRE(by_file.size() == 1);
+      CHECK(by_file[0] == directory / "motiondbd.conf" + ":2: --" + said);
+    }
+    for (const char* const text : {"-1", "99999999999", "99999999999999999999999"}) {
+      SettingsReader reader;
+      const auto problems = Read(reader, {"--store", "/s.db", std::string("--") + key, text});
+      REQUIRE(problems.size() == 1);
+      CHECK_THAT(problems[0], Catch::Contains(std::string("Value ") + text + " not in range"));
+    }
+  }
+}
+
+TEST_CASE("Settings: HTTP and gRPC cannot have one address", "[settings]") {
+  const TemporaryDirectory directory;
+  const auto refused = [&](const std::string& listen, const std::string& http) {
+    SettingsReader reader;
+    const auto read = Read(reader, {"--store", directory / "a.db", "--listen", listen,
+                                    "--http-listen", http, "--insecure"});
+    REQUIRE(read.empty());
+    const auto problems = reader.CheckToServe();
+    if (problems.empty()) return false;
+    REQUIRE(problems.size() == 1);
+    CHECK_THAT(std::string(problems[0].message()),
+               Catch::StartsWith("listen and http-listen: ") && Catch::Contains(listen));
+    return true;
+  };
+  CHECK(refused("127.0.0.1:50051", "127.0.0.1:50051"));
+  CHECK(refused("0.0.0.0:7", "127.0.0.1:7"));
+  CHECK(refused("127.0.0.1:7", "[::]:7"));
+  CHECK(refused("localhost:7", "127.0.0.1:7"));
+  CHECK(refused("127.0.0.1:9464", ""));  // where HTTP is by default
+  CHECK(!refused("127.0.0.1:9464", "none"));
+  CHECK(!refused("127.0.0.1:9464", "127.0.0.1:9465"));
+  CHECK(!refused("127.0.0.1:0", "127.0.0.1:0"));  // each a free one
+  CHECK(!refused("127.0.0.1:7", "127.0.0.2:7"));
+  CHECK(!refused("127.0.0.1:50051", ""));
+}
+
 TEST_CASE("Settings: every one has all three forms", "[settings]") {
   const TemporaryDirectory directory;
   SettingsReader defaults;

@@ -10,6 +10,8 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "client/replaceable_file.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -64,6 +66,7 @@ BackupFile::~BackupFile() {
 absl::Status BackupFile::Open(const std::filesystem::path& path, bool overwrite) {
   std::error_code ignored;
   if (!overwrite && std::filesystem::exists(path, ignored)) return AlreadyThere(path);
+  if (const absl::Status free = CheckReplaceable(path); !free.ok()) return free;
   path_ = path;
   overwrite_ = overwrite;
   part_ = path.string() + ".part-XXXXXX";
@@ -110,6 +113,8 @@ absl::Status BackupFile::GiveName() {
     const bool is_taken = errno == EEXIST || std::filesystem::exists(path_, ignored);
     if (is_taken) return AlreadyThere(path_);
   }
+  // Again, for a server may have been started on it meanwhile.
+  if (const absl::Status free = CheckReplaceable(path_); !free.ok()) return free;
   return rename(part_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : Failed(path_.string());
 }
 

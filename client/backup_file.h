@@ -21,11 +21,13 @@ class BackupFile {
   BackupFile& operator=(const BackupFile&) = delete;
   ~BackupFile();  // removes what was not completed
 
-  // ALREADY_EXISTS where there is a file, unless `overwrite`.
+  // ALREADY_EXISTS where there is a file, unless `overwrite`; then FAILED_PRECONDITION where what
+  // is there is no regular file, or a server's store.
   absl::Status Open(const std::filesystem::path& path, bool overwrite);
   absl::Status Append(const std::string& block);
   // Brings it to the disk and gives it its name. DATA_LOSS unless its last 32 bytes are the SHA-256
-  // of those before; ALREADY_EXISTS where there is a file by now, unless it may be overwritten.
+  // of those before; ALREADY_EXISTS where there is a file by now, unless it may be overwritten, and
+  // FAILED_PRECONDITION as above.
   // Where only the folder cannot be brought to the disk, that is said, and the backup is there.
   absl::Status Complete();
 

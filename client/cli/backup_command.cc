@@ -16,7 +16,9 @@ struct BackupOptions {
 void Declare(CLI::App& command, BackupOptions& options) {
   command.add_option("FILE", options.file, "File to write; FILE.part-XXXXXX until it is whole")
       ->required();
-  command.add_flag("--force", options.force, "Replace a file that exists");
+  command.add_flag(
+      "--force", options.force,
+      "Replace a file that exists; never a server's store, nor what is no regular file");
 }
 
 absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {

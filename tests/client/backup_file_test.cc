@@ -1,7 +1,10 @@
 #include "client/backup_file.h"
 
 #include <openssl/sha.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <catch2/catch.hpp>
 #include <fstream>
@@ -13,6 +16,7 @@
 namespace motiondb::tests {
 namespace {
 
+using Catch::Contains;
 using client::BackupFile;
 
 // With the checksum that a backup ends with.
@@ -84,6 +88,73 @@ TEST_CASE("BackupFile: one that is damaged or broken off leaves nothing", "[clie
   CHECK(FileCount(folder) == 0);
   BackupFile nowhere;
   CHECK(nowhere.Open(folder / "none" / "copy", false).code() == absl::StatusCode::kUnknown);
+}
+
+// As SQLite begins a file that has a store's application id.
+std::string StoreBytes() {
+  std::string bytes("SQLite format 3\0", 16);
+  bytes.resize(200);
+  return bytes.replace(68, 4, "mtdb");
+}
+
+std::string Refusal(const std::filesystem::path& path) {
+  const auto before = std::filesystem::symlink_status(path).type();
+  BackupFile file;
+  const absl::Status status = file.Open(path, /*overwrite=*/true);
+  CHECK(status.code() == absl::StatusCode::kFailedPrecondition);
+  CHECK_THAT(std::string(status.message()), Contains(path.string() + ": "));
+  CHECK(std::filesystem::symlink_status(path).type() == before);
+  return std::string(status.message());
+}
+
+TEST_CASE("BackupFile: what is no regular file is never replaced", "[client]") {
+  const TemporaryFolder folder;
+  REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
+  CHECK_THAT(Refusal(folder / "fifo"), Contains("is a pipe"));
+  CHECK_THAT(Refusal("/dev/null"), Contains("is a device"));
+  std::filesystem::create_directory(folder / "sub");
+  CHECK_THAT(Refusal(folder / "sub"), Contains("is a folder"));
+  std::filesystem::create_symlink("elsewhere", folder / "link");
+  CHECK_THAT(Refusal(folder / "link"), Contains("is a symbolic link"));
+  sockaddr_un address{AF_UNIX, {}};
+  (folder / "sock").string().copy(address.sun_path, sizeof(address.sun_path) - 1);
+  const int listening = socket(AF_UNIX, SOCK_STREAM, 0);
+  REQUIRE(bind(listening, reinterpret_cast<sockaddr*>(&address), sizeof(address)) == 0);
+  CHECK_THAT(Refusal(folder / "sock"), Contains("is a socket"));
+  close(listening);
+  CHECK(FileCount(folder) == 4);
+}
+
+TEST_CASE("BackupFile: a store is never replaced, a backup is", "[client]") {
+  const TemporaryFolder folder;
+  CHECK_THAT(Refusal(folder.Write("store", StoreBytes())), Contains("is a motiondb store"));
+  const std::string backup = Sealed(StoreBytes() + "mtdbback");
+  // A server was started on a backup.
+  for (const char* const suffix : {"-lock", "-wal"}) {
+    const std::string name = std::string("served") + suffix;
+    const auto served = folder.Write("served", backup);
+    const auto beside = folder.Write(name, "");
+    CHECK_THAT(Refusal(served), Contains(beside.string()));
+    std::filesystem::remove(beside);
+  }
+  for (const std::string& bytes : {backup, std::string("anything else"), std::string()}) {
+    folder.Write("copy", bytes);
+    BackupFile file;
+    REQUIRE(file.Open(folder / "copy", /*overwrite=*/true).ok());
+    REQUIRE(file.Append(Sealed("new")).ok());
+    CHECK(file.Complete().ok());
+    CHECK(ReadFile(folder / "copy") == Sealed("new"));
+  }
+}
+
+TEST_CASE("BackupFile: a store that comes meanwhile is not replaced", "[client]") {
+  const TemporaryFolder folder;
+  BackupFile file;
+  REQUIRE(file.Open(folder / "copy", /*overwrite=*/true).ok());
+  REQUIRE(file.Append(Sealed("new")).ok());
+  folder.Write("copy", StoreBytes());
+  CHECK(file.Complete().code() == absl::StatusCode::kFailedPrecondition);
+  CHECK(ReadFile(folder / "copy") == StoreBytes());
 }
 
 }  // namespace

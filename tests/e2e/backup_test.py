@@ -38,6 +38,27 @@ class Backup(WithServer):
                 server.ask_one("estimate", "d", self.path("seen.bvh")),
                 server.ask_one("predict", "d", self.path("seen.bvh"), "--at", "0.5")]
 
+    def test_force_does_not_replace_the_store_itself(self):
+        size = os.path.getsize(self.store)
+        refused = self.server.run("backup", "--force", self.store)
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn(self.store + ": is or was a server's store", refused.stderr)
+        self.server.stop()
+        os.remove(self.store + "-lock")
+        os.rename(self.store, self.path("moved.db"))
+        other = Server(self.path("other.db"))
+        try:
+            refused = other.run("backup", "--force", self.path("moved.db"))
+            self.assertEqual(refused.returncode, 1)
+            self.assertIn("moved.db: is a motiondb store", refused.stderr)
+            self.assertGreaterEqual(os.path.getsize(self.path("moved.db")), size)
+            backup = self.path("copy.mdb")
+            for _ in range(2):
+                other.ask("backup", "--force", backup)  # a backup may be replaced
+            self.assertEqual(glob.glob(self.path("*.part*")), [])
+        finally:
+            other.stop()
+
     def test_a_restored_server_gives_the_same_answers(self):
         backup = self.path("copy.mdb")
         said = self.server.ask_one("backup", backup)

@@ -4,10 +4,13 @@
 
 #include <random>
 
+#include "client/connect_failure.h"
 #include "client/grpc_status.h"
 
 namespace motiondb::client {
 namespace {
+
+constexpr std::chrono::milliseconds kReasonTimeout{200};
 
 std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
   grpc::ChannelArguments arguments;
@@ -22,15 +25,6 @@ std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
     arguments.SetSslTargetNameOverride(options.tls->server_name);
   }
   return grpc::CreateCustomChannel(options.server, options.credentials, arguments);
-}
-
-// What else may be the matter where nobody answers: gRPC does not tell.
-std::string TlsHint(const ClientOptions& options) {
-  if (!options.tls) return "; if it speaks TLS, connect by TLS";
-  return fmt::format(
-      "; by TLS, its certificate must be signed by {} and made out to {}",
-      options.tls->ca_file.empty() ? "an authority that this system trusts" : options.tls->ca_file,
-      options.tls->server_name.empty() ? "that host" : options.tls->server_name);
 }
 
 // Unlikely to be met twice.
@@ -61,10 +55,20 @@ absl::Status Client::Connection::WaitUntilConnected() const {
   if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {
     return absl::OkStatus();
   }
-  return absl::UnavailableError(fmt::format(
-      "no motiondb server answered at {} within {:g} s: start one with `motiondbd --listen {}`, or "
-      "give the address of one that runs{}",
-      options_.server, Seconds(options_.connect_timeout), options_.server, TlsHint(options_)));
+  // An attempt that is still under way has nothing to say.
+  if (channel_->GetState(/*try_to_connect=*/false) != GRPC_CHANNEL_TRANSIENT_FAILURE) {
+    return ConnectError(options_, "");
+  }
+  // A channel tells only a call why it failed: at once, and no call leaves here.
+  grpc::ClientContext context;
+  context.set_deadline(std::chrono::system_clock::now() + kReasonTimeout);
+  v1::GetDatabaseResponse unused;
+  const grpc::Status status = databases->GetDatabase(&context, v1::GetDatabaseRequest(), &unused);
+  if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) return ConnectError(options_, "");
+  // Else the server has come meanwhile and answered.
+  return status.error_code() == grpc::StatusCode::UNAVAILABLE
+             ? ConnectError(options_, status.error_message())
+             : absl::OkStatus();
 }
 
 std::chrono::milliseconds Client::Connection::TimeoutOf(const CallOptions& options) const {

@@ -7,6 +7,8 @@
 #include <cstdlib>
 #include <fstream>
 
+#include "client/cli/connect_advice.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -18,12 +20,6 @@ CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
         return ok && fits(number) ? "" : fmt::format("expected {}, got {}", expected, text);
       },
       "");
-}
-
-bool UsesTls(const GlobalOptions& global) {
-  const TlsOptions& tls = global.tls;
-  return global.use_tls || !tls.ca_file.empty() || !tls.certificate_file.empty() ||
-         !tls.key_file.empty() || !tls.server_name.empty();
 }
 
 // Not from a flag, which every user of the machine could read.
@@ -41,6 +37,12 @@ absl::StatusOr<std::string> ReadToken(const GlobalOptions& global) {
 }
 
 }  // namespace
+
+bool UsesTls(const GlobalOptions& global) {
+  const TlsOptions& tls = global.tls;
+  return global.use_tls || !tls.ca_file.empty() || !tls.certificate_file.empty() ||
+         !tls.key_file.empty() || !tls.server_name.empty();
+}
 
 CLI::Validator PositiveNumber() {
   return NumberThat("a number above 0", [](double number) { return number > 0; });
@@ -61,10 +63,7 @@ absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   const double timeout_seconds = std::min(global.timeout_seconds, 1e9);
   options.call_timeout = std::chrono::milliseconds(std::llround(timeout_seconds * 1000));
   auto client = Client::Connect(options);
-  if (!client.ok() && absl::IsUnavailable(client.status())) {
-    return absl::UnavailableError(
-        fmt::format("{} with --server or MOTIONDB_SERVER", std::string(client.status().message())));
-  }
+  if (!client.ok()) return WithConnectAdvice(client.status(), global);
   return client;
 }
 

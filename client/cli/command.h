@@ -44,7 +44,10 @@ void AddCommand(CommandLine line, const std::string& name, const std::string& de
   });
 }
 
-// Connects to the server that the command line names.
+// Whether the command line asks for TLS, by any of its options.
+bool UsesTls(const GlobalOptions& global);
+
+// Connects to the server that the command line names. An error says which option may mend it.
 absl::StatusOr<Client> Connect(const GlobalOptions& global);
 
 // Checks of an option's number, which say what was expected.

@@ -1,7 +1,9 @@
 // `motiondb`, the command line of a motiondb server: parses, runs one command, reports its error.
 #include <fmt/format.h>
+#include <grpc/support/log.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <exception>
 
 #include "client/cli/command.h"
@@ -26,6 +28,12 @@ std::string UsageError(const CLI::App* app, const CLI::Error& error) {
                                ? error.what()
                                : fmt::format("no such command: {}", unknown.front());
   return fmt::format("motiondb: {}\nTry `{} --help`.\n", what, name);
+// gRPC writes what it meets to standard error; what matters of it is in the errors of calls. Who
+// asks for it by gRPC's own variable gets it.
+void QuietGrpc() {
+  if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
+}
+
 }
 
 void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
@@ -64,6 +72,7 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
       ->type_name("NAME");
   app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
 }
+  QuietGrpc();
 
 int Run(int argc, char** argv) {
   CLI::App app("motiondb: store, recognize, estimate, predict and plan human motion", "motiondb");

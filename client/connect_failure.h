@@ -1,0 +1,37 @@
+// Why a channel did not connect, for a person who has options to change. Pure functions, safe on
+// any thread.
+#pragma once
+
+#include <motiondb/client_options.h>
+
+#include <optional>
+#include <string>
+
+#include "absl/status/status.h"
+
+namespace motiondb::client {
+
+enum class ConnectFailure {
+  kNotListening,      // the host says that nobody listens at the port
+  kUnknownHost,       // the name means no host
+  kSilent,            // nothing at all came back, or nothing after the connection was made
+  kClosed,            // the connection was made and closed again
+  kNotGrpc,           // an answer came that is not gRPC's
+  kNotTls,            // an answer came that is not TLS's
+  kUntrusted,         // the server's certificate is not signed by whom it should be, or ran out
+  kOtherName,         // the server's certificate is made out to another
+  kUnusableTlsFiles,  // what options.tls names is no certificate, or no key for it
+  kOther,
+};
+
+// What gRPC's words for the last attempt mean.
+ConnectFailure ConnectFailureOf(const std::string& grpc_message);
+
+// UNAVAILABLE: the address, how long it was tried and what is likely wrong, with the failure
+// attached for AttachedConnectFailure. `grpc_message` is empty where no attempt came to an end.
+absl::Status ConnectError(const ClientOptions& options, const std::string& grpc_message);
+
+// What a status says of connecting; nothing where it is about something else.
+std::optional<ConnectFailure> AttachedConnectFailure(const absl::Status& status);
+
+}  // namespace motiondb::client

@@ -30,10 +30,11 @@ void AppendViolations(const v1::BadRequest& bad_request, std::string& message) {
   }
 }
 
-// Somebody will look for it in the server's log.
-bool IsServersFault(absl::StatusCode code) {
-  return code == absl::StatusCode::kInternal || code == absl::StatusCode::kUnavailable ||
-         code == absl::StatusCode::kUnknown || code == absl::StatusCode::kDataLoss;
+// What the message says whole, of what was asked for: nobody needs the server's log for it.
+bool IsAboutTheRequest(absl::StatusCode code) {
+  return code == absl::StatusCode::kInvalidArgument || code == absl::StatusCode::kNotFound ||
+         code == absl::StatusCode::kAlreadyExists || code == absl::StatusCode::kOutOfRange ||
+         code == absl::StatusCode::kFailedPrecondition;
 }
 
 // The payload under `url` as a message; false where there is none.
@@ -70,7 +71,7 @@ absl::Status FromGrpc(const grpc::Status& status) {
     result.SetPayload(kBadRequestTypeUrl, absl::Cord(violations.SerializeAsString()));
   }
   const std::string request_id = RequestId(result);
-  if (request_id.empty() || !IsServersFault(result.code())) return result;
+  if (request_id.empty() || IsAboutTheRequest(result.code())) return result;
   return WithMessage(result, fmt::format("{} (request {})", message, request_id));
 }
 

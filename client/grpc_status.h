@@ -14,8 +14,9 @@ namespace motiondb::client {
 // payload under kBadRequestTypeUrl.
 //
 // The call's id and when to try again are attached under kRequestInfoTypeUrl and kRetryInfoTypeUrl.
-// Where the fault is the server's, the message names the id, "(request ...)", for a person to look
-// up in its log.
+// Unless the error is about what was asked for (INVALID_ARGUMENT, NOT_FOUND, ALREADY_EXISTS,
+// FAILED_PRECONDITION, OUT_OF_RANGE), the message names the id, "(request ...)", for a person to
+// look up in the server's log.
 absl::Status FromGrpc(const grpc::Status& status);
 
 // The same code and payloads with another message.

@@ -87,12 +87,21 @@ std::string Details(const std::string& request_id, int retry_seconds) {
   return status.SerializeAsString();
 }
 
-TEST_CASE("Client: an error carries the call's id; a fault of the server names it", "[client]") {
+// INVALID_ARGUMENT, NOT_FOUND, ALREADY_EXISTS, FAILED_PRECONDITION, OUT_OF_RANGE.
+constexpr int kAboutTheRequest[] = {3, 5, 6, 9, 11};
+// CANCELLED, UNKNOWN, DEADLINE_EXCEEDED, PERMISSION_DENIED, RESOURCE_EXHAUSTED, ABORTED,
+// UNIMPLEMENTED, INTERNAL, DATA_LOSS, UNAUTHENTICATED.
+constexpr int kNotAboutIt[] = {1, 2, 4, 7, 8, 10, 12, 13, 15, 16};
+
+TEST_CASE("Client: an error carries the call's id, and names it unless it is about the request",
+          "[client]") {
   FakeServer server;
   server.Fail("GetDatabase", 13, "a bug", Details("robot/1", 0));
   server.Fail("GetDatabase", 14, "the server is stopping", Details("robot/2", 0));
   server.Fail("GetDatabase", 8, "too many calls", Details("robot/3", 7));
   server.Fail("GetDatabase", 5, "no such database");
+  for (const int code : kAboutTheRequest) server.Fail("GetDatabase", code, "no", Details("id", 0));
+  for (const int code : kNotAboutIt) server.Fail("GetDatabase", code, "no", Details("id", 0));
   const Client client = ConnectTo(server.address());
   const absl::Status bug = client.GetDatabase({}).status();
   CHECK(std::string(bug.message()) == "a bug (request robot/1)");
@@ -102,12 +111,22 @@ TEST_CASE("Client: an error carries the call's id; a fault of the server names i
              Contains("the server is stopping (request robot/2)") && Contains(server.address()));
   CHECK(client::RequestId(stopping) == "robot/2");
   const absl::Status busy = client.GetDatabase({}).status();
-  CHECK(std::string(busy.message()) == "too many calls");
+  CHECK(std::string(busy.message()) == "too many calls (request robot/3)");
   CHECK(client::RequestId(busy) == "robot/3");
   CHECK(client::RetryDelay(busy) == std::chrono::seconds(7));
   const absl::Status plain = client.GetDatabase({}).status();
   CHECK(client::RequestId(plain).empty());
   CHECK(!client::RetryDelay(plain).has_value());
+  for (const int code : kAboutTheRequest) {
+    CAPTURE(code);
+    const absl::Status status = client.GetDatabase({}).status();
+    CHECK(std::string(status.message()) == "no");
+    CHECK(client::RequestId(status) == "id");
+  }
+  for (const int code : kNotAboutIt) {
+    CAPTURE(code);
+    CHECK(std::string(client.GetDatabase({}).status().message()) == "no (request id)");
+  }
 }
 
 }  // namespace

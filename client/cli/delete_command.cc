@@ -24,7 +24,9 @@ struct DeleteOptions {
 void Declare(CLI::App& command, DeleteOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
   command.add_option("CLIP", options.clip, "Delete this clip only; else the whole database");
-  command.add_flag("--yes", options.yes, "Do not ask before a whole database is deleted");
+  command.add_flag("--yes", options.yes,
+                   "Do not ask before a whole database is deleted; where standard input is no "
+                   "terminal, as in a script, nothing is asked in any case");
 }
 
 // On a terminal the database's name must be typed; a script is taken at its word.

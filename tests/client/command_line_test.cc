@@ -312,6 +312,13 @@ TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
   CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "walks"}).out,
              Contains("failed") && Contains("no memory"));
   CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "--json"}).out,
+TEST_CASE("motiondb delete: says that it does not ask a script", "[client][cli]") {
+  // Broken into lines by the help.
+  const auto help = RunProgram({"sh", "-c", MOTIONDB_CLI " delete --help | tr -s ' \n' ' '"});
+  CHECK_THAT(help.out, Contains("where standard input is no terminal, as in a script, nothing is "
+                                "asked"));
+}
+
              StartsWith("{\"name\":\"operations/9\""));
   const auto waited = RunMotiondb(server.address(), {"operations", "wait", "9"});
   CHECK(waited.exit_code == 1);

@@ -4,11 +4,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
+
+#include "client/input_file.h"
 
 namespace motiondb::client {
 namespace {
+
+constexpr size_t kMostPemBytes = size_t{16} << 20;  // all authorities of a system are below 1 MiB
 
 // Whether what is sent to HOST:PORT stays on this machine.
 bool IsLoopback(const std::string& server) {
@@ -26,11 +28,15 @@ bool IsPrintable(char c) { return c > 0x20 && c < 0x7f; }
 
 absl::Status ReadPem(const char* option, const std::string& path, std::string& text) {
   if (path.empty()) return absl::OkStatus();
-  std::ifstream file(path, std::ios::binary);
-  text.assign(std::istreambuf_iterator<char>(file), {});
+  auto bytes = ReadWholeFile(path, kMostPemBytes);
+  if (!bytes.ok()) {
+    return absl::InvalidArgumentError(
+        fmt::format("{}: {}", option, std::string(bytes.status().message())));
+  }
+  text = *std::move(bytes);
   if (text.find("-----BEGIN ") != std::string::npos) return absl::OkStatus();
-  return absl::InvalidArgumentError(fmt::format(
-      "{}: {}: {}", option, path, file ? "expected PEM, -----BEGIN ..." : "cannot be read"));
+  return absl::InvalidArgumentError(
+      fmt::format("{}: {}: expected PEM, -----BEGIN ...", option, path));
 }
 
 }  // namespace

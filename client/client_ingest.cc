@@ -1,11 +1,8 @@
 // Files going in: a header, then blocks.
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <fstream>
 #include <utility>
 
 #include "client/connection.h"
+#include "client/input_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -18,28 +15,8 @@ BlockReader BlocksOf(std::string_view bytes) {
   };
 }
 
-BlockReader BlocksOf(std::ifstream& file, const std::filesystem::path& path) {
-  return [&file, path](std::string& block) {
-    block.resize(kBlockBytes);
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    if (file.bad()) return absl::UnknownError(fmt::format("{}: cannot be read", path.string()));
-    block.resize(static_cast<size_t>(file.gcount()));
-    return absl::OkStatus();
-  };
-}
-
-absl::Status OpenFile(const std::filesystem::path& path, std::ifstream& file) {
-  std::error_code error;
-  const auto status = std::filesystem::status(path, error);
-  if (!std::filesystem::exists(status)) {
-    return absl::NotFoundError(fmt::format("{}: no such file", path.string()));
-  }
-  if (std::filesystem::is_directory(status)) {
-    return absl::InvalidArgumentError(fmt::format("{}: is a folder, not a file", path.string()));
-  }
-  file.open(path, std::ios::binary);
-  if (!file) return absl::UnknownError(fmt::format("{}: cannot be opened", path.string()));
-  return absl::OkStatus();
+BlockReader BlocksOf(InputFile& file) {
+  return [&file](std::string& block) { return file.Read(kBlockBytes, block); };
 }
 
 // Sends all blocks. A stream that the server has ended early is not an error here: how the call
@@ -86,20 +63,19 @@ absl::StatusOr<v1::IngestClipResponse> Client::IngestFile(const v1::IngestClipHe
                                                           const std::filesystem::path& file,
                                                           const std::filesystem::path& skeleton,
                                                           CallOptions options) const {
-  std::ifstream file_stream, skeleton_stream;
-  if (const absl::Status status = OpenFile(file, file_stream); !status.ok()) return status;
+  auto opened = InputFile::Open(file);
+  if (!opened.ok()) return opened.status();
   v1::IngestClipHeader named = header;
   if (named.file_name().empty()) named.set_file_name(file.filename().string());
-  BlockReader skeleton_blocks = BlocksOf(std::string_view());
-  if (!skeleton.empty()) {
-    if (const absl::Status status = OpenFile(skeleton, skeleton_stream); !status.ok())
-      return status;
-    if (named.skeleton_file_name().empty()) {
-      named.set_skeleton_file_name(skeleton.filename().string());
-    }
-    skeleton_blocks = BlocksOf(skeleton_stream, skeleton);
+  if (skeleton.empty()) {
+    return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(std::string_view()), options);
   }
-  return connection_->Ingest(named, BlocksOf(file_stream, file), skeleton_blocks, options);
+  auto opened_skeleton = InputFile::Open(skeleton);
+  if (!opened_skeleton.ok()) return opened_skeleton.status();
+  if (named.skeleton_file_name().empty()) {
+    named.set_skeleton_file_name(skeleton.filename().string());
+  }
+  return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(*opened_skeleton), options);
 }
 
 absl::StatusOr<v1::IngestClipResponse> Client::IngestBytes(const v1::IngestClipHeader& header,

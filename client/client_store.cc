@@ -1,10 +1,9 @@
 // The store as a whole: checked, copied, filled.
 #include <fmt/format.h>
 
-#include <fstream>
-
 #include "client/backup_file.h"
 #include "client/connection.h"
+#include "client/input_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -60,11 +59,11 @@ absl::StatusOr<std::int64_t> Client::BackupStore(const std::filesystem::path& pa
 absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
     const std::filesystem::path& path, const std::function<void(double)>& on_progress,
     CallOptions options) const {
-  std::error_code error;
-  const auto total = std::filesystem::file_size(path, error);
-  if (error) return absl::NotFoundError(fmt::format("{}: {}", path.string(), error.message()));
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return absl::UnknownError(fmt::format("{}: cannot be opened", path.string()));
+  auto file = InputFile::Open(path);
+  if (!file.ok()) return file.status();
+  if (!file->size()) {
+    return absl::InvalidArgumentError(fmt::format("{}: is no regular file", path.string()));
+  }
 
   grpc::ClientContext context;
   connection_->Prepare(context, options);
@@ -72,22 +71,18 @@ absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
   const auto writer = connection_->store->RestoreStore(&context, &response);
   v1::RestoreStoreRequest message;
   double sent = 0;
-  while (file) {
-    std::string& block = *message.mutable_block();
-    block.resize(kBlockBytes);
-    file.read(block.data(), static_cast<std::streamsize>(block.size()));
-    if (file.bad()) break;
-    block.resize(static_cast<size_t>(file.gcount()));
+  absl::Status read;
+  while (true) {
+    read = file->Read(kBlockBytes, *message.mutable_block());
     // How the call finishes says why it was ended early.
-    if (block.empty() || !writer->Write(message)) break;
-    sent += static_cast<double>(block.size());
-    if (on_progress) on_progress(Share(sent, static_cast<double>(total)));
+    if (!read.ok() || message.block().empty() || !writer->Write(message)) break;
+    sent += static_cast<double>(message.block().size());
+    if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));
   }
-  const bool unreadable = file.bad();
-  if (unreadable) context.TryCancel();
+  if (!read.ok()) context.TryCancel();
   writer->WritesDone();
   const grpc::Status finished = writer->Finish();
-  if (unreadable) return absl::UnknownError(fmt::format("{}: cannot be read", path.string()));
+  if (!read.ok()) return read;
   if (const absl::Status status = connection_->Finish(finished, options); !status.ok()) {
     return status;
   }

@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
+#include <sstream>
 
 #include "client/cli/connect_advice.h"
+#include "client/input_file.h"
 
 namespace motiondb::client {
 namespace {
+
+constexpr size_t kMostTokenFileBytes = size_t{64} << 10;
 
 CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
   return CLI::Validator(
@@ -28,12 +31,15 @@ absl::StatusOr<std::string> ReadToken(const GlobalOptions& global) {
     const char* const token = std::getenv("MOTIONDB_TOKEN");
     return std::string(token == nullptr ? "" : token);
   }
-  std::ifstream file(global.token_file);
+  const auto bytes = ReadWholeFile(global.token_file, kMostTokenFileBytes);
+  if (!bytes.ok()) {
+    return absl::InvalidArgumentError(
+        fmt::format("--token-file: {}", std::string(bytes.status().message())));
+  }
   std::string token;
-  if (file >> token) return token;
+  if (std::istringstream(*bytes) >> token) return token;
   return absl::InvalidArgumentError(
-      fmt::format("--token-file: {}: {}", global.token_file,
-                  file.eof() ? "expected a token, it is empty" : "cannot be read"));
+      fmt::format("--token-file: {}: expected a token, it is empty", global.token_file));
 }
 
 }  // namespace

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <cctype>
-#include <fstream>
-#include <iterator>
 
 #include "client/cli/command.h"
+#include "client/input_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -96,17 +95,7 @@ absl::StatusOr<fs::path> SkeletonFor(const fs::path& file, const fs::path& given
 }
 
 absl::StatusOr<std::string> ReadFileBytes(const fs::path& path) {
-  std::error_code error;
-  if (!fs::exists(path, error)) {
-    return absl::NotFoundError(fmt::format("{}: no such file", path.string()));
-  }
-  if (fs::is_directory(path, error)) {
-    return absl::InvalidArgumentError(fmt::format("{}: is a folder, not a file", path.string()));
-  }
-  std::ifstream file(path, std::ios::binary);
-  std::string bytes{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) return absl::UnknownError(fmt::format("{}: cannot be read", path.string()));
-  return bytes;
+  return ReadWholeFile(path, static_cast<size_t>(ClientOptions().max_send_bytes));
 }
 
 absl::StatusOr<v1::Observation> ObservationFromFile(const fs::path& file,

@@ -43,7 +43,9 @@ absl::StatusOr<std::filesystem::path> FindSkeletonBeside(const std::filesystem::
 absl::StatusOr<std::filesystem::path> SkeletonFor(const std::filesystem::path& file,
                                                   const std::filesystem::path& given);
 
-// All bytes of a file. NOT_FOUND if there is none; INVALID_ARGUMENT for a folder.
+// All bytes of a file that goes into one message. NOT_FOUND if there is none; INVALID_ARGUMENT for
+// a folder, and for more than a message may hold, 64 MiB; UNKNOWN, saying why, if it cannot be
+// read.
 absl::StatusOr<std::string> ReadFileBytes(const std::filesystem::path& path);
 
 // An observation that carries the whole file, and its skeleton.

@@ -142,7 +142,7 @@ TEST_CASE("motiondb: takes its token from a file or a variable, never from a fla
   CHECK(headers[1].at("authorization") == "Bearer from-a-file");
   CHECK(headers[2].at("authorization") == "Bearer from-a-file");
   CHECK_THAT(RunMotiondb(server.address(), {"list", "--token-file", file + "x"}).err,
-             Contains("tokenx: cannot be read"));
+             Contains("tokenx: no such file"));
   CHECK_THAT(
       RunMotiondb(server.address(), {"list", "--token-file", folder.Write("empty", "").string()})
           .err,

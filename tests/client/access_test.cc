@@ -64,7 +64,7 @@ TEST_CASE("Client: TLS files that cannot be used are named", "[client]") {
   const TemporaryFolder folder;
   ClientOptions options;
   options.tls = client::TlsOptions{.ca_file = "/nonexistent/ca.crt"};
-  CHECK_THAT(Refusal(options), Contains("/nonexistent/ca.crt: cannot be read"));
+  CHECK_THAT(Refusal(options), Contains("TLS authority: /nonexistent/ca.crt: no such file"));
   options.tls->ca_file = folder.Write("ca.crt", "nonsense").string();
   CHECK_THAT(Refusal(options), Contains("ca.crt: expected PEM"));
   options.tls = client::TlsOptions{.certificate_file = "a.crt"};

@@ -187,7 +187,8 @@ class Client {
                                            const std::function<void(double)>& on_progress = {},
                                            CallOptions options = {}) const;
   // Sends a backup to a server whose store is empty. Memory does not grow with the file.
-  // `on_progress` as above, of what was sent. NOT_FOUND or UNKNOWN for a file that cannot be read.
+  // `on_progress` as above, of what was sent. NOT_FOUND or UNKNOWN for a file that cannot be read,
+  // INVALID_ARGUMENT for what is no regular file.
   absl::StatusOr<v1::RestoreStoreResponse> RestoreStore(
       const std::filesystem::path& path, const std::function<void(double)>& on_progress = {},
       CallOptions options = {}) const;

@@ -58,6 +58,11 @@ CLI::Validator NonNegativeNumber() {
   return NumberThat("0 or a number above it", [](double number) { return number >= 0; });
 }
 
+CLI::Validator TimeInSeconds() {
+  return NumberThat("a number of seconds from 0.001",
+                    [](double number) { return number >= 0.001; });
+}
+
 absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   ClientOptions options;
   options.server = global.server;

@@ -53,6 +53,7 @@ absl::StatusOr<Client> Connect(const GlobalOptions& global);
 // Checks of an option's number, which say what was expected.
 CLI::Validator PositiveNumber();
 CLI::Validator NonNegativeNumber();
+CLI::Validator TimeInSeconds();  // from a millisecond
 
 void AddAuditCommand(CommandLine line);
 void AddBackupCommand(CommandLine line);

@@ -45,7 +45,7 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
                "Print the server's answer as JSON with the proto's field names; one object a line");
   app.add_option("--timeout", global.timeout_seconds, "How long one call may take")
       ->type_name("SECONDS")
-      ->check(PositiveNumber())
+      ->check(TimeInSeconds())
       ->capture_default_str();
   app.add_option("--token-file", global.token_file,
                  "File that holds the token to show; or the token in MOTIONDB_TOKEN")

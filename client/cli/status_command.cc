@@ -21,7 +21,7 @@ struct StatusOptions {
 void Declare(CLI::App& command, StatusOptions& options) {
   command.add_option("--watch", options.watch_seconds, "Show it again and again, so often")
       ->type_name("SECONDS")
-      ->check(PositiveNumber());
+      ->check(TimeInSeconds());
 }
 
 std::int64_t NowMicroseconds() {

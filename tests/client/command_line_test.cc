@@ -39,7 +39,8 @@ TEST_CASE("motiondb: wrong usage fails on standard error", "[client][cli]") {
       {"recognize", "walks", "a.bvh", "--window", "wide"},
       {"predict", "walks", "a.bvh", "--at", "1", "--every", "1"},
       {"create", "walks", "--scaling", "much"},
-      {"create", "walks", "--frame-rate", "0"}};
+      {"create", "walks", "--frame-rate", "0"},
+      {"status", "--watch", "1e-9"}};
   for (const auto& arguments : wrong) {
     const auto result = RunMotiondb("", arguments);
     CAPTURE(result.err);
@@ -48,6 +49,42 @@ TEST_CASE("motiondb: wrong usage fails on standard error", "[client][cli]") {
     CHECK_THAT(result.err, StartsWith("motiondb: "));
   }
   CHECK_THAT(RunMotiondb("", {"nonsense"}).err, Contains("no such command: nonsense"));
+}
+
+TEST_CASE("motiondb: a timeout that makes no sense is refused, a long one is taken",
+          "[client][cli]") {
+  for (const char* seconds :
+       {"1e-9", "0.0009", "0", "-0", "-1", "nan", "inf", "-inf", "soon", ""}) {
+    const auto result = RunMotiondb("", {"list", std::string("--timeout=") + seconds});
+    CAPTURE(seconds, result.err);
+    CHECK(result.exit_code == 2);
+    CHECK_THAT(result.err, Contains("--timeout"));
+  }
+  CHECK_THAT(RunMotiondb("", {"list", "--timeout", "1e-9"}).err,
+             Contains("--timeout: expected a number of seconds from 0.001, got 1e-9"));
+  FakeServer server;
+  server.Answer("ListDatabases", v1::ListDatabasesResponse());
+  CHECK(RunMotiondb(server.address(), {"list", "--timeout", "1e300"}).exit_code == 0);
+}
+
+TEST_CASE("motiondb: a file that has no end is not read for ever", "[client][cli]") {
+  FakeServer server;
+  const std::vector<std::vector<std::string>> endless = {
+      {"create", "walks", "--marker-set", "/dev/zero"},
+      {"ingest", "walks", "--list", "/dev/zero"},
+      {"recognize", "walks", "/dev/zero"},
+      {"plan", "walks", "--goal", "1,0,0", "--observation", "/dev/zero"},
+      {"restore", "/dev/zero"},
+      {"list", "--token-file", "/dev/zero"},
+      {"list", "--tls-ca", "/dev/zero"},
+      {"list", "--tls-certificate", "/dev/zero", "--tls-key", "/dev/zero"}};
+  for (const auto& arguments : endless) {
+    const auto result = RunMotiondb(server.address(), arguments);
+    CAPTURE(arguments, result.err);
+    CHECK(result.exit_code == 1);
+    CHECK_THAT(result.err,
+               Contains("/dev/zero: is larger than ") || Contains("/dev/zero: is no regular file"));
+  }
 }
 
 TEST_CASE("motiondb: without a server it says where it looked and what to do", "[client][cli]") {
@@ -275,6 +312,13 @@ TEST_CASE("motiondb delete: asks before a whole database, on a terminal", "[clie
   CHECK(deleted() == 3);
 }
 
+TEST_CASE("motiondb delete: says that it does not ask a script", "[client][cli]") {
+  // Broken into lines by the help.
+  const auto help = RunProgram({"sh", "-c", MOTIONDB_CLI " delete --help | tr -s ' \n' ' '"});
+  CHECK_THAT(help.out, Contains("where standard input is no terminal, as in a script, nothing is "
+                                "asked"));
+}
+
 TEST_CASE("motiondb delete: of a clip waits for the model without it", "[client][cli]") {
   FakeServer server;
   v1::DeleteClipResponse started;
@@ -312,13 +356,6 @@ TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
   CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "walks"}).out,
              Contains("failed") && Contains("no memory"));
   CHECK_THAT(RunMotiondb(server.address(), {"operations", "list", "--json"}).out,
-TEST_CASE("motiondb delete: says that it does not ask a script", "[client][cli]") {
-  // Broken into lines by the help.
-  const auto help = RunProgram({"sh", "-c", MOTIONDB_CLI " delete --help | tr -s ' \n' ' '"});
-  CHECK_THAT(help.out, Contains("where standard input is no terminal, as in a script, nothing is "
-                                "asked"));
-}
-
              StartsWith("{\"name\":\"operations/9\""));
   const auto waited = RunMotiondb(server.address(), {"operations", "wait", "9"});
   CHECK(waited.exit_code == 1);

@@ -110,7 +110,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   if (status.databases().empty()) return "no databases yet: make one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
-               {"FRAMES", Align::kRight},
+               {"MODEL FRAMES", Align::kRight},
                {"SIZE", Align::kRight},
                {"MODEL", Align::kRight},
                {"AGE", Align::kRight},

@@ -7,12 +7,10 @@
 #include <exception>
 
 #include "client/cli/command.h"
+#include "client/cli/exit_code.h"
 
 namespace motiondb::client {
 namespace {
-
-constexpr int kFailed = 1;
-constexpr int kWrongUsage = 2;
 
 // What was wrong with the command line, and where help is.
 std::string UsageError(const CLI::App* app, const CLI::Error& error) {
@@ -28,12 +26,12 @@ std::string UsageError(const CLI::App* app, const CLI::Error& error) {
                                ? error.what()
                                : fmt::format("no such command: {}", unknown.front());
   return fmt::format("motiondb: {}\nTry `{} --help`.\n", what, name);
+}
+
 // gRPC writes what it meets to standard error; what matters of it is in the errors of calls. Who
 // asks for it by gRPC's own variable gets it.
 void QuietGrpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
-}
-
 }
 
 void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
@@ -72,9 +70,9 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
       ->type_name("NAME");
   app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
 }
-  QuietGrpc();
 
 int Run(int argc, char** argv) {
+  QuietGrpc();
   CLI::App app("motiondb: store, recognize, estimate, predict and plan human motion", "motiondb");
   GlobalOptions global;
   std::function<absl::Status()> chosen;
@@ -124,7 +122,7 @@ int Run(int argc, char** argv) {
   fmt::print(stderr, "motiondb: {}\n",
              status.message().empty() ? absl::StatusCodeToString(status.code())
                                       : std::string(status.message()));
-  return kFailed;
+  return ExitCodeOf(status);
 }
 
 }  // namespace
@@ -135,6 +133,6 @@ int main(int argc, char** argv) {
     return motiondb::client::Run(argc, argv);
   } catch (const std::exception& error) {
     fmt::print(stderr, "motiondb: {}\n", error.what());
-    return 1;
+    return motiondb::client::kFailed;
   }
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "client/cli/command.h"
+#include "client/cli/exit_code.h"
 #include "client/cli/floor_plan_svg.h"
 #include "client/cli/json_output.h"
 #include "client/cli/motion_file.h"
@@ -32,6 +33,8 @@ void Declare(CLI::App& command, PlanOptions& options) {
       ->type_name("FILE.bvh|FILE.csv");
   command.add_option("--plot", options.plot, "Draw the plan seen from above")
       ->type_name("FILE.svg");
+  command.footer(
+      "The exit status is 3 where the goal is UNREACHABLE, with or without files to write.");
 }
 
 // Whether the files that are to be written can hold what will be in them.
@@ -84,6 +87,17 @@ absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& reque
   return status;
 }
 
+// A goal that cannot be reached is a failure to a script, and one that it can tell from others; so
+// is a file that was not written, unless there was nothing to write in it.
+absl::Status Outcome(const v1::PlanResponse& response, const absl::Status& written) {
+  if (response.outcome() != v1::UNREACHABLE) return written;
+  if (!written.ok() && !absl::IsNotFound(written)) return written;
+  const absl::Status unreachable =
+      absl::NotFoundError(fmt::format("the goal cannot be reached{}{}",
+                                      response.missing().empty() ? "" : ": ", response.missing()));
+  return WithExitCode(written.ok() ? unreachable : written, kUnreachable);
+}
+
 absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
   if (absl::Status status = CheckFiles(options); !status.ok()) return status;
   v1::PlanRequest request;
@@ -94,7 +108,7 @@ absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
   const auto response = client->Plan(request);
   if (!response.ok()) return response.status();
   std::vector<std::string> written;
-  absl::Status status = WriteFiles(options, request, *response, written);
+  const absl::Status status = Outcome(*response, WriteFiles(options, request, *response, written));
   if (global.json) {
     PrintJson(*response);
     return status;

@@ -166,16 +166,42 @@ TEST_CASE("motiondb plan: without a motion there is nothing to write", "[client]
   server.Answer("Plan", nowhere);
   const TemporaryFolder folder;
   const auto asked = RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0"});
-  CHECK(asked.exit_code == 0);
+  CHECK(asked.exit_code == 3);
   CHECK_THAT(asked.out, StartsWith("UNREACHABLE: the goal is within an obstacle\n"));
+  CHECK(asked.err == "motiondb: the goal cannot be reached: the goal is within an obstacle\n");
+  const auto json = RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--json"});
+  CHECK(json.exit_code == 3);
+  CHECK_THAT(json.out, StartsWith("{\"outcome\":\"UNREACHABLE\""));
   const auto written = RunMotiondb(
       server.address(), {"plan", "walks", "--goal", "1,1,0", "--out", (folder / "to.bvh").string(),
                          "--plot", (folder / "to.svg").string()});
-  CHECK(written.exit_code == 1);
+  CHECK(written.exit_code == 3);
   CHECK_THAT(written.out, StartsWith("UNREACHABLE"));
   CHECK_THAT(written.err, Contains("no motion to write") && Contains("within an obstacle"));
   CHECK(!std::filesystem::exists(folder / "to.bvh"));
   CHECK(std::filesystem::exists(folder / "to.svg"));
+}
+
+TEST_CASE("motiondb plan: a part of the way is written, and is a failure all the same",
+          "[client][cli]") {
+  FakeServer server;
+  v1::PlanResponse part = WithFiles(0);
+  part.set_outcome(v1::UNREACHABLE);
+  server.Answer("Plan", part);
+  const TemporaryFolder folder;
+  const auto result = RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--out",
+                                                     (folder / "to.bvh").string()});
+  CHECK(result.exit_code == 3);
+  CHECK(ReadFile(folder / "to.bvh") == "best");
+  // That the disk is full is another matter.
+  CHECK(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--out",
+                                       (folder / "none/to.bvh").string()})
+            .exit_code == 1);
+  // Out of time is not out of reach.
+  FakeServer slow;
+  part.set_outcome(v1::DEADLINE);
+  slow.Answer("Plan", part);
+  CHECK(RunMotiondb(slow.address(), {"plan", "walks", "--goal", "1,1,0"}).exit_code == 0);
 }
 
 TEST_CASE("motiondb plan: a file that cannot be written is a failure", "[client][cli]") {

@@ -7,6 +7,7 @@ Passes over what needs the data folder where that is absent.
 """
 
 import csv
+import json
 import math
 import os
 import tempfile
@@ -133,14 +134,17 @@ class PaperDatabase(unittest.TestCase):
         for options in (("100,0,0", "--max-duration", "5"), ("2,0,0", "--disc", "2,0.1,0.5")):
             with self.subTest(options=options):
                 began = time.monotonic()
-                plan = self.plan(*options)
+                result = self.server.run("--json", "plan", "two", "--goal", *options)
                 self.assertLess(time.monotonic() - began, 3)
+                self.assertEqual(result.returncode, 3, result.stderr)
+                plan = json.loads(result.stdout)
                 self.assertEqual(plan["outcome"], "UNREACHABLE")
                 self.assertTrue(plan["missing"])
         result = self.server.run("plan", "two", "--goal", "2,0,0", "--disc", "2,0.1,0.5", "--plot",
                                  self.path("inside.svg"))
-        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertEqual(result.returncode, 3, result.stderr)
         self.assertTrue(result.stdout.startswith("UNREACHABLE: "))
+        self.assertTrue(result.stderr.startswith("motiondb: the goal cannot be reached: "))
         xml.etree.ElementTree.parse(self.path("inside.svg"))
 
     def test_a_deadline_gives_the_best_so_far(self):

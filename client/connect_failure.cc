@@ -76,7 +76,9 @@ std::string Reason(ConnectFailure failure, const ClientOptions& options,
       return fmt::format("nothing listens there: start one with `motiondbd --listen {}`",
                          options.server);
     case ConnectFailure::kUnknownHost:
-      return "no host of that name is known";
+      // The last of gRPC's words is the resolver's: the name may be wrong, or the name server away.
+      return fmt::format("no address is found for that host: {}",
+                         grpc_message.substr(grpc_message.rfind(": ") + 2));
     case ConnectFailure::kSilent:
       return "nothing came back: the server hangs, a firewall is between, or it is another "
              "program's port";

@@ -13,7 +13,7 @@ namespace motiondb::client {
 
 enum class ConnectFailure {
   kNotListening,      // the host says that nobody listens at the port
-  kUnknownHost,       // the name means no host
+  kUnknownHost,       // no address is found for the name
   kSilent,            // nothing at all came back, or nothing after the connection was made
   kClosed,            // the connection was made and closed again
   kNotGrpc,           // an answer came that is not gRPC's

@@ -61,7 +61,7 @@ absl::Status Client::Connection::WaitUntilConnected() const {
   }
   // A channel tells only a call why it failed: at once, and no call leaves here.
   grpc::ClientContext context;
-  context.set_deadline(std::chrono::system_clock::now() + kReasonTimeout);
+  Prepare(context, CallOptions{.timeout = kReasonTimeout});
   v1::GetDatabaseResponse unused;
   const grpc::Status status = databases->GetDatabase(&context, v1::GetDatabaseRequest(), &unused);
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) return ConnectError(options_, "");

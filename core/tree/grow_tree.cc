@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "core/tree/permuted_states.h"
+#include "core/tree/divide_node.h"
 
 namespace motiondb::core {
 
@@ -44,6 +44,7 @@ absl::StatusOr<Tree> GrowTree(const Tree& tree, const Eigen::Ref<const FrameMatr
 double StaleShare(const Tree& tree, int first_added, const Eigen::Ref<const FrameMatrix>& states,
                   int min_frames, const ParallelFor& parallel) {
   const auto& branches = tree.branches();
+  const DivisionRule rule{min_frames, tree.frame_count()};
   std::vector<std::int32_t> stale(branches.size());
   parallel(static_cast<int>(branches.size()), [&](int b) {
     const Branch& leaf = branches[b];
@@ -56,7 +57,8 @@ double StaleShare(const Tree& tree, int first_added, const Eigen::Ref<const Fram
     std::vector<float> scratch;
     SplitPlane plane;
     PermutedStates permuted(rows, Serially);
-    if (permuted.Divide(0, count, min_frames, scratch, Serially, plane) > 0) stale[b] = count;
+    NodePlaces places{0, count};
+    if (DivideNode(rule, permuted, places, scratch, Serially, plane) > 0) stale[b] = count;
   });
   return std::accumulate(stale.begin(), stale.end(), 0.0) / tree.frame_count();
 }

@@ -18,9 +18,9 @@ namespace motiondb::core {
 absl::StatusOr<Tree> GrowTree(const Tree& tree, const Eigen::Ref<const FrameMatrix>& added);
 
 // The share, in [0, 1], of all frames that lie in leaves which the rule that built the tree
-// (section III-B, with `min_frames`) would divide by now, for the frames from `first_added` on came
-// to lie in them. `states` (frames x dimensions, scaled) are those of all frames. Only leaves with
-// added frames are looked at.
+// (core/tree/divide_node.h, with `min_frames`) would divide by now, for the frames from
+// `first_added` on came to lie in them. `states` (frames x dimensions, scaled) are those of all
+// frames. Only leaves with added frames are looked at.
 double StaleShare(const Tree& tree, int first_added, const Eigen::Ref<const FrameMatrix>& states,
                   int min_frames, const ParallelFor& parallel);
 

@@ -111,4 +111,14 @@ int PermutedStates::Divide(std::int32_t begin, std::int32_t end, int min_frames,
   return left;
 }
 
+bool PermutedStates::SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel) {
+  const std::int32_t count = end - begin;
+  const int left =
+      MinimumErrorThreshold(std::span(sorted_).subspan(begin, static_cast<std::size_t>(count)));
+  if (left == 0) return false;
+  MoveLeft(begin, end, left, parallel);
+  (left < count - left ? begin : end) = begin + left;
+  return true;
+}
+
 }  // namespace motiondb::core

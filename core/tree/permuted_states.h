@@ -32,6 +32,11 @@ class PermutedStates {
   int Divide(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
              const ParallelFor& parallel, SplitPlane& plane);
 
+  // Of frames [begin, end) that Divide has just left undivided: moves those of the smaller side of
+  // the threshold to one end, and narrows the range to the others. False, and changes nothing, if
+  // there is no threshold.
+  bool SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
+
   // The frame at each place.
   std::vector<std::int32_t>& order() { return order_; }
 
@@ -42,7 +47,7 @@ class PermutedStates {
 
   FrameMatrix rows_;
   std::vector<std::int32_t> order_;
-  // Of each place, valid during Divide.
+  // Of each place, valid from one Divide of it to the next.
   std::vector<double> projections_;
   std::vector<double> sorted_;
   std::vector<double> scratch_;

@@ -19,4 +19,10 @@ struct SplitPlanes {
   bool empty() const { return thresholds.empty(); }
 };
 
+// Whether a state (1 x dimensions) goes left at a threshold on an axis.
+inline bool IsLeft(const Eigen::Ref<const Eigen::RowVectorXf>& axis, double threshold,
+                   const Eigen::Ref<const Eigen::RowVectorXf>& state) {
+  return axis.cast<double>().dot(state.cast<double>()) <= threshold;
+}
+
 }  // namespace motiondb::core

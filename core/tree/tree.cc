@@ -76,8 +76,8 @@ int Tree::LeafOf(const float* state) const {
   int b = 0;
   while (branches_[b].left >= 0) {
     const int plane = plane_of_branch_[b];
-    const double along = planes_.axes.row(plane).cast<double>().dot(x.cast<double>());
-    b = along <= planes_.thresholds[plane] ? branches_[b].left : branches_[b].right;
+    b = IsLeft(planes_.axes.row(plane), planes_.thresholds[plane], x) ? branches_[b].left
+                                                                      : branches_[b].right;
   }
   return b;
 }

@@ -6,6 +6,8 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "core/tree/divide_node.h"
+#include "core/tree/frames_aside.h"
 #include "core/tree/permuted_states.h"
 
 namespace motiondb::core {
@@ -33,6 +35,8 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
   PermutedStates permuted(states, parallel);
+  FramesAside aside;
+  const DivisionRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
   std::vector<SplitPlane> planes;
   std::vector<std::vector<float>> scratch(kLots);
@@ -50,10 +54,11 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
     });
     std::vector<int> left_counts(open.size());
     std::vector<SplitPlane> open_planes(open.size());
+    std::vector<NodePlaces> divided(open.size());
     const auto divide = [&](std::int32_t i, int lot, const ParallelFor& threads) {
-      const Branch& branch = branches[open[i]];
-      left_counts[i] = permuted.Divide(branch.begin, branch.end, min_frames, scratch[lot], threads,
-                                       open_planes[i]);
+      divided[i] = {branches[open[i]].begin, branches[open[i]].end};
+      left_counts[i] =
+          DivideNode(rule, permuted, divided[i], scratch[lot], threads, open_planes[i]);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
@@ -67,15 +72,18 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
     std::vector<std::int32_t> children;
     for (std::size_t i = 0; i < open.size(); ++i) {
       if (left_counts[i] == 0) continue;
-      planes.push_back(std::move(open_planes[i]));
       const std::int32_t b = open[i];
       const auto left = static_cast<std::int32_t>(branches.size());
       branches[b].left = left;
       branches[b].right = left + 1;
-      const std::int32_t middle = branches[b].begin + left_counts[i];
+      const auto [begin, end] = divided[i];
+      aside.Add(b, {branches[b].begin, branches[b].end}, divided[i], permuted.order());
+      aside.PassDown(b, branches[b], open_planes[i], states);
+      planes.push_back(std::move(open_planes[i]));
+      const std::int32_t middle = begin + left_counts[i];
       const std::int32_t below = branches[b].layer + 1;
-      branches.push_back({.parent = b, .begin = branches[b].begin, .end = middle, .layer = below});
-      branches.push_back({.parent = b, .begin = middle, .end = branches[b].end, .layer = below});
+      branches.push_back({.parent = b, .begin = begin, .end = middle, .layer = below});
+      branches.push_back({.parent = b, .begin = middle, .end = end, .layer = below});
       children.push_back(left);
       children.push_back(left + 1);
     }
@@ -84,6 +92,7 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
   }
 
   std::vector<std::int32_t> order = std::move(permuted.order());
+  aside.PutBack(branches, order);
   for (const Branch& branch : branches) {
     if (branch.left < 0) std::sort(order.begin() + branch.begin, order.begin() + branch.end);
   }

@@ -3,14 +3,11 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/format/marker_set_file.h"
-#include "core/motion/states.h"
-#include "core/tree/feature_scale.h"
 #include "core/tree/row_kernels.h"
 #include "core/tree/tree_builder.h"
 #include "tests/core/tree/exact_split.h"
+#include "tests/core/tree/real_states.h"
 #include "tests/core/tree/threads.h"
-#include "tests/support/motion_source.h"
 #include "tests/support/real_data.h"
 #include "tests/support/synthetic_states.h"
 
@@ -104,35 +101,9 @@ TEST_CASE("NodeAxis: frames that are all alike have an axis", "[core][tree]") {
 
 TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
-  struct Set {
-    const char* list;
-    double frame_rate_hz;
-    const char* folder;  // of which clips are taken
-  };
-  for (const Set& set : {Set{"sets/database1.train.tsv", 60, ""},
-                         Set{"sets/database2.tsv", 240, ""}, Set{"index.tsv", 120, "hdm05"}}) {
-    const auto listed = ReadClipList(DataDir() / set.list);
-    REQUIRE(listed.ok());
-    std::vector<core::FrameMatrix> clips;
-    Eigen::Index frames = 0;
-    for (const ListedClip& clip : *listed) {
-      if (clip.path.string().find(set.folder) == std::string::npos) continue;
-      const auto file = ReadMotion(clip.path);
-      REQUIRE(file.ok());
-      const auto sequence = core::Represent(core::StandardScheme(), file->motion, set.frame_rate_hz,
-                                            core::Gaps::kFill);
-      REQUIRE(sequence.ok());
-      clips.push_back(sequence->states);
-      frames += clips.back().rows();
-    }
-    core::FrameMatrix states(frames, clips[0].cols());
-    Eigen::Index at = 0;
-    for (const core::FrameMatrix& clip : clips) {
-      states.middleRows(at, clip.rows()) = clip;
-      at += clip.rows();
-    }
-    core::MakeFeatureScale(core::Scaling::kKind, states).Apply(states);
-
+  for (const core::FrameMatrix& states :
+       {ScaledStatesOf("sets/database1.train.tsv", 60), ScaledStatesOf("sets/database2.tsv", 240),
+        ScaledStatesOf("index.tsv", 120, IsHdm05)}) {
     const auto tree = core::BuildTree(states, 16, core::Serially);
     REQUIRE(tree.ok());
     int checked = 0;

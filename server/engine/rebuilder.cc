@@ -8,8 +8,25 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "core/tree/divide_node.h"
 
 namespace motiondb::server {
+namespace {
+
+// A tree of one node answers as if all motion were the same, and no call fails of it.
+void WarnOfSingleNode(const LiveDatabase& database) {
+  const std::shared_ptr<const Snapshot> current = database.snapshot();
+  if (current == nullptr) return;
+  const core::Model& model = current->model;
+  if (!core::IsUndivided(model.tree(), model.settings().min_frames)) return;
+  spdlog::warn(
+      "database '{}': the tree of model {} is a single node of {} frames, which tells no motion "
+      "from another: its frames are all alike, or some of its clips have frames far from all "
+      "others; look for glitches in the clips that were ingested last",
+      database.name(), current->record.version, model.frame_count());
+}
+
+}  // namespace
 
 absl::StatusOr<storage::OperationRecord> Rebuilder::Request(
     const std::shared_ptr<LiveDatabase>& database) {
@@ -177,6 +194,7 @@ void Rebuilder::Run(Build& build) {
 void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt) {
   const std::string& name = build.database->name();
   if (rebuilt.ok()) {
+    WarnOfSingleNode(*build.database);
     book_.Succeed(build.operation, rebuilt->version, rebuilt->difference);
     spdlog::info("database '{}': model {} is current{}{}", name, rebuilt->version,
                  rebuilt->difference.empty() ? "" : ", ", rebuilt->difference);

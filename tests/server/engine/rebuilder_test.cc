@@ -3,6 +3,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/captured_log.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -32,6 +33,24 @@ TEST_CASE("Rebuilder: a burst of ingests costs one rebuild", "[server][rebuild]"
   CHECK(engine.ModelVersion("db") == 1);
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
   CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 8);
+}
+
+TEST_CASE("Rebuilder: says when a tree of many frames is a single node", "[server][rebuild]") {
+  const CapturedLog log(spdlog::level::warn);
+  TestEngine engine;
+  engine.Create("walks");
+  engine.Create("statues");
+  const StickFigure statue{.act = Act::kSquat, .frame_count = 200, .tempo = 0};
+  for (const auto& ingested :
+       {engine.Ingest("walks", "walk", Walk(0)), engine.Ingest("statues", "statue", statue)}) {
+    REQUIRE(ingested.ok());
+    REQUIRE(engine.Wait(ingested->operation.id).state == OperationState::kSucceeded);
+  }
+  engine.Stop();
+  CAPTURE(log.text());
+  CHECK(log.text().find("database 'statues': the tree of model 1 is a single node of 200 frames") !=
+        std::string::npos);
+  CHECK(log.text().find("walks") == std::string::npos);
 }
 
 TEST_CASE("Rebuilder: waits for an ingest in flight, but not for ever", "[server][rebuild]") {

@@ -56,8 +56,9 @@ class AccessStore {
   virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
                                                   const ChangeTerms& terms = {}) = 0;
 
-  // The last hundred thousand entries are kept.
-  virtual absl::Status AddAuditRecord(const AuditRecord& record) = 0;
+  // The last hundred thousand entries are kept. `cancelled` as ChangeTerms has it.
+  virtual absl::Status AddAuditRecord(const AuditRecord& record,
+                                      const core::Cancelled& cancelled = {}) = 0;
   // Newest first: those of a lower sequence than `before` (0: from the newest), at most `limit`.
   virtual absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                                     int limit) = 0;

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
 #include "server/engine/purge.h"
 
@@ -178,6 +179,10 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   MOTIONDB_RETURN_IF_ERROR(deleted);
   skeletons_.Clear();
   return operation;
+}
+
+void Engine::RecordLater(const storage::AuditRecord& record) {
+  workers_.PostUpkeep([this, record] { KeepAuditRecord(store_->access(), record).IgnoreError(); });
 }
 
 std::vector<storage::Damage> Engine::damages() {

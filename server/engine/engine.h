@@ -93,6 +93,9 @@ class Engine {
   // NOT_FOUND.
   absl::StatusOr<Cancellation> CancelOperation(const std::string& operation);
 
+  // Keeps an entry of the record of changes of a call that cannot wait until it is written.
+  void RecordLater(const storage::AuditRecord& record);
+
   // What was found damaged since the start, at most a hundred things.
   std::vector<storage::Damage> damages();
   // For what finds damage elsewhere.

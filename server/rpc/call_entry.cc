@@ -217,7 +217,10 @@ grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   if (checked_ && (method_.rule == nullptr || method_.rule->recorded) &&
       !(recorded_ && status.ok())) {
     const bool of_administrator = caller_.has_value() && caller_->role == storage::Role::kAdmin;
-    host_.access.Record(Record(status.error_code()), of_administrator, changed_ && status.ok());
+    const storage::AuditRecord record = Record(status.error_code());
+    const absl::Status kept =
+        host_.access.Record(record, of_administrator, changed_ && status.ok(), cancelled());
+    if (absl::IsCancelled(kept)) host_.engine.RecordLater(record);
   }
   if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),

@@ -7,6 +7,7 @@
 
 #include "absl/strings/match.h"
 #include "core/motion/error.h"
+#include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
 #include "server/translate/retry_info.h"
@@ -135,17 +136,13 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
   return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckHolds(NowMicroseconds());
 }
 
-void AccessControl::Record(const storage::AuditRecord& record, bool of_administrator,
-                           bool changed) {
+absl::Status AccessControl::Record(const storage::AuditRecord& record, bool of_administrator,
+                                   bool changed, const core::Cancelled& cancelled) {
   if (!changed && !of_administrator &&
       !recorded_in_vain_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
-    return;
+    return absl::OkStatus();
   }
-  const absl::Status kept = store_.AddAuditRecord(record);
-  if (kept.ok()) return;
-  spdlog::error("the record of changes could not be kept ({}): {} by {} from {} on '{}', code {}",
-                kept.ToString(), record.method, record.principal, record.peer, record.resource,
-                record.code);
+  return KeepAuditRecord(store_, record, cancelled);
 }
 
 }  // namespace motiondb::server

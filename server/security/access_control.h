@@ -48,8 +48,9 @@ class AccessControl {
 
   // Keeps an entry of the record of changes. Those of calls that changed nothing, as where they
   // failed, of others than administrators, are kept only so often from one source, so that nobody
-  // can push the rest out with them. What cannot be kept is logged.
-  void Record(const storage::AuditRecord& record, bool of_administrator, bool changed);
+  // can push the rest out with them. As KeepAuditRecord.
+  absl::Status Record(const storage::AuditRecord& record, bool of_administrator, bool changed,
+                      const core::Cancelled& cancelled = {});
 
   TokenBook& tokens() { return tokens_; }
   storage::AccessStore& store() { return store_; }

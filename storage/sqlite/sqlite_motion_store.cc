@@ -369,8 +369,10 @@ absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id
       terms, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
 }
 
-absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record) {
-  return Write([&](Connection& connection) { return InsertAuditRecord(connection, record); });
+absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record,
+                                               const core::Cancelled& cancelled) {
+  return Write([&](Connection& connection) { return InsertAuditRecord(connection, record); },
+               cancelled);
 }
 
 absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std::int64_t before,

@@ -85,7 +85,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after, int limit) override;
   absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
                                           const ChangeTerms& terms = {}) override;
-  absl::Status AddAuditRecord(const AuditRecord& record) override;
+  absl::Status AddAuditRecord(const AuditRecord& record,
+                              const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                             int limit) override;
 

@@ -112,26 +112,26 @@ void TestAuditOfChanges(StoreUnderTest& store) {
   const AuditRecord clip = entry("clip"), token = entry("token"), revoke = entry("revoke");
   const AuditRecord remove = entry("remove");
 
-  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d"), &create));
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d"), {&create}));
   REQUIRE(newest() == "create");
-  REQUIRE_ERROR(store->CreateDatabase(SampleDatabase("d"), &again), StatusCode::kAlreadyExists,
+  REQUIRE_ERROR(store->CreateDatabase(SampleDatabase("d"), {&again}), StatusCode::kAlreadyExists,
                 "d");
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
-  REQUIRE_ERROR(store->DeleteClip("d", "run", &none), StatusCode::kNotFound, "run");
+  REQUIRE_ERROR(store->DeleteClip("d", "run", {&none}), StatusCode::kNotFound, "run");
   REQUIRE(newest() == "create");
-  REQUIRE_OK(store->DeleteClip("d", "walk", &clip));
+  REQUIRE_OK(store->DeleteClip("d", "walk", {&clip}));
   REQUIRE(newest() == "clip");
-  REQUIRE_OK(store->access().AddToken(SampleToken("a"), &token));
+  REQUIRE_OK(store->access().AddToken(SampleToken("a"), {&token}));
   REQUIRE(newest() == "token");
-  REQUIRE_ERROR(store->access().AddToken(SampleToken("a"), &again), StatusCode::kAlreadyExists,
+  REQUIRE_ERROR(store->access().AddToken(SampleToken("a"), {&again}), StatusCode::kAlreadyExists,
                 "'a'");
-  REQUIRE_ERROR(store->access().RevokeToken("b", 5, &none), StatusCode::kNotFound, "'b'");
+  REQUIRE_ERROR(store->access().RevokeToken("b", 5, {&none}), StatusCode::kNotFound, "'b'");
   REQUIRE(newest() == "token");
-  REQUIRE(Require(store->access().RevokeToken("a", 5, &revoke)).revoke_time_us == 5);
+  REQUIRE(Require(store->access().RevokeToken("a", 5, {&revoke})).revoke_time_us == 5);
   REQUIRE(newest() == "revoke");
-  REQUIRE_ERROR(store->DeleteDatabase("e", &none), StatusCode::kNotFound, "e");
+  REQUIRE_ERROR(store->DeleteDatabase("e", {&none}), StatusCode::kNotFound, "e");
   REQUIRE(newest() == "revoke");
-  REQUIRE_OK(store->DeleteDatabase("d", &remove));
+  REQUIRE_OK(store->DeleteDatabase("d", {&remove}));
   REQUIRE(newest() == "remove");
   REQUIRE(Require(store->access().ListAuditRecords(0, 10)).size() == 5);
 }

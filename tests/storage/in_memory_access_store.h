@@ -18,7 +18,8 @@ class InMemoryAccessStore : public storage::AccessStore {
                                                                int limit) override;
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
                                                    const storage::ChangeTerms& terms = {}) override;
-  absl::Status AddAuditRecord(const storage::AuditRecord& record) override;
+  absl::Status AddAuditRecord(const storage::AuditRecord& record,
+                              const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<std::vector<storage::AuditRecord>> ListAuditRecords(std::int64_t before,
                                                                      int limit) override;
 

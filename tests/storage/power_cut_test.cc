@@ -207,7 +207,7 @@ void RunAll(Change change) {
 }  // namespace
 
 TEST_CASE("Faults: a store that is made", "[storage][power]") {
-  RunAll({"", [](Store& store) { return store.CreateDatabase(SampleDatabase("d"), &kEntry); }});
+  RunAll({"", [](Store& store) { return store.CreateDatabase(SampleDatabase("d"), {&kEntry}); }});
 }
 
 TEST_CASE("Faults: an ingest", "[storage][power]") {
@@ -236,20 +236,20 @@ TEST_CASE("Faults: an extension", "[storage][power]") {
 TEST_CASE("Faults: deletion", "[storage][power]") {
   SECTION("of a clip that the model needs") {
     RunAll({FileOf(FillWithModel),
-            [](Store& store) { return store.DeleteClip("d", "walk", &kEntry).status(); }});
+            [](Store& store) { return store.DeleteClip("d", "walk", {&kEntry}).status(); }});
   }
   SECTION("of a clip that it does not need") {
     RunAll({FileOf(FillWithModel),
-            [](Store& store) { return store.DeleteClip("d", "run", &kEntry).status(); }});
+            [](Store& store) { return store.DeleteClip("d", "run", {&kEntry}).status(); }});
   }
   SECTION("of a database") {
     RunAll(
-        {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", &kEntry); }});
+        {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", {&kEntry}); }});
   }
   SECTION("of what a deleted database left") {
     const auto fill = [](Store& store) {
       FillWithModel(store);
-      REQUIRE_OK(store.DeleteDatabase("d", &kEntry));
+      REQUIRE_OK(store.DeleteDatabase("d", {&kEntry}));
       REQUIRE_OK(store.CreateDatabase(SampleDatabase("d")));
       REQUIRE_OK(store.AddClip(SampleClip("d", "jump", 3)));
     };
@@ -270,14 +270,14 @@ TEST_CASE("Faults: a restore", "[storage][power]") {
   const std::string backup = Backup(*source);
   // The target has a token and an entry of its own, which stay.
   const auto fill = [](Store& store) {
-    REQUIRE_OK(store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, &kEntry));
+    REQUIRE_OK(store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry}));
   };
   RunAll({FileOf(fill), [&](Store& store) { return Restore(store, backup); }});
 }
 
 TEST_CASE("Faults: a token", "[storage][power]") {
   RunAll({FileOf(FillWithModel), [](Store& store) {
-            return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, &kEntry);
+            return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry});
           }});
 }
 

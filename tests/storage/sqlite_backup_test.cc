@@ -261,11 +261,13 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
     REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");
     REQUIRE_ERROR(restore->Check([] { return true; }), StatusCode::kCancelled, "stopped");
   }
-  {
+  // While it waits to write, and while it does.
+  for (const auto& [when, why] : {std::pair{1, "no longer wanted"}, {2, "stopped"}}) {
     const auto restore = Require(target->upkeep().BeginRestore());
     REQUIRE_OK(restore->Append(bytes));
     REQUIRE_OK(restore->Check({}));
-    REQUIRE_ERROR(restore->Finish([] { return true; }), StatusCode::kCancelled, "stopped");
+    const core::Cancelled cancelled = [left = when]() mutable { return --left <= 0; };
+    REQUIRE_ERROR(restore->Finish(cancelled), StatusCode::kCancelled, why);
   }
   REQUIRE(Dump(*target) == before);
   REQUIRE(Findings(*target).empty());

@@ -49,7 +49,7 @@ TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn co
   REQUIRE(tokens.size() == 1);
   CHECK(tokens[0].revoke_time_us == 0);
   CHECK(Require(store->access().ListAuditRecords(0, 10)).size() == 1);
-  // Nor is it asked about once it is made.
+  // Nothing of it is left in the way.
   REQUIRE_OK(store->AddClip(SampleClip("d", "new", 3)));
 }
 

@@ -1,6 +1,7 @@
 // A store that is kept busy writing.
 #pragma once
 
+#include <catch2/catch.hpp>
 #include <functional>
 #include <future>
 #include <thread>
@@ -13,15 +14,17 @@ namespace motiondb::tests {
 // REQUIRES: it can be added.
 inline void WhileWriting(storage::MotionStore& store, storage::NewClip clip,
                          const std::function<void()>& during) {
-  std::promise<void> writing;
+  std::promise<bool> writing;
   std::promise<void> release;
   clip.audit = [&](const storage::ClipRecord&) {
-    writing.set_value();
+    writing.set_value(true);
     release.get_future().wait();
     return storage::AuditRecord{.method = "Hold"};
   };
-  std::jthread writer([&] { store.AddClip(clip).IgnoreError(); });
-  writing.get_future().wait();
+  std::jthread writer([&] {
+    if (!store.AddClip(clip).ok()) writing.set_value(false);
+  });
+  REQUIRE(writing.get_future().get());
   during();
   release.set_value();
 }

@@ -1,5 +1,6 @@
 // Calls that change what the store lists: they wait for their turn to write, and nobody else for
 // them.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <future>
@@ -45,7 +46,8 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     return databases->CreateDatabase(&context, request, &response);
   };
   std::future<grpc::Status> waiting;
-  WhileWriting(engine.store(), SampleClip("db", "holder", 1), [&] {
+  REQUIRE(engine.store().CreateDatabase(SampleDatabase("d")).ok());
+  WhileWriting(engine.store(), SampleClip("d", "holder", 1), [&] {
     CHECK(create("late", std::chrono::milliseconds(300)).error_code() ==
           grpc::StatusCode::DEADLINE_EXCEEDED);
     // The thread for changes is free again, and the one for queries was all the time.
@@ -59,6 +61,15 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     CHECK(Ask(*databases, &v1::DatabaseService::Stub::GetDatabase, get).status.ok());
   });
   CHECK(waiting.get().ok());
+  // Of what was asked for in vain there is a record all the same.
+  std::promise<void> recorded;
+  engine.workers().PostUpkeep([&] { recorded.set_value(); });
+  recorded.get_future().wait();
+  const auto records = engine.store().access().ListAuditRecords(0, 10);
+  REQUIRE(records.ok());
+  const auto late = std::ranges::find(*records, "databases/late", &storage::AuditRecord::resource);
+  REQUIRE(late != records->end());
+  CHECK(late->code == grpc::StatusCode::DEADLINE_EXCEEDED);
   CHECK_FALSE(engine.FindDatabase("late").ok());
   CHECK(engine.FindDatabase("in-time").ok());
 }

@@ -361,23 +361,20 @@ TEST_CASE("Access: without authentication everybody is an anonymous administrato
 
 TEST_CASE("Access: nobody fills the record of changes with what changes nothing", "[security]") {
   Access access;
-  for (int i = 0; i < 100; ++i) {
-    access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 7}, false, false);
-  }
-  for (int i = 0; i < 100; ++i) {  // too many wrong tokens
-    access.control.Record({.principal = "anonymous", .peer = "10.0.0.1", .code = 8}, false, false);
-  }
-  for (int i = 0; i < 100; ++i) {  // changes of what is not there
-    access.control.Record({.principal = "tokens/b", .peer = "10.0.0.1", .code = 5}, false, false);
-  }
-  for (int i = 0; i < 100; ++i) {  // it was so before
-    access.control.Record({.principal = "tokens/d", .peer = "10.0.0.1", .code = 0}, false, false);
-  }
-  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0}, false, true);
-  for (int i = 0; i < 100; ++i) {  // copies that an administrator broke off
-    access.control.Record({.principal = "tokens/c", .peer = "10.0.0.1", .code = 1}, true, false);
-  }
-  access.control.Record({.principal = "tokens/a", .peer = "10.0.0.1", .code = 0}, false, true);
+  const auto record = [&](const std::string& principal, int code, bool administers, bool changed) {
+    const storage::AuditRecord entry{.principal = principal, .peer = "10.0.0.1", .code = code};
+    CHECK(access.control.Record(entry, administers, changed).ok());
+  };
+  const auto in_vain = [&](const std::string& principal, int code, bool administers = false) {
+    for (int i = 0; i < 100; ++i) record(principal, code, administers, false);
+  };
+  in_vain("tokens/a", 7);
+  in_vain("anonymous", 8);  // too many wrong tokens
+  in_vain("tokens/b", 5);   // changes of what is not there
+  in_vain("tokens/d", 0);   // it was so before
+  record("tokens/a", 0, false, true);
+  in_vain("tokens/c", 1, true);  // copies that an administrator broke off
+  record("tokens/a", 0, false, true);
   const auto records = access.store.ListAuditRecords(0, 1000);
   REQUIRE(records.ok());
   CHECK(records->size() == 142);

@@ -1,0 +1,17 @@
+#include "server/engine/audit_trail.h"
+
+#include <spdlog/spdlog.h>
+
+namespace motiondb::server {
+
+absl::Status KeepAuditRecord(storage::AccessStore& store, const storage::AuditRecord& record,
+                             const core::Cancelled& cancelled) {
+  absl::Status kept = store.AddAuditRecord(record, cancelled);
+  if (kept.ok() || absl::IsCancelled(kept)) return kept;
+  spdlog::error("the record of changes could not be kept ({}): {} by {} from {} on '{}', code {}",
+                kept.ToString(), record.method, record.principal, record.peer, record.resource,
+                record.code);
+  return absl::OkStatus();
+}
+
+}  // namespace motiondb::server

@@ -36,8 +36,8 @@ TEST_CASE("Rebuilder: a burst of ingests costs one rebuild", "[server][rebuild]"
 }
 
 TEST_CASE("Rebuilder: says when a tree of many frames is a single node", "[server][rebuild]") {
+  TestEngine engine;  // first: it silences the log
   const CapturedLog log(spdlog::level::warn);
-  TestEngine engine;
   engine.Create("walks");
   engine.Create("statues");
   const StickFigure statue{.act = Act::kSquat, .frame_count = 200, .tempo = 0};

@@ -40,15 +40,20 @@ TEST_CASE("Represent: a marker too far away is refused by frame and name",
   REQUIRE(Represented(Hips(0.9F), core::Gaps::kFill).ok());
 }
 
-TEST_CASE("Represent: joints that slide out of the world are refused", "[core][motion][hostile]") {
+// Hips that are so high in every frame.
+core::JointMotion Lifted(int frame_count, double height_m) {
   core::Joint root{.name = "hips"};
   root.dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = Eigen::Vector3d::UnitZ()}};
   const core::Joint left{.name = "lhip", .parent = 0, .offset_m = {0, 0.1, 0}};
   const core::Joint right{.name = "rhip", .parent = 0, .offset_m = {0, -0.1, 0}};
-  const auto skeleton = core::Skeleton::Create("slider", {root, left, right});
+  const auto skeleton = core::Skeleton::Create("lift", {root, left, right});
   REQUIRE(skeleton.ok());
-  core::JointMotion motion{std::make_shared<const core::Skeleton>(*skeleton), 60,
-                           core::JointMatrix::Constant(3, 1, 1e300)};
+  return {std::make_shared<const core::Skeleton>(*skeleton), 60,
+          core::JointMatrix::Constant(frame_count, 1, height_m)};
+}
+
+TEST_CASE("Represent: joints that slide out of the world are refused", "[core][motion][hostile]") {
+  core::JointMotion motion = Lifted(3, 1e300);
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
   const auto states = core::Represent(*scheme, motion, 60, core::Gaps::kFill, 0.9);
@@ -71,14 +76,7 @@ TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
 }
 
 TEST_CASE("Represent: stops soon after it is no longer wanted, wherever it is", "[core][motion]") {
-  core::Joint root{.name = "hips"};
-  root.dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = Eigen::Vector3d::UnitZ()}};
-  const core::Joint left{.name = "lhip", .parent = 0, .offset_m = {0, 0.1, 0}};
-  const core::Joint right{.name = "rhip", .parent = 0, .offset_m = {0, -0.1, 0}};
-  const auto skeleton = core::Skeleton::Create("riser", {root, left, right});
-  REQUIRE(skeleton.ok());
-  const core::JointMotion motion{std::make_shared<const core::Skeleton>(*skeleton), 60,
-                                 core::JointMatrix::Constant(1000, 1, 1)};
+  const core::JointMotion motion = Lifted(1000, 1);
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
   int asked = 0;

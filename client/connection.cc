@@ -10,7 +10,7 @@
 namespace motiondb::client {
 namespace {
 
-constexpr std::chrono::milliseconds kReasonTimeout{200};
+constexpr std::chrono::milliseconds kReasonTimeout{2000};
 
 std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
   grpc::ChannelArguments arguments;

@@ -4,23 +4,28 @@
 #include <chrono>
 #include <mutex>
 
+#include "absl/status/status.h"
 #include "core/motion/cancellation.h"
 
 namespace motiondb::storage {
 
-// False, without the mutex, soon after `cancelled` says so.
-inline bool Lock(std::unique_lock<std::timed_mutex>& lock, const core::Cancelled& cancelled) {
+// CANCELLED, without the mutex, soon after `cancelled` says so.
+inline absl::Status Lock(std::unique_lock<std::timed_mutex>& lock,
+                         const core::Cancelled& cancelled) {
   constexpr std::chrono::milliseconds kBetweenQuestions{20};
   if (!cancelled) {
     lock.lock();
-    return true;
+    return absl::OkStatus();
   }
-  // The system's clock, though it may be set: of the steady one's wait GCC 12's thread sanitizer
-  // knows nothing.
+#ifdef __SANITIZE_THREAD__
+  using Clock = std::chrono::system_clock;  // of waits by the steady one GCC 12's knows nothing
+#else
+  using Clock = std::chrono::steady_clock;
+#endif
   while (!cancelled()) {
-    if (lock.try_lock_until(std::chrono::system_clock::now() + kBetweenQuestions)) return true;
+    if (lock.try_lock_until(Clock::now() + kBetweenQuestions)) return absl::OkStatus();
   }
-  return false;
+  return absl::CancelledError("what was asked for was no longer wanted when its turn came");
 }
 
 }  // namespace motiondb::storage

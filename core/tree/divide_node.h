@@ -13,6 +13,9 @@
 
 namespace motiondb::core {
 
+// From here on a node is divided by all threads together; smaller ones side by side.
+inline constexpr int kSharedFrames = 32768;
+
 struct DivisionRule {
   int min_frames = 0;           // fewest frames of a node
   std::int32_t all_frames = 0;  // of the tree

@@ -46,7 +46,10 @@ double StaleShare(const Tree& tree, int first_added, const Eigen::Ref<const Fram
   const auto& branches = tree.branches();
   const DivisionRule rule{min_frames, tree.frame_count()};
   std::vector<std::int32_t> stale(branches.size());
-  parallel(static_cast<int>(branches.size()), [&](int b) {
+  const auto is_shared = [&](int b) {
+    return branches[b].end - branches[b].begin >= kSharedFrames;
+  };
+  const auto look = [&](int b, const ParallelFor& threads) {
     const Branch& leaf = branches[b];
     const int count = leaf.end - leaf.begin;
     // A leaf's frames ascend.
@@ -56,10 +59,17 @@ double StaleShare(const Tree& tree, int first_added, const Eigen::Ref<const Fram
     for (int i = 0; i < count; ++i) rows.row(i) = states.row(tree.frame_order()[leaf.begin + i]);
     std::vector<float> scratch;
     SplitPlane plane;
-    PermutedStates permuted(rows, Serially);
+    PermutedStates permuted(rows, threads);
     NodePlaces places{0, count};
-    if (DivideNode(rule, permuted, places, scratch, Serially, plane) > 0) stale[b] = count;
+    if (DivideNode(rule, permuted, places, scratch, threads, plane) > 0) stale[b] = count;
+  };
+  const auto branch_count = static_cast<int>(branches.size());
+  parallel(branch_count, [&](int b) {
+    if (!is_shared(b)) look(b, Serially);
   });
+  for (int b = 0; b < branch_count; ++b) {
+    if (is_shared(b)) look(b, parallel);
+  }
   return std::accumulate(stale.begin(), stale.end(), 0.0) / tree.frame_count();
 }
 

@@ -13,8 +13,6 @@
 namespace motiondb::core {
 namespace {
 
-// From here on a node is divided by all threads together; smaller ones side by side.
-constexpr int kSharedFrames = 32768;
 // Lots that the smaller nodes are dealt out in, each with memory of its own that is used again.
 constexpr int kLots = 16;
 

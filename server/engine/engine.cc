@@ -9,6 +9,7 @@
 #include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
 #include "server/engine/purge.h"
+#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 
@@ -46,7 +47,8 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   MOTIONDB_ASSIGN_OR_RETURN(auto scheme, StoredScheme(record));
   auto live = std::make_shared<LiveDatabase>(database, settings);
   live->set_scheme(std::move(scheme));
-  const std::lock_guard naming(naming_mutex_);
+  std::unique_lock naming(naming_mutex_, std::defer_lock);
+  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, terms.cancelled));
   if (const std::size_t count = database_count(); count >= options_.max_databases) {
     return absl::ResourceExhaustedError(
         fmt::format("there are {} databases, as many as there may be: delete one first, or raise "
@@ -62,9 +64,10 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
 
 absl::Status Engine::DeleteDatabase(const std::string& database,
                                     const storage::ChangeTerms& terms) {
-  const std::lock_guard naming(naming_mutex_);
+  std::unique_lock naming(naming_mutex_, std::defer_lock);
+  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, terms.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
-  MOTIONDB_RETURN_IF_ERROR(live->Retire([&] {
+  const auto remove = [&] {
     const absl::Status deleted = store_->DeleteDatabase(database, terms);
     if (!deleted.ok()) return deleted;
     rebuilder_.Forget(*live);
@@ -72,7 +75,8 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
     const std::lock_guard lock(mutex_);
     databases_.erase(database);
     return absl::OkStatus();
-  }));
+  };
+  MOTIONDB_RETURN_IF_ERROR(live->Retire(remove, terms.cancelled));
   skeletons_.Clear();
   spdlog::info("database '{}': deleted", database);
   FreeDeletedDatabases();

@@ -139,7 +139,7 @@ class Engine {
   std::atomic<bool> draining_{false};
 
   // Held over creating and deleting, which may be long; mutex_ only guards the map.
-  std::mutex naming_mutex_;
+  std::timed_mutex naming_mutex_;
   std::mutex mutex_;
   LiveDatabases databases_;
 };

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "absl/cleanup/cleanup.h"
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
@@ -80,11 +81,11 @@ absl::StatusOr<storage::ClipRecord> AddWithin(const DatabaseQuota& quota,
                                               const storage::NewClip& clip) {
   const StoredAmount expected = AmountOf(clip.record);
   MOTIONDB_RETURN_IF_ERROR(database.Reserve(expected, quota));
+  absl::Cleanup give_back = [&] { database.AddStored(-expected); };
   auto added = store.AddClip(clip);
   if (added.ok()) {
+    std::move(give_back).Cancel();
     database.AddStored({0, 0, added->byte_count - expected.byte_count});
-  } else {
-    database.AddStored(-expected);
   }
   return added;
 }
@@ -112,9 +113,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   std::unique_lock first_clip(database.first_clip_mutex(), std::defer_lock);
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
-    if (!storage::Lock(first_clip, cancelled)) {
-      return absl::CancelledError("the clip was no longer wanted when the first one was in");
-    }
+    MOTIONDB_RETURN_IF_ERROR(storage::Lock(first_clip, cancelled));
     MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
     if (scheme != nullptr) first_clip.unlock();
   }

@@ -139,12 +139,12 @@ absl::Status LiveDatabase::WhileAlive(Retiring retiring,
   return change();
 }
 
-absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion) {
+absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
+                                  const core::Cancelled& cancelled) {
   {
     std::unique_lock lock(life_mutex_);
     MOTIONDB_RETURN_IF_ERROR(CheckAlive(Retiring::kRefuse, lock));
     life_ = Life::kRetiring;
-    life_changed_.wait(lock, [this] { return changes_ == 0; });
   }
   Life after = Life::kAlive;
   const absl::Cleanup over = [&] {
@@ -152,6 +152,15 @@ absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion)
     life_ = after;
     life_changed_.notify_all();
   };
+  {
+    constexpr std::chrono::milliseconds kBetweenQuestions{20};
+    std::unique_lock lock(life_mutex_);
+    while (!life_changed_.wait_for(lock, kBetweenQuestions, [this] { return changes_ == 0; })) {
+      if (cancelled && cancelled()) {
+        return absl::CancelledError("the deletion was no longer wanted when its turn came");
+      }
+    }
+  }
   MOTIONDB_RETURN_IF_ERROR(deletion());
   after = Life::kDeleted;
   return absl::OkStatus();

@@ -94,8 +94,9 @@ class LiveDatabase {
   absl::Status WhileAlive(Retiring retiring, const std::function<absl::Status()>& change);
   // Runs the deletion itself, alone, when the changes under way have ended; no other
   // begins, so that they cannot keep it from ever coming. If it succeeds, the database is deleted
-  // from then on.
-  absl::Status Retire(const std::function<absl::Status()>& deletion);
+  // from then on. CANCELLED while it waits for them.
+  absl::Status Retire(const std::function<absl::Status()>& deletion,
+                      const core::Cancelled& cancelled = {});
 
   // Held from reading the current model, in the store or here, to putting the next one, so that
   // neither a build nor an extension is lost. Taken before WhileAlive.

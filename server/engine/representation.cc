@@ -82,7 +82,6 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::vector<std::string>* notes) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
   return core::Represent(scheme, motion, limits.frame_rate_hz, gaps, leg_length_m, notes,
-
                          limits.terms.cancelled);
 }
 

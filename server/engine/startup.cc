@@ -8,6 +8,7 @@
 #include "server/engine/engine.h"
 #include "server/engine/extend.h"
 #include "server/engine/purge.h"
+#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 namespace {
@@ -156,7 +157,8 @@ absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
   // Takes as long as reading all of it: databases may be created meanwhile, which Finish finds.
   MOTIONDB_RETURN_IF_ERROR(restore.Check(cancelled));
   // Nobody creates a database from here on.
-  const std::lock_guard naming(naming_mutex_);
+  std::unique_lock naming(naming_mutex_, std::defer_lock);
+  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, cancelled));
   MOTIONDB_RETURN_IF_ERROR(restore.Finish(cancelled));
   skeletons_.Clear();
   MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount amount, Load());

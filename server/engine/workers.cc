@@ -41,6 +41,7 @@ Workers::Workers(const EngineOptions& options)
       builds_(static_cast<std::size_t>(build_threads_)),
       extensions_(1),
       changes_(1),
+      urgent_changes_(1),
       upkeep_(1),
       heavy_requests_(requests_, HeavyThreads(options)) {}
 
@@ -66,6 +67,10 @@ void Workers::PostChange(std::function<void()> work) {
   boost::asio::post(changes_, Counted(std::move(work)));
 }
 
+void Workers::PostUrgentChange(std::function<void()> work) {
+  boost::asio::post(urgent_changes_, Counted(std::move(work)));
+}
+
 void Workers::PostUpkeep(std::function<void()> work) {
   queued_upkeep_.fetch_add(1, std::memory_order_relaxed);
   boost::asio::post(upkeep_, Counted([this, work = std::move(work)] {
@@ -81,6 +86,7 @@ core::ParallelFor Workers::request_parallel() { return Lend(requests_, request_t
 void Workers::Join() {
   requests_.join();
   changes_.join();
+  urgent_changes_.join();
   upkeep_.join();
   builds_.join();
   extensions_.join();

@@ -1,6 +1,6 @@
 // The threads that do the work: one pool for requests, one for building models, so that a build
-// never takes the last core from queries, a thread that extends models while others are built, one
-// that changes what the store lists, and one that copies and checks it.
+// never takes the last core from queries, a thread that extends models while others are built, two
+// that change what the store lists, and one that copies and checks it.
 // All have the same priority: nicer threads would build nothing on a machine that is always asked.
 // Thread-safe.
 #pragma once
@@ -29,6 +29,8 @@ class Workers {
   // The same of changes of the store, which takes one at a time: on a thread of their own, for
   // while a large model is written they wait, and queries must not.
   void PostChange(std::function<void()> work);
+  // The same of those that other changes must not keep waiting, as where a token is revoked.
+  void PostUrgentChange(std::function<void()> work);
   // The same of work on the store as a whole, on a thread that nothing else waits for.
   void PostUpkeep(std::function<void()> work);
   // Whether such work waits for that thread.
@@ -62,6 +64,7 @@ class Workers {
   boost::asio::thread_pool builds_;
   boost::asio::thread_pool extensions_;
   boost::asio::thread_pool changes_;
+  boost::asio::thread_pool urgent_changes_;
   boost::asio::thread_pool upkeep_;
   Lane heavy_requests_;
 };

@@ -38,6 +38,7 @@ TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& meth
       return of_client;
     case CallWeight::kLight:
     case CallWeight::kChange:
+    case CallWeight::kUrgentChange:
     case CallWeight::kHeavy:
       break;
   }
@@ -49,6 +50,11 @@ TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& meth
 TimePoint Earliest(TimePoint of_client) {
   constexpr std::chrono::milliseconds kOnTheWay{20};
   return of_client - (of_client - std::chrono::system_clock::now()) / 100 - kOnTheWay;
+}
+
+// For what is not to wait for its turn to be written.
+core::Cancelled AtOnce() {
+  return [tried = false]() mutable { return std::exchange(tried, true); };
 }
 
 CallKind KindOf(const Method& method) {
@@ -95,11 +101,10 @@ void CallEntry::Begin(const google::protobuf::Message& request,
   host_.engine.workers().Post([this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
-    // That a change was refused is written too.
-    const bool heavy = weight_ == CallWeight::kHeavy || weight_ == CallWeight::kUpkeep;
-    const bool elsewhere = weight_ == CallWeight::kChange || (checked.ok() && heavy);
-    if (!elsewhere) return work(std::move(checked));
-    Post([work, checked] { work(checked); });
+    const bool here = weight_ == CallWeight::kLight || weight_ == CallWeight::kStream ||
+                      weight_ == CallWeight::kWait;
+    if (!checked.ok() || here) return work(std::move(checked));
+    Post([work] { work(grpc::Status::OK); });
   });
 }
 
@@ -133,6 +138,8 @@ void CallEntry::Post(std::function<void()> work) {
       return workers.PostUpkeep(std::move(work));
     case CallWeight::kChange:
       return workers.PostChange(std::move(work));
+    case CallWeight::kUrgentChange:
+      return workers.PostUrgentChange(std::move(work));
     case CallWeight::kLight:
     case CallWeight::kWait:
     case CallWeight::kStream:
@@ -218,8 +225,8 @@ grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
       !(recorded_ && status.ok())) {
     const bool of_administrator = caller_.has_value() && caller_->role == storage::Role::kAdmin;
     const storage::AuditRecord record = Record(status.error_code());
-    const absl::Status kept =
-        host_.access.Record(record, of_administrator, changed_ && status.ok(), cancelled());
+    const absl::Status kept = host_.access.Record(record, of_administrator, changed_ && status.ok(),
+                                                  status.ok() ? cancelled() : AtOnce());
     if (absl::IsCancelled(kept)) host_.engine.RecordLater(record);
   }
   if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again

@@ -26,6 +26,7 @@ constexpr std::size_t Index(CallWeight weight) {
   switch (weight) {
     case CallWeight::kLight:
     case CallWeight::kChange:
+    case CallWeight::kUrgentChange:
     case CallWeight::kWait:
       return 0;
     case CallWeight::kHeavy:

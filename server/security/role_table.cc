@@ -47,11 +47,11 @@ constexpr CallRule kRules[] = {
     {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
     {"OperationService.ListOperations", kReader, kReads, kLight, kList, "database"},
     {"OperationService.WaitOperation", kReader, kReads, kWait, kOperation, "name"},
-    {"OperationService.CancelOperation", kIngester, kChanges, kChange, kOperation, "name"},
+    {"OperationService.CancelOperation", kIngester, kChanges, kUrgentChange, kOperation, "name"},
 
     {"AccessService.CreateToken", kAdmin, kChanges, kChange, kServer, "database"},
     {"AccessService.ListTokens", kAdmin, kReads, kLight, kServer, ""},
-    {"AccessService.RevokeToken", kAdmin, kChanges, kChange, kServer, "name"},
+    {"AccessService.RevokeToken", kAdmin, kChanges, kUrgentChange, kServer, "name"},
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
     {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},

@@ -12,12 +12,13 @@ namespace motiondb::server {
 
 // What a call asks of the server.
 enum class CallWeight {
-  kLight,   // milliseconds; with a large request it is heavy
-  kChange,  // light, but waits for its turn to write: on a thread of its own
-  kWait,    // takes no thread, and has a timeout of its own
-  kHeavy,   // much processor time, memory or disk: goes through a lane of its own
-  kStream,  // as long as the client likes, a little at a time
-  kUpkeep,  // heavy, and all of the store in one: as long as it takes, on a thread of its own
+  kLight,         // milliseconds; with a large request it is heavy
+  kChange,        // light, but waits for its turn to write: on a thread of its own
+  kUrgentChange,  // the same, on a thread that no other change keeps waiting
+  kWait,          // takes no thread, and has a timeout of its own
+  kHeavy,         // much processor time, memory or disk: goes through a lane of its own
+  kStream,        // as long as the client likes, a little at a time
+  kUpkeep,        // heavy, and all of the store in one: as long as it takes, on a thread of its own
 };
 
 // What a call touches, for callers who may touch one database alone.

@@ -70,14 +70,16 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
 
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems) {
   const auto memory = static_cast<std::size_t>(settings.server.calls.message_memory_bytes);
-  if (memory < static_cast<std::size_t>(settings.server.max_message_bytes)) {
+  const auto message = static_cast<std::size_t>(settings.server.max_message_bytes);
+  if (memory < 2 * message) {
     problems.push_back(absl::InvalidArgumentError(
-        "message-memory-mib: less than max-message-mib, so the largest request would never come "
-        "in"));
+        "message-memory-mib: less than twice max-message-mib, which the largest request may take "
+        "once it is read"));
   }
-  if (memory < settings.server.engine.max_file_bytes) {
+  if (memory < settings.server.engine.max_file_bytes + message) {
     problems.push_back(absl::InvalidArgumentError(
-        "message-memory-mib: less than max-file-mib, so the largest file would never come in"));
+        "message-memory-mib: less than max-file-mib and max-message-mib together, so the largest "
+        "file would never come in"));
   }
 }
 

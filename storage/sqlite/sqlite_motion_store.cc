@@ -1,8 +1,6 @@
 #include "storage/sqlite/sqlite_motion_store.h"
 
-#include <algorithm>
 #include <chrono>
-#include <exception>
 #include <filesystem>
 #include <type_traits>
 #include <utility>
@@ -31,34 +29,6 @@ std::int64_t SystemMicroseconds() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::system_clock::now().time_since_epoch())
       .count();
-}
-
-const absl::Status& StatusOf(const absl::Status& status) { return status; }
-template <typename T>
-const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
-  return result.status();
-}
-
-absl::Status NotItsTurn() {
-  return absl::CancelledError("the change was no longer wanted when its turn came");
-}
-
-absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewClip& clip) {
-  auto added = InsertClip(connection, clip);
-  if (added.ok() && clip.audit) {
-    MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, clip.audit(*added)));
-  }
-  return added;
-}
-
-template <typename Work>
-auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
-    -> std::invoke_result_t<Work, Connection&> {
-  MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection, kind));
-  auto result = work(connection);
-  if (!StatusOf(result).ok()) return result;
-  MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
-  return result;
 }
 
 }  // namespace
@@ -101,7 +71,7 @@ template <typename Work>
 auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled) {
   using Result = std::invoke_result_t<Work, Connection&>;
   std::unique_lock lock(writer_mutex_, std::defer_lock);
-  if (!Lock(lock, cancelled)) return Result(NotItsTurn());
+  if (absl::Status turn = Lock(lock, cancelled); !turn.ok()) return Result(std::move(turn));
   return InTransaction(*writer_, Transaction::Kind::kWrite, work);
 }
 
@@ -160,68 +130,6 @@ absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
 
 absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
   return FreeDeletedDatabases([this](const auto& piece) { return Write(piece); }, cancelled);
-}
-
-absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
-  Addition own{&clip, std::nullopt};
-  {
-    const std::lock_guard lock(additions_mutex_);
-    additions_.push_back(&own);
-  }
-  // Whoever gets here first writes for all who wait, so that they share one sync.
-  std::unique_lock writing(writer_mutex_, std::defer_lock);
-  if (!Lock(writing, clip.cancelled)) {
-    if (Withdraw(own)) return NotItsTurn();
-    writing.lock();
-  }
-  if (!own.added) {
-    std::vector<Addition*> together;
-    {
-      const std::lock_guard lock(additions_mutex_);
-      together.swap(additions_);
-    }
-    // Not there only where an exception kept the one who took it up from it.
-    if (std::ranges::find(together, &own) == together.end()) together.push_back(&own);
-    if (together.size() == 1 || !AddInOne(together)) AddEach(together, own);
-  }
-  return *std::move(own.added);
-}
-
-bool SqliteMotionStore::Withdraw(const Addition& addition) {
-  const std::lock_guard lock(additions_mutex_);
-  return std::erase(additions_, &addition) > 0;
-}
-
-bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
-  // Kept apart until they are in the file: an addition that is told is acknowledged.
-  std::vector<ClipRecord> records;
-  const auto insert_all = [&](Connection& connection) -> absl::Status {
-    for (const Addition* const addition : additions) {
-      MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(),
-                                InsertWithRecord(connection, *addition->clip));
-    }
-    return absl::OkStatus();
-  };
-  try {
-    if (!InTransaction(*writer_, Transaction::Kind::kWrite, insert_all).ok()) return false;
-  } catch (const std::exception&) {
-    return false;  // each meets its own by itself
-  }
-  for (std::size_t i = 0; i < additions.size(); ++i) additions[i]->added = std::move(records[i]);
-  return true;
-}
-
-void SqliteMotionStore::AddEach(const std::vector<Addition*>& additions, const Addition& own) {
-  for (Addition* const addition : additions) {
-    try {
-      addition->added = InTransaction(
-          *writer_, Transaction::Kind::kWrite,
-          [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
-    } catch (const std::exception&) {
-      // Another's is written by its own thread, which finds it without a result.
-      if (addition == &own) throw;
-    }
-  }
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::GetClip(const std::string& database,
@@ -405,7 +313,7 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
   std::unique_lock lock(writer_mutex_, std::defer_lock);
-  if (!Lock(lock, cancelled)) return NotItsTurn();
+  MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
   MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));

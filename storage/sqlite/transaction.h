@@ -1,7 +1,10 @@
 // A transaction that ends with its scope: undone unless committed. Not thread-safe.
 #pragma once
 
+#include <type_traits>
+
 #include "absl/status/statusor.h"
+#include "core/motion/error.h"
 #include "storage/sqlite/connection.h"
 
 namespace motiondb::storage {
@@ -28,5 +31,23 @@ class Transaction {
 
   Connection* connection_;  // null once moved from
 };
+
+inline const absl::Status& StatusOf(const absl::Status& status) { return status; }
+template <typename T>
+const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
+  return result.status();
+}
+
+// Runs work(Connection&), which returns a Status or StatusOr, in a transaction, which is undone
+// where that is an error.
+template <typename Work>
+auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
+    -> std::invoke_result_t<Work, Connection&> {
+  MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction, Transaction::Begin(connection, kind));
+  auto result = work(connection);
+  if (!StatusOf(result).ok()) return result;
+  MOTIONDB_RETURN_IF_ERROR(transaction.Commit());
+  return result;
+}
 
 }  // namespace motiondb::storage

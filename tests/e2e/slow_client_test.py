@@ -141,7 +141,7 @@ class SlowClients(unittest.TestCase):
         return any(ended["method"] == method for ended in self.server.ask_one("status")["methods"])
 
     def test_requests_that_are_half_sent_take_the_memory_that_they_may(self):
-        self.serve("--max-message-mib", "16", "--message-memory-mib", "64")
+        self.serve("--max-message-mib", "16", "--max-file-mib", "16", "--message-memory-mib", "64")
         before = self.memory()
         message = bytes(15 * MIB)
         calls = [Call(self.server.address, "QueryService/Recognize", message, hold_back=100)

@@ -53,8 +53,17 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
   CHECK(absl::IsNotFound(database.Retire(kNothing)));
 }
 
-TEST_CASE("LiveDatabase: lives on where its deletion fails", "[server]") {
+TEST_CASE("LiveDatabase: lives on where its deletion fails, or does not come in time", "[server]") {
   LiveDatabase database("db", {});
+  absl::Status late;
+  CHECK(database
+            .WhileAlive(Retiring::kRefuse,
+                        [&] {
+                          late = database.Retire(kNothing, [] { return true; });
+                          return absl::OkStatus();
+                        })
+            .ok());
+  CHECK(absl::IsCancelled(late));
   CHECK(absl::IsResourceExhausted(
       database.Retire([] { return absl::ResourceExhaustedError("disk"); })));
   CHECK_THROWS(database.Retire([]() -> absl::Status { throw std::bad_alloc(); }));

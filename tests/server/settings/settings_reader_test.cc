@@ -298,7 +298,7 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "15"}).empty());
   CHECK(memory.Check().size() == 2);  // neither the largest request nor the largest file fits
   SettingsReader small_files;
-  REQUIRE(Read(small_files, {"--store", directory / "a.db", "--message-memory-mib", "15",
+  REQUIRE(Read(small_files, {"--store", directory / "a.db", "--message-memory-mib", "31",
                              "--max-file-mib", "15"})
               .empty());
   CHECK(small_files.Check().size() == 1);

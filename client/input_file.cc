@@ -78,14 +78,14 @@ absl::Status InputFile::Read(std::size_t most, std::string& block) {
 
 absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path,
                                           std::size_t most_bytes) {
-  constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+  constexpr std::size_t kReadBytes = std::size_t{1} << 20;
   auto file = InputFile::Open(path);
   if (!file.ok()) return file.status();
   if (file->size() && *file->size() > most_bytes) return TooLarge(path, most_bytes);
   std::string bytes, block;
   do {
     // One more than is allowed shows that there is too much.
-    const std::size_t wanted = std::min(kBlockBytes, most_bytes + 1 - bytes.size());
+    const std::size_t wanted = std::min(kReadBytes, most_bytes + 1 - bytes.size());
     if (const absl::Status read = file->Read(wanted, block); !read.ok()) return read;
     bytes += block;
     if (bytes.size() > most_bytes) return TooLarge(path, most_bytes);

@@ -10,7 +10,7 @@
 namespace motiondb::tests {
 namespace {
 
-constexpr server::RepresentationLimits kLimits{.frame_rate_hz = 60, .max_frames = 20'000};
+const server::RepresentationLimits kLimits{.frame_rate_hz = 60, .max_frames = 20'000};
 
 void HoldsJoints(const core::JointMotion& motion) {
   Holds(motion.skeleton != nullptr, "joint motion has a skeleton");

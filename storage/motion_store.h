@@ -110,12 +110,15 @@ class MotionStore {
   // Removes what is left of deleted clips, but of those that the current model knows. A model that
   // is being built from one of the others cannot be put afterwards (NOT_FOUND): not to be called
   // during a build. DATA_LOSS if what is left of one cannot be read and stays; the others are
-  // removed.
-  virtual absl::Status PurgeDeletedClips(const std::string& database) = 0;
+  // removed. CANCELLED, with nothing removed, or not all where one cannot be read.
+  virtual absl::Status PurgeDeletedClips(const std::string& database,
+                                         const core::Cancelled& cancelled = {}) = 0;
 
   // Operations. PutOperation creates or replaces one of a database that there is. Operations are
   // deleted with their database; of those that ended, the last thousand of a database are kept.
-  virtual absl::Status PutOperation(const OperationRecord& record) = 0;
+  // CANCELLED, with nothing changed, where it was cancelled before its turn to be written.
+  virtual absl::Status PutOperation(const OperationRecord& record,
+                                    const core::Cancelled& cancelled = {}) = 0;
   virtual absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) = 0;
   // Newest first, by when they were created; of one database, or of all where `database` is empty.
   // `before` is the id of the last one of the page before, or empty.

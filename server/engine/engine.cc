@@ -152,8 +152,8 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
   const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
                  clip.frame_count, clip.source_report);
-    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database));
     extender_.Request(database);
+    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database, cancelled));
     return absl::OkStatus();
   };
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
@@ -171,17 +171,17 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
                               store_->DeleteClip(database, clip, terms));
     live->ForgetUnreadable(clip);
+    skeletons_.Clear();
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
     // A build at work may have read it, and purges at its end.
     if (const std::unique_lock states(live->states_mutex(), std::try_to_lock); states) {
-      PurgeDeletedClips(*store_, database);
+      PurgeDeletedClips(*store_, database, terms.cancelled);
     }
-    MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live));
+    MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live, terms.cancelled));
     return absl::OkStatus();
   });
   MOTIONDB_RETURN_IF_ERROR(deleted);
-  skeletons_.Clear();
   return operation;
 }
 
@@ -209,9 +209,17 @@ std::vector<storage::Damage> Engine::damages() {
   return damages;
 }
 
-absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operation) {
+absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operation,
+                                                     const core::Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
-  const bool is_first = !record.done() && rebuilder_.Cancel(record);
+  bool is_first = false;
+  if (!record.done()) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto database, FindDatabase(record.database));
+    MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
+      MOTIONDB_ASSIGN_OR_RETURN(is_first, rebuilder_.Cancel(*database, operation, cancelled));
+      return absl::OkStatus();
+    }));
+  }
   MOTIONDB_ASSIGN_OR_RETURN(auto after, operations_.Get(operation));
   return Cancellation{std::move(after), is_first};
 }

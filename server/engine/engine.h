@@ -91,7 +91,8 @@ class Engine {
                                                       const std::string& clip,
                                                       const storage::ChangeTerms& terms = {});
   // NOT_FOUND.
-  absl::StatusOr<Cancellation> CancelOperation(const std::string& operation);
+  absl::StatusOr<Cancellation> CancelOperation(const std::string& operation,
+                                               const core::Cancelled& cancelled = {});
 
   // Keeps an entry of the record of changes of a call that cannot wait until it is written.
   void RecordLater(const storage::AuditRecord& record);

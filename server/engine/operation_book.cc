@@ -34,19 +34,25 @@ void LogUnstored(const std::string& id, const absl::Status& error) {
 
 }  // namespace
 
-absl::StatusOr<OperationRecord> OperationBook::Create(const std::string& database) {
+absl::StatusOr<OperationRecord> OperationBook::Create(const std::string& database,
+                                                      const core::Cancelled& cancelled) {
   OperationRecord record;
   record.create_time_us = NowMicroseconds();
   record.id = NewOperationId(record.create_time_us);
   record.database = database;
-  return Adopt(std::move(record));
+  return Add(std::move(record), cancelled);
 }
 
 absl::StatusOr<OperationRecord> OperationBook::Adopt(OperationRecord record) {
+  return Add(std::move(record), {});
+}
+
+absl::StatusOr<OperationRecord> OperationBook::Add(OperationRecord record,
+                                                   const core::Cancelled& cancelled) {
   MakePending(record);
   record.update_time_us = NowMicroseconds();
-  const absl::Status stored = store_.PutOperation(record);
-  if (absl::IsNotFound(stored)) return stored;
+  const absl::Status stored = store_.PutOperation(record, cancelled);
+  if (absl::IsNotFound(stored) || absl::IsCancelled(stored)) return stored;
   if (!stored.ok()) LogUnstored(record.id, stored);
   const std::lock_guard lock(mutex_);
   Live& live = live_[record.id];
@@ -78,18 +84,18 @@ void OperationBook::Start(const std::string& id) {
   Change(id, Durability::kStored, [](OperationRecord& record) {
     record.state = OperationState::kRunning;
     record.stage = "starting";
-  });
+  }).IgnoreError();
 }
 
 void OperationBook::Advance(const std::string& id, double progress, std::string_view stage) {
   Change(id, Durability::kInMemory, [&](OperationRecord& record) {
     record.progress = progress;
     record.stage = stage;
-  });
+  }).IgnoreError();
 }
 
 void OperationBook::Postpone(const std::string& id) {
-  Change(id, Durability::kStored, MakePending);
+  Change(id, Durability::kStored, MakePending).IgnoreError();
 }
 
 void OperationBook::Succeed(const std::string& id, int model_version, const std::string& remark) {
@@ -98,7 +104,7 @@ void OperationBook::Succeed(const std::string& id, int model_version, const std:
     record.progress = 1;
     record.stage = remark.empty() ? "done" : "done, " + remark;
     record.model_version = model_version;
-  });
+  }).IgnoreError();
 }
 
 void OperationBook::Fail(const std::string& id, const absl::Status& error) {
@@ -106,29 +112,31 @@ void OperationBook::Fail(const std::string& id, const absl::Status& error) {
     record.state = OperationState::kFailed;
     record.error_code = static_cast<std::int32_t>(error.code());
     record.error_message = std::string(error.message());
-  });
+  }).IgnoreError();
 }
 
-void OperationBook::Cancel(const std::string& id) {
-  Change(id, Durability::kStored,
-         [](OperationRecord& record) { record.state = OperationState::kCancelled; });
+absl::Status OperationBook::Cancel(const std::string& id, const core::Cancelled& cancelled) {
+  const auto end = [](OperationRecord& record) { record.state = OperationState::kCancelled; };
+  return Change(id, Durability::kStored, end, cancelled);
 }
 
 void OperationBook::Abandon(const std::string& id) {
-  Change(id, Durability::kInMemory,
-         [](OperationRecord& record) { record.state = OperationState::kCancelled; });
+  Change(id, Durability::kInMemory, [](OperationRecord& record) {
+    record.state = OperationState::kCancelled;
+  }).IgnoreError();
 }
 
 // Stored first, seen after: what a client was told survives the server, if there was room for it.
 // The changes of one operation come one after another, so nothing is lost between the two.
-void OperationBook::Change(const std::string& id, Durability durability,
-                           const std::function<void(OperationRecord&)>& change) {
+absl::Status OperationBook::Change(const std::string& id, Durability durability,
+                                   const std::function<void(OperationRecord&)>& change,
+                                   const core::Cancelled& cancelled) {
   OperationRecord record;
   bool is_stored = false;
   {
     const std::lock_guard lock(mutex_);
     const auto live = live_.find(id);
-    if (live == live_.end()) return;
+    if (live == live_.end() || live->second.record.done()) return absl::OkStatus();
     record = live->second.record;
     is_stored = live->second.stored;
   }
@@ -136,7 +144,8 @@ void OperationBook::Change(const std::string& id, Durability durability,
   record.update_time_us = NowMicroseconds();
   absl::Status stored;
   if (durability == Durability::kStored) {
-    stored = store_.PutOperation(record);
+    stored = store_.PutOperation(record, cancelled);
+    if (absl::IsCancelled(stored)) return stored;
     // A database that was deleted took the rows of its operations with it.
     if (absl::IsNotFound(stored)) stored = absl::OkStatus();
     if (is_stored && !stored.ok()) LogUnstored(id, stored);
@@ -146,7 +155,7 @@ void OperationBook::Change(const std::string& id, Durability durability,
   {
     const std::lock_guard lock(mutex_);
     const auto live = live_.find(id);
-    if (live == live_.end()) return;
+    if (live == live_.end()) return absl::OkStatus();
     live->second.record = record;
     live->second.stored = is_stored;
     if (record.done()) {
@@ -156,6 +165,7 @@ void OperationBook::Change(const std::string& id, Durability durability,
     }
   }
   for (const auto& [key, watcher] : watchers) watcher(record);
+  return absl::OkStatus();
 }
 
 std::uint64_t OperationBook::Watch(const std::string& id, Watcher watcher) {

@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {
@@ -26,8 +27,10 @@ class OperationBook {
   explicit OperationBook(storage::MotionStore& store) : store_(store) {}
 
   // A new PENDING operation, stored if it can be. Ids are unique over restarts and ascend with
-  // time. NOT_FOUND, here and of Adopt, if there is no such database.
-  absl::StatusOr<storage::OperationRecord> Create(const std::string& database);
+  // time. NOT_FOUND, here and of Adopt, if there is no such database. CANCELLED, here and of
+  // Cancel, with nothing changed, where it was cancelled before its turn to be stored.
+  absl::StatusOr<storage::OperationRecord> Create(const std::string& database,
+                                                  const core::Cancelled& cancelled = {});
   // Takes up an operation that a former server left undone: it is PENDING again.
   absl::StatusOr<storage::OperationRecord> Adopt(storage::OperationRecord record);
 
@@ -48,7 +51,7 @@ class OperationBook {
   // and what there is to say about it.
   void Succeed(const std::string& id, int model_version, const std::string& remark = "");
   void Fail(const std::string& id, const absl::Status& error);
-  void Cancel(const std::string& id);
+  absl::Status Cancel(const std::string& id, const core::Cancelled& cancelled = {});
   // CANCELLED, in memory only: its database is about to go, and its row with it.
   void Abandon(const std::string& id);
 
@@ -68,8 +71,12 @@ class OperationBook {
   };
   enum class Durability { kStored, kInMemory };
 
-  void Change(const std::string& id, Durability durability,
-              const std::function<void(storage::OperationRecord&)>& change);
+  absl::StatusOr<storage::OperationRecord> Add(storage::OperationRecord record,
+                                               const core::Cancelled& cancelled);
+  // CANCELLED is all that keeps it from being made.
+  absl::Status Change(const std::string& id, Durability durability,
+                      const std::function<void(storage::OperationRecord&)>& change,
+                      const core::Cancelled& cancelled = {});
 
   storage::MotionStore& store_;
   std::mutex mutex_;

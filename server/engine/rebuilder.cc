@@ -2,13 +2,14 @@
 
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
+#include <boost/asio/post.hpp>
 #include <exception>
 #include <new>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "core/tree/divide_node.h"
+#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 namespace {
@@ -29,19 +30,43 @@ void WarnOfSingleNode(const LiveDatabase& database) {
 }  // namespace
 
 absl::StatusOr<storage::OperationRecord> Rebuilder::Request(
-    const std::shared_ptr<LiveDatabase>& database) {
+    const std::shared_ptr<LiveDatabase>& database, const core::Cancelled& cancelled) {
+  auto operation = RequestInTurn(database, cancelled);
+  // The change that asks for it was made all the same.
+  if (absl::IsCancelled(operation.status())) {
+    boost::asio::post(workers_.build_executor(), [this, database] {
+      database->WhileAlive(Retiring::kAwait, [&] { return Request(database).status(); })
+          .IgnoreError();  // where the database was deleted, so was what changed
+    });
+  }
+  return operation;
+}
+
+absl::StatusOr<storage::OperationRecord> Rebuilder::RequestInTurn(
+    const std::shared_ptr<LiveDatabase>& database, const core::Cancelled& cancelled) {
+  if (auto joined = Join(database)) return *std::move(joined);
+  std::unique_lock turn(waiting_mutex_, std::defer_lock);
+  MOTIONDB_RETURN_IF_ERROR(storage::Lock(turn, cancelled));
+  if (auto joined = Join(database)) return *std::move(joined);
+  MOTIONDB_ASSIGN_OR_RETURN(auto operation, book_.Create(database->name(), cancelled));
   const std::lock_guard lock(mutex_);
   Queue& queue = QueueOf(database);
-  queue.last_asked = Clock::now();
-  if (!queue.waiting.empty()) {
-    Arm(queue);
-    return book_.Get(queue.waiting.back());
-  }
-  MOTIONDB_ASSIGN_OR_RETURN(auto operation, book_.Create(database->name()));
-  queue.first_asked = queue.last_asked;
+  queue.first_asked = queue.last_asked = Clock::now();
   queue.waiting.push_back(operation.id);
   Arm(queue);
   return operation;
+}
+
+std::optional<storage::OperationRecord> Rebuilder::Join(
+    const std::shared_ptr<LiveDatabase>& database) {
+  const std::lock_guard lock(mutex_);
+  Queue& queue = QueueOf(database);
+  if (queue.waiting.empty()) return std::nullopt;
+  auto operation = book_.Get(queue.waiting.back());
+  if (!operation.ok()) return std::nullopt;
+  queue.last_asked = Clock::now();
+  Arm(queue);
+  return *std::move(operation);
 }
 
 void Rebuilder::Resume(const std::shared_ptr<LiveDatabase>& database,
@@ -70,21 +95,38 @@ Rebuilder::Ingest::~Ingest() {
   rebuilder_.Arm(*queue);
 }
 
-bool Rebuilder::Cancel(const storage::OperationRecord& operation) {
-  const std::lock_guard lock(mutex_);
-  const auto found = queues_.find(operation.database);
-  if (found == queues_.end()) return false;
-  Queue& queue = found->second;
-  if (const auto waiting = std::ranges::find(queue.waiting, operation.id);
-      waiting != queue.waiting.end()) {
-    queue.waiting.erase(waiting);
-    book_.Cancel(operation.id);
-    Arm(queue);
+absl::StatusOr<bool> Rebuilder::Cancel(const LiveDatabase& database, const std::string& operation,
+                                       const core::Cancelled& cancelled) {
+  if (StopRunning(database, operation)) return true;
+  std::unique_lock turn(waiting_mutex_, std::defer_lock);
+  MOTIONDB_RETURN_IF_ERROR(storage::Lock(turn, cancelled));
+  const auto change_queue = [&](const std::function<bool(Queue&)>& change) {
+    const std::lock_guard lock(mutex_);
+    Queue* const queue = FindQueue(database);
+    if (queue == nullptr || !change(*queue)) return false;
+    Arm(*queue);
     return true;
+  };
+  const bool waited =
+      change_queue([&](Queue& queue) { return std::erase(queue.waiting, operation) > 0; });
+  if (!waited) return StopRunning(database, operation);  // it may have begun since
+  const absl::Status stored = book_.Cancel(operation, cancelled);
+  if (stored.ok()) return true;
+  change_queue([&](Queue& queue) {
+    queue.waiting.push_front(operation);
+    return true;
+  });
+  return stored;
+}
+
+bool Rebuilder::StopRunning(const LiveDatabase& database, const std::string& operation) {
+  const std::lock_guard lock(mutex_);
+  Queue* const queue = FindQueue(database);
+  if (queue == nullptr || queue->running == nullptr || queue->running->operation != operation) {
+    return false;
   }
-  if (queue.running == nullptr || queue.running->operation != operation.id) return false;
   StopReason none = StopReason::kNone;
-  return queue.running->stop.compare_exchange_strong(none, StopReason::kCancelled);
+  return queue->running->stop.compare_exchange_strong(none, StopReason::kCancelled);
 }
 
 void Rebuilder::Forget(const LiveDatabase& database) {
@@ -160,7 +202,6 @@ void Rebuilder::OnTimer(const std::string& database) {
     build = TakeDue(database);
     if (build == nullptr) return;
     ++running_;
-    book_.Start(build->operation);
   }
   Run(*build);
   Finish(build);
@@ -172,8 +213,16 @@ void Rebuilder::Run(Build& build) {
     book_.Advance(build.operation, fraction, stage);
     return !stopped();
   };
+  // Nothing is stored of an operation once its database is gone: another may have its name.
+  const auto while_alive = [&](const std::function<void()>& store) {
+    return build.database->WhileAlive(Retiring::kAwait, [&] {
+      store();
+      return absl::OkStatus();
+    });
+  };
   const Clock::time_point began = Clock::now();
   absl::StatusOr<Rebuilt> rebuilt;
+  while_alive([&] { book_.Start(build.operation); }).IgnoreError();  // it finds out itself
   try {
     rebuilt =
         Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress, stopped);
@@ -188,10 +237,11 @@ void Rebuilder::Run(Build& build) {
                                                          : &RebuildTally::failed;
   // Before the operation ends, so that who waited for it finds it counted.
   build.database->CountRebuild(outcome, took.count());
-  EndOperation(build, rebuilt);
+  const absl::Status ended = while_alive([&] { StoreEnd(build, rebuilt); });
+  if (!ended.ok()) book_.Abandon(build.operation);
 }
 
-void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt) {
+void Rebuilder::StoreEnd(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt) {
   const std::string& name = build.database->name();
   if (rebuilt.ok()) {
     WarnOfSingleNode(*build.database);
@@ -201,13 +251,13 @@ void Rebuilder::EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& 
     return;
   }
   switch (build.stop) {
-    case StopReason::kForgotten:
+    case StopReason::kForgotten:  // with its database
       return book_.Abandon(build.operation);
     case StopReason::kShutdown:
       return book_.Postpone(build.operation);
     case StopReason::kCancelled:
       spdlog::info("database '{}': the rebuild was cancelled", name);
-      return book_.Cancel(build.operation);
+      return book_.Cancel(build.operation).IgnoreError();
     case StopReason::kNone:
       if (absl::IsNotFound(rebuilt.status())) return book_.Abandon(build.operation);
       // What was deleted again and again is the clients' doing; each deletion asks for a rebuild.

@@ -16,6 +16,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 
 #include "server/engine/live_database.h"
@@ -33,9 +34,11 @@ class Rebuilder {
       : store_(store), book_(book), workers_(workers), options_(options) {}
   ~Rebuilder() { Stop(); }
 
-  // The operation that will rebuild the model from the clips there are by now, at least.
-  // REQUIRES here, and where an Ingest begins: within LiveDatabase::WhileAlive.
-  absl::StatusOr<storage::OperationRecord> Request(const std::shared_ptr<LiveDatabase>& database);
+  // The operation that will rebuild the model from the clips there are by now, at least. CANCELLED
+  // where it was cancelled before that could be stored: it is then asked for again, by nobody.
+  // REQUIRES here, where an Ingest begins, and of Cancel: within LiveDatabase::WhileAlive.
+  absl::StatusOr<storage::OperationRecord> Request(const std::shared_ptr<LiveDatabase>& database,
+                                                   const core::Cancelled& cancelled = {});
   // Takes up an operation of a former server, which OperationBook::Adopt made PENDING.
   void Resume(const std::shared_ptr<LiveDatabase>& database, const std::string& operation);
 
@@ -54,8 +57,10 @@ class Rebuilder {
 
   // Asks an operation to stop: a waiting one is CANCELLED at once, one at work soon. The clips
   // stay; the next change, or the next start of the server, rebuilds. False where that changes
-  // nothing: it is over, or is to stop already.
-  bool Cancel(const storage::OperationRecord& operation);
+  // nothing: it is over, or is to stop already. CANCELLED, with nothing changed, where this was
+  // itself cancelled before that could be stored.
+  absl::StatusOr<bool> Cancel(const LiveDatabase& database, const std::string& operation,
+                              const core::Cancelled& cancelled = {});
   // The database was deleted: its operations end, and its build stops without storing anything.
   // REQUIRES: within LiveDatabase::Retire.
   void Forget(const LiveDatabase& database);
@@ -86,6 +91,13 @@ class Rebuilder {
     boost::asio::steady_timer timer;
   };
 
+  // The operation that waits already, which serves who asks now too; nothing where none does.
+  std::optional<storage::OperationRecord> Join(const std::shared_ptr<LiveDatabase>& database);
+  absl::StatusOr<storage::OperationRecord> RequestInTurn(
+      const std::shared_ptr<LiveDatabase>& database, const core::Cancelled& cancelled);
+  // Whether that stops an operation at work.
+  bool StopRunning(const LiveDatabase& database, const std::string& operation);
+
   // All with mutex_ held.
   Queue& QueueOf(const std::shared_ptr<LiveDatabase>& database);
   Queue* FindQueue(const LiveDatabase& database);
@@ -97,14 +109,16 @@ class Rebuilder {
   void OnTimer(const std::string& database);
   void Run(Build& build);
   void Finish(const std::shared_ptr<Build>& build);
-  void EndOperation(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt);
+  void StoreEnd(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt);
 
   storage::MotionStore& store_;
   OperationBook& book_;
   Workers& workers_;
   const EngineOptions options_;
 
-  std::mutex mutex_;
+  // Held by who makes an operation wait, or no longer wait, while that is stored. Before mutex_.
+  std::timed_mutex waiting_mutex_;
+  std::mutex mutex_;  // not held while anything is stored: each ingest takes it
   std::condition_variable none_runs_;
   std::map<std::string, Queue> queues_;
   int running_ = 0;

@@ -39,7 +39,8 @@ absl::Status ListOperations(const Call& call, const v1::ListOperationsRequest& r
 absl::Status CancelOperation(const Call& call, const v1::CancelOperationRequest& request,
                              v1::CancelOperationResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseOperationName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto cancellation, call.engine.CancelOperation(id));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto cancellation,
+                            call.engine.CancelOperation(id, call.cancelled));
   if (!cancellation.is_first) call.entry.NoteNoChange();
   SetOperation(cancellation.operation, *response.mutable_operation());
   return absl::OkStatus();

@@ -7,6 +7,7 @@
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
+#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 namespace {
@@ -103,9 +104,9 @@ absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t 
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
                                                        const storage::ChangeTerms& terms,
                                                        LastAdmin last_admin) {
-  std::unique_lock<std::mutex> revoking;
+  std::unique_lock revoking(revoking_mutex_, std::defer_lock);
   if (last_admin == LastAdmin::kKeep) {
-    revoking = std::unique_lock(revoking_mutex_);
+    MOTIONDB_RETURN_IF_ERROR(storage::Lock(revoking, terms.cancelled));
     MOTIONDB_RETURN_IF_ERROR(CheckIsNotLastAdmin(id, now_us));
   }
   std::shared_ptr<KnownToken> suspended;

@@ -104,7 +104,7 @@ class TokenBook {
   storage::AccessStore& store_;
   // Held over the whole of a revocation that keeps the last administrator: of two who revoke each
   // other at once, the second one finds the other gone.
-  std::mutex revoking_mutex_;
+  std::timed_mutex revoking_mutex_;
   mutable std::shared_mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
   // Nobody waits for the store under the mutex, so what was read there may be old by the time it is

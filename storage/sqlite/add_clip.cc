@@ -4,6 +4,7 @@
 #include <exception>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
 #include "storage/sqlite/audit_table.h"
@@ -34,10 +35,18 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
   std::unique_lock writing(writer_mutex_, std::defer_lock);
   if (absl::Status turn = Lock(writing, clip.cancelled); !turn.ok()) {
     if (Withdraw(own)) return turn;
-    writing.lock();
+    // Somebody is at it.
+    std::unique_lock lock(additions_mutex_);
+    additions_over_.wait(lock, [&] { return own.is_over; });
+    return own.added ? *std::move(own.added) : absl::StatusOr<ClipRecord>(std::move(turn));
   }
   if (!own.added) {
     std::vector<Addition*> together;
+    const absl::Cleanup over = [&] {
+      const std::lock_guard lock(additions_mutex_);
+      for (Addition* const addition : together) addition->is_over = true;
+      additions_over_.notify_all();
+    };
     {
       const std::lock_guard lock(additions_mutex_);
       together.swap(additions_);

@@ -20,9 +20,13 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
   int to_open = 0;
   {
     const std::lock_guard lock(mutex_);
-    for (auto& connection : idle_) leases.emplace_back(*this, std::move(connection));
-    idle_.clear();
-    to_open = std::exchange(left_to_open_, 0);
+    to_open = left_to_open_;
+    if (to_open > 0) --to_open;
+    const std::size_t stay = left_to_open_ > 0 ? 0 : 1;
+    for (; idle_.size() > stay; idle_.pop_back()) {
+      leases.emplace_back(*this, std::move(idle_.back()));
+    }
+    left_to_open_ -= to_open;
   }
   for (; to_open > 0; --to_open) {
     auto opened = OpenPromised();

@@ -36,7 +36,8 @@ class ReaderPool {
 
   // Waits for a connection if all are lent.
   absl::StatusOr<Lease> Acquire();
-  // All that are to be had without waiting, to help one that was acquired. May be none.
+  // Those that are to be had without waiting, to help one that was acquired; but one stays for
+  // whoever asks next. May be none.
   std::vector<Lease> AcquireIdle();
 
  private:

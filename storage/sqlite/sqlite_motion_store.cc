@@ -223,27 +223,31 @@ absl::Status SqliteMotionStore::DropModel(const std::string& database) {
   });
 }
 
-absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database) {
+absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database,
+                                                  const core::Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto keys, Read([&](Connection& connection) {
                               return SelectRemovedClips(connection, database);
                             }));
   if (keys.empty()) return absl::OkStatus();
-  const absl::Status together = Write([&](Connection& connection) -> absl::Status {
+  const auto all = [&](Connection& connection) -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
     return PurgeRemovedClips(connection, key);
-  });
+  };
+  const absl::Status together = Write(all, cancelled);
   if (!absl::IsDataLoss(together)) return together;
   // One cannot be freed; the others can.
   for (const std::int64_t key : keys) {
-    const absl::Status purged =
-        Write([&](Connection& connection) { return PurgeRemovedClip(connection, key); });
+    const auto one = [&](Connection& connection) { return PurgeRemovedClip(connection, key); };
+    const absl::Status purged = Write(one, cancelled);
     if (!purged.ok() && !absl::IsDataLoss(purged)) return purged;
   }
   return together;
 }
 
-absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record) {
-  return Write([&](Connection& connection) { return UpsertOperation(connection, record); });
+absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record,
+                                             const core::Cancelled& cancelled) {
+  return Write([&](Connection& connection) { return UpsertOperation(connection, record); },
+               cancelled);
 }
 
 absl::StatusOr<OperationRecord> SqliteMotionStore::GetOperation(const std::string& operation) {

@@ -5,6 +5,7 @@
 // way are added together, in one transaction.
 #pragma once
 
+#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -71,9 +72,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
                                                       int limit) override;
   absl::Status DropModel(const std::string& database) override;
-  absl::Status PurgeDeletedClips(const std::string& database) override;
+  absl::Status PurgeDeletedClips(const std::string& database,
+                                 const core::Cancelled& cancelled = {}) override;
 
-  absl::Status PutOperation(const OperationRecord& record) override;
+  absl::Status PutOperation(const OperationRecord& record,
+                            const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<OperationRecord> GetOperation(const std::string& operation) override;
   absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                               const std::string& before,
@@ -118,7 +121,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // A clip that waits to be written, and what became of it.
   struct Addition {
     const NewClip* clip = nullptr;
-    std::optional<absl::StatusOr<ClipRecord>> added;  // guarded by writer_mutex_
+    std::optional<absl::StatusOr<ClipRecord>> added;  // by who holds writer_mutex_
+    // Who took it up has ended, and so it stays. Guarded by additions_mutex_.
+    bool is_over = false;
   };
   // False: somebody has taken it up, and will write it.
   bool Withdraw(const Addition& addition);
@@ -140,6 +145,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   std::function<std::int64_t()> now_us_;
   std::mutex additions_mutex_;        // never held while writer_mutex_ is waited for
   std::vector<Addition*> additions_;  // that nobody has taken up
+  std::condition_variable additions_over_;
 };
 
 }  // namespace motiondb::storage

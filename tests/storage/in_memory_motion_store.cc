@@ -332,7 +332,8 @@ absl::Status InMemoryMotionStore::DropModel(const std::string& database) {
   return absl::OkStatus();
 }
 
-absl::Status InMemoryMotionStore::PurgeDeletedClips(const std::string& database) {
+absl::Status InMemoryMotionStore::PurgeDeletedClips(const std::string& database,
+                                                    const core::Cancelled&) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
   std::erase_if(in->deleted, [&](const NewClip& other) {
@@ -343,7 +344,8 @@ absl::Status InMemoryMotionStore::PurgeDeletedClips(const std::string& database)
   return absl::OkStatus();
 }
 
-absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record) {
+absl::Status InMemoryMotionStore::PutOperation(const OperationRecord& record,
+                                               const core::Cancelled&) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Find(record.database).status());
   const auto stored = std::ranges::find(operations_, record.id, &OperationRecord::id);

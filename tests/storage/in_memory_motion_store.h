@@ -73,9 +73,11 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
                                                                int before, int limit) override;
   absl::Status DropModel(const std::string& database) override;
-  absl::Status PurgeDeletedClips(const std::string& database) override;
+  absl::Status PurgeDeletedClips(const std::string& database,
+                                 const core::Cancelled& cancelled = {}) override;
 
-  absl::Status PutOperation(const storage::OperationRecord& record) override;
+  absl::Status PutOperation(const storage::OperationRecord& record,
+                            const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override;
   absl::StatusOr<std::vector<storage::OperationRecord>> ListOperations(const std::string& database,
                                                                        const std::string& before,

@@ -27,6 +27,8 @@ TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn co
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->AddClip(SampleClip("d", "old", 2)));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "gone", 3)));
+  REQUIRE_OK(store->DeleteClip("d", "gone"));
   REQUIRE_OK(store->access().AddToken({.id = "t"}));
   const storage::AuditRecord record{.method = "Change"};
   WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
@@ -36,6 +38,8 @@ TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn co
     CHECK(absl::IsCancelled(store->DeleteClip("d", "old", terms()).status()));
     CHECK(absl::IsCancelled(store->access().AddToken({.id = "u"}, terms())));
     CHECK(absl::IsCancelled(store->access().RevokeToken("t", 1, terms()).status()));
+    CHECK(absl::IsCancelled(store->PurgeDeletedClips("d", AfterAWhile())));
+    CHECK(absl::IsCancelled(store->PutOperation(SampleOperation("d", "op"), AfterAWhile())));
     storage::NewClip clip = SampleClip("d", "new", 3);
     clip.cancelled = AfterAWhile();
     CHECK(absl::IsCancelled(store->AddClip(clip).status()));
@@ -49,6 +53,7 @@ TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn co
   REQUIRE(tokens.size() == 1);
   CHECK(tokens[0].revoke_time_us == 0);
   CHECK(Require(store->access().ListAuditRecords(0, 10)).size() == 1);
+  CHECK(Require(store->ListOperations("d", "", 10)).empty());
   // Nothing of it is left in the way.
   REQUIRE_OK(store->AddClip(SampleClip("d", "new", 3)));
 }

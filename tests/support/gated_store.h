@@ -139,13 +139,15 @@ class GatedStore : public storage::MotionStore {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
     return store_->DropModel(database);
   }
-  absl::Status PurgeDeletedClips(const std::string& database) override {
+  absl::Status PurgeDeletedClips(const std::string& database,
+                                 const core::Cancelled& cancelled = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->PurgeDeletedClips(database);
+    return store_->PurgeDeletedClips(database, cancelled);
   }
-  absl::Status PutOperation(const storage::OperationRecord& record) override {
+  absl::Status PutOperation(const storage::OperationRecord& record,
+                            const core::Cancelled& cancelled = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->WriteOperation());
-    return store_->PutOperation(record);
+    return store_->PutOperation(record, cancelled);
   }
   absl::StatusOr<storage::OperationRecord> GetOperation(const std::string& operation) override {
     return store_->GetOperation(operation);

@@ -65,7 +65,7 @@ TEST_CASE("OperationBook: a failure keeps its code and message", "[server]") {
 TEST_CASE("OperationBook: what is done stays as it is", "[server]") {
   Book book;
   const std::string id = book->Create("db")->id;
-  book->Cancel(id);
+  CHECK(book->Cancel(id).ok());
   book->Succeed(id, 1);
   CHECK(book->Get(id)->state == OperationState::kCancelled);
 }
@@ -163,6 +163,25 @@ TEST_CASE("OperationBook: without room in the store it lives in memory, and the 
   CHECK(log.line_count() == 1);
 }
 
+TEST_CASE("OperationBook: what is no longer wanted when its turn comes changes nothing",
+          "[server]") {
+  const Log log;
+  const core::Cancelled at_once = [] { return true; };
+  Book book;
+  CHECK(absl::IsCancelled(book->Create("db", at_once).status()));
+  CHECK(book->List("db", "", 10)->empty());
+  const std::string id = book->Create("db")->id;
+  int called = 0;
+  book->Watch(id, [&](const storage::OperationRecord&) { ++called; });
+  CHECK(absl::IsCancelled(book->Cancel(id, at_once)));
+  CHECK(book->Get(id)->state == OperationState::kPending);
+  CHECK(called == 0);
+  CHECK(book->Cancel(id).ok());
+  CHECK(book->Get(id)->state == OperationState::kCancelled);
+  CHECK(called == 1);
+  CHECK(log.line_count() == 0);
+}
+
 TEST_CASE("OperationBook: a deleted database takes its operations along, and nothing is amiss",
           "[server]") {
   const Log log;
@@ -174,7 +193,7 @@ TEST_CASE("OperationBook: a deleted database takes its operations along, and not
   REQUIRE(book.store().DeleteDatabase("db").ok());
   book->Start(building);
   book->Succeed(building, 1);
-  book->Cancel(waiting);
+  CHECK(book->Cancel(waiting).ok());
   CHECK(called == 1);
   CHECK(absl::IsNotFound(book->Get(building).status()));
   CHECK(absl::IsNotFound(book->Get(waiting).status()));

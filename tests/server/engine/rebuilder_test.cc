@@ -1,9 +1,12 @@
 // When models are rebuilt: bursts, changes during a build, cancelling, deleting.
+#include <atomic>
 #include <catch2/catch.hpp>
+#include <future>
 #include <thread>
 #include <vector>
 
 #include "tests/support/captured_log.h"
+#include "tests/support/slow_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -64,6 +67,111 @@ TEST_CASE("Rebuilder: waits for an ingest in flight, but not for ever", "[server
   REQUIRE(ingested.ok());
   CHECK(engine.Wait(ingested->operation.id).state == OperationState::kSucceeded);
   CHECK(std::chrono::steady_clock::now() - asked >= std::chrono::milliseconds(400));
+}
+
+// An engine whose disk can be held where an operation is stored.
+class SlowEngine {
+ public:
+  explicit SlowEngine(const server::EngineOptions& options = TestEngine::QuickOptions())
+      : engine_(*server::Engine::Open(std::make_unique<SlowStore>(disk_), options)) {}
+  server::Engine* operator->() { return engine_.get(); }
+  Gate& disk() { return *disk_; }
+  std::shared_ptr<server::LiveDatabase> Create(const std::string& name) {
+    const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
+    CHECK(engine_->CreateDatabase(name, settings, {server::kSourceMarkerSet, ""}).ok());
+    return *engine_->FindDatabase(name);
+  }
+  absl::StatusOr<server::Ingested> Ingest(const std::string& database,
+                                          const core::Cancelled& cancelled = {}) {
+    server::IngestFile file;
+    file.file_name = "walk.bvh";
+    file.file_bytes = WriteBvh(Walk(0));
+    return engine_->Ingest(*engine_->FindDatabase(database), std::move(file), cancelled);
+  }
+
+ private:
+  const std::shared_ptr<Gate> disk_ = std::make_shared<Gate>();
+  const std::unique_ptr<server::Engine> engine_;
+};
+
+TEST_CASE("Rebuilder: an operation that is being stored holds up no ingest", "[server][rebuild]") {
+  SlowEngine engine;
+  const auto slow = engine.Create("slow");
+  const auto other = engine.Create("other");
+  const auto others_go_on = [&] {
+    engine.disk().AwaitArrival();
+    CHECK(engine->BeginIngest(other).ok());
+    CHECK(engine->BeginIngest(slow).ok());
+    engine.disk().Open();
+  };
+  engine.disk().Close();
+  absl::StatusOr<server::Ingested> ingested;
+  std::thread ingesting([&] { ingested = engine.Ingest("slow"); });
+  others_go_on();  // while it is made
+  ingesting.join();
+  REQUIRE(ingested.ok());
+  engine.disk().Close();
+  others_go_on();  // while it begins or ends
+  CHECK(engine->operations().Get(ingested->operation.id).ok());
+}
+
+TEST_CASE("Rebuilder: who gives up before the rebuild is stored gets no operation, but the rebuild",
+          "[server][rebuild]") {
+  SlowEngine engine;
+  engine.Create("db");
+  engine.disk().Close();
+  std::atomic<bool> is_late = false;
+  absl::StatusOr<server::Ingested> ingested;
+  std::thread ingesting([&] { ingested = engine.Ingest("db", [&] { return is_late.load(); }); });
+  engine.disk().AwaitArrival();
+  is_late = true;
+  engine.disk().Open();
+  ingesting.join();
+  CHECK(absl::IsCancelled(ingested.status()));
+  CHECK(engine->store().GetClip("db", "walk").ok());
+  while ((*engine->FindDatabase("db"))->snapshot() == nullptr) std::this_thread::yield();
+  CHECK(engine->operations().List("db", "", 10)->size() == 1);
+}
+
+TEST_CASE("Rebuilder: a cancellation that comes too late to be stored changes nothing",
+          "[server][rebuild]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_delay = options.rebuild_delay_limit = std::chrono::hours(1);
+  TestEngine engine(options);
+  engine.Create("db");
+  const auto ingested = engine.Ingest("db", "walk", Walk(0));
+  REQUIRE(ingested.ok());
+  const std::string id = ingested->operation.id;
+  CHECK(absl::IsCancelled(engine->CancelOperation(id, [] { return true; }).status()));
+  CHECK(engine->operations().Get(id)->state == OperationState::kPending);
+  CHECK((*engine->FindDatabase("db"))->operation() == id);
+  const auto cancellation = engine->CancelOperation(id);
+  REQUIRE(cancellation.ok());
+  CHECK(cancellation->is_first);
+  CHECK(engine->store().GetOperation(id)->state == OperationState::kCancelled);
+}
+
+TEST_CASE(
+    "Rebuilder: what begins while its database is deleted is nothing of the next of that name",
+    "[server][rebuild]") {
+  SlowEngine engine;
+  engine.Create("db");
+  const auto ingested = engine.Ingest("db");
+  REQUIRE(ingested.ok());
+  std::promise<void> over;
+  const auto watch = engine->operations().Watch(ingested->operation.id,
+                                                [&](const auto&) { over.set_value(); });
+  engine.disk().Close();
+  engine.disk().AwaitArrival();
+  std::thread replacing([&] {
+    CHECK(engine->DeleteDatabase("db").ok());
+    engine.Create("db");
+  });
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  engine.disk().Open();
+  replacing.join();
+  if (watch != 0) over.get_future().wait();
+  CHECK(engine->operations().List("db", "", 10)->empty());
 }
 
 TEST_CASE("Rebuilder: what comes during a build gets the next", "[server][rebuild]") {

@@ -6,8 +6,7 @@
 #include <thread>
 
 #include "server/observability/call_watch.h"
-#include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/support/gated_store.h"
+#include "tests/support/slow_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -168,21 +167,6 @@ TEST_CASE("Monitor: databases, their models and rebuilds, until they are deleted
   REQUIRE(engine->DeleteDatabase("walks").ok());
   CHECK_THAT(monitor.Exposition(), !Contains("walks"));
 }
-
-// A store whose disk takes its time with operations.
-class SlowStore final : public GatedStore {
- public:
-  explicit SlowStore(std::shared_ptr<Gate> disk)
-      : GatedStore(*storage::SqliteMotionStore::Open(":memory:"), std::make_shared<Gate>()),
-        disk_(std::move(disk)) {}
-  absl::Status PutOperation(const storage::OperationRecord& record) override {
-    disk_->Pass();
-    return GatedStore::PutOperation(record);
-  }
-
- private:
-  const std::shared_ptr<Gate> disk_;
-};
 
 TEST_CASE("Monitor: figures do not wait for a slow disk", "[server][monitor]") {
   const auto disk = std::make_shared<Gate>();

@@ -110,7 +110,7 @@ class MotionStore {
   // Removes what is left of deleted clips, but of those that the current model knows. A model that
   // is being built from one of the others cannot be put afterwards (NOT_FOUND): not to be called
   // during a build. DATA_LOSS if what is left of one cannot be read and stays; the others are
-  // removed. CANCELLED, with nothing removed, or not all where one cannot be read.
+  // removed. CANCELLED, with nothing removed.
   virtual absl::Status PurgeDeletedClips(const std::string& database,
                                          const core::Cancelled& cancelled = {}) = 0;
 

@@ -213,12 +213,15 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
                                                      const core::Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
   bool is_first = false;
-  if (!record.done()) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto database, FindDatabase(record.database));
-    MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
-      MOTIONDB_ASSIGN_OR_RETURN(is_first, rebuilder_.Cancel(*database, operation, cancelled));
+  const auto database = FindDatabase(record.database);
+  if (!record.done() && database.ok()) {
+    const auto cancel = [&]() -> absl::Status {
+      MOTIONDB_ASSIGN_OR_RETURN(is_first, rebuilder_.Cancel(**database, operation, cancelled));
       return absl::OkStatus();
-    }));
+    };
+    const absl::Status done = (*database)->WhileAlive(Retiring::kRefuse, cancel);
+    // One whose database was deleted ends by itself.
+    if (!done.ok() && !absl::IsNotFound(done)) return done;
   }
   MOTIONDB_ASSIGN_OR_RETURN(auto after, operations_.Get(operation));
   return Cancellation{std::move(after), is_first};

@@ -83,14 +83,16 @@ class Engine {
   // Announces an ingest, for as long as the result lives, so that a rebuild waits for it.
   absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> BeginIngest(
       const std::shared_ptr<LiveDatabase>& database);
-  // See IngestClip; with the rebuild that will make the clip known.
+  // See IngestClip; with the rebuild that will make the clip known. CANCELLED also, here and of
+  // DeleteClip, where the change was made but the rebuild not yet asked for: it will be.
   absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database, IngestFile file,
                                   const core::Cancelled& cancelled);
-  // Returns the rebuild that takes the clip out of the model. NOT_FOUND.
+  // Returns the rebuild that takes the clip out of the model. NOT_FOUND, UNAVAILABLE (here and of
+  // CancelOperation: the database is being deleted).
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
                                                       const storage::ChangeTerms& terms = {});
-  // NOT_FOUND.
+  // NOT_FOUND. CANCELLED, with nothing changed.
   absl::StatusOr<Cancellation> CancelOperation(const std::string& operation,
                                                const core::Cancelled& cancelled = {});
 

@@ -2,11 +2,13 @@
 
 #include <spdlog/spdlog.h>
 
+#include <algorithm>
 #include <boost/asio/post.hpp>
 #include <exception>
 #include <new>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "core/tree/divide_node.h"
 #include "storage/cancellable_lock.h"
@@ -61,7 +63,7 @@ std::optional<storage::OperationRecord> Rebuilder::Join(
     const std::shared_ptr<LiveDatabase>& database) {
   const std::lock_guard lock(mutex_);
   Queue& queue = QueueOf(database);
-  if (queue.waiting.empty()) return std::nullopt;
+  if (queue.waiting.empty() || queue.waiting.back() == queue.held_back) return std::nullopt;
   auto operation = book_.Get(queue.waiting.back());
   if (!operation.ok()) return std::nullopt;
   queue.last_asked = Clock::now();
@@ -97,26 +99,34 @@ Rebuilder::Ingest::~Ingest() {
 
 absl::StatusOr<bool> Rebuilder::Cancel(const LiveDatabase& database, const std::string& operation,
                                        const core::Cancelled& cancelled) {
-  if (StopRunning(database, operation)) return true;
+  bool is_stopped = false;  // a waiting one may begin at any moment
+  const auto stop_or_give_up = [&] {
+    is_stopped = StopRunning(database, operation);
+    return is_stopped || (cancelled && cancelled());
+  };
   std::unique_lock turn(waiting_mutex_, std::defer_lock);
-  MOTIONDB_RETURN_IF_ERROR(storage::Lock(turn, cancelled));
-  const auto change_queue = [&](const std::function<bool(Queue&)>& change) {
+  const absl::Status locked = storage::Lock(turn, stop_or_give_up);
+  if (is_stopped) return true;
+  MOTIONDB_RETURN_IF_ERROR(locked);
+  if (!HoldBack(database, operation)) return StopRunning(database, operation);
+  bool is_stored = false;
+  const absl::Cleanup end = [&] {
     const std::lock_guard lock(mutex_);
     Queue* const queue = FindQueue(database);
-    if (queue == nullptr || !change(*queue)) return false;
+    if (is_stored) std::erase(queue->waiting, operation);
+    queue->held_back.clear();
     Arm(*queue);
-    return true;
   };
-  const bool waited =
-      change_queue([&](Queue& queue) { return std::erase(queue.waiting, operation) > 0; });
-  if (!waited) return StopRunning(database, operation);  // it may have begun since
-  const absl::Status stored = book_.Cancel(operation, cancelled);
-  if (stored.ok()) return true;
-  change_queue([&](Queue& queue) {
-    queue.waiting.push_front(operation);
-    return true;
-  });
-  return stored;
+  MOTIONDB_RETURN_IF_ERROR(book_.Cancel(operation, cancelled));
+  return is_stored = true;
+}
+
+bool Rebuilder::HoldBack(const LiveDatabase& database, const std::string& operation) {
+  const std::lock_guard lock(mutex_);
+  Queue* const queue = FindQueue(database);
+  if (queue == nullptr || !std::ranges::count(queue->waiting, operation)) return false;
+  queue->held_back = operation;
+  return true;
 }
 
 bool Rebuilder::StopRunning(const LiveDatabase& database, const std::string& operation) {
@@ -186,6 +196,7 @@ std::shared_ptr<Rebuilder::Build> Rebuilder::TakeDue(const std::string& database
   if (stopped_ || found == queues_.end()) return nullptr;
   Queue& queue = found->second;
   if (queue.running != nullptr || queue.waiting.empty()) return nullptr;
+  if (queue.waiting.front() == queue.held_back) return nullptr;
   if (Clock::now() < DueTime(queue)) return nullptr;  // the timer was set anew since
   queue.running = std::make_shared<Build>();
   queue.running->operation = std::move(queue.waiting.front());

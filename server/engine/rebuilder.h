@@ -84,6 +84,7 @@ class Rebuilder {
         : database(std::move(for_database)), timer(executor) {}
     std::shared_ptr<LiveDatabase> database;
     std::deque<std::string> waiting;  // more than one only after a restart
+    std::string held_back;  // of those, while its cancellation is stored: not begun, not joined
     Clock::time_point first_asked;
     Clock::time_point last_asked;
     int ingests = 0;
@@ -95,6 +96,8 @@ class Rebuilder {
   std::optional<storage::OperationRecord> Join(const std::shared_ptr<LiveDatabase>& database);
   absl::StatusOr<storage::OperationRecord> RequestInTurn(
       const std::shared_ptr<LiveDatabase>& database, const core::Cancelled& cancelled);
+  // False where the operation does not wait.
+  bool HoldBack(const LiveDatabase& database, const std::string& operation);
   // Whether that stops an operation at work.
   bool StopRunning(const LiveDatabase& database, const std::string& operation);
 

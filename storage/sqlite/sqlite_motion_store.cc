@@ -239,6 +239,7 @@ absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database,
   for (const std::int64_t key : keys) {
     const auto one = [&](Connection& connection) { return PurgeRemovedClip(connection, key); };
     const absl::Status purged = Write(one, cancelled);
+    if (absl::IsCancelled(purged)) break;
     if (!purged.ok() && !absl::IsDataLoss(purged)) return purged;
   }
   return together;

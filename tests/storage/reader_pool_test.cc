@@ -14,7 +14,7 @@ TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][c
   {
     const auto first = pool.Acquire();
     REQUIRE_OK(first);
-    CHECK(pool.AcquireIdle().size() == 2);  // none was open
+    CHECK(pool.AcquireIdle().size() == 2);  // none was idle
     const auto helping = pool.AcquireIdle();
     CHECK(helping.size() == 2);  // two are open, one is not
     CHECK(pool.AcquireIdle().empty());

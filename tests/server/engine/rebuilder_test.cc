@@ -104,6 +104,7 @@ TEST_CASE("Rebuilder: an operation that is being stored holds up no ingest", "[s
     CHECK(engine->BeginIngest(slow).ok());
     engine.disk().Open();
   };
+  auto waiting = *engine->BeginIngest(slow);
   engine.disk().Close();
   absl::StatusOr<server::Ingested> ingested;
   std::thread ingesting([&] { ingested = engine.Ingest("slow"); });
@@ -111,7 +112,8 @@ TEST_CASE("Rebuilder: an operation that is being stored holds up no ingest", "[s
   ingesting.join();
   REQUIRE(ingested.ok());
   engine.disk().Close();
-  others_go_on();  // while it begins or ends
+  waiting.reset();
+  others_go_on();  // while it begins
   CHECK(engine->operations().Get(ingested->operation.id).ok());
 }
 
@@ -129,7 +131,11 @@ TEST_CASE("Rebuilder: who gives up before the rebuild is stored gets no operatio
   ingesting.join();
   CHECK(absl::IsCancelled(ingested.status()));
   CHECK(engine->store().GetClip("db", "walk").ok());
-  while ((*engine->FindDatabase("db"))->snapshot() == nullptr) std::this_thread::yield();
+  const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while ((*engine->FindDatabase("db"))->snapshot() == nullptr) {
+    REQUIRE(std::chrono::steady_clock::now() < limit);
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
 }
 
@@ -142,9 +148,14 @@ TEST_CASE("Rebuilder: a cancellation that comes too late to be stored changes no
   const auto ingested = engine.Ingest("db", "walk", Walk(0));
   REQUIRE(ingested.ok());
   const std::string id = ingested->operation.id;
-  CHECK(absl::IsCancelled(engine->CancelOperation(id, [] { return true; }).status()));
-  CHECK(engine->operations().Get(id)->state == OperationState::kPending);
-  CHECK((*engine->FindDatabase("db"))->operation() == id);
+  for (const int turns : {0, 1}) {  // of the queue of operations, and of the store
+    INFO(turns);
+    const core::Cancelled late = [asked = 0, turns]() mutable { return asked++ >= turns; };
+    CHECK(absl::IsCancelled(engine->CancelOperation(id, late).status()));
+    CHECK(engine->operations().Get(id)->state == OperationState::kPending);
+    CHECK((*engine->FindDatabase("db"))->operation() == id);
+    CHECK(engine.Ingest("db", "walk", Walk(turns + 1))->operation.id == id);
+  }
   const auto cancellation = engine->CancelOperation(id);
   REQUIRE(cancellation.ok());
   CHECK(cancellation->is_first);
@@ -155,13 +166,14 @@ TEST_CASE(
     "Rebuilder: what begins while its database is deleted is nothing of the next of that name",
     "[server][rebuild]") {
   SlowEngine engine;
-  engine.Create("db");
+  auto waiting = *engine->BeginIngest(engine.Create("db"));
   const auto ingested = engine.Ingest("db");
   REQUIRE(ingested.ok());
   std::promise<void> over;
-  const auto watch = engine->operations().Watch(ingested->operation.id,
-                                                [&](const auto&) { over.set_value(); });
+  const auto watch =
+      engine->operations().Watch(ingested->operation.id, [&](const auto&) { over.set_value(); });
   engine.disk().Close();
+  waiting.reset();
   engine.disk().AwaitArrival();
   std::thread replacing([&] {
     CHECK(engine->DeleteDatabase("db").ok());

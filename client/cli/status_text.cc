@@ -1,10 +1,11 @@
 #include "client/cli/status_text.h"
 
-#include <fmt/format.h>
+#include <fmt/chrono.h>
 #include <google/protobuf/util/time_util.h>
 #include <motiondb/v1/store.pb.h>
 
 #include <algorithm>
+#include <ctime>
 #include <vector>
 
 #include "client/cli/resource_name.h"
@@ -23,7 +24,12 @@ double SecondsOf(const google::protobuf::Duration& duration) {
 }
 
 std::string ConnectionText(const v1::GetServerStatusResponse& status) {
-  return fmt::format("{}, {}", status.encrypted() ? "encrypted" : "not encrypted",
+  std::string wire = status.encrypted() ? "encrypted" : "not encrypted";
+  if (status.has_certificate_end_time()) {
+    const auto end = static_cast<std::time_t>(status.certificate_end_time().seconds());
+    wire += fmt::format(" by a certificate until {:%Y-%m-%d %H:%M} UTC", fmt::gmtime(end));
+  }
+  return fmt::format("{}, {}", wire,
                      status.authenticated() ? "callers say who they are"
                                             : "anybody who reaches it may do anything");
 }
@@ -94,7 +100,7 @@ std::string MethodsText(const v1::GetServerStatusResponse& status) {
   return text;
 }
 
-// "12", "12, 1 failed, 2 cancelled".
+// "12 in 3.20 s", "12, 1 failed, 2 cancelled in 3.20 s".
 std::string RebuildsText(const v1::DatabaseStatus& database) {
   std::string text = std::to_string(database.succeeded_rebuild_count());
   if (database.failed_rebuild_count() > 0) {
@@ -103,6 +109,9 @@ std::string RebuildsText(const v1::DatabaseStatus& database) {
   if (database.cancelled_rebuild_count() > 0) {
     text += fmt::format(", {} cancelled", database.cancelled_rebuild_count());
   }
+  if (database.has_rebuild_time() && text != "0") {
+    text += fmt::format(" in {}", LatencyText(SecondsOf(database.rebuild_time())));
+  }
   return text;
 }
 
@@ -110,9 +119,10 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   if (status.databases().empty()) return "no databases yet: make one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
-               {"MODEL FRAMES", Align::kRight},
+               {"FRAMES", Align::kRight},
                {"SIZE", Align::kRight},
                {"MODEL", Align::kRight},
+               {"OF FRAMES", Align::kRight},
                {"AGE", Align::kRight},
                {"BUILT IN", Align::kRight},
                {"REBUILDS"},
@@ -120,8 +130,9 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   for (const v1::DatabaseStatus& database : status.databases()) {
     const bool has_model = database.model_version() > 0;
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
-                  std::to_string(database.frame_count()), BytesText(database.byte_count()),
+                  std::to_string(database.stored_frame_count()), BytesText(database.byte_count()),
                   has_model ? std::to_string(database.model_version()) : "none",
+                  has_model ? std::to_string(database.frame_count()) : "",
                   has_model ? DurationText(database.model_age().seconds()) : "",
                   has_model ? LatencyText(SecondsOf(database.model_build_time())) : "",
                   RebuildsText(database), WorkText(database)});

@@ -128,8 +128,9 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
       database.settings().frame_rate_hz, options.max_frames, {Allowed::kAllWork, cancelled}};
   auto states = RepresentWithin(limits, *scheme, source->motion, core::Gaps::kFill,
                                 file.leg_length_m, &notes);
-  if (absl::IsInvalidArgument(states.status())) {
-    return core::InvalidArgument("{}: {}", file.file_name, std::string(states.status().message()));
+  if (const absl::Status& status = states.status();
+      absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status)) {
+    return {status.code(), fmt::format("{}: {}", file.file_name, std::string(status.message()))};
   }
   if (!states.ok()) return states.status();
   if (states->frame_count() < kFewestFrames) {

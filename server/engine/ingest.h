@@ -32,9 +32,9 @@ struct IngestFile {
 // Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns
 // the clip when it is durable; on any error but one of `stored` nothing has changed. Codes:
 // INVALID_ARGUMENT (file, line and what was expected), ALREADY_EXISTS, NOT_FOUND (the database was
-// deleted), RESOURCE_EXHAUSTED (the database may not hold so much), CANCELLED (asked before
-// anything is stored: the end of a stream whose sender died looks like the end of the file), and
-// those of the store. Thread-safe.
+// deleted), RESOURCE_EXHAUSTED (the clip is too long, or the database may not hold so much),
+// CANCELLED (asked before anything is stored: the end of a stream whose sender died looks like the
+// end of the file), and those of the store. Thread-safe.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
     const EngineOptions& options, const core::ParallelFor& parallel,

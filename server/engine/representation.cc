@@ -26,6 +26,10 @@ absl::Status HeavyWork() {
   return status;
 }
 
+absl::Status TooLong(const std::string& how) {
+  return absl::ResourceExhaustedError("the motion " + how + " (--max-frames): send it in parts");
+}
+
 double FrameCount(const core::Motion& motion) {
   if (const auto* joints = std::get_if<core::JointMotion>(&motion)) {
     return static_cast<double>(joints->angles.rows());
@@ -47,23 +51,22 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion) {
   const double own_frames = FrameCount(motion);
   if (own_frames > limits.max_frames) {
-    return core::InvalidArgument("the motion has {} frames; at most {} are taken", own_frames,
-                                 limits.max_frames);
+    return TooLong(
+        fmt::format("has {} frames; at most {} are taken", own_frames, limits.max_frames));
   }
   const double seconds = own_frames / FrameRate(motion);
   const double frames = std::max(own_frames, seconds * limits.frame_rate_hz);
   if (!(frames <= limits.max_frames)) {
-    return core::InvalidArgument(
-        "the motion has {} frames at {:g} Hz, {:g} s; at the database's {:g} Hz at most {} frames "
-        "({:g} s) are taken",
+    return TooLong(fmt::format(
+        "has {} frames at {:g} Hz, {:g} s; at the database's {:g} Hz at most {} frames ({:g} s) "
+        "are taken",
         own_frames, FrameRate(motion), seconds, limits.frame_rate_hz, limits.max_frames,
-        limits.max_frames / limits.frame_rate_hz);
+        limits.max_frames / limits.frame_rate_hz));
   }
   const double points = frames * marker_count;
   if (points > limits.max_frames * kUsualMarkers) {
-    return core::InvalidArgument(
-        "the motion has {:.0f} frames; of {} markers at most {:.0f} are taken", frames,
-        marker_count, limits.max_frames * kUsualMarkers / marker_count);
+    return TooLong(fmt::format("has {:.0f} frames; of {} markers at most {:.0f} are taken", frames,
+                               marker_count, limits.max_frames * kUsualMarkers / marker_count));
   }
   const auto* const joints = std::get_if<core::JointMotion>(&motion);
   const double placings = joints == nullptr ? 0 : own_frames * joints->skeleton->joint_count();

@@ -32,7 +32,7 @@ struct RepresentationLimits {
 // Whether a motion was not represented because that is heavy work, which was not allowed.
 bool IsHeavyWork(const absl::Status& status);
 
-// As core::Represent. INVALID_ARGUMENT also for a motion that lasts too long: a file of a few bytes
+// As core::Represent. RESOURCE_EXHAUSTED for a motion that lasts too long: a file of a few bytes
 // can claim to last a century. CANCELLED.
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
@@ -40,8 +40,9 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes = nullptr);
 
-// Before a motion becomes the markers of a set, at the limits' frame rate. INVALID_ARGUMENT for one
-// that lasts too long or has more joints in its frames than can be placed; IsHeavyWork.
+// Before a motion becomes the markers of a set, at the limits' frame rate. RESOURCE_EXHAUSTED for
+// one that lasts too long, INVALID_ARGUMENT for one that has more joints in its frames than can be
+// placed; IsHeavyWork.
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion);
 

@@ -47,36 +47,40 @@ Workers::Workers(const EngineOptions& options)
 
 Workers::~Workers() { Join(); }
 
-std::function<void()> Workers::Counted(std::function<void()> work) {
-  queued_.fetch_add(1, std::memory_order_relaxed);
-  return [this, work = std::move(work)] {
-    queued_.fetch_sub(1, std::memory_order_relaxed);
+std::function<void()> Workers::Counted(std::atomic<int>& queued, std::function<void()> work) {
+  queued.fetch_add(1, std::memory_order_relaxed);
+  return [&queued, work = std::move(work)] {
+    queued.fetch_sub(1, std::memory_order_relaxed);
     work();
   };
 }
 
 void Workers::Post(std::function<void()> work) {
-  boost::asio::post(requests_, Counted(std::move(work)));
+  boost::asio::post(requests_, Counted(queued_requests_, std::move(work)));
 }
 
 void Workers::PostHeavy(std::function<void()> work) {
-  heavy_requests_.Post(Counted(std::move(work)));
+  heavy_requests_.Post(Counted(queued_heavy_, std::move(work)));
 }
 
 void Workers::PostChange(std::function<void()> work) {
-  boost::asio::post(changes_, Counted(std::move(work)));
+  boost::asio::post(changes_, Counted(queued_changes_, std::move(work)));
 }
 
 void Workers::PostUrgentChange(std::function<void()> work) {
-  boost::asio::post(urgent_changes_, Counted(std::move(work)));
+  boost::asio::post(urgent_changes_, Counted(queued_urgent_, std::move(work)));
 }
 
 void Workers::PostUpkeep(std::function<void()> work) {
-  queued_upkeep_.fetch_add(1, std::memory_order_relaxed);
-  boost::asio::post(upkeep_, Counted([this, work = std::move(work)] {
-                      queued_upkeep_.fetch_sub(1, std::memory_order_relaxed);
-                      work();
-                    }));
+  boost::asio::post(upkeep_, Counted(queued_upkeep_, std::move(work)));
+}
+
+QueueLengths Workers::queued() const {
+  return {.requests = queued_requests_.load(std::memory_order_relaxed),
+          .heavy_requests = queued_heavy_.load(std::memory_order_relaxed),
+          .changes = queued_changes_.load(std::memory_order_relaxed),
+          .urgent_changes = queued_urgent_.load(std::memory_order_relaxed),
+          .upkeep = queued_upkeep_.load(std::memory_order_relaxed)};
 }
 
 core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }

@@ -15,6 +15,15 @@
 
 namespace motiondb::server {
 
+// Pieces of work that no thread has begun, by the threads that they wait for.
+struct QueueLengths {
+  int requests = 0;
+  int heavy_requests = 0;
+  int changes = 0;
+  int urgent_changes = 0;
+  int upkeep = 0;
+};
+
 class Workers {
  public:
   using Executor = boost::asio::thread_pool::executor_type;
@@ -35,8 +44,7 @@ class Workers {
   void PostUpkeep(std::function<void()> work);
   // Whether such work waits for that thread.
   bool upkeep_waits() const { return queued_upkeep_.load(std::memory_order_relaxed) > 0; }
-  // Pieces of work of these kinds that no thread has begun.
-  int queued() const { return queued_.load(std::memory_order_relaxed); }
+  QueueLengths queued() const;
   int request_threads() const { return request_threads_; }
 
   Executor request_executor() { return requests_.get_executor(); }
@@ -53,12 +61,15 @@ class Workers {
   void Join();
 
  private:
-  // The work, counted as queued until it begins.
-  std::function<void()> Counted(std::function<void()> work);
+  // The work, counted in its queue until it begins.
+  static std::function<void()> Counted(std::atomic<int>& queued, std::function<void()> work);
 
   const int request_threads_;
   const int build_threads_;
-  std::atomic<int> queued_{0};
+  std::atomic<int> queued_requests_{0};
+  std::atomic<int> queued_heavy_{0};
+  std::atomic<int> queued_changes_{0};
+  std::atomic<int> queued_urgent_{0};
   std::atomic<int> queued_upkeep_{0};
   boost::asio::thread_pool requests_;
   boost::asio::thread_pool builds_;

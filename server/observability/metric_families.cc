@@ -73,8 +73,13 @@ void AddServer(const ServerFigures& figures, Families& families) {
                figures.open_calls);
   families.Add(MetricType::Gauge, "motiondb_open_streams", "Streams of frames under way.",
                figures.open_streams);
-  families.Add(MetricType::Gauge, "motiondb_queue_length",
-               "Pieces of work that wait for a request thread.", figures.queued_calls);
+  families.Begin(MetricType::Gauge, "motiondb_queue_length",
+                 "Pieces of work that wait for a thread.");
+  families.Put({{"queue", "requests"}}, figures.queued.requests);
+  families.Put({{"queue", "heavy_requests"}}, figures.queued.heavy_requests);
+  families.Put({{"queue", "changes"}}, figures.queued.changes);
+  families.Put({{"queue", "urgent_changes"}}, figures.queued.urgent_changes);
+  families.Put({{"queue", "upkeep"}}, figures.queued.upkeep);
   families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that work on requests.",
                figures.request_threads);
   families.Add(MetricType::Gauge, "motiondb_store_bytes", "Size of the store's file.",

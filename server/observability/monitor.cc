@@ -85,7 +85,7 @@ ServerFigures Monitor::Figures() const {
   }
   const std::shared_lock lock(engine_mutex_);
   if (engine_ == nullptr) return figures;
-  figures.queued_calls = engine_->workers().queued();
+  figures.queued = engine_->workers().queued();
   figures.request_threads = engine_->workers().request_threads();
   figures.damages = engine_->damages();
   for (const auto& database : engine_->Databases()) {

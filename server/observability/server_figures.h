@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/engine/live_database.h"
+#include "server/engine/workers.h"
 #include "server/observability/call_meter.h"
 #include "server/observability/process_figures.h"
 #include "storage/records.h"
@@ -43,7 +44,7 @@ struct ServerFigures {
   std::int64_t authentication_failures = 0;
   int open_calls = 0;
   int open_streams = 0;
-  int queued_calls = 0;
+  QueueLengths queued;
   int request_threads = 0;
   ProcessFigures process;
   std::int64_t store_bytes = 0;

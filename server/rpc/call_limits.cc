@@ -41,9 +41,10 @@ constexpr std::size_t Index(CallWeight weight) {
 absl::Status TooMany(const Words& words, int open, std::string_view whose,
                      std::string_view setting) {
   return RetryLater(words.retry_after,
-                    "{} {} are under way {}, as many as there may be (--max-{}{}): try again when "
-                    "one has ended",
-                    open, words.what, whose, words.setting, setting);
+                    "{} {} are under way {}, as many as there may be (--max-{}{}): try again in "
+                    "{:g} s, or when one has ended",
+                    open, words.what, whose, words.setting, setting,
+                    std::chrono::duration<double>(words.retry_after).count());
 }
 
 }  // namespace

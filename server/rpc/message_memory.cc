@@ -38,8 +38,8 @@ absl::Status MessageMemory::Change(std::int64_t from, std::int64_t to) {
   if (to > from && others + to > limit_) {
     return RetryLater(std::chrono::seconds(1),
                       "{:.1f} MiB of messages are on their way, and with {:.1f} more there "
-                      "would be more than there may be (--message-memory-mib): try again when some "
-                      "have been dealt with",
+                      "would be more than there may be (--message-memory-mib): try again in a "
+                      "second, when some have been dealt with",
                       Mebibytes(held_), Mebibytes(to - from));
   }
   held_ = others + to;

@@ -18,6 +18,7 @@ google::protobuf::Duration DurationOf(double seconds) {
 void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
   status.set_name(DatabaseName(figures.name));
   status.set_clip_count(figures.stored.clip_count);
+  status.set_stored_frame_count(figures.stored.frame_count);
   status.set_byte_count(figures.stored.byte_count);
   if (figures.model) {
     status.set_frame_count(figures.model->frame_count);
@@ -68,11 +69,14 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   response.set_serving(figures.phase == Phase::kServing);
   response.set_encrypted(figures.encrypted);
   response.set_authenticated(figures.authenticated);
+  if (figures.certificate_end_time_s != 0) {
+    response.mutable_certificate_end_time()->set_seconds(figures.certificate_end_time_s);
+  }
   response.set_call_count(figures.ended_calls);
   response.set_failed_call_count(figures.failed_calls);
   response.set_open_call_count(figures.open_calls);
   response.set_open_stream_count(figures.open_streams);
-  response.set_queued_call_count(figures.queued_calls);
+  response.set_queued_call_count(figures.queued.requests + figures.queued.heavy_requests);
   response.set_request_thread_count(figures.request_threads);
   response.set_authentication_failure_count(figures.authentication_failures);
   for (const MethodFigures& method : figures.methods) SetMethod(method, *response.add_methods());

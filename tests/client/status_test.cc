@@ -37,6 +37,7 @@ v1::GetServerStatusResponse SomeStatus() {
   auto* walks = status.add_databases();
   walks->set_name("databases/walks");
   walks->set_clip_count(7);
+  walks->set_stored_frame_count(12345);
   walks->set_frame_count(11969);
   walks->set_model_version(3);
   walks->set_byte_count(3 << 20);
@@ -45,6 +46,7 @@ v1::GetServerStatusResponse SomeStatus() {
   walks->set_succeeded_rebuild_count(12);
   walks->set_failed_rebuild_count(1);
   walks->set_cancelled_rebuild_count(2);
+  walks->mutable_rebuild_time()->set_seconds(5);
   walks->set_operation("operations/9");
   walks->set_progress(0.42);
   walks->set_stage("tree");
@@ -109,6 +111,16 @@ TEST_CASE("StatusText: how long calls take and how they fail, the busiest first"
   CHECK_THAT(more, !Contains("Some.Method3 "));
 }
 
+TEST_CASE("StatusText: until when the certificate holds", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();
+  status.set_encrypted(true);
+  status.mutable_certificate_end_time()->set_seconds(1'800'000'000);
+  CHECK_THAT(
+      StatusText(status, 0),
+      Contains("connections           encrypted by a certificate until 2027-01-15 08:00 UTC, "
+               "anybody"));
+}
+
 TEST_CASE("StatusText: a disk of which nothing is known is not mentioned", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_disk_bytes();
@@ -130,13 +142,13 @@ TEST_CASE("StatusText: the server, then its databases and what is being rebuilt"
                             "disk\n"));
   CHECK_THAT(
       text,
-      // Of the model, which may be older than the clips.
       Contains(
-          "DATABASE  CLIPS  MODEL FRAMES     SIZE  MODEL         AGE  BUILT IN  REBUILDS        "
-          "           BEING REBUILT\n"
-          "walks         7         11969  3.0 MiB      3  3 min 20 s    420 ms  12, 1 failed, "
-          "2 cancelled  [####......] 42 %  tree\n"
-          "empty         0             0      0 B   none                        0\n"));
+          "DATABASE  CLIPS  FRAMES     SIZE  MODEL  OF FRAMES         AGE  BUILT IN  REBUILDS      "
+          "  "
+          "                     BEING REBUILT\n"
+          "walks         7   12345  3.0 MiB      3      11969  3 min 20 s    420 ms  12, 1 failed, "
+          "2 cancelled in 5.00 s  [####......] 42 %  tree\n"
+          "empty         0       0      0 B   none                                   0\n"));
   CHECK_THAT(text, !Contains("damaged"));
 }
 

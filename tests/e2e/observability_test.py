@@ -170,6 +170,9 @@ class Observability(unittest.TestCase):
                          value(values, "motiondb_model_version", database="walks"))
         self.assertEqual(walks["frame_count"],
                          value(values, "motiondb_model_frames", database="walks"))
+        self.assertGreater(int(walks["stored_frame_count"]), 0)
+        self.assertEqual(int(walks["stored_frame_count"]),
+                         value(values, "motiondb_database_frames", database="walks"))
         self.assertEqual(int(walks["byte_count"]),
                          value(values, "motiondb_database_bytes", database="walks"))
         self.assertEqual(int(walks["succeeded_rebuild_count"]),

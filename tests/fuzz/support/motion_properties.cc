@@ -35,7 +35,9 @@ void HoldsStates(const core::Motion& motion, core::Gaps gaps) {
   HoldsError(scheme.status(), absl::StatusCode::kInvalidArgument);
   if (!scheme.ok()) return;
   const auto states = server::RepresentWithin(kLimits, *scheme, motion, gaps, std::nullopt);
-  HoldsError(states.status(), absl::StatusCode::kInvalidArgument);
+  HoldsError(states.status(), absl::IsResourceExhausted(states.status())
+                                  ? absl::StatusCode::kResourceExhausted  // it is too long
+                                  : absl::StatusCode::kInvalidArgument);
   if (!states.ok()) return;
   Holds(states->root_path.rows() == states->states.rows(), "a root pose a frame");
   Holds(states->root_path.allFinite(), "root poses are finite");

@@ -23,7 +23,7 @@ TEST_CASE("CallLimits: a client has its share, all together theirs", "[server][l
   CHECK(absl::IsResourceExhausted(own.status()));
   CHECK(std::string(own.status().message()) ==
         "2 heavy calls are under way for this client, as many as there may be "
-        "(--max-heavy-calls-per-client): try again when one has ended");
+        "(--max-heavy-calls-per-client): try again in 1 s, or when one has ended");
   CHECK(own.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo").has_value());
 
   auto third = limits.Enter(CallWeight::kHeavy, "b");

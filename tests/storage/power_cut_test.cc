@@ -41,7 +41,7 @@ storage::SqliteOptions Options(const std::string& vfs) {
 struct Change {
   std::string before;
   std::function<absl::Status(Store&)> change;
-  // Of a change that nobody sees: the rest of it, with which it is done wherever it was broken off.
+  // For what a dump does not show: the rest of the change, wherever it was broken off.
   std::function<void(Store&, const StoreFile&)> rest;
 };
 
@@ -110,6 +110,8 @@ class FaultRun {
   }
 
   int cases() const { return cases_; }
+  // Whether what is before and what is after can be told apart.
+  bool is_seen() const { return before_ != after_; }
 
  private:
   // Puts the file back and arms the disk.
@@ -196,8 +198,9 @@ class FaultRun {
   int cases_ = 0;
 };
 
-void RunAll(Change change) {
+void RunAll(Change change, bool is_seen = true) {
   FaultRun run(std::move(change));
+  REQUIRE(run.is_seen() == is_seen);
   run.CutPowerEverywhere();
   run.FailEverywhere();
   run.FillEverywhere();
@@ -225,6 +228,30 @@ TEST_CASE("Faults: a rebuild", "[storage][power]") {
   const core::Model model = SampleModel({SampleClip("d", "run", 2), SampleClip("d", "walk", 1)});
   RunAll({FileOf(FillWithModel),
           [model](Store& store) { return store.PutModel("d", model).status(); }});
+}
+
+TEST_CASE("Faults: a model that is dropped", "[storage][power]") {
+  // Nothing but the model needs one of its clips.
+  const auto fill = [](Store& store) {
+    FillWithModel(store);
+    REQUIRE_OK(store.DeleteClip("d", "walk"));
+  };
+  const auto rest = [](Store& store, const StoreFile& file) {
+    REQUIRE_OK(store.DropModel("d"));
+    REQUIRE(file.Sql("SELECT count(DISTINCT clip_key) FROM clip_chunk") == "1");
+    REQUIRE(Findings(store).empty());
+  };
+  RunAll({FileOf(fill), [](Store& store) { return store.DropModel("d"); }, rest});
+}
+
+TEST_CASE("Faults: an operation that ends", "[storage][power]") {
+  auto ended = SampleOperation("d", "first");
+  ended.state = storage::OperationState::kSucceeded;
+  ended.progress = 1;
+  ended.stage = "done";
+  ended.model_version = 1;
+  ended.update_time_us = kNow + 1;
+  RunAll({FileOf(FillWithModel), [ended](Store& store) { return store.PutOperation(ended); }});
 }
 
 TEST_CASE("Faults: an extension", "[storage][power]") {
@@ -259,7 +286,8 @@ TEST_CASE("Faults: deletion", "[storage][power]") {
       REQUIRE(file.Sql("SELECT count(DISTINCT clip_key) FROM clip_chunk") == "1");
       REQUIRE(Findings(store).empty());
     };
-    RunAll({FileOf(fill), [](Store& store) { return store.PurgeDeletedDatabases({}); }, rest});
+    RunAll({FileOf(fill), [](Store& store) { return store.PurgeDeletedDatabases({}); }, rest},
+           /*is_seen=*/false);
   }
 }
 
@@ -276,14 +304,24 @@ TEST_CASE("Faults: a restore", "[storage][power]") {
 }
 
 TEST_CASE("Faults: a token", "[storage][power]") {
-  RunAll({FileOf(FillWithModel), [](Store& store) {
-            return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry});
-          }});
+  const auto add = [](Store& store) {
+    return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry});
+  };
+  SECTION("that is made") { RunAll({FileOf(FillWithModel), add}); }
+  SECTION("that is revoked") {
+    const auto fill = [add](Store& store) {
+      FillWithModel(store);
+      REQUIRE_OK(add(store));
+    };
+    RunAll({FileOf(fill), [](Store& store) {
+              return store.access().RevokeToken("t", kNow, {&kEntry}).status();
+            }});
+  }
 }
 
 TEST_CASE("Faults: a migration", "[storage][power][migration]") {
   const int version = GENERATE(1, 2, 3);
-  RunAll({OldStore(version), [](Store&) { return absl::OkStatus(); }});
+  RunAll({OldStore(version), [](Store&) { return absl::OkStatus(); }}, /*is_seen=*/false);
 }
 
 }  // namespace motiondb::tests

@@ -28,6 +28,13 @@ std::string DumpDatabase(storage::MotionStore& store, const std::string& databas
   return text;
 }
 
+std::string DumpOperation(const storage::OperationRecord& operation) {
+  return operation.id + " " + std::to_string(static_cast<int>(operation.state)) + " " +
+         std::to_string(operation.progress) + operation.stage + " " +
+         std::to_string(operation.model_version) + " " + std::to_string(operation.error_code) +
+         operation.error_message + " " + std::to_string(operation.update_time_us);
+}
+
 }  // namespace
 
 std::string Dump(storage::MotionStore& store) {
@@ -35,12 +42,14 @@ std::string Dump(storage::MotionStore& store) {
   for (const auto& database : Require(store.ListDatabases({}))) {
     text += DumpDatabase(store, database.name);
   }
-  for (const auto& operation : Require(store.ListOperations("", "", 100))) text += operation.id;
+  for (const auto& operation : Require(store.ListOperations("", "", 100))) {
+    text += DumpOperation(operation);
+  }
   for (const auto& token : Require(store.access().ListTokens("", 100))) {
     text += token.id + std::to_string(token.revoke_time_us);
   }
   for (const auto& record : Require(store.access().ListAuditRecords(0, 100))) {
-    text += record.request_id;
+    text += record.request_id + record.method + record.resource;
   }
   return text;
 }

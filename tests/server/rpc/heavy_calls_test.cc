@@ -13,6 +13,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "server/security/role_table.h"
 #include "tests/server/rpc/limited_server.h"
+#include "tests/server/rpc/refusal.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -83,16 +84,11 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
     }
     refused = recognize(long_one);
   }
-  INFO(refused.error_message());
-  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+  CheckRefusal(refused, "--max-heavy-calls");
   CHECK(recognize(short_one).ok());
   v1::RecognizeRequest slow_one = short_one;
   *slow_one.mutable_observation() = SlowMotion(server);
-  const grpc::Status slow = recognize(slow_one);
-  INFO(slow.error_message());
-  CHECK(slow.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(slow.error_message().find("--max-heavy-calls") != std::string::npos);
+  CheckRefusal(recognize(slow_one), "--max-heavy-calls");
   for (grpc::ClientContext& context : contexts) context.TryCancel();
   grpc::Status free = recognize(slow_one);
   for (int tries = 0; tries < 500 && !free.ok(); ++tries) {
@@ -139,8 +135,7 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
     refused = recognize();
   }
   done.set_value();
-  CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-heavy-calls") != std::string::npos);
+  CheckRefusal(refused, "--max-heavy-calls");
 }
 
 TEST_CASE("Limits: files that come in part hold memory that others cannot have",

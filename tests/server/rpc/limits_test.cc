@@ -12,13 +12,13 @@
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
-#include "motiondb/v1/error.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
 #include "tests/server/rpc/limited_server.h"
+#include "tests/server/rpc/refusal.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
@@ -26,19 +26,6 @@ namespace motiondb::tests {
 namespace {
 
 using std::chrono::milliseconds;
-
-// How long an error says to wait; negative where it does not.
-double RetrySeconds(const grpc::Status& status) {
-  v1::Status details;
-  REQUIRE(details.ParseFromString(status.error_details()));
-  for (const auto& detail : details.details()) {
-    v1::RetryInfo retry;
-    if (detail.type_url() != "type.googleapis.com/google.rpc.RetryInfo") continue;
-    REQUIRE(retry.ParseFromString(detail.value()));
-    return static_cast<double>(retry.retry_delay().seconds()) + 1e-9 * retry.retry_delay().nanos();
-  }
-  return -1;
-}
 
 v1::ObserveRequest Start() {
   v1::ObserveRequest request;
@@ -78,12 +65,12 @@ class AnsweredStream {
   const std::unique_ptr<grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>> stream_;
 };
 
-TEST_CASE("Limits: more streams than there may be are refused, with when to try again",
-          "[server][limits]") {
-  TestServer server(With({.streams = {8, 2}}));
+// With room for two streams, under the setting named.
+void CheckThirdStream(const server::CallLimit& two, const std::string& setting) {
+  TestServer server(With({.streams = two}));
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ObserveService>();
-  const auto refused = [&] {
+  const auto observe = [&] {
     grpc::ClientContext context;
     const auto stream = stub->Observe(&context);
     stream->Write(Start());
@@ -96,13 +83,21 @@ TEST_CASE("Limits: more streams than there may be are refused, with when to try 
   {
     const AnsweredStream first(server);
     const AnsweredStream second(server);
-    const grpc::Status status = refused();
-    INFO(status.error_message());
-    CHECK(status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-    CHECK(status.error_message().find("--max-streams-per-client") != std::string::npos);
-    CHECK(RetrySeconds(status) > 0);
+    CheckRefusal(observe(), setting);
   }
-  CHECK(refused().error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED);
+  const grpc::Status again = observe();
+  INFO(again.error_message());
+  CHECK(again.ok());
+}
+
+TEST_CASE("Limits: more streams in all than there may be are refused, until one has ended",
+          "[server][limits]") {
+  CheckThirdStream({.in_all = 2, .per_client = 8}, "--max-streams");
+}
+
+TEST_CASE("Limits: more streams of a client than there may be are refused, until one has ended",
+          "[server][limits]") {
+  CheckThirdStream({.in_all = 8, .per_client = 2}, "--max-streams-per-client");
 }
 
 TEST_CASE(

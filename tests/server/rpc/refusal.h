@@ -1,0 +1,42 @@
+// What a client is told for whose call there is no place.
+#pragma once
+
+#include <grpcpp/support/status.h>
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "motiondb/v1/error.pb.h"
+#include "server/translate/request_info.h"
+#include "server/translate/retry_info.h"
+
+namespace motiondb::tests {
+
+// The detail of an error under a type URL. REQUIREs that there is one, and one only.
+template <typename Message>
+Message DetailOf(const grpc::Status& error, const std::string& type_url) {
+  v1::Status details;
+  REQUIRE(details.ParseFromString(error.error_details()));
+  Message found;
+  int count = 0;
+  for (const auto& detail : details.details()) {
+    if (detail.type_url() != type_url) continue;
+    REQUIRE(found.ParseFromString(detail.value()));
+    ++count;
+  }
+  INFO(type_url);
+  REQUIRE(count == 1);
+  return found;
+}
+
+// RESOURCE_EXHAUSTED, with the setting ("--max-calls"), when to try again and the call's id.
+inline void CheckRefusal(const grpc::Status& error, const std::string& setting) {
+  INFO(error.error_message());
+  REQUIRE(error.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK(error.error_message().find("(" + setting + ")") != std::string::npos);
+  const auto retry = DetailOf<v1::RetryInfo>(error, server::kRetryInfoUrl).retry_delay();
+  CHECK(static_cast<double>(retry.seconds()) + 1e-9 * retry.nanos() > 0);
+  CHECK(!DetailOf<v1::RequestInfo>(error, server::kRequestInfoUrl).request_id().empty());
+}
+
+}  // namespace motiondb::tests

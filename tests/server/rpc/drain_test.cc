@@ -1,27 +1,20 @@
 // Health, and what a server does when it is told to stop.
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
 #include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/server/rpc/listed_services.h"
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
 namespace {
-
-// grpc.health.v1.HealthCheckRequest{service = 1} and HealthCheckResponse{status = 1}, by hand: this
-// system's packages do not ship the messages.
-constexpr char kCheck[] = "/grpc.health.v1.Health/Check";
-const std::string kServing("\x08\x01", 2);
-
-std::string ForService(const std::string& service) {
-  return service.empty() ? ""
-                         : "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
-}
 
 // Waits until so many calls are under way, beside the one that asks.
 void AwaitOtherCalls(TestServer& server, int count) {
@@ -36,17 +29,14 @@ void AwaitOtherCalls(TestServer& server, int count) {
 
 TEST_CASE("Health: the server and each of its services serve", "[server][rpc]") {
   TestServer server;
-  for (const char* service :
-       {"", "motiondb.v1.DatabaseService", "motiondb.v1.ClipService", "motiondb.v1.ModelService",
-        "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
-        "motiondb.v1.AccessService"}) {
-    const RawAnswer answer = RawCall(server.channel(), kCheck, ForService(service));
+  for (const std::string& service : ListOwnServices(server)) {
+    const RawAnswer answer = CheckHealth(server, service);
     INFO(service << ": " << answer.status.error_message());
     CHECK(answer.status.ok());
     CHECK(answer.bytes == kServing);
   }
-  CHECK(RawCall(server.channel(), kCheck, ForService("none")).status.error_code() ==
-        grpc::StatusCode::NOT_FOUND);
+  CHECK(CheckHealth(server).bytes == kServing);
+  CHECK(CheckHealth(server, "none").status.error_code() == grpc::StatusCode::NOT_FOUND);
 }
 
 TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for later",
@@ -74,7 +64,7 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for 
   CHECK(!stood.operation().done());
   server.gate().Open();
   draining.join();
-  CHECK(!RawCall(server.channel(), kCheck, "").status.ok());
+  CHECK(!CheckHealth(server).status.ok());
   server.Restart();
   const v1::Operation done = server.Wait(operation);
   CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
@@ -93,6 +83,7 @@ TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server]
   message.mutable_header()->set_file_name("walk.bvh");
   REQUIRE(writer->Write(message));
   AwaitOtherCalls(server, 1);
+  const std::vector<std::string> services = ListOwnServices(server);
 
   std::thread draining([&] { server.server().Drain(std::chrono::minutes(1)); });
   v1::GetClipRequest request;
@@ -104,6 +95,12 @@ TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server]
     code = Ask(*clips, &v1::ClipService::Stub::GetClip, request).status.error_code();
   }
   CHECK(code == grpc::StatusCode::UNAVAILABLE);
+  // Whoever asks for the health of what it calls, or of the whole, goes elsewhere.
+  for (const std::string& service : services) {
+    INFO(service);
+    CHECK(CheckHealth(server, service).bytes == kNotServing);
+  }
+  CHECK(CheckHealth(server).bytes == kNotServing);
 
   message.set_file_block(WriteBvh({}));
   REQUIRE(writer->Write(message));

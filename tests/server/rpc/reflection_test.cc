@@ -4,7 +4,6 @@
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/descriptor_database.h>
 #include <google/protobuf/dynamic_message.h>
-#include <google/protobuf/unknown_field_set.h>
 #include <google/protobuf/util/json_util.h>
 
 #include <algorithm>
@@ -13,51 +12,16 @@
 #include <string>
 #include <vector>
 
+#include "tests/server/rpc/listed_services.h"
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
 namespace {
 
-constexpr char kReflection[] = "/grpc.reflection.v1alpha.ServerReflection/ServerReflectionInfo";
-
 // Field numbers of grpc.reflection.v1alpha.
-constexpr int kFileContainingSymbol = 4;  // of ServerReflectionRequest
-constexpr int kListServices = 7;
+constexpr int kFileContainingSymbol = 4;    // of ServerReflectionRequest
 constexpr int kFileDescriptorResponse = 4;  // of ServerReflectionResponse
-constexpr int kListServicesResponse = 6;
-
-std::string WithString(int field, const std::string& value) {
-  google::protobuf::UnknownFieldSet message;
-  message.AddLengthDelimited(field, value);
-  std::string bytes;
-  message.SerializeToString(&bytes);
-  return bytes;
-}
-
-// The values of a length-delimited field of a message.
-std::vector<std::string> Values(const std::string& message, int number) {
-  google::protobuf::UnknownFieldSet fields;
-  REQUIRE(fields.ParseFromString(message));
-  std::vector<std::string> values;
-  for (int i = 0; i < fields.field_count(); ++i) {
-    const auto& field = fields.field(i);
-    if (field.number() == number) values.push_back(field.length_delimited());
-  }
-  return values;
-}
-
-std::vector<std::string> ListServices(TestServer& server) {
-  const RawAnswer answer = RawCall(server.channel(), kReflection, WithString(kListServices, "*"));
-  REQUIRE(answer.status.ok());
-  const auto responses = Values(answer.bytes, kListServicesResponse);
-  REQUIRE(responses.size() == 1);
-  std::vector<std::string> names;
-  for (const std::string& service : Values(responses[0], 1)) {
-    names.push_back(Values(service, 1).at(0));
-  }
-  return names;
-}
 
 // The files that define a symbol, with those that they import.
 std::unique_ptr<google::protobuf::SimpleDescriptorDatabase> Learn(TestServer& server,
@@ -115,23 +79,6 @@ TEST_CASE("Reflection: is enough to ask", "[server][rpc]") {
   const auto* frame_count = method->output_type()->FindFieldByName("frame_count");
   REQUIRE(frame_count != nullptr);
   CHECK(response->GetReflection()->GetInt32(*response, frame_count) == 360);
-}
-
-TEST_CASE("Health: every service says that it serves", "[server][reflection]") {
-  constexpr char kCheck[] = "/grpc.health.v1.Health/Check";
-  const std::string kServing = "\x08\x01";  // HealthCheckResponse.status
-  TestServer server;
-  int ours = 0;
-  for (const std::string& service : ListServices(server)) {
-    if (!service.starts_with("motiondb.")) continue;
-    CAPTURE(service);
-    const RawAnswer answer = RawCall(server.channel(), kCheck, WithString(1, service));
-    CHECK(answer.status.ok());
-    CHECK(answer.bytes == kServing);
-    ++ours;
-  }
-  CHECK(ours >= 7);
-  CHECK(RawCall(server.channel(), kCheck, "").bytes == kServing);
 }
 
 }  // namespace

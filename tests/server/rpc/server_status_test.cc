@@ -8,7 +8,7 @@
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
 #include "motiondb/v1/store.grpc.pb.h"
-#include "tests/support/raw_call.h"
+#include "tests/server/rpc/listed_services.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests {
@@ -136,11 +136,7 @@ TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
   while (server.server().monitor().CheckReadiness().ready) std::this_thread::yield();
   CHECK_THAT(server.server().monitor().CheckReadiness().reason, Contains("draining"));
   CHECK(server.server().monitor().Figures().phase == server::Phase::kDraining);
-  // grpc.health.v1: the service named, and NOT_SERVING.
-  const std::string service = "motiondb.v1.StoreService";
-  const std::string check = "\x0a" + std::string(1, static_cast<char>(service.size())) + service;
-  const RawAnswer health = RawCall(server.channel(), "/grpc.health.v1.Health/Check", check);
-  CHECK(health.bytes == "\x08\x02");
+  CHECK(CheckHealth(server, "motiondb.v1.StoreService").bytes == kNotServing);
   context.TryCancel();
   writer->Finish();
   draining.join();

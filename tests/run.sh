@@ -22,7 +22,8 @@ if [ "$preset" = tsan ]; then
   # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs; of
   # core all but kinematics, which takes no threads and very long here.
   tests=({motion,format,tree,graph,model,inference,calibration,recognition,estimation}_tests
-         {prediction,observe,planning,storage}_tests server_{engine,observability}_tests)
+         {prediction,observe,planning,storage,storage_commit}_tests
+         server_{engine,observability}_tests)
   cmake --build --preset "$preset" --target "${tests[@]}"
   set -- -R "^($(IFS='|'; echo "${tests[*]}"))\$" "$@"
 else

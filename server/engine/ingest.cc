@@ -130,7 +130,8 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
                                 file.leg_length_m, &notes);
   if (const absl::Status& status = states.status();
       absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status)) {
-    return {status.code(), fmt::format("{}: {}", file.file_name, std::string(status.message()))};
+    return absl::Status(status.code(),
+                        fmt::format("{}: {}", file.file_name, std::string(status.message())));
   }
   if (!states.ok()) return states.status();
   if (states->frame_count() < kFewestFrames) {

@@ -9,6 +9,7 @@ import os
 import re
 import subprocess
 import sys
+import tempfile
 import unittest
 
 try:
@@ -22,6 +23,9 @@ DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy"
 
 # Of the figures of README.md: a million frames of 34 markers take 3.3 GB at the peak of a full build.
 BYTES_OF_A_FRAME_BEING_BUILT = 3300
+
+# What a server is given that serves others.
+SECRETS = ("server.crt", "server.key", "admin-token")
 
 # What each object of the manifests may hold: {} is anything, a list stands for each of its members. A field
 # that is misspelt would be ignored, or refused, by a cluster that no test has.
@@ -87,6 +91,18 @@ def settings():
 
 def variable_of(setting):
     return "MOTIONDBD_" + setting.upper().replace("-", "_")
+
+
+def write_secrets(folder):
+    """A certificate with its key, and an administrator's token, with the mode that README.md gives them."""
+    certificate, key, token = [os.path.join(folder, name) for name in SECRETS]
+    subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
+                    "-nodes", "-days", "2", "-subj", "/CN=motiondb", "-keyout", key, "-out", certificate],
+                   check=True, capture_output=True)
+    with open(token, "w", encoding="ascii") as file:
+        subprocess.run(["openssl", "rand", "-hex", "32"], check=True, stdout=file)
+    for path in (certificate, key, token):
+        os.chmod(path, 0o440)
 
 
 def seconds(text):
@@ -157,6 +173,48 @@ class ComposeTest(unittest.TestCase):
             self.assertEqual(host, "127.0.0.1")  # it runs with --insecure
             self.assertIn(int(inside), IMAGE.ports)
         self.assertGreater(seconds(server["stop_grace_period"]), 10)
+
+    def serving_others(self):
+        """The server as somebody leaves it who follows the words at the file's top."""
+        text = re.sub(r"^( *)#(?=\S)", r"\1", read("compose.yml"), flags=re.MULTILINE)
+        server = yaml.safe_load(text)["services"]["motiondb"]
+        mount, = [mount.split(":")[:2] for mount in server["volumes"] if mount.endswith(":ro")]
+        return server["environment"], *mount
+
+    def test_what_is_commented_out_serves_others(self):
+        environment, _, mounted = self.serving_others()
+        with tempfile.TemporaryDirectory() as folder:
+            write_secrets(folder)
+            variables = {name: value.replace(mounted, folder)
+                         for name, value in {**IMAGE.variables, **environment}.items()
+                         if name != "MOTIONDBD_CONFIG"}
+
+            def check():
+                return subprocess.run(
+                    [MOTIONDBD, "--store", os.path.join(folder, "a.db"), "--check-config"],
+                    env={**os.environ, **variables}, capture_output=True, text=True)
+            checked = check()
+            self.assertEqual((checked.returncode, checked.stderr), (0, ""))
+            for name in SECRETS:
+                with self.subTest(without=name):
+                    secret = os.path.join(folder, name)
+                    os.rename(secret, secret + ".away")
+                    checked = check()
+                    os.rename(secret + ".away", secret)
+                    self.assertEqual(checked.returncode, 2)
+                    self.assertIn(f"{secret}: ", checked.stderr)
+
+    def test_the_readme_serves_others_in_the_same_way(self):
+        environment, source, mounted = self.serving_others()
+        readme = read("README.md")
+        command, = re.findall(r"^\$ (docker run -d .*(?:\n    .*)*)", readme, re.MULTILINE)
+        self.assertEqual(dict(re.findall(r"-e (\w+)=(\S+)", command)),
+                         {name: value for name, value in environment.items()
+                          if value.startswith(mounted)})
+        self.assertIn(f"-v {source}:{mounted}:ro", command)
+        self.assertNotIn("--insecure", command)
+        owners = re.findall(rf"^\$ sudo install .*-o (\d+) -g (\d+) .*{source}$", readme, re.MULTILINE)
+        self.assertEqual([":".join(owner) for owner in owners], [IMAGE.user] * 2)
 
     def test_mounts_exist(self):
         for name, service in self.services.items():

@@ -293,6 +293,11 @@ class KubernetesTest(unittest.TestCase):
         self.assertEqual(headless, [self.set["serviceName"]])
         self.assertEqual(self.set["replicas"], 1)
 
+    def test_the_readme_upgrades_what_there_is(self):
+        name, container = re.search(r"set image statefulset/(\S+) (\w+)=", read("README.md")).groups()
+        self.assertEqual((name, container),
+                         (self.one("StatefulSet")["metadata"]["name"], self.container["name"]))
+
     def test_ports_are_the_images(self):
         ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
         self.assertEqual(set(ports.values()), IMAGE.ports)

@@ -9,6 +9,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../..")
@@ -74,6 +75,52 @@ class PackageRecipeTest(unittest.TestCase):
             folder = re.search(r" -B (build/\w+) ", line).group(1)
             self.assertNotIn(folder, ("build/dev", "build/release", "build/asan", "build/tsan"))
             self.assertIn(f"--build {folder} ", line)
+
+
+class NightlyBackupTest(unittest.TestCase):
+    """The line for cron of deploy/README.md, with a program in the place of motiondb."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        os.mkdir(self.path("bin"))
+        os.mkdir(self.path("backups"))
+        for days in (29, 32):
+            self.touch(f"backups/{days}.motiondb", days)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def touch(self, name, days):
+        with open(self.path(name), "w", encoding="utf-8"):
+            pass
+        then = time.time() - days * 86400
+        os.utime(self.path(name), (then, then))
+
+    def kept(self, motiondb):
+        """What is in the folder after the line was run with such a motiondb, and the exit code."""
+        with open(self.path("bin/motiondb"), "w", encoding="utf-8") as file:
+            file.write("#!/bin/sh\n" + motiondb)
+        os.chmod(self.path("bin/motiondb"), 0o755)
+        line, = re.findall(r"^\d+ \d+ \* \* \* backup (.*)$", read("deploy/README.md"), re.MULTILINE)
+        self.assertNotRegex(line, r"(?<!\\)%")  # cron ends the command there
+        command = line.replace("\\%", "%").replace("/var/backups/motiondb", self.path("backups"))
+        ran = subprocess.run(["/bin/sh", "-c", command], capture_output=True, text=True,
+                             env={"PATH": self.path("bin") + ":/usr/bin:/bin"})
+        self.assertEqual((ran.stdout, ran.stderr), ("", ""))
+        return sorted(os.listdir(self.path("backups"))), ran.returncode
+
+    def test_it_is_named_after_the_day_and_replaces_what_is_a_month_old(self):
+        kept, code = self.kept('for last; do :; done\necho "$@"\ntouch "$last"\n')
+        self.assertEqual(code, 0)
+        self.assertEqual(len(kept), 2)
+        self.assertRegex(kept[0], r"^20\d\d-\d\d-\d\d\.motiondb$")
+        self.assertEqual(kept[1], "29.motiondb")
+
+    def test_nothing_is_removed_where_it_fails(self):
+        kept, code = self.kept("exit 1\n")
+        self.assertEqual((kept, code), (["29.motiondb", "32.motiondb"], 1))
 
 
 unittest.main(argv=sys.argv[:1])

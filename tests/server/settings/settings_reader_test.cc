@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <utility>
 
 #include "server/settings/settings_file.h"
 #include "tests/support/temporary_directory.h"
@@ -329,18 +330,22 @@ TEST_CASE("Settings: a start is refused what a check refuses, but for the store"
   CHECK(file[0].find("/absent.crt") != std::string::npos);
 }
 
-// Every line of the sample that sets something, or would without its '#'.
+// Every line of the sample that sets something, or would without its '#'. Each has a comment right
+// above it.
 std::map<std::string, std::string> SampleSettings() {
   std::ifstream file(MOTIONDBD_CONF);
   REQUIRE(file);
   std::map<std::string, std::string> settings;
   std::string line;
+  std::string next_above;
   while (std::getline(file, line)) {
+    const std::string above = std::exchange(next_above, line);
     if (line.starts_with("#")) line.erase(0, 1);
     if (line.empty() || !islower(line.front())) continue;
     std::vector<absl::Status> problems;
     const auto parsed = server::ParseSettings(MOTIONDBD_CONF, line, problems);
     INFO(line);
+    CHECK(above.starts_with("# "));
     REQUIRE(problems.empty());
     REQUIRE(parsed.size() == 1);
     const std::size_t equals = line.find('=');

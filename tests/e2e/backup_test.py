@@ -33,7 +33,10 @@ class Backup(WithServer):
         """What a server says about an observation, but for how long it took."""
         described = server.ask_one("describe", "d")
         described.pop("build_seconds")
-        return [described, server.ask("list", "d"),
+        plan = server.ask_one("plan", "d", "--start", "clip0@0.1", "--goal", "0.8,0,0", "--seed", "3")
+        self.assertEqual(plan["outcome"], "EXACT")  # no end of time ended the search
+        del plan["effort"]["search_seconds"], plan["effort"]["total_seconds"]
+        return [described, server.ask("list", "d"), plan,
                 server.ask_one("recognize", "d", self.path("seen.bvh")),
                 server.ask_one("estimate", "d", self.path("seen.bvh")),
                 server.ask_one("predict", "d", self.path("seen.bvh"), "--at", "0.5")]

@@ -1,12 +1,14 @@
 #!/usr/bin/python3
-"""What service managers and containers rely on: notification, --check-config, exit codes, health.
+"""What service managers and containers rely on: notification, --check-config, exit codes, upgrades, health.
 
     service_test.py MOTIONDBD
 """
 
+import contextlib
 import os
 import signal
 import socket
+import sqlite3
 import subprocess
 import sys
 import tempfile
@@ -178,6 +180,32 @@ class CheckConfig(Folder):
         self.assertEqual(os.stat(store).st_mtime_ns, before.st_mtime_ns)
         server.terminate()
         self.assertEqual(server.wait(timeout=60), 0)
+
+
+class NewerStore(Folder):
+    """What an older server makes of a store that a newer one has upgraded."""
+
+    def test_it_is_refused_and_left_alone(self):
+        store = self.path("a.db")
+        server = subprocess.Popen([MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0",
+                                   "--http-listen", "none", "--log-level", "warning"],
+                                  stdout=subprocess.PIPE, text=True)
+        self.addCleanup(end, server)
+        server.stdout.readline()
+        server.terminate()
+        self.assertEqual(server.wait(timeout=60), 0)
+        with contextlib.closing(sqlite3.connect(store)) as connection:
+            connection.execute("PRAGMA user_version = 1000")
+        self.assertFalse(os.path.exists(store + "-wal"))  # all is in the file
+        with open(store, "rb") as file:
+            before = file.read()
+        refused = run("--store", store, "--listen", "127.0.0.1:0", "--http-listen", "none")
+        self.assertEqual(refused.returncode, 1)
+        self.assertIn("the store is of version 1000, from a newer motiondb", refused.stderr)
+        self.assertIn(store, refused.stderr)
+        self.assertEqual(refused.stdout, "")
+        with open(store, "rb") as file:
+            self.assertEqual(file.read(), before)
 
 
 class HealthCheck(Folder):

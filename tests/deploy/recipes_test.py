@@ -65,6 +65,52 @@ class RunTest(unittest.TestCase):
                 os.remove(self.path("record"))
 
 
+# Of ctest: a test that passed without two of its cases, and one that says twice what it left out.
+CTEST_LOG = """\
+1/2 Test: plan
+test_a (x) ... skipped 'no data'
+test_b (x) ... skipped 'no data'
+OK (skipped=2)
+Test Passed.
+2/2 Test: storage
+  skipped: no tmpfs
+  skipped: no tmpfs
+Test Passed.
+"""
+
+
+class DecidingRunTest(unittest.TestCase):
+    """.ci/run, with programs in the place of its steps."""
+
+    def run_it(self, package, image):
+        with tempfile.TemporaryDirectory() as folder:
+            for name, text in ((".ci/run", read(".ci/run")), ("deploy/install_packages.sh", "#!/bin/sh\n"),
+                               ("tests/run.sh", "#!/bin/sh\n"), ("tests/fuzz/run.sh", "#!/bin/sh\n"),
+                               ("tests/deploy/package_test.sh", "#!/bin/sh\n" + package),
+                               ("tests/deploy/image_test.sh", "#!/bin/sh\n" + image),
+                               ("build/release/Testing/Temporary/LastTest.log", CTEST_LOG),
+                               ("build/asan/Testing/Temporary/LastTest.log", ""),
+                               ("build/tsan/Testing/Temporary/LastTest.log", "")):
+                path = os.path.join(folder, name)
+                os.makedirs(os.path.dirname(path), exist_ok=True)
+                with open(path, "w", encoding="utf-8") as file:
+                    file.write(text)
+                os.chmod(path, 0o755)
+            return subprocess.run([os.path.join(folder, ".ci/run")], capture_output=True, text=True)
+
+    def test_it_says_what_was_skipped(self):
+        ran = self.run_it("echo skipped: needs root\nexit 77\n", "exit 0\n")
+        self.assertEqual((ran.returncode, ran.stderr), (0, ""))
+        self.assertEqual(ran.stdout.partition("== skipped: ")[2].splitlines(),
+                         ["4", "release: plan: test_a (x) ... skipped 'no data'",
+                          "release: plan: test_b (x) ... skipped 'no data'",
+                          "release: storage: skipped: no tmpfs", "package: skipped: needs root"])
+
+    def test_a_step_that_fails_ends_it(self):
+        for steps in (("exit 3\n", "exit 0\n"), ("exit 0\n", "exit 3\n")):
+            self.assertEqual(self.run_it(*steps).returncode, 3)
+
+
 class PackageRecipeTest(unittest.TestCase):
     def test_it_has_a_folder_of_its_own(self):
         # Not the one that tests are built in: it is configured without them.

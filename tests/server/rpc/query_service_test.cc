@@ -311,7 +311,6 @@ TEST_CASE("QueryService: every wrong observation is named", "[server][rpc]") {
   markers("", [](auto& m) {  // no markers that the database can use
     for (int i = 0; i < 10; ++i) m.add_marker_names(std::string(1, static_cast<char>('a' + i)));
   });
-  markers("", [](auto& m) { m.set_frame_rate_hz(1e-9); });  // ten frames in three centuries
 
   v1::Observation joints;
   joints.mutable_joints()->set_skeleton("databases/other/skeletons/Hips");

@@ -8,6 +8,7 @@
 #include <ctime>
 #include <vector>
 
+#include "client/cli/count_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
 
@@ -121,6 +122,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
                {"SIZE", Align::kRight},
+               {"STREAMS", Align::kRight},
                {"MODEL", Align::kRight},
                {"OF FRAMES", Align::kRight},
                {"AGE", Align::kRight},
@@ -131,6 +133,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
     const bool has_model = database.model_version() > 0;
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
                   std::to_string(database.stored_frame_count()), BytesText(database.byte_count()),
+                  std::to_string(database.open_stream_count()),
                   has_model ? std::to_string(database.model_version()) : "none",
                   has_model ? std::to_string(database.frame_count()) : "",
                   has_model ? DurationText(database.model_age().seconds()) : "",
@@ -194,8 +197,7 @@ std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t n
   table.AddRow({"streams of frames", std::to_string(status.open_stream_count())});
   table.AddRow({"waiting for a thread", fmt::format("{}, of {} threads", status.queued_call_count(),
                                                     status.request_thread_count())});
-  table.AddRow(
-      {"without a good token", fmt::format("{} calls", status.authentication_failure_count())});
+  table.AddRow({"without a good token", CountText(status.authentication_failure_count(), "call")});
   table.AddRow({"process", ProcessText(status)});
   table.AddRow({"store", StoreText(status)});
   return table.ToString() + "\n" + DatabasesText(status) + MethodsText(status) +

@@ -3,6 +3,7 @@
 // stays valid, and says so, after the database was deleted.
 #pragma once
 
+#include <atomic>
 #include <condition_variable>
 #include <cstdint>
 #include <functional>
@@ -78,6 +79,10 @@ class LiveDatabase {
   // Counts a rebuild under one of the tally's outcomes.
   void CountRebuild(std::int64_t RebuildTally::*outcome, double seconds);
 
+  // Streams of frames that are judged by its model; `change` is 1 or -1.
+  int open_streams() const { return open_streams_; }
+  void AddOpenStreams(int change) { open_streams_ += change; }
+
   // Clips whose stored states are damaged, with what is wrong: models are built without them.
   // Noting one that is known changes nothing.
   void NoteUnreadable(const std::string& clip, const std::string& what);
@@ -125,6 +130,7 @@ class LiveDatabase {
   RebuildTally rebuilds_;
   std::map<std::string, std::string> unreadable_;
   std::string operation_;
+  std::atomic<int> open_streams_{0};
 
   enum class Life { kAlive, kRetiring, kDeleted };
   std::mutex life_mutex_;

@@ -36,6 +36,10 @@ class ObserveSession {
       Engine& engine, std::shared_ptr<LiveDatabase> database,
       std::shared_ptr<const Snapshot> snapshot, ObserveSetup setup);
 
+  ~ObserveSession() { database_->AddOpenStreams(-1); }
+  ObserveSession(const ObserveSession&) = delete;
+  ObserveSession& operator=(const ObserveSession&) = delete;
+
   // Frames as core::Observer::Append takes them. NOT_FOUND once the database is deleted,
   // FAILED_PRECONDITION once it has no clips; otherwise as the observer's functions.
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const core::FrameMatrix& positions_m,
@@ -49,7 +53,9 @@ class ObserveSession {
         database_(std::move(database)),
         scheme_(std::move(scheme)),
         snapshot_(std::move(snapshot)),
-        observer_(std::move(observer)) {}
+        observer_(std::move(observer)) {
+    database_->AddOpenStreams(1);
+  }
   // Whether the model is another than before.
   absl::StatusOr<bool> TakeOverModel();
 

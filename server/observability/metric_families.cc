@@ -142,6 +142,9 @@ void AddDatabases(const ServerFigures& figures, Families& families) {
       [](const auto& database) { return static_cast<double>(database.stored.byte_count); },
       families);
   AddEach(
+      figures, "motiondb_database_streams", "Streams of frames under way that its model judges.",
+      [](const auto& database) { return database.open_streams; }, families);
+  AddEach(
       figures, "motiondb_model_version", "Version of the current model; 0 without one.",
       [](const auto& database) { return database.model ? database.model->version : 0; }, families);
   AddEachModel(

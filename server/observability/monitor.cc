@@ -33,7 +33,8 @@ DatabaseFigures FiguresOf(Engine& engine, const LiveDatabase& database) {
   DatabaseFigures figures{.name = database.name(),
                           .stored = database.stored(),
                           .operation = engine.CurrentOperation(database),
-                          .rebuilds = database.rebuilds()};
+                          .rebuilds = database.rebuilds(),
+                          .open_streams = database.open_streams()};
   if (const auto snapshot = database.snapshot()) {
     figures.model = snapshot->record;
     const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;

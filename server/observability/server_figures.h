@@ -29,6 +29,7 @@ struct DatabaseFigures {
   double model_age_seconds = 0;
   std::optional<storage::OperationRecord> operation;  // that waits or works for it
   RebuildTally rebuilds;
+  int open_streams = 0;
 };
 
 struct ServerFigures {

@@ -31,6 +31,7 @@ void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
     status.set_progress(figures.operation->progress);
     status.set_stage(figures.operation->stage);
   }
+  status.set_open_stream_count(figures.open_streams);
   status.set_succeeded_rebuild_count(figures.rebuilds.succeeded);
   status.set_failed_rebuild_count(figures.rebuilds.failed);
   status.set_cancelled_rebuild_count(figures.rebuilds.cancelled);

@@ -41,6 +41,7 @@ v1::GetServerStatusResponse SomeStatus() {
   walks->set_frame_count(11969);
   walks->set_model_version(3);
   walks->set_byte_count(3 << 20);
+  walks->set_open_stream_count(1);
   walks->mutable_model_age()->set_seconds(200);
   walks->mutable_model_build_time()->set_nanos(420'000'000);
   walks->set_succeeded_rebuild_count(12);
@@ -140,15 +141,15 @@ TEST_CASE("StatusText: the server, then its databases and what is being rebuilt"
                             "23 threads, 40 of 1024 files open\n"));
   CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B; 0 B of 4.0 GiB free on its "
                             "disk\n"));
-  CHECK_THAT(
-      text,
-      Contains(
-          "DATABASE  CLIPS  FRAMES     SIZE  MODEL  OF FRAMES         AGE  BUILT IN  REBUILDS      "
-          "  "
-          "                     BEING REBUILT\n"
-          "walks         7   12345  3.0 MiB      3      11969  3 min 20 s    420 ms  12, 1 failed, "
-          "2 cancelled in 5.00 s  [####......] 42 %  tree\n"
-          "empty         0       0      0 B   none                                   0\n"));
+  CHECK_THAT(text, Contains("DATABASE  CLIPS  FRAMES     SIZE  STREAMS  MODEL  OF FRAMES         "
+                            "AGE  BUILT IN  REBUILDS      "
+                            "  "
+                            "                     BEING REBUILT\n"
+                            "walks         7   12345  3.0 MiB        1      3      11969  3 min 20 "
+                            "s    420 ms  12, 1 failed, "
+                            "2 cancelled in 5.00 s  [####......] 42 %  tree\n"
+                            "empty         0       0      0 B        0   none                      "
+                            "             0\n"));
   CHECK_THAT(text, !Contains("damaged"));
 }
 

@@ -10,18 +10,16 @@
 #include "motiondb/v1/store.grpc.pb.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/server/rpc/listed_services.h"
+#include "tests/server/rpc/status_of.h"
 #include "tests/support/raw_call.h"
-#include "tests/support/test_server.h"
 
 namespace motiondb::tests {
 namespace {
 
 // Waits until so many calls are under way, beside the one that asks.
 void AwaitOtherCalls(TestServer& server, int count) {
-  const auto store = server.NewStub<v1::StoreService>();
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while (Ask(*store, &v1::StoreService::Stub::GetServerStatus, {}).response.open_call_count() !=
-         count + 1) {
+  while (StatusOf(server).open_call_count() != count + 1) {
     REQUIRE(std::chrono::steady_clock::now() < end);
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

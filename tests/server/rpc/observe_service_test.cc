@@ -2,14 +2,14 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <map>
 #include <thread>
 
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
-#include "motiondb/v1/store.grpc.pb.h"
-#include "tests/support/test_server.h"
+#include "tests/server/rpc/status_of.h"
 
 namespace motiondb::tests {
 namespace {
@@ -269,6 +269,33 @@ TEST_CASE("Observe: a client that takes no answers is sent away", "[server][rpc]
   CHECK(stream.Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
+TEST_CASE("Observe: a stream is counted for its database while it is open", "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  server.CreateDatabase("other");
+  const auto count_streams = [&] {
+    const v1::GetServerStatusResponse status = StatusOf(server);
+    std::map<std::string, int> counts;
+    for (const v1::DatabaseStatus& database : status.databases()) {
+      counts[database.name()] = database.open_stream_count();
+    }
+    return counts;
+  };
+  const v1::MarkerObservation motion = WalkingMarkers(server);
+  {
+    Stream stream(server);
+    REQUIRE(stream.Send(Start(motion)));
+    stream.Ask(Frames(motion, 0, 4, 0));
+    CHECK(count_streams() ==
+          std::map<std::string, int>{{"databases/db", 1}, {"databases/other", 0}});
+    CHECK_THAT(server.server().monitor().Exposition(),
+               Catch::Contains("motiondb_database_streams{database=\"db\"} 1\n"));
+  }
+  // The server learns of its end a moment later.
+  while (count_streams()["databases/db"] > 0)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
 TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
@@ -277,9 +304,7 @@ TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rp
   REQUIRE(idle.Send(Start(motion)));
   idle.Ask(Frames(motion, 0, 4, 0));
   Stream silent(server);  // has not even started, but the server knows of it
-  const auto store = server.NewStub<v1::StoreService>();
-  while (tests::Ask(*store, &v1::StoreService::Stub::GetServerStatus, {})
-             .response.open_stream_count() < 2) {
+  while (StatusOf(server).open_stream_count() < 2) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
   std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });

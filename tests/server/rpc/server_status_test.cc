@@ -7,23 +7,13 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "motiondb/v1/observe.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
-#include "motiondb/v1/store.grpc.pb.h"
 #include "tests/server/rpc/listed_services.h"
-#include "tests/support/test_server.h"
+#include "tests/server/rpc/status_of.h"
 
 namespace motiondb::tests {
 namespace {
 
 using Catch::Contains;
-
-v1::GetServerStatusResponse StatusOf(TestServer& server) {
-  const auto stub = server.NewStub<v1::StoreService>();
-  const auto answer =
-      Ask(*stub, &v1::StoreService::Stub::GetServerStatus, v1::GetServerStatusRequest());
-  INFO(answer.status.error_message());
-  REQUIRE(answer.status.ok());
-  return answer.response;
-}
 
 TEST_CASE("GetServerStatus: an empty server", "[server][status]") {
   TestServer server;

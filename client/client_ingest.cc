@@ -37,10 +37,10 @@ absl::Status Send(grpc::ClientWriter<v1::IngestClipRequest>& writer, const Block
 absl::StatusOr<v1::IngestClipResponse> Client::Connection::Ingest(
     const v1::IngestClipHeader& header, const BlockReader& file, const BlockReader& skeleton,
     const CallOptions& options) const {
-  grpc::ClientContext context;
-  Prepare(context, options);
+  OutgoingCall call(options);
+  Prepare(call);
   v1::IngestClipResponse response;
-  const auto writer = clips->IngestClip(&context, &response);
+  const auto writer = clips->IngestClip(&call.context, &response);
   v1::IngestClipRequest first;
   *first.mutable_header() = header;
   absl::Status sent;
@@ -51,11 +51,11 @@ absl::StatusOr<v1::IngestClipResponse> Client::Connection::Ingest(
     }
   }
   // A file that could not be read to its end must not be stored in part.
-  if (!sent.ok()) context.TryCancel();
+  if (!sent.ok()) call.context.TryCancel();
   writer->WritesDone();
   const grpc::Status finished = writer->Finish();
   if (!sent.ok()) return sent;
-  if (const absl::Status status = Finish(finished, options); !status.ok()) return status;
+  if (const absl::Status status = Finish(finished, call); !status.ok()) return status;
   return response;
 }
 

@@ -65,10 +65,10 @@ absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
     return absl::InvalidArgumentError(fmt::format("{}: is no regular file", path.string()));
   }
 
-  grpc::ClientContext context;
-  connection_->Prepare(context, options);
+  OutgoingCall call(options);
+  connection_->Prepare(call);
   v1::RestoreStoreResponse response;
-  const auto writer = connection_->store->RestoreStore(&context, &response);
+  const auto writer = connection_->store->RestoreStore(&call.context, &response);
   v1::RestoreStoreRequest message;
   double sent = 0;
   absl::Status read;
@@ -79,13 +79,11 @@ absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
     sent += static_cast<double>(message.block().size());
     if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));
   }
-  if (!read.ok()) context.TryCancel();
+  if (!read.ok()) call.context.TryCancel();
   writer->WritesDone();
   const grpc::Status finished = writer->Finish();
   if (!read.ok()) return read;
-  if (const absl::Status status = connection_->Finish(finished, options); !status.ok()) {
-    return status;
-  }
+  if (const absl::Status status = connection_->Finish(finished, call); !status.ok()) return status;
   return response;
 }
 

@@ -1,6 +1,7 @@
 #include "client/connection.h"
 
 #include <fmt/format.h>
+#include <motiondb/call_error.h>
 
 #include <random>
 
@@ -39,6 +40,9 @@ double Seconds(std::chrono::milliseconds time) {
 
 }  // namespace
 
+OutgoingCall::OutgoingCall(const CallOptions& its_options)
+    : options(its_options), request_id(NewRequestId()) {}
+
 Client::Connection::Connection(ClientOptions options)
     : options_(std::move(options)),
       channel_(OpenChannel(options_)),
@@ -60,10 +64,11 @@ absl::Status Client::Connection::WaitUntilConnected() const {
     return ConnectError(options_, "");
   }
   // A channel tells only a call why it failed: at once, and no call leaves here.
-  grpc::ClientContext context;
-  Prepare(context, CallOptions{.timeout = kReasonTimeout});
+  OutgoingCall call({.timeout = kReasonTimeout});
+  Prepare(call);
   v1::GetDatabaseResponse unused;
-  const grpc::Status status = databases->GetDatabase(&context, v1::GetDatabaseRequest(), &unused);
+  const grpc::Status status =
+      databases->GetDatabase(&call.context, v1::GetDatabaseRequest(), &unused);
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) return ConnectError(options_, "");
   // Else the server has come meanwhile and answered.
   return status.error_code() == grpc::StatusCode::UNAVAILABLE
@@ -75,18 +80,23 @@ std::chrono::milliseconds Client::Connection::TimeoutOf(const CallOptions& optio
   return options.timeout.value_or(options_.call_timeout);
 }
 
-void Client::Connection::Prepare(grpc::ClientContext& context, const CallOptions& options) const {
-  context.AddMetadata("x-request-id", NewRequestId());
-  if (!options_.token.empty()) context.AddMetadata("authorization", "Bearer " + options_.token);
-  const auto timeout = TimeoutOf(options);
+void Client::Connection::Prepare(OutgoingCall& call) const {
+  call.context.AddMetadata("x-request-id", call.request_id);
+  if (!options_.token.empty()) {
+    call.context.AddMetadata("authorization", "Bearer " + options_.token);
+  }
+  const auto timeout = TimeoutOf(call.options);
   // Later than a year is as good as never, and cannot overflow the clock.
   if (timeout > std::chrono::hours(24 * 365)) return;
-  context.set_deadline(std::chrono::system_clock::now() + timeout);
+  call.context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
 
 absl::Status Client::Connection::Finish(const grpc::Status& status,
-                                        const CallOptions& options) const {
+                                        const OutgoingCall& call) const {
   absl::Status result = FromGrpc(status);
+  if (result.ok()) return result;
+  // What gRPC itself ends brings none; the server may have begun with it all the same.
+  if (RequestId(result).empty()) result = WithRequestId(result, call.request_id);
   if (result.code() == absl::StatusCode::kUnavailable) {
     return WithMessage(
         result, fmt::format("the motiondb server at {} is not available ({}): see that motiondbd "
@@ -96,10 +106,9 @@ absl::Status Client::Connection::Finish(const grpc::Status& status,
   // gRPC's own words for a deadline that passed here; a server that ran out of time says more.
   if (result.code() == absl::StatusCode::kDeadlineExceeded &&
       status.error_message() == "Deadline Exceeded") {
-    return absl::DeadlineExceededError(
-        fmt::format("no answer from the motiondb server at {} within "
-                    "{:g} s",
-                    options_.server, Seconds(TimeoutOf(options))));
+    return WithMessage(
+        result, fmt::format("no answer from the motiondb server at {} within {:g} s (request {})",
+                            options_.server, Seconds(TimeoutOf(call.options)), call.request_id));
   }
   return result;
 }

@@ -35,6 +35,16 @@ struct ExportSink {
   std::function<absl::Status(const std::string&)> on_skeleton_block;
 };
 
+// A call that is made: gRPC's side of it, how long it may take, and under which id the server's log
+// has it. Used by one thread at a time.
+struct OutgoingCall {
+  explicit OutgoingCall(const CallOptions& its_options);
+
+  grpc::ClientContext context;
+  const CallOptions options;
+  const std::string request_id;
+};
+
 class Client::Connection {
  public:
   // Opens the channel, without waiting for it to connect. The options have their credentials.
@@ -47,11 +57,11 @@ class Client::Connection {
   std::chrono::milliseconds TimeoutOf(const CallOptions& options) const;
 
   // Sets a call's deadline, and says who calls and under which id.
-  void Prepare(grpc::ClientContext& context, const CallOptions& options) const;
+  void Prepare(OutgoingCall& call) const;
 
-  // How a call ended, with the address where it was not reached and the time where it was too
-  // short.
-  absl::Status Finish(const grpc::Status& status, const CallOptions& options) const;
+  // How a call ended, with its id, the address where the server was not reached and the time where
+  // it was too short.
+  absl::Status Finish(const grpc::Status& status, const OutgoingCall& call) const;
 
   // One unary call.
   template <typename Stub, typename Request, typename Response>
@@ -59,10 +69,10 @@ class Client::Connection {
                                 grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
                                                              Response*),
                                 const Request& request, const CallOptions& options) const {
-    grpc::ClientContext context;
-    Prepare(context, options);
+    OutgoingCall call(options);
+    Prepare(call);
     Response response;
-    const absl::Status status = Finish((stub.*method)(&context, request, &response), options);
+    const absl::Status status = Finish((stub.*method)(&call.context, request, &response), call);
     if (!status.ok()) return status;
     return response;
   }
@@ -76,15 +86,15 @@ class Client::Connection {
                           const Request& request,
                           const std::function<absl::Status(const Response&)>& on_message,
                           const CallOptions& options) const {
-    grpc::ClientContext context;
-    Prepare(context, options);
-    const auto reader = (stub.*method)(&context, request);
+    OutgoingCall call(options);
+    Prepare(call);
+    const auto reader = (stub.*method)(&call.context, request);
     Response message;
     absl::Status consumed;
     while (consumed.ok() && reader->Read(&message)) consumed = on_message(message);
-    if (!consumed.ok()) context.TryCancel();
+    if (!consumed.ok()) call.context.TryCancel();
     const grpc::Status status = reader->Finish();
-    return consumed.ok() ? Finish(status, options) : consumed;
+    return consumed.ok() ? Finish(status, call) : consumed;
   }
 
   // One ingest: the header, then the blocks of both files.

@@ -75,6 +75,13 @@ absl::Status FromGrpc(const grpc::Status& status) {
   return WithMessage(result, fmt::format("{} (request {})", message, request_id));
 }
 
+absl::Status WithRequestId(absl::Status status, const std::string& request_id) {
+  v1::RequestInfo info;
+  info.set_request_id(request_id);
+  status.SetPayload(kRequestInfoTypeUrl, absl::Cord(info.SerializeAsString()));
+  return status;
+}
+
 absl::Status WithMessage(const absl::Status& status, const std::string& message) {
   absl::Status result(status.code(), message);
   status.ForEachPayload(

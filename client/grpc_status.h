@@ -19,6 +19,9 @@ namespace motiondb::client {
 // look up in the server's log.
 absl::Status FromGrpc(const grpc::Status& status);
 
+// The same with a call's id attached.
+absl::Status WithRequestId(absl::Status status, const std::string& request_id);
+
 // The same code and payloads with another message.
 absl::Status WithMessage(const absl::Status& status, const std::string& message);
 

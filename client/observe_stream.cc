@@ -11,16 +11,15 @@ class ObserveStream::Call {
  public:
   Call(std::shared_ptr<const Client::Connection> connection, const v1::ObserveStart& start,
        CallOptions options)
-      : connection_(std::move(connection)), options_(options) {
-    if (!options_.timeout) options_.timeout = kNoTimeout;  // a robot moves as long as it likes
-    connection_->Prepare(context_, options_);
-    stream_ = connection_->observations->Observe(&context_);
+      : connection_(std::move(connection)), call_(WithTimeout(options)) {
+    connection_->Prepare(call_);
+    stream_ = connection_->observations->Observe(&call_.context);
     *request_.mutable_start() = start;
     stream_->Write(request_);
   }
   ~Call() {
     if (finished_) return;
-    context_.TryCancel();
+    call_.context.TryCancel();
     Finish().IgnoreError();
   }
 
@@ -38,14 +37,19 @@ class ObserveStream::Call {
     while (stream_->Read(&unread)) {
     }
     finished_ = true;
-    return connection_->Finish(stream_->Finish(), options_);
+    return connection_->Finish(stream_->Finish(), call_);
   }
-  void Cancel() { context_.TryCancel(); }
+  void Cancel() { call_.context.TryCancel(); }
 
  private:
+  // A robot moves as long as it likes.
+  static CallOptions WithTimeout(CallOptions options) {
+    if (!options.timeout) options.timeout = kNoTimeout;
+    return options;
+  }
+
   const std::shared_ptr<const Client::Connection> connection_;
-  CallOptions options_;
-  grpc::ClientContext context_;
+  OutgoingCall call_;
   std::unique_ptr<grpc::ClientReaderWriter<v1::ObserveRequest, v1::ObserveResponse>> stream_;
   v1::ObserveRequest request_;
   bool finished_ = false;

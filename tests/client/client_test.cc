@@ -107,6 +107,7 @@ TEST_CASE("Client: a server that goes away is UNAVAILABLE, at once", "[client]")
   const absl::Status status = client.GetDatabase({}).status();
   CHECK(status.code() == absl::StatusCode::kUnavailable);
   CHECK_THAT(std::string(status.message()), Catch::Contains(address));
+  CHECK(!client::RequestId(status).empty());
 }
 
 TEST_CASE("Client: options that make no sense are refused", "[client]") {
@@ -127,6 +128,10 @@ TEST_CASE("Client: a call ends at its deadline", "[client]") {
   CHECK(status.code() == absl::StatusCode::kDeadlineExceeded);
   CHECK_THAT(std::string(status.message()),
              Catch::Contains(server.address()) && Catch::Contains("0.1 s"));
+  // The server has the call in its log under this id, though its answer came too late.
+  const std::string sent = server.HeadersOf("GetModel").at(0).at("x-request-id");
+  CHECK(client::RequestId(status) == sent);
+  CHECK_THAT(std::string(status.message()), Catch::Contains("(request " + sent + ")"));
 }
 
 TEST_CASE("Client: whole lists follow the page tokens", "[client]") {

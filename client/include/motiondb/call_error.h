@@ -17,8 +17,8 @@ inline constexpr absl::string_view kRequestInfoTypeUrl =
     "type.googleapis.com/google.rpc.RequestInfo";
 inline constexpr absl::string_view kRetryInfoTypeUrl = "type.googleapis.com/google.rpc.RetryInfo";
 
-// The id of the call that failed, by which the server's log has it; empty where the server did not
-// answer.
+// The id of the call that failed, by which the server's log has it if it came there; empty where no
+// call was made.
 std::string RequestId(const absl::Status& status);
 
 // How long to wait before the same call is tried again; nothing where the server does not say.

@@ -22,7 +22,7 @@ class BackupFile {
   ~BackupFile();  // removes what was not completed
 
   // ALREADY_EXISTS where there is a file, unless `overwrite`; then FAILED_PRECONDITION where what
-  // is there is no regular file, or a server's store.
+  // is there is no backup, or a server has it as its store.
   absl::Status Open(const std::filesystem::path& path, bool overwrite);
   absl::Status Append(const std::string& block);
   // Brings it to the disk and gives it its name. DATA_LOSS unless its last 32 bytes are the SHA-256

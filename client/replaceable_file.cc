@@ -40,10 +40,13 @@ bool HasAt(int file, off_t offset, std::string_view expected) {
   return got == static_cast<ssize_t>(expected.size()) && bytes == expected;
 }
 
-bool IsStore(int file, off_t size) {
-  const off_t mark = size - kChecksumBytes - static_cast<off_t>(kBackupMark.size());
-  return HasAt(file, 0, kSqliteMagic) && HasAt(file, kApplicationIdOffset, kApplicationId) &&
-         !HasAt(file, mark, kBackupMark);
+bool IsStore(int file) {
+  return HasAt(file, 0, kSqliteMagic) && HasAt(file, kApplicationIdOffset, kApplicationId);
+}
+
+// Whether it ends as a backup does.
+bool IsSealed(int file, off_t size) {
+  return HasAt(file, size - kChecksumBytes - static_cast<off_t>(kBackupMark.size()), kBackupMark);
 }
 
 // What a server keeps beside its store, whatever that was made from; empty where there is none.
@@ -76,9 +79,12 @@ absl::Status CheckReplaceable(const std::filesystem::path& path) {
     return Kept(
         path, fmt::format("cannot be read, and may be a server's store: {}", std::strerror(errno)));
   }
-  const bool is_store = IsStore(file, status.st_size);
+  const bool is_store = IsStore(file);
+  const bool is_backup = is_store && IsSealed(file, status.st_size);
   close(file);
-  return is_store ? Kept(path, "is a motiondb store, not a backup of one") : absl::OkStatus();
+  if (is_backup || status.st_size == 0) return absl::OkStatus();
+  return Kept(path, is_store ? "is a motiondb store, not a backup of one"
+                             : "is no backup of a motiondb store");
 }
 
 }  // namespace motiondb::client

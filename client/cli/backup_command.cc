@@ -16,9 +16,8 @@ struct BackupOptions {
 void Declare(CLI::App& command, BackupOptions& options) {
   command.add_option("FILE", options.file, "File to write; FILE.part-XXXXXX until it is whole")
       ->required();
-  command.add_flag(
-      "--force", options.force,
-      "Replace a file that exists; never a server's store, nor what is no regular file");
+  command.add_flag("--force", options.force,
+                   "Replace a backup that exists; never a server's store, nor what is no backup");
 }
 
 absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {

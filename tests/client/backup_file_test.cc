@@ -27,6 +27,15 @@ std::string Sealed(const std::string& bytes) {
   return bytes + digest;
 }
 
+// As SQLite begins a file that has a store's application id.
+std::string StoreBytes() {
+  std::string bytes("SQLite format 3\0", 16);
+  bytes.resize(200);
+  return bytes.replace(68, 4, "mtdb");
+}
+
+std::string BackupOf(const std::string& pages) { return Sealed(StoreBytes() + pages + "mtdbback"); }
+
 int FileCount(const TemporaryFolder& folder) {
   int count = 0;
   for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder.path())) {
@@ -43,8 +52,8 @@ unsigned Mode(const std::filesystem::path& path) {
 
 TEST_CASE("BackupFile: two to one file do not mix", "[client]") {
   const TemporaryFolder folder;
-  const std::string first = Sealed(std::string(100'000, 'a'));
-  const std::string second = Sealed(std::string(70'000, 'b'));
+  const std::string first = BackupOf(std::string(100'000, 'a'));
+  const std::string second = BackupOf(std::string(70'000, 'b'));
   const bool overwrite = GENERATE(true, false);
   CAPTURE(overwrite);
   {
@@ -66,9 +75,8 @@ TEST_CASE("BackupFile: two to one file do not mix", "[client]") {
 
 TEST_CASE("BackupFile: is its owner's alone, whatever there was", "[client]") {
   const TemporaryFolder folder;
-  for (const char* const name : {"copy", "copy.part"}) {
-    chmod(folder.Write(name, "stale").c_str(), 0666);
-  }
+  chmod(folder.Write("copy", "").c_str(), 0666);
+  chmod(folder.Write("copy.part", "stale").c_str(), 0666);
   BackupFile file;
   REQUIRE(file.Open(folder / "copy", /*overwrite=*/true).ok());
   REQUIRE(file.Append(Sealed("bytes")).ok());
@@ -88,13 +96,6 @@ TEST_CASE("BackupFile: one that is damaged or broken off leaves nothing", "[clie
   CHECK(FileCount(folder) == 0);
   BackupFile nowhere;
   CHECK(nowhere.Open(folder / "none" / "copy", false).code() == absl::StatusCode::kUnknown);
-}
-
-// As SQLite begins a file that has a store's application id.
-std::string StoreBytes() {
-  std::string bytes("SQLite format 3\0", 16);
-  bytes.resize(200);
-  return bytes.replace(68, 4, "mtdb");
 }
 
 std::string Refusal(const std::filesystem::path& path) {
@@ -125,10 +126,13 @@ TEST_CASE("BackupFile: what is no regular file is never replaced", "[client]") {
   CHECK(FileCount(folder) == 4);
 }
 
-TEST_CASE("BackupFile: a store is never replaced, a backup is", "[client]") {
+TEST_CASE("BackupFile: a backup is replaced, never a store or what is neither", "[client]") {
   const TemporaryFolder folder;
+  CHECK_THAT(Refusal(folder.Write("list", "a list of clips")), Contains("is no backup"));
+  CHECK_THAT(Refusal(folder.Write("sealed", Sealed("a page and mtdbback"))),
+             Contains("is no backup"));
   CHECK_THAT(Refusal(folder.Write("store", StoreBytes())), Contains("is a motiondb store"));
-  const std::string backup = Sealed(StoreBytes() + "mtdbback");
+  const std::string backup = BackupOf("");
   // A server was started on a backup.
   for (const char* const suffix : {"-lock", "-wal"}) {
     const std::string name = std::string("served") + suffix;
@@ -137,7 +141,7 @@ TEST_CASE("BackupFile: a store is never replaced, a backup is", "[client]") {
     CHECK_THAT(Refusal(served), Contains(beside.string()));
     std::filesystem::remove(beside);
   }
-  for (const std::string& bytes : {backup, std::string("anything else"), std::string()}) {
+  for (const std::string& bytes : {backup, std::string()}) {
     folder.Write("copy", bytes);
     BackupFile file;
     REQUIRE(file.Open(folder / "copy", /*overwrite=*/true).ok());

@@ -104,6 +104,23 @@ enter_root "$root" apt-get install -y -qq --reinstall "/tmp/$(basename "$package
   { tail "$work/apt.log" >&2; fail "apt install --reinstall"; }
 as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | grep "^max-frames = 4321"
 
+echo "== upgraded to one with another sample, with nobody at the terminal: it stays, too"
+dpkg-deb --raw-extract "$package" "$work/next"
+echo '# a setting that is new' >>"$work/next/etc/motiondb/motiondbd.conf"
+sed -i 's/^Version: .*/&.1/' "$work/next/DEBIAN/control"
+dpkg-deb --root-owner-group --build "$work/next" "$root/tmp/next.deb" >"$work/dpkg.log"
+# The options of deploy/README.md, for either way.
+options=$(sed -n 's|^\$ sudo apt install \(.*\) ./motiondb_NEW_amd64.deb.*|\1|p' "$here/../../deploy/README.md")
+[ -n "$options" ] || fail "deploy/README.md does not say how to upgrade"
+for deb in next.deb "$(basename "$package")"; do
+  # shellcheck disable=SC2086
+  enter_root "$root" apt-get install -y -qq --allow-downgrades $options "/tmp/$deb" </dev/null >"$work/apt.log" 2>&1 ||
+    { tail "$work/apt.log" >&2; fail "apt install $options $deb"; }
+  enter_root "$root" dpkg-query --show --showformat '  ${Version} ${Status}\n' motiondb | grep "installed$"
+  as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | grep -q "^max-frames = 4321" ||
+    fail "$deb changed the configuration"
+done
+
 echo "== removed and purged: the store is left"
 enter_root "$root" apt-get purge -y -qq motiondb >"$work/apt.log" 2>&1 ||
   { cat "$work/apt.log" >&2; fail "purge"; }

@@ -123,6 +123,15 @@ class PackageRecipeTest(unittest.TestCase):
             self.assertIn(f"--build {folder} ", line)
 
 
+# A motiondb that makes the file of a backup.
+BACKS_UP = """\
+for last; do :; done
+#
+echo "$@"
+[ "$last" = verify ] || touch "$last"
+"""
+
+
 class NightlyBackupTest(unittest.TestCase):
     """The line for cron of deploy/README.md, with a program in the place of motiondb."""
 
@@ -158,11 +167,15 @@ class NightlyBackupTest(unittest.TestCase):
         return sorted(os.listdir(self.path("backups"))), ran.returncode
 
     def test_it_is_named_after_the_day_and_replaces_what_is_a_month_old(self):
-        kept, code = self.kept('for last; do :; done\necho "$@"\ntouch "$last"\n')
+        kept, code = self.kept(BACKS_UP)
         self.assertEqual(code, 0)
         self.assertEqual(len(kept), 2)
         self.assertRegex(kept[0], r"^20\d\d-\d\d-\d\d\.motiondb$")
         self.assertEqual(kept[1], "29.motiondb")
+
+    def test_nothing_is_removed_where_the_store_is_damaged(self):
+        kept, code = self.kept('[ "$last" != verify ] || exit 1\n'.join(BACKS_UP.split("#\n")))
+        self.assertEqual((len(kept), kept[1:], code), (3, ["29.motiondb", "32.motiondb"], 1))
 
     def test_nothing_is_removed_where_it_fails(self):
         kept, code = self.kept("exit 1\n")

@@ -179,7 +179,7 @@ class Client {
   // Writes a backup beside `path`, and gives it its name when it is whole and its checksum right:
   // what is at `path` is never half a backup. Calls `on_progress` (which may be null) with the
   // share, 0 to 1, that is there. ALREADY_EXISTS rather than replacing a file, unless `overwrite`;
-  // FAILED_PRECONDITION rather than ever replacing what is no regular file, or a server's store;
+  // FAILED_PRECONDITION rather than ever replacing what is no backup, or a server's store;
   // DATA_LOSS if the checksum is wrong; UNKNOWN for a file that cannot be written. On an error
   // nothing is left. Returns the bytes of the backup.
   absl::StatusOr<std::int64_t> BackupStore(const std::filesystem::path& path,

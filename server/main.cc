@@ -3,6 +3,7 @@
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
@@ -15,6 +16,7 @@
 
 #include "core/motion/error.h"
 #include "server/observability/health_server.h"
+#include "server/observability/listen_on.h"
 #include "server/observability/log.h"
 #include "server/rpc/method.h"
 #include "server/server.h"
@@ -36,6 +38,22 @@ void LogGrpc() {
       [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
         spdlog::debug("protobuf: {}", message);
       });
+}
+
+// Whatever it makes is its owner's alone, and who reads what it prints may go away.
+void SetUpProcess() {
+  umask(0077);
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+// Those that drain it. A hangup is one, unless nohup had it ignored: what runs in a terminal ends
+// in order when that is closed.
+void AddDrainSignals(boost::asio::signal_set& signals) {
+  signals.add(SIGTERM);
+  signals.add(SIGINT);
+  struct sigaction hangup {};
+  sigaction(SIGHUP, nullptr, &hangup);
+  if (hangup.sa_handler != SIG_IGN) signals.add(SIGHUP);
 }
 
 void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& signals) {
@@ -63,22 +81,27 @@ absl::Status Serve(const Settings& settings) {
   // Before any thread is made and before the address is announced: a signal that comes at any later
   // moment drains.
   boost::asio::io_context context;
-  boost::asio::signal_set signals(context, SIGTERM, SIGINT);
+  boost::asio::signal_set signals(context);
+  AddDrainSignals(signals);
 
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
                             PlanSecurity(settings.server.security, settings.server.listen));
   // Whatever the level of the log.
-  if (!plan.warning.empty()) Tell(settings.log.format, plan.warning);
+  for (const std::string& warning : plan.warnings) Tell(settings.log.format, warning);
   // First, so that a long start can be watched.
   const auto monitor =
       std::make_shared<Monitor>(MonitorOptions{.methods = MethodNames(),
                                                .store_path = settings.store_path,
                                                .slow_call = settings.log.slow_call});
-  MOTIONDB_ASSIGN_OR_RETURN(const auto http, StartHealthServer(settings.http_listen, *monitor));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto http,
+                            StartHealthServer(settings.http_listen, *monitor, settings.log.format));
   if (http != nullptr && !settings.http_listen.empty()) {
     fmt::print("motiondbd: metrics at http://{}/metrics\n", http->address());
     std::fflush(stdout);
   }
+  // Before the store is opened, which makes or upgrades it: not for a server that cannot serve.
+  const absl::Status listening = TryListening(settings.server.listen);
+  if (absl::IsUnavailable(listening)) return listening;
   MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings.store_path));
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
@@ -112,10 +135,19 @@ int CheckConfig(const SettingsReader& reader) {
     fmt::print("{:<48}# {}\n", line, setting.source);
   }
   const std::vector<absl::Status> problems = reader.Check();
-  return problems.empty() ? 0 : PrintProblems(problems);
+  if (!problems.empty()) return PrintProblems(problems);
+  const Settings& settings = reader.settings();
+  // As it would say when it starts.
+  const auto plan = PlanSecurity(settings.server.security, settings.server.listen);
+  if (!plan.ok()) return PrintProblems({plan.status()});
+  for (const std::string& warning : plan->warnings) {
+    fmt::print(stderr, "motiondbd: {}\n", warning);
+  }
+  return 0;
 }
 
 int Run(int argc, const char* const* argv) {
+  SetUpProcess();
   SettingsReader reader;
   const std::vector<absl::Status> problems = reader.Read(argc, argv, ReadEnvironment());
   if (!problems.empty()) {

@@ -4,11 +4,13 @@
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 #include <grpcpp/resource_quota.h>
+#include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/engine/clock.h"
 #include "server/observability/listen_on.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
@@ -74,6 +76,11 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
   std::unique_ptr<Server> server(
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
+  if (!server->host_->access.CanBeAdministered(NowMicroseconds())) {
+    spdlog::warn(
+        "no token of an administrator holds, so that nobody can make one: give --admin-token-file, "
+        "or start once on 127.0.0.1 and make one there (`motiondb token create --role admin`)");
+  }
   if (const std::string& file = options.security.admin_token_file; !file.empty()) {
     server->admin_token_ = std::make_unique<FileWatch>(
         "administrator's token", file,

@@ -59,7 +59,7 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> ExtendSnapshot(
   if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
   if (!record.ok()) return record.status();
   spdlog::info(
-      "database '{}': model {} knows {} clips more than the build; {:.2f} % of its frames "
+      "database '{}': model {} was extended, clips more than the build: {}; {:.2f} % of its frames "
       "were added, {:.2f} % lie in nodes that a build would divide",
       database.name(), record->version, record->added_clip_count, 100 * drift.added,
       100 * drift.stale);

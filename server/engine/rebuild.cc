@@ -50,7 +50,8 @@ std::string DifferenceText(const Snapshot* before, const core::Model& built,
   if (before == nullptr || before->record.added_clip_count == 0) return "";
   const core::ModelDifference difference = core::CompareModels(before->model, built, parallel);
   return fmt::format(
-      "in place of {} added clips: bottom nodes {} -> {}, rms distance of frames from their node's "
+      "in place of one with added clips ({}): bottom nodes {} -> {}, rms distance of frames from "
+      "their node's "
       "mean {:.4f} -> {:.4f}, same label for {} of {} left-out windows",
       before->record.added_clip_count, difference.bottom_nodes_before,
       difference.bottom_nodes_after, difference.spread_before, difference.spread_after,

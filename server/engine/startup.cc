@@ -95,7 +95,7 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) live.AddStored(AmountOf(clip));
   const auto snapshot = live.snapshot();
-  spdlog::info("database '{}': {} clips, model {}", record.name, clips.size(),
+  spdlog::info("database '{}': clips {}, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);
   return absl::OkStatus();
 }

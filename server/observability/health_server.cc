@@ -1,13 +1,16 @@
 #include "server/observability/health_server.h"
 
+#include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
 #include "server/observability/health_pages.h"
+#include "server/observability/log.h"
 
 namespace motiondb::server {
 
 absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
-                                                              const Monitor& monitor) {
+                                                              const Monitor& monitor,
+                                                              LogFormat format) {
   if (listen == "none") return nullptr;
   const bool asked_for = !listen.empty();
   auto server = HttpServer::Start(asked_for ? listen : kDefaultHttpListen, HealthPages(monitor));
@@ -19,10 +22,11 @@ absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string&
   if (!server.ok()) return server.status();
   spdlog::info("metrics and health pages at http://{}/", (*server)->address());
   if (!(*server)->is_loopback()) {
-    spdlog::warn(
-        "whoever reaches http://{}/ reads, unencrypted and without authentication, the names of "
-        "databases and how much they hold and are used; it shows no motion and changes nothing",
-        (*server)->address());
+    Tell(format,
+         fmt::format("whoever reaches http://{}/ reads, unencrypted and without authentication, "
+                     "the names of databases and how much they hold and are used; it shows no "
+                     "motion and changes nothing",
+                     (*server)->address()));
   }
   return server;
 }

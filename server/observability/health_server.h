@@ -6,6 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/observability/http_server.h"
+#include "server/observability/log_formatter.h"
 #include "server/observability/monitor.h"
 
 namespace motiondb::server {
@@ -15,9 +16,10 @@ inline constexpr char kDefaultHttpListen[] = "127.0.0.1:9464";
 
 // Starts the pages at `listen`: HOST:PORT; "none" for no pages; empty for 127.0.0.1:9464, where
 // they are left out, with a warning, if another program has that port. Null where there are none.
-// Warns of an address that others can reach. The monitor must outlive the result. Codes: those of
-// HttpServer::Start.
+// Warns of an address that others can reach, in the log's format but whatever its level. The
+// monitor must outlive the result. Codes: those of HttpServer::Start.
 absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
-                                                              const Monitor& monitor);
+                                                              const Monitor& monitor,
+                                                              LogFormat format = LogFormat::kText);
 
 }  // namespace motiondb::server

@@ -44,12 +44,17 @@ absl::Status ListenOn(const std::string& listen, tcp::acceptor& acceptor) {
   return error ? CannotListen(listen, error.message()) : absl::OkStatus();
 }
 
-absl::Status WhyNotListening(const std::string& listen) {
+absl::Status TryListening(const std::string& listen) {
   asio::io_context context;
   tcp::acceptor acceptor(context);
-  const absl::Status status = ListenOn(listen, acceptor);
-  if (status.ok())
+  return ListenOn(listen, acceptor);
+}
+
+absl::Status WhyNotListening(const std::string& listen) {
+  const absl::Status status = TryListening(listen);
+  if (status.ok()) {
     return CannotListen(listen, "gRPC does not say why; --log-level debug shows more");
+  }
   return absl::IsUnavailable(status) ? status : CannotListen(listen, std::string(status.message()));
 }
 

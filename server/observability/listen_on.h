@@ -12,6 +12,10 @@ namespace motiondb::server {
 // (no HOST:PORT, or nobody knows the host), UNAVAILABLE (cannot be listened on), both saying why.
 absl::Status ListenOn(const std::string& listen, boost::asio::ip::tcp::acceptor& acceptor);
 
+// The same for a moment alone, to know whether it can be done. Not for gRPC's own forms of an
+// address, which are INVALID_ARGUMENT here.
+absl::Status TryListening(const std::string& listen);
+
 // Why an address cannot be listened on, found by trying. For those who are not told, as by gRPC.
 // UNAVAILABLE, also where trying it finds nothing wrong.
 absl::Status WhyNotListening(const std::string& listen);

@@ -16,13 +16,13 @@ void StartLog(LogFormat format, const std::string& level) {
 
 void Tell(LogFormat format, const std::string& message) {
   if (format == LogFormat::kText) {
-    fmt::print(stderr, "motiondbd: {}\n", message);
+    std::fputs(fmt::format("motiondbd: {}\n", message).c_str(), stderr);
     return;
   }
   spdlog::memory_buf_t line;
   MakeLogFormatter(format)->format(
       spdlog::details::log_msg("motiondbd", spdlog::level::critical, message), line);
-  fmt::print(stderr, "{}", std::string(line.data(), line.size()));
+  std::fwrite(line.data(), 1, line.size(), stderr);
 }
 
 }  // namespace motiondb::server

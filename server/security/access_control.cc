@@ -116,6 +116,10 @@ bool AccessControl::CanAdministerWithoutToken() const {
          options_.certificate_role == storage::Role::kAdmin;
 }
 
+bool AccessControl::CanBeAdministered(std::int64_t now_us) {
+  return CanAdministerWithoutToken() || tokens_.HasAdmin(now_us).value_or(true);
+}
+
 absl::StatusOr<storage::TokenRecord> AccessControl::RevokeToken(const std::string& id,
                                                                 std::int64_t now_us,
                                                                 const storage::ChangeTerms& terms) {

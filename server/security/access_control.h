@@ -46,6 +46,10 @@ class AccessControl {
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t now_us,
                                                    const storage::ChangeTerms& terms = {});
 
+  // Whether somebody can administer the server at `now_us`, with a token or without. True where the
+  // tokens cannot be read.
+  bool CanBeAdministered(std::int64_t now_us);
+
   // Keeps an entry of the record of changes. Those of calls that changed nothing, as where they
   // failed, of others than administrators, are kept only so often from one source, so that nobody
   // can push the rest out with them. As KeepAuditRecord.

@@ -9,21 +9,13 @@
 
 #include "absl/strings/ascii.h"
 #include "core/motion/error.h"
+#include "server/security/secret_file.h"
 #include "server/security/text_file.h"
 
 namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kShortest = 20;
-
-// What is wrong with a file of this mode, which makes whoever knows or writes what is in it an
-// administrator; empty: nothing.
-std::string_view FaultOf(mode_t mode) {
-  if ((mode & S_IROTH) != 0) return "everybody on this machine can read it";
-  if ((mode & S_IWOTH) != 0) return "everybody on this machine can write it";
-  if ((mode & S_IWGRP) != 0) return "its group can write it";
-  return "";
-}
 
 }  // namespace
 
@@ -32,8 +24,8 @@ absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
   if (stat(path.c_str(), &status) != 0) {
     return core::InvalidArgument("{}: {}", path, std::strerror(errno));
   }
-  if (const std::string_view fault = FaultOf(status.st_mode); !fault.empty()) {
-    return core::InvalidArgument("{}: {}; expected mode 0600 or 0640", path, fault);
+  if (const std::string_view fault = FaultOfMode(status.st_mode); !fault.empty()) {
+    return core::InvalidArgument("{}: {}; expected mode {}", path, fault, kSecretModes);
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::string text, ReadTextFile(path));
   absl::StripAsciiWhitespace(&text);

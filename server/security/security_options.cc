@@ -1,9 +1,11 @@
 #include "server/security/security_options.h"
 
 #include <arpa/inet.h>
+#include <sys/stat.h>
 
 #include "core/motion/error.h"
 #include "server/security/admin_token_file.h"
+#include "server/security/secret_file.h"
 
 namespace motiondb::server {
 namespace {
@@ -21,6 +23,17 @@ absl::Status CheckTls(const SecurityOptions& options) {
     return core::InvalidArgument("certificate-role needs tls-client-ca");
   }
   return tls.enabled() ? ReadTlsFiles(tls).status() : absl::OkStatus();
+}
+
+// A key is only warned of: what mounts secrets may leave them open to all, where nobody else is.
+void WarnOfKey(const std::string& key, std::vector<std::string>& warnings) {
+  struct stat status;
+  if (key.empty() || stat(key.c_str(), &status) != 0) return;
+  const std::string_view fault = FaultOfMode(status.st_mode);
+  if (fault.empty()) return;
+  warnings.push_back(
+      fmt::format("{}: {}, and whoever has this key can pass for the server; expected mode {}", key,
+                  fault, kSecretModes));
 }
 
 }  // namespace
@@ -51,12 +64,13 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
   if (!options.admin_token_file.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(plan.access.admin_token, ReadAdminToken(options.admin_token_file));
   }
+  WarnOfKey(options.tls.key, plan.warnings);
   if (loopback && !plan.access.authentication &&
       (!options.admin_token_file.empty() || options.certificate_role.has_value())) {
-    plan.warning = fmt::format(
+    plan.warnings.push_back(fmt::format(
         "nobody is asked for a token at {}: admin-token-file and certificate-role have no effect "
         "without --authentication token",
-        listen);
+        listen));
   }
   if (loopback || (encrypted && plan.access.authentication)) return plan;
 
@@ -70,10 +84,10 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
         "without",
         listen, lacks);
   }
-  plan.warning = fmt::format(
+  plan.warnings.push_back(fmt::format(
       "INSECURE: {} can be reached from other machines, and there is no {}.{}{}", listen, lacks,
       encrypted ? "" : " Whoever is on the way reads and changes what is sent.",
-      plan.access.authentication ? "" : " Whoever reaches it may read, change and delete all.");
+      plan.access.authentication ? "" : " Whoever reaches it may read, change and delete all."));
   return plan;
 }
 

@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "server/security/access_control.h"
@@ -29,7 +30,7 @@ struct SecurityOptions {
 struct SecurityPlan {
   AccessOptions access;
   bool reflection = true;
-  std::string warning;  // to be shown to whoever starts the server; empty: none
+  std::vector<std::string> warnings;  // to be shown to whoever starts the server
 };
 
 // Whether only programs on this machine reach `listen`, HOST:PORT.

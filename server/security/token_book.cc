@@ -82,18 +82,23 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   return made;
 }
 
-absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us) {
-  MOTIONDB_ASSIGN_OR_RETURN(const storage::TokenRecord token, store_.GetToken(id));
-  if (!Administers(token, now_us)) return absl::OkStatus();
+absl::StatusOr<bool> TokenBook::HasAdminBeside(const std::string& id, std::int64_t now_us) {
   std::string after;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPage));
-    if (page.empty()) break;
+    if (page.empty()) return false;
     for (const storage::TokenRecord& other : page) {
-      if (other.id != id && Administers(other, now_us)) return absl::OkStatus();
+      if (other.id != id && Administers(other, now_us)) return true;
     }
     after = page.back().id;
   }
+}
+
+absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us) {
+  MOTIONDB_ASSIGN_OR_RETURN(const storage::TokenRecord token, store_.GetToken(id));
+  if (!Administers(token, now_us)) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const bool other, HasAdminBeside(id, now_us));
+  if (other) return absl::OkStatus();
   return core::FailedPrecondition(
       "tokens/{} is the last one of an administrator: without it nobody could make another; make "
       "one first (`motiondb token create --role admin`), or start the server with an "

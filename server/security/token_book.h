@@ -86,6 +86,9 @@ class TokenBook {
                                               const storage::ChangeTerms& terms = {},
                                               LastAdmin last_admin = LastAdmin::kMayGo);
 
+  // Whether a token of an administrator of all databases holds at `now_us`. The codes of the store.
+  absl::StatusOr<bool> HasAdmin(std::int64_t now_us) { return HasAdminBeside("", now_us); }
+
   // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
   std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;
   // The token that `text` is the secret of, whether or not it still holds. Null if there is none;
@@ -94,6 +97,8 @@ class TokenBook {
 
  private:
   std::int64_t revocations() const;
+  // The same, whether or not the token `id` does.
+  absl::StatusOr<bool> HasAdminBeside(const std::string& id, std::int64_t now_us);
   // FAILED_PRECONDITION if the token is the last one of an administrator. REQUIRES: the revoking
   // mutex is held.
   absl::Status CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us);

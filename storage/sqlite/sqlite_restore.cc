@@ -47,8 +47,11 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
     MOTIONDB_ASSIGN_OR_RETURN(const bool more, verifier.Step(found));
     if (!found.empty()) {
       const Damage& first = found.front();
-      const char* const colon = first.resource.empty() ? "" : ": ";
-      return core::DataLoss("{}{}{}", first.resource, colon, first.description);
+      if (first.resource.empty()) return core::DataLoss("{}", first.description);
+      return core::DataLoss(
+          "{}: {}; it was damaged when the backup was made: `motiondbd --store FILE` serves the "
+          "backup without it",
+          first.resource, first.description);
     }
     if (!more) return absl::OkStatus();
   }

@@ -191,7 +191,7 @@ class Observability(unittest.TestCase):
         text = self.server.run("status")
         self.assertEqual(text.returncode, 0, text.stderr)
         self.assertRegex(text.stdout, r"store +[0-9.]+ KiB, log .*; [0-9.]+ \wiB of [0-9.]+ \wiB free")
-        self.assertRegex(text.stdout, r"walks +1 +90 +[0-9.]+ KiB +1 ")
+        self.assertRegex(text.stdout, r"walks +1 +90 +[0-9.]+ KiB +0 +1 ")
         self.assertRegex(text.stdout, r"ClipService.IngestClip +1 +[0-9.]+ m?s ")
         print("\n" + text.stdout)
 
@@ -275,6 +275,25 @@ class Observability(unittest.TestCase):
         [line] = [json.loads(line) for line in failed.stderr.splitlines()]
         self.assertEqual(line["level"], "critical")
         self.assertIn("motion.db", line["message"])
+
+    def test_pages_that_others_reach_are_told_of_whatever_the_level(self):
+        for listen, told in (("0.0.0.0:0", True), ("127.0.0.1:0", False)):
+            with open(self.path("open.log"), "w+") as log:
+                server = Server(self.path("open.db"), "--http-listen", listen,
+                                "--log-level", "off", log=log)
+                self.assertEqual(server.stop(), 0)
+                log.seek(0)
+                self.assertEqual("without authentication" in log.read(), told, listen)
+
+    def test_a_log_that_nobody_reads_any_more_does_not_end_it(self):
+        reader, writer = os.pipe()
+        with os.fdopen(writer, "w") as log:
+            server = Server(self.path("unread.db"), "--http-listen", "none",
+                            "--log-level", "debug", log=log)
+        os.close(reader)
+        server.ask_one("create", "walks")
+        self.assertEqual(server.ask_one("status")["databases"][0]["name"], "databases/walks")
+        self.assertEqual(server.stop(), 0)
 
     def test_a_slow_call_is_a_warning(self):
         with open(self.path("slow.log"), "w") as log:

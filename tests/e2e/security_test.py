@@ -221,6 +221,27 @@ class SecurityTest(unittest.TestCase):
         self.assertIn("INSECURE: 0.0.0.0:0", self.server.log())
         self.ok("list")
 
+    def test_a_server_that_nobody_can_administer_says_so(self):
+        said = "no token of an administrator holds"
+        self.start("--authentication", "token")
+        self.assertIn(said, self.server.log())
+        os.remove(self.server.log_path)
+        self.make_store()
+        self.start("--authentication", "token")
+        self.assertNotIn(said, self.server.log())
+
+    def test_the_check_warns_as_a_start_does(self):
+        authority = Authority(self.folder.name, "authority")
+        certificate, key = authority.issue("server", "localhost")
+        os.chmod(key, 0o644)
+        flags = ["--tls-certificate", certificate, "--tls-key", key]
+        self.start(*flags)
+        self.assertIn(key + ": everybody on this machine can read it", self.server.log())
+        check = subprocess.run([programs.MOTIONDBD, "--store", self.path("none.db"), *flags,
+                                "--check-config"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(check.returncode, 0)
+        self.assertIn(key + ": everybody on this machine can read it", check.stderr)
+
     def test_bad_files_are_named(self):
         authority = Authority(self.folder.name, "authority")
         certificate, _ = authority.issue("server", "localhost")

@@ -1,9 +1,11 @@
 // motiondbd as a process: what it acknowledged survives SIGKILL, and SIGTERM drains it.
 #include <grpcpp/create_channel.h>
-#include <signal.h>
+#include <sys/stat.h>
 
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <csignal>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <thread>
@@ -109,10 +111,10 @@ TEST_CASE("ServerProcess: an acknowledged clip survives SIGKILL, and so does its
   CHECK(server.Wait(operation).state() == v1::OPERATION_STATE_SUCCEEDED);
 }
 
-TEST_CASE("ServerProcess: SIGTERM and SIGINT drain it", "[e2e]") {
+TEST_CASE("ServerProcess: SIGTERM, SIGINT and SIGHUP drain it", "[e2e]") {
   TemporaryDirectory directory;
   const std::string store = directory / "store.db";
-  for (const int signal : {SIGTERM, SIGINT}) {
+  for (const int signal : {SIGTERM, SIGINT, SIGHUP}) {
     ServerProcess server(store);
     if (signal == SIGTERM) server.CreateDatabase();
     server.Ingest({.frame_count = 600, .phase = 0.1 * signal});
@@ -120,7 +122,34 @@ TEST_CASE("ServerProcess: SIGTERM and SIGINT drain it", "[e2e]") {
     CHECK(server.process().Wait() == 0);
   }
   ServerProcess server(store);
-  CHECK(server.ClipCount() == 2);
+  CHECK(server.ClipCount() == 3);
+}
+
+TEST_CASE("ServerProcess: where a hangup is ignored, it is", "[e2e]") {
+  TemporaryDirectory directory;
+  const auto former = std::signal(SIGHUP, SIG_IGN);  // as nohup has it
+  ServerProcess server(directory / "store.db");
+  std::signal(SIGHUP, former);
+  server.process().Signal(SIGHUP);
+  server.CreateDatabase();
+  server.process().Signal(SIGTERM);
+  CHECK(server.process().Wait() == 0);
+}
+
+TEST_CASE("ServerProcess: what it makes is its owner's alone", "[e2e]") {
+  TemporaryDirectory directory;
+  const mode_t former = umask(0);
+  ServerProcess server(directory / "store.db");
+  umask(former);
+  server.CreateDatabase();
+  int count = 0;
+  for (const auto& file : std::filesystem::directory_iterator(directory / "")) {
+    CAPTURE(file.path().string());
+    CHECK((file.status().permissions() & std::filesystem::perms(0077)) ==
+          std::filesystem::perms::none);
+    ++count;
+  }
+  CHECK(count >= 3);  // the store, its log and its lock
 }
 
 TEST_CASE("ServerProcess: a call under way ends before the server does", "[e2e]") {
@@ -152,6 +181,8 @@ TEST_CASE("ServerProcess: mistakes end it with a message and a code", "[e2e]") {
   ChildProcess second({MOTIONDBD, "--store", directory / "other.db", "--listen", server.address(),
                        "--log-level", "off"});
   CHECK(second.Wait() == 1);
+  // It did not make, or upgrade, a store that it cannot serve.
+  CHECK(!std::filesystem::exists(directory / "other.db"));
   ChildProcess same_store({MOTIONDBD, "--store", directory / "store.db", "--listen", "127.0.0.1:0",
                            "--log-level", "off"});
   CHECK(same_store.Wait() == 1);

@@ -227,6 +227,7 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     { Fill(*worn.Open()); }
     worn.Sql(ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
     refused(Backup(*worn.Open()), "the backup: databases/d/clips/b: states: chunk 0 is damaged");
+    refused(Backup(*worn.Open()), "`motiondbd --store FILE` serves the backup without it");
   }
   SECTION("one whose tables are damaged") {
     const StoreFile worn;

@@ -105,7 +105,8 @@ TEST_CASE("Extend: an operation ends without a build where little was added", "[
     CHECK(rebuilt->record.version == last.model_version);
     CHECK(rebuilt->record.added_clip_count == 0);
     CHECK(rebuilt->model.clips().size() == 23);
-    CHECK_THAT(last.stage, Catch::StartsWith("done, in place of 3 added clips: bottom nodes "));
+    CHECK_THAT(last.stage,
+               Catch::StartsWith("done, in place of one with added clips (3): bottom nodes "));
   }
   SECTION("a deleted clip makes it built") {
     const auto deletion = engine->DeleteClip("db", "more");

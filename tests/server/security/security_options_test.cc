@@ -52,7 +52,7 @@ TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for
   REQUIRE(plain.ok());
   CHECK(!plain->access.authentication);
   CHECK(plain->reflection);
-  CHECK(plain->warning.empty());
+  CHECK(plain->warnings.empty());
   const auto tokens = PlanSecurity({.authentication = Authentication::kToken}, kLoopback);
   REQUIRE(tokens.ok());
   CHECK(tokens->access.authentication);
@@ -66,12 +66,13 @@ TEST_CASE("Security: roles that nobody is asked for are told of", "[security]") 
   options.certificate_role = storage::Role::kReader;
   const auto none = PlanSecurity(options, kLoopback);
   REQUIRE(none.ok());
-  CHECK_THAT(none->warning,
+  REQUIRE(none->warnings.size() == 1);
+  CHECK_THAT(none->warnings[0],
              Catch::Contains("certificate-role") && Catch::Contains("--authentication token"));
   options.authentication = Authentication::kToken;
   const auto asked = PlanSecurity(options, kLoopback);
   REQUIRE(asked.ok());
-  CHECK(asked->warning.empty());
+  CHECK(asked->warnings.empty());
 }
 
 TEST_CASE("Security: elsewhere TLS and tokens are needed", "[security]") {
@@ -84,7 +85,7 @@ TEST_CASE("Security: elsewhere TLS and tokens are needed", "[security]") {
   const auto good = PlanSecurity(options, kEverywhere);
   REQUIRE(good.ok());
   CHECK(good->access.authentication);
-  CHECK(good->warning.empty());
+  CHECK(good->warnings.empty());
   options.authentication = Authentication::kNone;
   CHECK_THAT(Message(options, kEverywhere), Catch::Contains("no authentication:"));
   CHECK_THAT(Message({.authentication = Authentication::kNone}, kEverywhere),
@@ -96,19 +97,21 @@ TEST_CASE("Security: --insecure serves all the same, and says so", "[security]")
   const auto bare = PlanSecurity({.insecure = true}, kEverywhere);
   REQUIRE(bare.ok());
   CHECK(!bare->access.authentication);
-  CHECK_THAT(bare->warning, Catch::StartsWith("INSECURE: 0.0.0.0:0") &&
-                                Catch::Contains("no TLS and authentication"));
+  REQUIRE(bare->warnings.size() == 1);
+  CHECK_THAT(bare->warnings[0], Catch::StartsWith("INSECURE: 0.0.0.0:0") &&
+                                    Catch::Contains("no TLS and authentication"));
   const auto tokens =
       PlanSecurity({.authentication = Authentication::kToken, .insecure = true}, kEverywhere);
   REQUIRE(tokens.ok());
   CHECK(tokens->access.authentication);
-  CHECK_THAT(tokens->warning, Catch::Contains("no TLS."));
+  REQUIRE(tokens->warnings.size() == 1);
+  CHECK_THAT(tokens->warnings[0], Catch::Contains("no TLS."));
   SecurityOptions options = files.Encrypted();
   options.insecure = true;
   const auto encrypted = PlanSecurity(options, kEverywhere);
   REQUIRE(encrypted.ok());
   CHECK(encrypted->access.authentication);
-  CHECK(encrypted->warning.empty());
+  CHECK(encrypted->warnings.empty());
 }
 
 TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
@@ -144,6 +147,23 @@ TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
   CHECK_THAT(Message(options), Catch::Contains("need a certificate of the server"));
   CHECK_THAT(Message({.certificate_role = storage::Role::kReader}),
              Catch::Contains("certificate-role needs tls-client-ca"));
+}
+
+TEST_CASE("Security: a key that is not its owner's alone is told of", "[security]") {
+  const Files files;
+  for (const auto& [mode, fault] : {std::pair(0644, "can read it"), std::pair(0622, "can write it"),
+                                    std::pair(0660, "its group can write it")}) {
+    chmod(files.pair.key.c_str(), mode);
+    const auto plan = PlanSecurity(files.Encrypted(), kEverywhere);
+    REQUIRE(plan.ok());
+    REQUIRE(plan->warnings.size() == 1);
+    CHECK_THAT(plan->warnings[0],
+               Catch::StartsWith(files.pair.key + ": ") && Catch::Contains(fault));
+  }
+  for (const mode_t mode : {0400, 0440, 0600, 0640}) {
+    chmod(files.pair.key.c_str(), mode);
+    CHECK(PlanSecurity(files.Encrypted(), kEverywhere)->warnings.empty());
+  }
 }
 
 TEST_CASE("Security: the administrator's token file is kept from others", "[security]") {

@@ -34,6 +34,12 @@ std::string NewRequestId() {
   return fmt::format("{:016x}", random());
 }
 
+// A server that ends cancels what comes in its last moment.
+absl::Status BrokenOff(const absl::Status& status, const OutgoingCall& call) {
+  if (!absl::IsCancelled(status) || call.is_cancelled) return status;
+  return absl::UnavailableError("the call was broken off");
+}
+
 double Seconds(std::chrono::milliseconds time) {
   return std::chrono::duration<double>(time).count();
 }
@@ -96,7 +102,9 @@ absl::Status Client::Connection::Finish(const grpc::Status& status,
   absl::Status result = FromGrpc(status);
   if (result.ok()) return result;
   // What gRPC itself ends brings none; the server may have begun with it all the same.
-  if (RequestId(result).empty()) result = WithRequestId(result, call.request_id);
+  if (RequestId(result).empty()) {
+    result = WithRequestId(BrokenOff(result, call), call.request_id);
+  }
   if (result.code() == absl::StatusCode::kUnavailable) {
     return WithMessage(
         result, fmt::format("the motiondb server at {} is not available ({}): see that motiondbd "

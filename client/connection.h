@@ -43,6 +43,7 @@ struct OutgoingCall {
   grpc::ClientContext context;
   const CallOptions options;
   const std::string request_id;
+  bool is_cancelled = false;  // by us
 };
 
 class Client::Connection {
@@ -59,8 +60,8 @@ class Client::Connection {
   // Sets a call's deadline, and says who calls and under which id.
   void Prepare(OutgoingCall& call) const;
 
-  // How a call ended, with its id, the address where the server was not reached and the time where
-  // it was too short.
+  // How a call ended: UNAVAILABLE where it was broken off, and not by us; with its id, the address
+  // where the server was not reached and the time where it was too short.
   absl::Status Finish(const grpc::Status& status, const OutgoingCall& call) const;
 
   // One unary call.

@@ -19,7 +19,7 @@ class ObserveStream::Call {
   }
   ~Call() {
     if (finished_) return;
-    call_.context.TryCancel();
+    Cancel();
     Finish().IgnoreError();
   }
 
@@ -39,7 +39,10 @@ class ObserveStream::Call {
     finished_ = true;
     return connection_->Finish(stream_->Finish(), call_);
   }
-  void Cancel() { call_.context.TryCancel(); }
+  void Cancel() {
+    call_.is_cancelled = true;
+    call_.context.TryCancel();
+  }
 
  private:
   // A robot moves as long as it likes.

@@ -3,8 +3,10 @@
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
@@ -40,8 +42,17 @@ void LogGrpc() {
       });
 }
 
+// As many descriptors as it may have, up to those of 65,536 connections.
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 65'536));
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 // Whatever it makes is its owner's alone, and who reads what it prints may go away.
 void SetUpProcess() {
+  RaiseDescriptorLimit();
   umask(0077);
   std::signal(SIGPIPE, SIG_IGN);
 }
@@ -100,8 +111,7 @@ absl::Status Serve(const Settings& settings) {
     std::fflush(stdout);
   }
   // Before the store is opened, which makes or upgrades it: not for a server that cannot serve.
-  const absl::Status listening = TryListening(settings.server.listen);
-  if (absl::IsUnavailable(listening)) return listening;
+  MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings.store_path));
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));

@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/connection_acceptor.h"
 #include "server/engine/clock.h"
-#include "server/observability/listen_on.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
@@ -43,6 +43,15 @@ void SetKeepalive(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
+  // Whoever connects and says nothing does not hold the connection.
+  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 20'000);
+}
+
+// A few kilobytes would unpack to gigabytes before anybody compares them with a limit, or looks at
+// who sends them. Clients do not compress unless they are told to.
+void RefuseCompression(grpc::ServerBuilder& builder) {
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
+  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
 }
 
 // Breaks off calls that were answered, and whose client takes nothing for as long as it may be
@@ -126,13 +135,14 @@ Server::~Server() { Drain(milliseconds(0)); }
 absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   EnablePlugins();
   grpc::ServerBuilder builder;
-  int port = 0;
-  builder.AddListeningPort(options.listen,
-                           tls_ ? tls_->credentials() : grpc::InsecureServerCredentials(), &port);
+  using Builder = grpc::ServerBuilder::experimental_type;
+  const std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> to_grpc =
+      builder.experimental().AddExternalConnectionAcceptor(
+          Builder::ExternalConnectionType::FROM_FD,
+          tls_ ? tls_->credentials() : grpc::InsecureServerCredentials());
   SetKeepalive(builder);
+  RefuseCompression(builder);
   SetReflection(reflection, builder);
-  // Two servers on one port would share its calls between two stores.
-  builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
   // Beyond it calls of one connection wait in the client. CallLimits answers before; this is for
   // health checks, which it does not see.
   builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
@@ -147,8 +157,17 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
                              4 * options.calls.max_metadata_bytes + kOwnMetadata);
   for (const auto& service : services_) builder.RegisterService(service.get());
   grpc_ = builder.BuildAndStart();
-  if (grpc_ == nullptr || port == 0) return WhyNotListening(options.listen);
-  address_ = fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), port);
+  if (grpc_ == nullptr)
+    return absl::InternalError("gRPC does not start; --log-level debug shows more");
+  const auto take = [to_grpc](int connection, int listener) {
+    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
+    parameters.fd = connection;
+    parameters.listener_fd = listener;
+    to_grpc->HandleNewConnection(&parameters);
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(acceptor_, ConnectionAcceptor::Start(options.listen, take));
+  address_ =
+      fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), acceptor_->port());
   for (const char* const name : kServiceNames) {
     grpc_->GetHealthCheckService()->SetServingStatus(name, true);
   }
@@ -166,6 +185,8 @@ void Server::Drain(milliseconds grace) {
   // Calls that wait for an operation end with this, and builds stop.
   engine_->Drain();
   host_->gate.AwaitEmpty(latest);
+  // gRPC forgets connections that come after its end.
+  acceptor_.reset();
   // No call is left, or none that may stay; the moment is for clients to take notice.
   grpc_->Shutdown(std::chrono::system_clock::now() + std::min(grace, kFarewell));
 }

@@ -21,6 +21,7 @@ class Service;
 namespace motiondb::server {
 
 struct CallHost;
+class ConnectionAcceptor;
 class FileWatch;
 class SilenceLimit;
 class Tls;
@@ -37,8 +38,7 @@ struct ServerOptions {
 class Server {
  public:
   // Opens the engine and answers from then on. The monitor, one of its own where it is null, sees
-  // the server from here to its end. Codes: those of the store and of PlanSecurity, and UNAVAILABLE
-  // where the address cannot be listened on.
+  // the server from here to its end. Codes: those of the store, of PlanSecurity and of ListenOn.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
                                                        const ServerOptions& options,
                                                        std::shared_ptr<Monitor> monitor = nullptr);
@@ -69,6 +69,7 @@ class Server {
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
+  std::unique_ptr<ConnectionAcceptor> acceptor_;
   std::string address_;
 };
 

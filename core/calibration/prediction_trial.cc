@@ -68,7 +68,8 @@ absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Mo
                           const std::vector<double>& horizons) {
   const PredictOptions options;
   const StateSequence clip = StoredMotion(model, moment.clip);
-  const auto history = static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz));
+  const auto history =
+      std::max(1, static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz)));
   const StateSequence past = PastAt(clip, moment.frame, history);
   MOTIONDB_ASSIGN_OR_RETURN(auto moments,
                             FindMoments(model, past, options.transition_floor, moment.without, {}));

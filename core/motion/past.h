@@ -5,8 +5,8 @@
 
 namespace motiondb::core {
 
-// The last `history` frames up to `frame` (fewer at the beginning). Velocities of the last frame
-// must not know the next one: they become backward differences.
+// The last `history` frames, at least one, up to `frame` (fewer at the beginning). Velocities of
+// the last frame must not know the next one: they become backward differences.
 StateSequence PastAt(const StateSequence& observation, int frame, int history);
 
 }  // namespace motiondb::core

@@ -39,7 +39,6 @@ void WarnOfKey(const std::string& key, std::vector<std::string>& warnings) {
 }  // namespace
 
 bool IsLoopback(const std::string& listen) {
-  if (listen.starts_with("unix:")) return true;
   std::string host = listen.substr(0, listen.rfind(':'));
   if (host.starts_with('[') && host.ends_with(']')) host = host.substr(1, host.size() - 2);
   in_addr v4;

@@ -110,6 +110,15 @@ TEST_CASE("Client: a server that goes away is UNAVAILABLE, at once", "[client]")
   CHECK(!client::RequestId(status).empty());
 }
 
+TEST_CASE("Client: a call that is broken off may be tried again", "[client]") {
+  FakeServer server;
+  server.Fail("GetDatabase", 1, "CANCELLED");
+  const Client client = ConnectTo(server.address());
+  const absl::Status status = client.GetDatabase({}).status();
+  CHECK(status.code() == absl::StatusCode::kUnavailable);
+  CHECK_THAT(std::string(status.message()), Catch::Contains("broken off"));
+}
+
 TEST_CASE("Client: options that make no sense are refused", "[client]") {
   ClientOptions options;
   options.server = "";

@@ -5,6 +5,7 @@
 """
 
 import os
+import socket
 import tempfile
 import time
 import unittest
@@ -90,6 +91,27 @@ class ConnectionTest(unittest.TestCase):
         said = self.said(self.tls, "--tls-ca", broken)
         self.assertIn(broken + ": holds no certificate of use", said)
         self.assertIn("--tls-ca", said)
+
+
+class DescriptorsTest(unittest.TestCase):
+    def test_connections_beyond_are_refused_and_taken_again(self):
+        with tempfile.TemporaryDirectory() as folder, open(folder + "/log", "w+") as log:
+            server = programs.Server(folder + "/motion.db", "--http-listen", "none",
+                                     "--log-level", "warning", log=log, descriptors=128)
+            host, port = server.address.rsplit(":", 1)
+            server.ask_one("create", "walks")
+            silent = [socket.create_connection((host, int(port)), timeout=30) for _ in range(300)]
+            deadline = time.monotonic() + 30 * programs.SLOWNESS
+            while "connections are refused" not in open(folder + "/log").read():
+                self.assertLess(time.monotonic(), deadline)
+                time.sleep(0.05)
+            for connection in silent:
+                connection.close()
+            while server.run("list").returncode != 0:
+                self.assertLess(time.monotonic(), deadline, "it takes no connections any more")
+            # It could write all the while.
+            server.ask_one("create", "runs")
+            self.assertEqual(server.stop(), 0)
 
 
 if __name__ == "__main__":

@@ -5,6 +5,7 @@ Every test takes the same arguments: MOTIONDBD MOTIONDB DATA_FOLDER
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -18,13 +19,17 @@ MODELS = "/usr/share/assimp/models/BVH"
 
 
 class Server:
-    """motiondbd on a store file of its own, with further options and a place for its log."""
+    """motiondbd on a store file of its own, with further options a place for its log, and so many descriptors."""
 
-    def __init__(self, store, *options, log=None):
+    def __init__(self, store, *options, log=None, descriptors=None):
+        def limit():
+            resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+
         level = [] if "--log-level" in options else ["--log-level", "error"]
         self.process = subprocess.Popen(
             [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
-            stdout=subprocess.PIPE, stderr=log, text=True)
+            stdout=subprocess.PIPE, stderr=log, text=True,
+            preexec_fn=limit if descriptors else None)
         self.http = None  # address of its metrics, where an option asks for them
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]

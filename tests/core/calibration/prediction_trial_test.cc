@@ -50,6 +50,20 @@ TEST_CASE("FitPredictionConfidence: expected errors are those of motion held bac
   CHECK(expected < 1.7 * measured);
 }
 
+TEST_CASE("FitPredictionConfidence: motion of a frame a second", "[core][calibration]") {
+  for (const double rate :
+       {1.0, 1.24}) {  // less than one frame in the seconds that are looked back
+    core::BuildSettings settings;
+    settings.min_frames = 4;
+    settings.frame_rate_hz = rate;
+    const core::MarkerSet set = SmallMarkerSet(kMarkers);
+    const auto model =
+        core::BuildModel(settings, set, WanderingClips(4, 30, set, 11, rate), core::Serially, {});
+    REQUIRE(model.ok());
+    CHECK(core::FitPredictionConfidence(*model, core::Serially, {}).ok());
+  }
+}
+
 TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one clip or short ones",
           "[core][calibration]") {
   const core::Model model = SmallModel(3, 200, kMarkers, 8, 11);

@@ -1,5 +1,6 @@
 #include "server/observability/listen_on.h"
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <catch2/catch.hpp>
 
@@ -7,26 +8,33 @@ namespace motiondb::tests {
 namespace {
 
 using boost::asio::ip::tcp;
-using Catch::EndsWith;
 
 TEST_CASE("ListenOn: what keeps an address from being listened on is told", "[server][http]") {
   boost::asio::io_context context;
   tcp::acceptor holder(context);
   REQUIRE(server::ListenOn("127.0.0.1:0", holder).ok());
   const std::string held = "127.0.0.1:" + std::to_string(holder.local_endpoint().port());
-  const absl::Status in_use = server::WhyNotListening(held);
+  const absl::Status in_use = server::TryListening(held);
   CHECK(absl::IsUnavailable(in_use));
   CHECK(in_use.message() == "cannot listen on " + held + ": Address already in use");
   // Of a network that no machine is in (RFC 5737).
-  const absl::Status elsewhere = server::WhyNotListening("192.0.2.1:0");
+  const absl::Status elsewhere = server::TryListening("192.0.2.1:0");
+  CHECK(absl::IsNotFound(elsewhere));
   CHECK(elsewhere.message() == "cannot listen on 192.0.2.1:0: Cannot assign requested address");
   tcp::acceptor acceptor(context);
   CHECK(absl::IsInvalidArgument(server::ListenOn("nothing", acceptor)));
-  CHECK(absl::IsUnavailable(server::WhyNotListening("nothing")));
-  // By then it may be free.
   holder.close();
-  CHECK_THAT(std::string(server::WhyNotListening(held).message()),
-             EndsWith("--log-level debug shows more"));
+  CHECK(server::TryListening(held).ok());
+}
+
+TEST_CASE("AddressesOf: in numbers", "[server][http]") {
+  using Addresses = std::vector<std::string>;
+  CHECK(*server::AddressesOf("127.0.0.1:7") == Addresses{"127.0.0.1"});
+  CHECK(*server::AddressesOf("[::1]:7") == Addresses{"[::1]"});
+  const auto local = server::AddressesOf("localhost:7");
+  REQUIRE(local.ok());
+  CHECK(std::ranges::count(*local, "127.0.0.1") == 1);
+  CHECK(absl::IsInvalidArgument(server::AddressesOf("7").status()));
 }
 
 }  // namespace

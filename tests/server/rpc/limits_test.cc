@@ -138,6 +138,20 @@ TEST_CASE("Limits: a request that is too large is refused", "[server][limits]") 
   server.CreateDatabase("db");
 }
 
+TEST_CASE("Limits: what is compressed is not unpacked", "[server][limits]") {
+  TestServer server;
+  v1::RecognizeRequest request;
+  request.set_database(std::string(1 << 20, 'x'));
+  const auto queries = server.NewStub<v1::QueryService>();
+  for (const auto algorithm : {GRPC_COMPRESS_GZIP, GRPC_COMPRESS_DEFLATE}) {
+    grpc::ClientContext context;
+    context.set_compression_algorithm(algorithm);
+    v1::RecognizeResponse response;
+    const grpc::Status status = queries->Recognize(&context, request, &response);
+    CHECK(status.error_code() == grpc::StatusCode::UNIMPLEMENTED);
+  }
+}
+
 TEST_CASE("Limits: a client that falls silent loses its stream", "[server][limits]") {
   TestServer server(With({.longest_silence = milliseconds(200)}));
   server.CreateTrained("db");

@@ -36,7 +36,7 @@ std::string Message(const SecurityOptions& options, const char* listen = kLoopba
 }
 
 TEST_CASE("Security: which addresses are this machine's alone", "[security]") {
-  for (const char* own : {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1", "unix:/run/m"}) {
+  for (const char* own : {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1"}) {
     INFO(own);
     CHECK(server::IsLoopback(own));
   }

@@ -22,6 +22,8 @@ struct EngineOptions {
   // `rebuild_delay_limit` after it was asked for: a burst of ingests costs one.
   std::chrono::milliseconds rebuild_delay{300};
   std::chrono::milliseconds rebuild_delay_limit{10'000};
+  // After one that failed for want of room, or of a disk, the next is asked for.
+  std::chrono::milliseconds rebuild_retry_delay{60'000};
   // A model that took at least so long to build is extended by new clips at once, and built again
   // when it has drifted; others are simply built again.
   std::chrono::duration<double> extend_from{0.5};

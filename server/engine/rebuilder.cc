@@ -36,12 +36,14 @@ absl::StatusOr<storage::OperationRecord> Rebuilder::Request(
   auto operation = RequestInTurn(database, cancelled);
   // The change that asks for it was made all the same.
   if (absl::IsCancelled(operation.status())) {
-    boost::asio::post(workers_.build_executor(), [this, database] {
-      database->WhileAlive(Retiring::kAwait, [&] { return Request(database).status(); })
-          .IgnoreError();  // where the database was deleted, so was what changed
-    });
+    boost::asio::post(workers_.build_executor(), [this, database] { RequestForNobody(database); });
   }
   return operation;
+}
+
+void Rebuilder::RequestForNobody(const std::shared_ptr<LiveDatabase>& database) {
+  database->WhileAlive(Retiring::kAwait, [&] { return Request(database).status(); })
+      .IgnoreError();  // where the database was deleted, so was what is to be rebuilt
 }
 
 absl::StatusOr<storage::OperationRecord> Rebuilder::RequestInTurn(
@@ -55,6 +57,7 @@ absl::StatusOr<storage::OperationRecord> Rebuilder::RequestInTurn(
   Queue& queue = QueueOf(database);
   queue.first_asked = queue.last_asked = Clock::now();
   queue.waiting.push_back(operation.id);
+  queue.retry.cancel();
   Arm(queue);
   return operation;
 }
@@ -154,6 +157,7 @@ void Rebuilder::Stop() {
   stopped_ = true;
   for (auto& [name, queue] : queues_) {
     queue.timer.cancel();
+    queue.retry.cancel();
     if (queue.running == nullptr) continue;
     StopReason none = StopReason::kNone;
     queue.running->stop.compare_exchange_strong(none, StopReason::kShutdown);
@@ -189,6 +193,14 @@ void Rebuilder::Arm(Queue& queue) {
       [this, name = queue.database->name()](const boost::system::error_code& error) {
         if (!error) OnTimer(name);
       });
+}
+
+void Rebuilder::RetryLater(Queue& queue) {
+  if (stopped_ || !queue.waiting.empty()) return;
+  queue.retry.expires_after(options_.rebuild_retry_delay);
+  queue.retry.async_wait([this, database = queue.database](const boost::system::error_code& error) {
+    if (!error) RequestForNobody(database);
+  });
 }
 
 std::shared_ptr<Rebuilder::Build> Rebuilder::TakeDue(const std::string& database) {
@@ -246,6 +258,9 @@ void Rebuilder::Run(Build& build) {
   const auto outcome = rebuilt.ok()                      ? &RebuildTally::succeeded
                        : build.stop != StopReason::kNone ? &RebuildTally::cancelled
                                                          : &RebuildTally::failed;
+  build.wants_retry =
+      outcome == &RebuildTally::failed &&
+      (absl::IsResourceExhausted(rebuilt.status()) || absl::IsUnavailable(rebuilt.status()));
   // Before the operation ends, so that who waited for it finds it counted.
   build.database->CountRebuild(outcome, took.count());
   const absl::Status ended = while_alive([&] { StoreEnd(build, rebuilt); });
@@ -283,6 +298,7 @@ void Rebuilder::Finish(const std::shared_ptr<Build>& build) {
   if (Queue* const queue = FindQueue(*build->database)) {
     queue->running = nullptr;
     Arm(*queue);
+    if (build->wants_retry) RetryLater(*queue);
   }
   if (--running_ == 0) none_runs_.notify_all();
 }

@@ -4,7 +4,7 @@
 // no ingest of its database is in flight and none has come for a while; whoever asks meanwhile is
 // given the same operation, so a burst of ingests costs one build. Whoever asks while a build runs
 // gets the operation that follows it. A database has one build at a time, the server as many as it
-// has build threads.
+// has build threads. One that failed for want of room is asked for again after a while.
 #pragma once
 
 #include <atomic>
@@ -76,12 +76,13 @@ class Rebuilder {
     std::string operation;
     std::shared_ptr<LiveDatabase> database;
     std::atomic<StopReason> stop{StopReason::kNone};
+    bool wants_retry = false;
   };
 
   // What one database waits for.
   struct Queue {
     Queue(std::shared_ptr<LiveDatabase> for_database, const Workers::Executor& executor)
-        : database(std::move(for_database)), timer(executor) {}
+        : database(std::move(for_database)), timer(executor), retry(executor) {}
     std::shared_ptr<LiveDatabase> database;
     std::deque<std::string> waiting;  // more than one only after a restart
     std::string held_back;  // of those, while its cancellation is stored: not begun, not joined
@@ -90,12 +91,15 @@ class Rebuilder {
     int ingests = 0;
     std::shared_ptr<Build> running;
     boost::asio::steady_timer timer;
+    boost::asio::steady_timer retry;  // of a build that failed, unless another is asked for
   };
 
   // The operation that waits already, which serves who asks now too; nothing where none does.
   std::optional<storage::OperationRecord> Join(const std::shared_ptr<LiveDatabase>& database);
   absl::StatusOr<storage::OperationRecord> RequestInTurn(
       const std::shared_ptr<LiveDatabase>& database, const core::Cancelled& cancelled);
+  // A request that nobody waits for, on this thread.
+  void RequestForNobody(const std::shared_ptr<LiveDatabase>& database);
   // False where the operation does not wait.
   bool HoldBack(const LiveDatabase& database, const std::string& operation);
   // Whether that stops an operation at work.
@@ -107,6 +111,7 @@ class Rebuilder {
   Clock::time_point DueTime(const Queue& queue) const;
   // After each change of the queue: sets its timer, and tells the database its operation.
   void Arm(Queue& queue);
+  void RetryLater(Queue& queue);
   std::shared_ptr<Build> TakeDue(const std::string& database);
 
   void OnTimer(const std::string& database);

@@ -186,6 +186,55 @@ TEST_CASE(
   CHECK(engine->operations().List("db", "", 10)->empty());
 }
 
+TEST_CASE("Rebuilder: what failed for want of room is built when there is some",
+          "[server][rebuild]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_retry_delay = std::chrono::milliseconds(100);
+  TestEngine engine(options);
+  engine.Create("db");
+  engine.gate().Close();
+  const auto ingested = engine.Ingest("db", "walk", Walk(0));
+  REQUIRE(ingested.ok());
+  engine.gate().AwaitArrival();
+  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.gate().Open();
+  CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
+  CHECK(engine.ModelVersion("db") == 0);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // in vain once or twice
+  CHECK(engine.ModelVersion("db") == 0);
+  engine.disk().Set(FullDisk::Lacks::kNothing);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (engine.ModelVersion("db") == 0 && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(engine.ModelVersion("db") == 1);
+}
+
+TEST_CASE("Rebuilder: a retry ends with its database and with the server", "[server][rebuild]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_retry_delay = std::chrono::milliseconds(50);
+  TestEngine engine(options);
+  const auto fail = [&](const std::string& id) {
+    engine.Create(id);
+    engine.gate().Close();
+    const auto ingested = engine.Ingest(id, "walk", Walk(0));
+    REQUIRE(ingested.ok());
+    engine.gate().AwaitArrival();
+    engine.disk().Set(FullDisk::Lacks::kRoom);
+    engine.gate().Open();
+    CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
+    engine.disk().Set(FullDisk::Lacks::kNothing);
+  };
+  fail("deleted");
+  CHECK(engine->DeleteDatabase("deleted").ok());
+  engine.Create("deleted");
+  fail("db");
+  engine.Stop();
+  std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  engine.Start();
+  CHECK(engine.ModelVersion("deleted") == 0);
+}
+
 TEST_CASE("Rebuilder: what comes during a build gets the next", "[server][rebuild]") {
   TestEngine engine;
   engine.Create("db");

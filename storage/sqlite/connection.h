@@ -17,6 +17,7 @@ namespace motiondb::storage {
 
 class Connection {
  public:
+  // `path` is absolute, or ":memory:": SQLite may take a name that begins with "file:" for a URI.
   // `flags` are those of sqlite3_open_v2; `vfs` is the name of a VFS, empty for the default one.
   static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& path, int flags,
                                                           const std::string& vfs);

@@ -41,9 +41,11 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
   std::unique_ptr<ReaderPool> readers;
   std::string file = path;
   if (path != ":memory:") {
-    // One file, one lock, by whatever links it was reached.
+    // One file, one lock, by whatever links it was reached. Absolute first: what is not there yet
+    // would stay relative, and SQLite takes a name that begins with "file:" for a URI.
     std::error_code error;
-    file = std::filesystem::weakly_canonical(path, error).string();
+    const std::filesystem::path absolute = std::filesystem::absolute(path, error);
+    if (!error) file = std::filesystem::weakly_canonical(absolute, error).string();
     if (error) return core::InvalidArgument("cannot open '{}': {}", path, error.message());
     MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
     MOTIONDB_ASSIGN_OR_RETURN(lock, StoreLock::Acquire(file));

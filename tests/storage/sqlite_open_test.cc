@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include "absl/cleanup/cleanup.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/store_file.h"
@@ -61,6 +62,24 @@ TEST_CASE("SqliteMotionStore: a path with signs of a URI is a path", "[storage][
     REQUIRE_OK(storage::SqliteMotionStore::Open(path));
     REQUIRE(std::filesystem::file_size(path) > 0);
   }
+}
+
+TEST_CASE("SqliteMotionStore: a relative path that looks like a URI is a path", "[storage][open]") {
+  const StoreFile file;
+  const absl::Cleanup back = [former = std::filesystem::current_path()] {
+    std::filesystem::current_path(former);
+  };
+  std::filesystem::current_path(file.folder());
+  const auto other = Require(storage::SqliteMotionStore::Open("x.db"));
+  REQUIRE_OK(other->CreateDatabase(SampleDatabase("d")));
+  for (int i = 0; i < 2; ++i) {  // made, and opened again
+    const auto store = Require(storage::SqliteMotionStore::Open("file:x.db"));
+    REQUIRE(Require(store->ListDatabases({})).empty());
+    REQUIRE(std::filesystem::file_size(file.folder() / "file:x.db") > 0);
+    REQUIRE(std::filesystem::exists(file.folder() / "file:x.db-lock"));
+    REQUIRE_OK(store->upkeep().BeginBackup({}));
+  }
+  REQUIRE(Require(storage::ReadStoreVersion("file:x.db")) == std::stoi(Version()));
 }
 
 TEST_CASE("SqliteMotionStore: what is not a store is refused and left alone", "[storage][open]") {

@@ -70,6 +70,9 @@ class StoreRestore {
 class StoreUpkeep {
  public:
   virtual ~StoreUpkeep() = default;
+  // Whether what is changed would stay: UNAVAILABLE, as from each change, once the store's file was
+  // taken away or replaced. Takes as long as looking at a folder does.
+  virtual absl::Status CheckFile() = 0;
   // `cancelled` is asked during long steps, as long as the verifier lives, also from other threads.
   virtual absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) = 0;
   // Takes as long as the disk needs to write the copy beside the store, from where it is then read;

@@ -102,7 +102,11 @@ Readiness Monitor::CheckReadiness() const {
   if (phase == Phase::kStarting || engine_ == nullptr) {
     return {false, "starting: models are being read"};
   }
-  const auto read = engine_->store().ListDatabases({.limit = 1});
+  storage::MotionStore& store = engine_->store();
+  if (const absl::Status file = store.upkeep().CheckFile(); !file.ok()) {
+    return {false, std::string(file.message())};
+  }
+  const auto read = store.ListDatabases({.limit = 1});
   if (!read.ok()) {
     return {false,
             fmt::format("the store cannot be read: {}", std::string(read.status().message()))};

@@ -5,12 +5,10 @@
 #include <utility>
 
 #include "absl/cleanup/cleanup.h"
-#include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 namespace {
@@ -74,7 +72,7 @@ bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
     return absl::OkStatus();
   };
   try {
-    if (!InTransaction(*writer_, Transaction::Kind::kWrite, insert_all).ok()) return false;
+    if (!WriteHolding(insert_all).ok()) return false;
   } catch (const std::exception&) {
     return false;  // each meets its own by itself
   }
@@ -85,8 +83,7 @@ bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
 void SqliteMotionStore::AddEach(const std::vector<Addition*>& additions, const Addition& own) {
   for (Addition* const addition : additions) {
     try {
-      addition->added = InTransaction(
-          *writer_, Transaction::Kind::kWrite,
+      addition->added = WriteHolding(
           [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
     } catch (const std::exception&) {
       // Another's is written by its own thread, which finds it without a result.

@@ -7,8 +7,11 @@
 
 namespace motiondb::storage {
 
-ReaderPool::ReaderPool(std::string path, std::string vfs, int limit)
-    : path_(std::move(path)), vfs_(std::move(vfs)), left_to_open_(std::max(limit, 1)) {}
+ReaderPool::ReaderPool(std::string path, FileIdentity file, std::string vfs, int limit)
+    : path_(std::move(path)),
+      file_(file),
+      vfs_(std::move(vfs)),
+      left_to_open_(std::max(limit, 1)) {}
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire() {
   if (auto idle = TakeIdle()) return Lease(*this, std::move(idle));
@@ -37,6 +40,9 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
   auto opened = OpenReader(path_, vfs_);
+  if (opened.ok()) {
+    if (absl::Status same = CheckIsFile(path_, file_); !same.ok()) opened = std::move(same);
+  }
   if (!opened.ok()) {
     const std::lock_guard lock(mutex_);
     ++left_to_open_;

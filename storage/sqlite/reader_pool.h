@@ -9,13 +9,15 @@
 
 #include "absl/status/statusor.h"
 #include "storage/sqlite/connection.h"
+#include "storage/sqlite/file_identity.h"
 
 namespace motiondb::storage {
 
 class ReaderPool {
  public:
-  // Opens connections when they are first needed, at most `limit`.
-  ReaderPool(std::string path, std::string vfs, int limit);
+  // Opens connections when they are first needed, at most `limit`, and none to another file than
+  // `file`, whatever is at `path` by then: UNAVAILABLE.
+  ReaderPool(std::string path, FileIdentity file, std::string vfs, int limit);
 
   // A connection, given back when this is destroyed, which must be before the pool is.
   class Lease {
@@ -47,6 +49,7 @@ class ReaderPool {
   void GiveBack(std::unique_ptr<Connection> connection);
 
   const std::string path_;
+  const FileIdentity file_;
   const std::string vfs_;
   std::mutex mutex_;
   std::condition_variable given_back_;

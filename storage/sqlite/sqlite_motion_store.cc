@@ -50,20 +50,27 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
     MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
     MOTIONDB_ASSIGN_OR_RETURN(lock, StoreLock::Acquire(file));
     RemoveLeftCopies(file);
-    readers = std::make_unique<ReaderPool>(file, options.vfs, options.reader_count);
   }
   MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
-  if (!lock) file.clear();
+  FileIdentity identity;
+  if (lock) {
+    MOTIONDB_ASSIGN_OR_RETURN(identity, IdentityOf(file));
+    readers = std::make_unique<ReaderPool>(file, identity, options.vfs, options.reader_count);
+  } else {
+    file.clear();
+  }
   return std::unique_ptr<SqliteMotionStore>(
-      new SqliteMotionStore(std::move(file), std::move(lock), std::move(writer), std::move(readers),
-                            std::move(options.now_us)));
+      new SqliteMotionStore(std::move(file), identity, std::move(lock), std::move(writer),
+                            std::move(readers), std::move(options.now_us)));
 }
 
-SqliteMotionStore::SqliteMotionStore(std::string path, std::optional<StoreLock> lock,
+SqliteMotionStore::SqliteMotionStore(std::string path, FileIdentity file,
+                                     std::optional<StoreLock> lock,
                                      std::unique_ptr<Connection> writer,
                                      std::unique_ptr<ReaderPool> readers,
                                      std::function<std::int64_t()> now_us)
     : path_(std::move(path)),
+      file_(file),
       lock_(std::move(lock)),
       writer_(std::move(writer)),
       readers_(std::move(readers)),
@@ -74,7 +81,7 @@ auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled
   using Result = std::invoke_result_t<Work, Connection&>;
   std::unique_lock lock(writer_mutex_, std::defer_lock);
   if (absl::Status turn = Lock(lock, cancelled); !turn.ok()) return Result(std::move(turn));
-  return InTransaction(*writer_, Transaction::Kind::kWrite, work);
+  return WriteHolding(work);
 }
 
 template <typename Work>
@@ -296,6 +303,16 @@ absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std
       [&](Connection& connection) { return SelectAuditRecords(connection, before, limit); });
 }
 
+absl::Status SqliteMotionStore::CheckFile() {
+  if (path_.empty()) return absl::OkStatus();
+  const absl::Status same = CheckIsFile(path_, file_);
+  if (same.ok()) return same;
+  return absl::UnavailableError(fmt::format(
+      "the store's file {}: nothing is changed any more, since it would be lost; put the file "
+      "back, or stop the server and restore a backup",
+      std::string(same.message())));
+}
+
 absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
     core::Cancelled cancelled) {
   return std::make_unique<SqliteVerifier>(
@@ -321,6 +338,7 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
   std::unique_lock lock(writer_mutex_, std::defer_lock);
   MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
+  MOTIONDB_RETURN_IF_ERROR(CheckFile());
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
   MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));

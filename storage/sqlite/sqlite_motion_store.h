@@ -12,12 +12,16 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
+#include "core/motion/error.h"
 #include "storage/motion_store.h"
 #include "storage/sqlite/connection.h"
+#include "storage/sqlite/file_identity.h"
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/store_lock.h"
+#include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
 
@@ -94,6 +98,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                                                             int limit) override;
 
   StoreUpkeep& upkeep() override { return *this; }
+  absl::Status CheckFile() override;
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
   // Both FAILED_PRECONDITION for a store in memory.
   absl::StatusOr<std::unique_ptr<StoreBackup>> BeginBackup(
@@ -101,12 +106,18 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
 
  private:
-  SqliteMotionStore(std::string path, std::optional<StoreLock> lock,
+  SqliteMotionStore(std::string path, FileIdentity file, std::optional<StoreLock> lock,
                     std::unique_ptr<Connection> writer, std::unique_ptr<ReaderPool> readers,
                     std::function<std::int64_t()> now_us);
 
   // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
-  // happens, or after an error none. CANCELLED while it waits for its turn.
+  // happens, or after an error none. REQUIRES: writer_mutex_ is held.
+  template <typename Work>
+  auto WriteHolding(const Work& work) -> std::invoke_result_t<Work, Connection&> {
+    MOTIONDB_RETURN_IF_ERROR(CheckFile());
+    return InTransaction(*writer_, Transaction::Kind::kWrite, work);
+  }
+  // The same when its turn comes. CANCELLED while it waits for that.
   template <typename Work>
   auto Write(const Work& work, const core::Cancelled& cancelled = {});
   // The same with an entry of the record of changes.
@@ -136,7 +147,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // Makes the checked store of a backup this store's own.
   absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
 
-  const std::string path_;  // empty for a store in memory
+  const std::string path_;   // empty for a store in memory
+  const FileIdentity file_;  // that `path_` led to when it was opened
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
   std::timed_mutex writer_mutex_;

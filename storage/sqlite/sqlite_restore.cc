@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <utility>
 #include <vector>
 
@@ -63,10 +64,11 @@ absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::st
                                                                    TakeOver take_over) {
   std::unique_ptr<SqliteRestore> restore(new SqliteRestore(store_path, std::move(take_over)));
   restore->stream_.open(restore->file_.path(), std::ios::binary | std::ios::trunc);
-  if (!restore->stream_ || stat(restore->file_.path().c_str(), &restore->opened_) != 0) {
+  if (!restore->stream_) {
     return absl::UnavailableError(
         fmt::format("cannot write '{}': {}", restore->file_.path(), std::strerror(errno)));
   }
+  MOTIONDB_ASSIGN_OR_RETURN(restore->opened_, IdentityOf(restore->file_.path()));
   return restore;
 }
 
@@ -113,20 +115,15 @@ absl::Status SqliteRestore::CheckSum() {
 }
 
 absl::Status SqliteRestore::CheckIsThere() const {
-  struct stat found {};
-  if (stat(file_.path().c_str(), &found) != 0) {
-    return absl::UnavailableError(
-        fmt::format("'{}', to which the backup was written, is gone ({}): restore it again",
-                    file_.path(), std::strerror(errno)));
+  absl::Status there = CheckIsFile(file_.path(), opened_);
+  std::error_code error;
+  if (there.ok() && std::filesystem::file_size(file_.path(), error) !=
+                        static_cast<std::uintmax_t>(written_bytes_)) {
+    there = absl::UnavailableError(fmt::format("'{}' was changed", file_.path()));
   }
-  if (found.st_dev != opened_.st_dev || found.st_ino != opened_.st_ino ||
-      found.st_size != written_bytes_) {
-    return absl::UnavailableError(
-        fmt::format("'{}' is not the file to which the backup was written, or was changed: restore "
-                    "it again",
-                    file_.path()));
-  }
-  return absl::OkStatus();
+  if (there.ok()) return there;
+  return absl::UnavailableError(fmt::format(
+      "{}: the backup was on its way into it, restore it again", std::string(there.message())));
 }
 
 absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {

@@ -2,8 +2,6 @@
 // copied into the store by the one connection that writes, in one transaction.
 #pragma once
 
-#include <sys/stat.h>
-
 #include <cstdint>
 #include <fstream>
 #include <functional>
@@ -13,6 +11,7 @@
 #include "storage/blob/sha256.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
+#include "storage/sqlite/file_identity.h"
 #include "storage/store_upkeep.h"
 
 namespace motiondb::storage {
@@ -39,7 +38,7 @@ class SqliteRestore final : public StoreRestore {
 
   CopyFile file_;
   std::ofstream stream_;
-  struct stat opened_ {};  // the file when it was made; tells it from another of its name
+  FileIdentity opened_;
   std::int64_t written_bytes_ = 0;
   Sha256 digest_;
   std::string tail_;  // the last bytes so far, which may be the trailer

@@ -18,6 +18,7 @@ namespace motiondb::tests {
 // There is nothing to check or copy.
 class NoUpkeep final : public storage::StoreUpkeep {
  public:
+  absl::Status CheckFile() override { return absl::OkStatus(); }
   absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(core::Cancelled) override {
     return absl::UnimplementedError("kept in memory");
   }

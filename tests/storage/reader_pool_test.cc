@@ -10,7 +10,7 @@ namespace motiondb::tests {
 TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
-  storage::ReaderPool pool(file.path(), "", 4);
+  storage::ReaderPool pool(file.path(), Require(storage::IdentityOf(file.path())), "", 4);
   {
     const auto first = pool.Acquire();
     REQUIRE_OK(first);

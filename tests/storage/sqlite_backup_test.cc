@@ -338,7 +338,7 @@ TEST_CASE("Restore: a file that is gone or is another is said", "[storage][backu
   }
   SECTION("cut short") {
     std::filesystem::resize_file(path, 0);
-    expected = "not the file";
+    expected = "was changed";
   }
   REQUIRE_ERROR(restore->Check({}), StatusCode::kUnavailable, expected);
   REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");

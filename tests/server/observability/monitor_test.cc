@@ -3,10 +3,13 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
 #include <thread>
 
 #include "server/observability/call_watch.h"
 #include "tests/support/slow_store.h"
+#include "tests/support/temporary_directory.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -68,6 +71,24 @@ TEST_CASE("Monitor: not ready while the store cannot be read", "[server][monitor
   CHECK(!monitor.CheckReadiness().ready);
   CHECK(monitor.CheckReadiness().reason == "the store cannot be read: disk I/O error");
   lost = false;
+  CHECK(monitor.CheckReadiness().ready);
+}
+
+TEST_CASE("Monitor: not ready while the store's file is gone", "[server][monitor]") {
+  const TemporaryDirectory directory;
+  const std::string path = directory / "store.db";
+  Monitor monitor({});
+  const auto engine =
+      server::Engine::Open(*storage::SqliteMotionStore::Open(path), TestEngine::QuickOptions());
+  REQUIRE(engine.ok());
+  const Monitor::Attachment attachment(monitor, **engine);
+  monitor.SetPhase(Phase::kServing);
+  CHECK(monitor.CheckReadiness().ready);
+  std::filesystem::rename(path, directory / "aside.db");
+  CHECK(!monitor.CheckReadiness().ready);
+  CHECK_THAT(monitor.CheckReadiness().reason,
+             Contains("the store's file '" + path + "' is gone") && Contains("put the file back"));
+  std::filesystem::rename(directory / "aside.db", path);
   CHECK(monitor.CheckReadiness().ready);
 }
 

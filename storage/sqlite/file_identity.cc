@@ -1,0 +1,25 @@
+#include "storage/sqlite/file_identity.h"
+
+#include <fmt/format.h>
+#include <sys/stat.h>
+
+#include <cerrno>
+#include <cstring>
+
+#include "core/motion/error.h"
+
+namespace motiondb::storage {
+
+absl::StatusOr<FileIdentity> IdentityOf(const std::string& path) {
+  struct stat found {};
+  if (stat(path.c_str(), &found) == 0) return FileIdentity{found.st_dev, found.st_ino};
+  return absl::UnavailableError(fmt::format("'{}' is gone ({})", path, std::strerror(errno)));
+}
+
+absl::Status CheckIsFile(const std::string& path, const FileIdentity& file) {
+  MOTIONDB_ASSIGN_OR_RETURN(const FileIdentity found, IdentityOf(path));
+  if (found.device == file.device && found.inode == file.inode) return absl::OkStatus();
+  return absl::UnavailableError(fmt::format("'{}' is not the file that it was", path));
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,107 @@
+// A store whose file is taken away or replaced under it: what is there is read on, and nothing is
+// acknowledged that would be lost.
+#include <catch2/catch.hpp>
+#include <filesystem>
+#include <string>
+
+#include "tests/storage/backup_bytes.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests {
+namespace {
+
+using absl::StatusCode;
+
+class LosableStore {
+ public:
+  storage::SqliteMotionStore& operator*() const { return *store_; }
+  storage::SqliteMotionStore* operator->() const { return store_.get(); }
+  const StoreFile& file() const { return file_; }
+
+  void TakeAway() const { std::filesystem::rename(file_.path(), aside()); }
+  // By a copy of itself, which is what looks most like it.
+  void Replace() const {
+    TakeAway();
+    std::filesystem::copy_file(aside(), file_.path());
+  }
+  void PutBack() const { std::filesystem::rename(aside(), file_.path()); }
+
+ private:
+  std::filesystem::path aside() const { return file_.folder() / "aside.db"; }
+
+  const StoreFile file_;
+  const std::unique_ptr<storage::SqliteMotionStore> store_ = file_.Open();
+};
+
+// Each way that leads to a change.
+void RequireUnchangeable(storage::SqliteMotionStore& store, const std::string& why) {
+  REQUIRE_ERROR(store.upkeep().CheckFile(), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.CreateDatabase(SampleDatabase("e")), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.DeleteDatabase("d"), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.AddClip(SampleClip("d", "run", 2)), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.DeleteClip("d", "walk"), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.PutOperation(SampleOperation("d", "op")), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.access().AddToken({.id = "t"}), StatusCode::kUnavailable, why);
+}
+
+}  // namespace
+
+TEST_CASE("SqliteMotionStore: without its file nothing is changed until it is back",
+          "[storage][lost]") {
+  const LosableStore store;
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+  const std::string before = Dump(*store);
+  const std::string path = store.file().path();
+  REQUIRE_OK(store->upkeep().CheckFile());
+  std::string why = "the store's file '" + path + "' is ";
+  SECTION("taken away") {
+    store.TakeAway();
+    why += "gone (No such file or directory): nothing is changed any more";
+  }
+  SECTION("replaced") {
+    store.Replace();
+    why += "not the file that it was: nothing is changed any more";
+  }
+  RequireUnchangeable(*store, why);
+  REQUIRE(Dump(*store) == before);
+  store.PutBack();
+  REQUIRE_OK(store->upkeep().CheckFile());
+  REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
+  REQUIRE(Findings(*store).empty());
+}
+
+TEST_CASE("SqliteMotionStore: no connection is opened to the file in its place",
+          "[storage][lost]") {
+  const LosableStore store;
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  store.Replace();  // before anything was read
+  REQUIRE_ERROR(store->ListDatabases({}), StatusCode::kUnavailable, "not the file that it was");
+  store.PutBack();
+  REQUIRE(Require(store->ListDatabases({})).size() == 1);
+}
+
+TEST_CASE("Restore: not into a store whose file is gone", "[storage][lost]") {
+  const LosableStore source;
+  REQUIRE_OK(source->CreateDatabase(SampleDatabase("d")));
+  const std::string bytes = Backup(*source);
+  const LosableStore target;
+  const auto restore = Require(target->upkeep().BeginRestore());
+  REQUIRE_OK(restore->Append(bytes));
+  REQUIRE_OK(restore->Check({}));
+  target.TakeAway();
+  REQUIRE_ERROR(restore->Finish({}), StatusCode::kUnavailable, "gone");
+  target.PutBack();
+  REQUIRE(Require(target->ListDatabases({})).empty());
+  REQUIRE_OK(Restore(*target, bytes));
+}
+
+TEST_CASE("SqliteMotionStore: a store in memory has no file to lose", "[storage][lost]") {
+  const auto store = Require(storage::SqliteMotionStore::Open(":memory:"));
+  REQUIRE_OK(store->upkeep().CheckFile());
+}
+
+}  // namespace motiondb::tests

@@ -76,10 +76,12 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
 
 // Opens the store, which upgrades one of an older version: that is told, for an older server
 // refuses it from then on.
-absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const std::string& path) {
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const std::string& path,
+                                                                std::int64_t reserve_bytes) {
   // What is wrong with it is for Open to say.
   const int former = storage::ReadStoreVersion(path).value_or(0);
-  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(path));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto store, storage::SqliteMotionStore::Open(path, {.reserve_bytes = reserve_bytes}));
   const auto latest = static_cast<int>(storage::Migrations().size());
   if (former > 0 && former < latest) {
     spdlog::info("store {} upgraded from version {} to {}: older servers refuse it now", path,
@@ -112,7 +114,8 @@ absl::Status Serve(const Settings& settings) {
   }
   // Before the store is opened, which makes or upgrades it: not for a server that cannot serve.
   MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
-  MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings.store_path));
+  MOTIONDB_ASSIGN_OR_RETURN(auto store,
+                            OpenStore(settings.store_path, settings.disk_reserve_bytes));
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
   fmt::print("motiondbd: listening on {}\n", server->address());

@@ -26,25 +26,25 @@ CLI::Option* AddCount(CLI::App& app, const std::string& name, Count& count, int 
       ->capture_default_str();
 }
 
-// Given in units of 2^kBits bytes, from 1 to `most`. `bytes` holds the default and must outlive
-// `app`.
+// Given in units of 2^kBits bytes, from `least` to `most`. `bytes` holds the default and must
+// outlive `app`.
 template <int kBits, std::integral Bytes>
 CLI::Option* AddBytes(CLI::App& app, const std::string& name, Bytes& bytes, const std::string& unit,
-                      const std::string& description, int most) {
+                      const std::string& description, int most, int least = 1) {
   return app
       .add_option_function<int>(
           name, [&bytes](int units) { bytes = static_cast<Bytes>(units) << kBits; }, description)
       ->type_name(unit)
       ->check(WholeNumber())
-      ->check(CLI::Range(1, most))
+      ->check(CLI::Range(least, most))
       ->default_str(std::to_string(bytes >> kBits));
 }
 
 // The same in mebibytes, and in kibibytes.
 template <std::integral Bytes>
 CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
-                          const std::string& description, int most = 1024) {
-  return AddBytes<20>(app, name, bytes, "MIB", description, most);
+                          const std::string& description, int most = 1024, int least = 1) {
+  return AddBytes<20>(app, name, bytes, "MIB", description, most, least);
 }
 template <std::integral Bytes>
 CLI::Option* AddKibibytes(CLI::App& app, const std::string& name, Bytes& bytes,

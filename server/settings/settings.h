@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "server/observability/log_formatter.h"
@@ -17,6 +18,8 @@ struct LogSettings {
 
 struct Settings {
   std::string store_path;  // required
+  // As SqliteOptions::reserve_bytes.
+  std::int64_t disk_reserve_bytes = std::int64_t{64} << 20;
   LogSettings log;
   std::chrono::milliseconds grace{10'000};  // that running calls may take after SIGTERM
   std::string http_listen;                  // as StartHealthServer takes it

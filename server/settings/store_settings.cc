@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "server/settings/groups.h"
+#include "server/settings/options.h"
 
 namespace motiondb::server {
 
@@ -13,6 +14,11 @@ void AddStoreSettings(CLI::App& app, Settings& settings) {
   app.add_option("--store", settings.store_path,
                  "The file that holds the databases; made if absent")
       ->type_name("FILE")
+      ->group("Store");
+  AddMebibytes(app, "--disk-reserve-mib", settings.disk_reserve_bytes,
+               "What clips, models and restores leave free on the store's disk, so that it can be "
+               "emptied when it is full; 0: nothing",
+               1 << 20, 0)
       ->group("Store");
 }
 

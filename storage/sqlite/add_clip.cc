@@ -6,6 +6,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "storage/cancellable_lock.h"
+#include "storage/sqlite/added_bytes.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/sqlite_motion_store.h"
@@ -64,6 +65,8 @@ bool SqliteMotionStore::Withdraw(const Addition& addition) {
 bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
   // Kept apart until they are in the file: an addition that is told is acknowledged.
   std::vector<ClipRecord> records;
+  std::int64_t added_bytes = 0;
+  for (const Addition* const addition : additions) added_bytes += AddedBytes(*addition->clip);
   const auto insert_all = [&](Connection& connection) -> absl::Status {
     for (const Addition* const addition : additions) {
       MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(),
@@ -72,7 +75,7 @@ bool SqliteMotionStore::AddInOne(const std::vector<Addition*>& additions) {
     return absl::OkStatus();
   };
   try {
-    if (!WriteHolding(insert_all).ok()) return false;
+    if (!WriteHolding(insert_all, added_bytes).ok()) return false;
   } catch (const std::exception&) {
     return false;  // each meets its own by itself
   }
@@ -84,7 +87,8 @@ void SqliteMotionStore::AddEach(const std::vector<Addition*>& additions, const A
   for (Addition* const addition : additions) {
     try {
       addition->added = WriteHolding(
-          [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); });
+          [&](Connection& connection) { return InsertWithRecord(connection, *addition->clip); },
+          AddedBytes(*addition->clip));
     } catch (const std::exception&) {
       // Another's is written by its own thread, which finds it without a result.
       if (addition == &own) throw;

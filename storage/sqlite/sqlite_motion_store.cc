@@ -7,6 +7,7 @@
 
 #include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
+#include "storage/sqlite/added_bytes.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/copy_file.h"
@@ -58,34 +59,35 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
     readers = std::make_unique<ReaderPool>(file, identity, options.vfs, options.reader_count);
   } else {
     file.clear();
+    options.reserve_bytes = 0;
   }
   return std::unique_ptr<SqliteMotionStore>(
       new SqliteMotionStore(std::move(file), identity, std::move(lock), std::move(writer),
-                            std::move(readers), std::move(options.now_us)));
+                            std::move(readers), std::move(options)));
 }
 
 SqliteMotionStore::SqliteMotionStore(std::string path, FileIdentity file,
                                      std::optional<StoreLock> lock,
                                      std::unique_ptr<Connection> writer,
-                                     std::unique_ptr<ReaderPool> readers,
-                                     std::function<std::int64_t()> now_us)
+                                     std::unique_ptr<ReaderPool> readers, SqliteOptions options)
     : path_(std::move(path)),
       file_(file),
+      reserve_(path_, options.reserve_bytes),
       lock_(std::move(lock)),
       writer_(std::move(writer)),
       readers_(std::move(readers)),
-      now_us_(std::move(now_us)) {}
+      now_us_(std::move(options.now_us)) {}
 
 template <typename Work>
-auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled) {
+auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled, Added added) {
   using Result = std::invoke_result_t<Work, Connection&>;
   std::unique_lock lock(writer_mutex_, std::defer_lock);
   if (absl::Status turn = Lock(lock, cancelled); !turn.ok()) return Result(std::move(turn));
-  return WriteHolding(work);
+  return WriteHolding(work, added);
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work) {
+auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Added added) {
   const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
     auto result = work(connection);
     if (StatusOf(result).ok() && terms.audit != nullptr) {
@@ -93,16 +95,16 @@ auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work) {
     }
     return result;
   };
-  return Write(write, terms.cancelled);
+  return Write(write, terms.cancelled, added);
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work) {
-  auto freed =
-      WriteWith(terms, [&](Connection& connection) { return work(connection, Remains::kFree); });
+auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work, Added added) {
+  auto freed = WriteWith(
+      terms, [&](Connection& connection) { return work(connection, Remains::kFree); }, added);
   if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(terms,
-                   [&](Connection& connection) { return work(connection, Remains::kLeave); });
+  return WriteWith(
+      terms, [&](Connection& connection) { return work(connection, Remains::kLeave); }, added);
 }
 
 template <typename Work>
@@ -119,8 +121,8 @@ auto SqliteMotionStore::Read(const Work& work) {
 
 absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record,
                                                const ChangeTerms& terms) {
-  return WriteWith(terms,
-                   [&](Connection& connection) { return InsertDatabase(connection, record); });
+  return WriteWith(
+      terms, [&](Connection& connection) { return InsertDatabase(connection, record); }, Added(0));
 }
 
 absl::StatusOr<DatabaseRecord> SqliteMotionStore::GetDatabase(const std::string& database) {
@@ -182,17 +184,19 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
-  return WriteAndFree({}, [&](Connection& connection, Remains remains) {
+  const auto insert = [&](Connection& connection, Remains remains) {
     return InsertModel(connection, database, model, now_us_(), remains);
-  });
+  };
+  return WriteAndFree({}, insert, reserve_.is_off() ? 0 : AddedBytes(model));
 }
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& database,
                                                             const core::Model& model,
                                                             double stale_share) {
-  return Write([&](Connection& connection) {
+  const auto insert = [&](Connection& connection) {
     return InsertExtension(connection, database, model, stale_share, now_us_());
-  });
+  };
+  return Write(insert, {}, Added(0));
 }
 
 absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database,
@@ -340,6 +344,9 @@ absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancell
   MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckFile());
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, backup.QueryInteger("PRAGMA page_count"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, backup.QueryInteger("PRAGMA page_size"));
+  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, pages * page_bytes));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
   MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));
   // The log has the whole store now; if readers are in the way, a later write moves it.

@@ -18,6 +18,7 @@
 #include "core/motion/error.h"
 #include "storage/motion_store.h"
 #include "storage/sqlite/connection.h"
+#include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/store_lock.h"
@@ -31,6 +32,9 @@ struct SqliteOptions {
   // When a model is put: microseconds since the Unix epoch. The system's clock where empty. All
   // other times come with the records.
   std::function<std::int64_t()> now_us;
+  // What additions leave free on the store's disk, so that it can be emptied; 0: they do not look.
+  // Not for a store in memory.
+  std::int64_t reserve_bytes = 0;
   // Name of a registered SQLite VFS; empty for the default one. Tests put faults there.
   std::string vfs;
 };
@@ -108,24 +112,33 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
  private:
   SqliteMotionStore(std::string path, FileIdentity file, std::optional<StoreLock> lock,
                     std::unique_ptr<Connection> writer, std::unique_ptr<ReaderPool> readers,
-                    std::function<std::int64_t()> now_us);
+                    SqliteOptions options);
+
+  // The bytes that a change adds, as far as they are known; none: it is no addition, and need not
+  // leave the reserve.
+  using Added = std::optional<std::int64_t>;
 
   // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
   // happens, or after an error none. REQUIRES: writer_mutex_ is held.
   template <typename Work>
-  auto WriteHolding(const Work& work) -> std::invoke_result_t<Work, Connection&> {
+  auto WriteHolding(const Work& work, Added added) -> std::invoke_result_t<Work, Connection&> {
     MOTIONDB_RETURN_IF_ERROR(CheckFile());
+    if (added) {
+      MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, *added));
+    } else {
+      reserve_.GiveBack(*writer_);
+    }
     return InTransaction(*writer_, Transaction::Kind::kWrite, work);
   }
   // The same when its turn comes. CANCELLED while it waits for that.
   template <typename Work>
-  auto Write(const Work& work, const core::Cancelled& cancelled = {});
+  auto Write(const Work& work, const core::Cancelled& cancelled = {}, Added added = {});
   // The same with an entry of the record of changes.
   template <typename Work>
-  auto WriteWith(const ChangeTerms& terms, const Work& work);
+  auto WriteWith(const ChangeTerms& terms, const Work& work, Added added = {});
   // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
   template <typename Work>
-  auto WriteAndFree(const ChangeTerms& terms, const Work& work);
+  auto WriteAndFree(const ChangeTerms& terms, const Work& work, Added added = {});
   template <typename Work>
   auto Read(const Work& work);
 
@@ -149,6 +162,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
 
   const std::string path_;   // empty for a store in memory
   const FileIdentity file_;  // that `path_` led to when it was opened
+  const DiskReserve reserve_;
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
   std::timed_mutex writer_mutex_;

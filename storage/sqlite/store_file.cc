@@ -23,9 +23,11 @@ constexpr std::size_t kIdPlace = 68;       // of the application id
 
 using Header = std::array<char, kStoreHeaderBytes>;
 
-// For every connection. A wait of ten seconds is long for a lock that is held for moments.
+// Milliseconds, long for a lock that is held for moments.
+constexpr int kLockWait = 10'000;
+
+// For every connection.
 constexpr char kCommonSetup[] = R"sql(
-PRAGMA busy_timeout = 10000;
 PRAGMA mmap_size = 0;
 PRAGMA trusted_schema = OFF;
 )sql";
@@ -96,12 +98,17 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
       path, mode.Text(0));
 }
 
+absl::Status SetUp(Connection& connection) {
+  sqlite3_busy_timeout(connection.handle(), kLockWait);
+  return connection.Execute(kCommonSetup);
+}
+
 // Of whatever version the file is.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std::string& path,
                                                            const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection,
                             Connection::Open(path, SQLITE_OPEN_READWRITE | flags, vfs));
-  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kCommonSetup));
+  MOTIONDB_RETURN_IF_ERROR(SetUp(*connection));
   MOTIONDB_RETURN_IF_ERROR(Initialize(*connection, path));
   if (path != kInMemory) MOTIONDB_RETURN_IF_ERROR(UseLog(*connection, path));
   MOTIONDB_RETURN_IF_ERROR(connection->Execute(kWriterSetup));
@@ -172,9 +179,16 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
                                                        const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, Connection::Open(path, SQLITE_OPEN_READONLY, vfs));
   sqlite3_db_config(connection->handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
-  MOTIONDB_RETURN_IF_ERROR(connection->Execute(kCommonSetup));
+  MOTIONDB_RETURN_IF_ERROR(SetUp(*connection));
   MOTIONDB_RETURN_IF_ERROR(connection->Execute(kReaderSetup));
   return connection;
+}
+
+void EmptyLog(Connection& writer) {
+  sqlite3_busy_timeout(writer.handle(), 0);
+  // Where a reader is in the way, or the disk is full, the log stays as long as it is.
+  writer.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
+  sqlite3_busy_timeout(writer.handle(), kLockWait);
 }
 
 }  // namespace motiondb::storage

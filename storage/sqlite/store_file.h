@@ -41,4 +41,8 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::stri
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
                                                        const std::string& vfs);
 
+// Moves what the log holds into the file, as far as no reader is in the way, and if all of it,
+// gives the log's room back; waits for nobody. REQUIRES: `writer` is in no transaction.
+void EmptyLog(Connection& writer);
+
 }  // namespace motiondb::storage

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <string>
 
+#include "storage/sqlite/store_file.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"
@@ -21,9 +22,10 @@ constexpr std::size_t kMegabyte = std::size_t{1} << 20;
 
 class SmallFileSystem {
  public:
-  SmallFileSystem() : path_(folder_ / "small") {
+  explicit SmallFileSystem(int mebibytes) : path_(folder_ / "small") {
     std::filesystem::create_directory(path_);
-    mounted_ = mount("tmpfs", path_.c_str(), "tmpfs", 0, "size=6m") == 0;
+    const std::string size = "size=" + std::to_string(mebibytes) + "m";
+    mounted_ = mount("tmpfs", path_.c_str(), "tmpfs", 0, size.c_str()) == 0;
     error_ = errno;
   }
   ~SmallFileSystem() {
@@ -42,10 +44,81 @@ class SmallFileSystem {
   int error_ = 0;
 };
 
+// A clip of a bit more than a mebibyte.
+storage::NewClip LargeClip(unsigned seed) {
+  auto clip = SampleClip("d", "large-" + std::to_string(seed), seed);
+  clip.file_bytes.assign(kMegabyte, 'x');
+  return clip;
+}
+
+// Adds clips until there is no room for one: how many were added.
+int Fill(storage::MotionStore& store, unsigned first_seed) {
+  for (int count = 0;; ++count) {
+    const auto added = store.AddClip(LargeClip(first_seed + static_cast<unsigned>(count)));
+    if (added.ok()) continue;
+    REQUIRE_ERROR(added, absl::StatusCode::kResourceExhausted, "--disk-reserve-mib");
+    return count;
+  }
+}
+
+storage::SqliteOptions WithReserve(std::size_t mebibytes) {
+  return {.reserve_bytes = static_cast<std::int64_t>(mebibytes * kMegabyte)};
+}
+
 }  // namespace
 
+TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve can be emptied",
+          "[storage][full]") {
+  const SmallFileSystem disk(32);
+  if (!disk.mounted()) {
+    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
+    return;
+  }
+  const std::string path = disk / "store.db";
+  int count = 0;
+  {
+    const auto store = Require(storage::SqliteMotionStore::Open(path, WithReserve(8)));
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    count = Fill(*store, 1);
+    CHECK(count >= 12);
+    REQUIRE_OK(store->DeleteClip("d", "large-1"));
+  }
+  {
+    const auto store = Require(storage::SqliteMotionStore::Open(path, WithReserve(8)));
+    for (int i = 2; i <= 4; ++i) {
+      REQUIRE_OK(store->DeleteClip("d", "large-" + std::to_string(i)));
+    }
+    // What they had is taken again, though the disk has no more room than before.
+    CHECK(Fill(*store, 100) >= 3);
+    REQUIRE_OK(store->DeleteDatabase("d"));
+    REQUIRE_OK(store->PurgeDeletedDatabases({}));
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    CHECK(Fill(*store, 200) >= count - 1);
+    REQUIRE(Findings(*store).empty());
+  }
+}
+
+TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as long as that lasts",
+          "[storage][full]") {
+  const SmallFileSystem disk(32);
+  if (!disk.mounted()) {
+    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
+    return;
+  }
+  const std::string path = disk / "store.db";
+  const auto store = Require(storage::SqliteMotionStore::Open(path, WithReserve(8)));
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  const auto reader = Require(storage::OpenReader(path, ""));
+  REQUIRE_OK(reader->Execute("BEGIN; SELECT count(*) FROM clip"));
+  CHECK(Fill(*store, 1) >= 4);
+  REQUIRE_OK(store->DeleteClip("d", "large-1"));
+  REQUIRE_OK(reader->Execute("COMMIT"));
+  CHECK(Fill(*store, 100) >= 2);
+  REQUIRE_OK(store->DeleteDatabase("d"));
+}
+
 TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
-  SmallFileSystem disk;
+  SmallFileSystem disk(6);
   if (!disk.mounted()) {
     WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
     return;

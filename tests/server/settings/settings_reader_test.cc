@@ -259,8 +259,10 @@ TEST_CASE("Settings: a limit of time that would end every call is refused", "[se
     CHECK(Read(broken, {"--store", "/s.db", key, "1.5"}).empty());
   }
   SettingsReader zero;  // where it means something
-  CHECK(
-      Read(zero, {"--store", "/s.db", "--rebuild-delay", "0", "--slow-call-seconds", "0"}).empty());
+  CHECK(Read(zero, {"--store", "/s.db", "--rebuild-delay", "0", "--slow-call-seconds", "0",
+                    "--disk-reserve-mib", "0"})
+            .empty());
+  CHECK(zero.settings().disk_reserve_bytes == 0);
 }
 
 TEST_CASE("Settings: help and version are asked for without any setting", "[settings]") {

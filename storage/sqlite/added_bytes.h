@@ -1,0 +1,17 @@
+// How many bytes of blobs something brings to a store. Writes nothing; safe to call from any
+// thread.
+#pragma once
+
+#include <cstdint>
+
+#include "core/model/model.h"
+#include "storage/records.h"
+
+namespace motiondb::storage {
+
+// A skeleton's own encoding and the record, some kilobytes, are not counted.
+std::int64_t AddedBytes(const NewClip& clip);
+// Takes as long as copying them does.
+std::int64_t AddedBytes(const core::Model& model);
+
+}  // namespace motiondb::storage

@@ -1,0 +1,67 @@
+#include "storage/sqlite/disk_reserve.h"
+
+#include <sys/statvfs.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/store_file.h"
+
+namespace motiondb::storage {
+namespace {
+
+std::string Mebibytes(std::int64_t bytes) {
+  return fmt::format("{:.1f} MiB", static_cast<double>(bytes) / (1 << 20));
+}
+
+}  // namespace
+
+absl::StatusOr<DiskReserve::Room> DiskReserve::Look(Connection& writer) const {
+  struct statvfs disk {};
+  if (statvfs(path_.c_str(), &disk) != 0) {
+    return absl::UnavailableError(
+        fmt::format("cannot look at the disk of '{}': {}", path_, std::strerror(errno)));
+  }
+  // What is kept for the superuser is not counted as free.
+  Room room{.free = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize)};
+  std::error_code error;
+  const auto log = std::filesystem::file_size(path_ + "-wal", error);
+  if (!error) room.log = static_cast<std::int64_t>(log);
+  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, writer.QueryInteger("PRAGMA freelist_count"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, writer.QueryInteger("PRAGMA page_size"));
+  room.freed = pages * page_bytes;
+  return room;
+}
+
+std::int64_t DiskReserve::Needed(const Room& room, std::int64_t added_bytes) const {
+  const std::int64_t grows = std::max<std::int64_t>(added_bytes - room.freed, 0);
+  return room.log + added_bytes + grows + bytes_;
+}
+
+absl::Status DiskReserve::Check(Connection& writer, std::int64_t added_bytes) const {
+  if (is_off()) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(Room room, Look(writer));
+  if (room.free < Needed(room, added_bytes) && room.log > 0) {
+    EmptyLog(writer);
+    MOTIONDB_ASSIGN_OR_RETURN(room, Look(writer));
+  }
+  const std::int64_t needed = Needed(room, added_bytes);
+  if (room.free >= needed) return absl::OkStatus();
+  return absl::ResourceExhaustedError(fmt::format(
+      "{} are free on the disk of '{}', and {} have to be: {} for the log and what is to be "
+      "stored, "
+      "and {} that stay free for deleting (--disk-reserve-mib); free room there, or delete clips",
+      Mebibytes(room.free), path_, Mebibytes(needed), Mebibytes(needed - bytes_),
+      Mebibytes(bytes_)));
+}
+
+void DiskReserve::GiveBack(Connection& writer) const {
+  if (is_off()) return;
+  const auto room = Look(writer);
+  if (room.ok() && room->free < bytes_ && room->log > 0) EmptyLog(writer);
+}
+
+}  // namespace motiondb::storage

@@ -19,7 +19,7 @@ namespace {
 using std::chrono::steady_clock;
 
 // Each connection costs gRPC some 20 KB, those that are silent too.
-constexpr rlim_t kMostConnections = 65'536;
+constexpr rlim_t kMostDescriptors = 65'536;
 constexpr int kForOthers = 64;  // descriptors: files of the store, threads' wake-ups, HTTP
 constexpr std::chrono::milliseconds kRest{100};
 constexpr std::chrono::minutes kBetweenWarnings{1};
@@ -29,7 +29,7 @@ int MostDescriptors() {
   rlimit limit{};
   const bool known = getrlimit(RLIMIT_NOFILE, &limit) == 0;
   const auto most =
-      static_cast<int>(known ? std::min(limit.rlim_cur, kMostConnections) : rlim_t{1024});
+      static_cast<int>(known ? std::min(limit.rlim_cur, kMostDescriptors) : rlim_t{1024});
   return most - std::min(kForOthers, most / 4);
 }
 
@@ -38,6 +38,13 @@ bool LacksResources(int error) {
 }
 
 }  // namespace
+
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min(limit.rlim_max, kMostDescriptors));
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
 
 absl::StatusOr<std::unique_ptr<ConnectionAcceptor>> ConnectionAcceptor::Start(
     const std::string& listen, Take take) {

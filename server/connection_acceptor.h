@@ -15,6 +15,10 @@
 
 namespace motiondb::server {
 
+// Lets the process open as many files as it may, up to those of the most connections that are
+// taken. For whoever starts it, before anything else.
+void RaiseDescriptorLimit();
+
 class ConnectionAcceptor {
  public:
   // Takes over the descriptor of a connection, which came by that of a listener. On a thread of the

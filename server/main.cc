@@ -3,10 +3,8 @@
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 
-#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
@@ -17,6 +15,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "server/connection_acceptor.h"
 #include "server/observability/health_server.h"
 #include "server/observability/listen_on.h"
 #include "server/observability/log.h"
@@ -40,14 +39,6 @@ void LogGrpc() {
       [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
         spdlog::debug("protobuf: {}", message);
       });
-}
-
-// As many descriptors as it may have, up to those of 65,536 connections.
-void RaiseDescriptorLimit() {
-  rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = std::max(limit.rlim_cur, std::min<rlim_t>(limit.rlim_max, 65'536));
-  setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 // Whatever it makes is its owner's alone, and who reads what it prints may go away.

@@ -33,8 +33,11 @@ class SmallFileSystem {
   }
   // Makes it larger, with all that is in it.
   bool Grow() { return mount("tmpfs", path_.c_str(), "tmpfs", MS_REMOUNT, "size=40m") == 0; }
-  bool mounted() const { return mounted_; }
-  std::string error() const { return std::strerror(error_); }
+  // Says that the test is skipped where it is not.
+  bool IsThere() const {
+    if (!mounted_) WARN("skipped: a tmpfs cannot be mounted here: " << std::strerror(error_));
+    return mounted_;
+  }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
 
  private:
@@ -70,10 +73,7 @@ storage::SqliteOptions WithReserve(std::size_t mebibytes) {
 TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve can be emptied",
           "[storage][full]") {
   const SmallFileSystem disk(32);
-  if (!disk.mounted()) {
-    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
-    return;
-  }
+  if (!disk.IsThere()) return;
   const std::string path = disk / "store.db";
   int count = 0;
   {
@@ -101,10 +101,7 @@ TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve ca
 TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as long as that lasts",
           "[storage][full]") {
   const SmallFileSystem disk(32);
-  if (!disk.mounted()) {
-    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
-    return;
-  }
+  if (!disk.IsThere()) return;
   const std::string path = disk / "store.db";
   const auto store = Require(storage::SqliteMotionStore::Open(path, WithReserve(8)));
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -119,10 +116,7 @@ TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as lo
 
 TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
   SmallFileSystem disk(6);
-  if (!disk.mounted()) {
-    WARN("skipped: a tmpfs cannot be mounted here: " << disk.error());
-    return;
-  }
+  if (!disk.IsThere()) return;
   const std::string path = disk / "store.db";
   std::string before;
   {

@@ -19,10 +19,9 @@ if [ "$preset" != release ]; then
   export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}"
 fi
 if [ "$preset" = tsan ]; then
-  # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs; of
-  # core all but kinematics, which takes no threads and very long here.
-  tests=({motion,format,tree,graph,model,inference,calibration,recognition,estimation}_tests
-         {prediction,observe,planning,storage,storage_commit}_tests
+  # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs.
+  tests=({motion,format,kinematics,tree,graph,model,inference,calibration,recognition}_tests
+         {estimation,prediction,observe,planning,storage,storage_commit}_tests
          server_{engine,observability}_tests)
   cmake --build --preset "$preset" --target "${tests[@]}"
   set -- -R "^($(IFS='|'; echo "${tests[*]}"))\$" "$@"

@@ -91,7 +91,8 @@ void AddServer(const ServerFigures& figures, Families& families) {
                static_cast<double>(figures.damages.size()));
   families.Add(
       MetricType::Gauge, "motiondb_certificate_end_time_seconds",
-      "When the server's certificate ends, in seconds since the Unix epoch; 0 without TLS.",
+      "When the first certificate that connections need ends, the server's or its clients' "
+      "authority's, in seconds since the Unix epoch; 0 without TLS.",
       static_cast<double>(figures.certificate_end_time_s));
 }
 

@@ -39,7 +39,7 @@ class Monitor {
 
   // How clients reach the server; said once, before it serves.
   void SetTransport(bool encrypted, bool authenticated);
-  // When the certificate that is served ends, Unix time in seconds.
+  // When the first certificate that connections need ends, Unix time in seconds.
   void SetCertificateEnd(std::int64_t time_s) { certificate_end_time_s_ = time_s; }
 
   // Kept as long as the engine may be read: its end waits for those who read it.

@@ -14,10 +14,9 @@ constexpr std::int64_t kSoonSeconds = std::int64_t{14} * 24 * 3600;
 
 }  // namespace
 
-CertificateEnd::CertificateEnd(std::string file, Tell tell)
-    : file_(std::move(file)), tell_(std::move(tell)) {}
+CertificateEnd::CertificateEnd(Tell tell) : tell_(std::move(tell)) {}
 
-void CertificateEnd::Look(std::int64_t end_time_s, std::int64_t now_s) {
+void CertificateEnd::Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s) {
   if (end_time_s != end_time_s_) {
     end_time_s_ = end_time_s;
     warned_ = false;
@@ -26,9 +25,9 @@ void CertificateEnd::Look(std::int64_t end_time_s, std::int64_t now_s) {
   if (warned_ || end_time_s - now_s > kSoonSeconds) return;
   warned_ = true;
   spdlog::warn(
-      "{}: a certificate in it ends on {:%Y-%m-%d %H:%M} UTC, and then no client connects: "
-      "put a new one in its place, which is taken while the server runs",
-      file_, fmt::gmtime(static_cast<std::time_t>(end_time_s)));
+      "{}: a certificate in it ends on {:%Y-%m-%d %H:%M} UTC, and then no client connects that "
+      "needs it: put a new one in its place, which is taken while the server runs",
+      file, fmt::gmtime(static_cast<std::time_t>(end_time_s)));
 }
 
 }  // namespace motiondb::server

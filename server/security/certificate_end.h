@@ -1,5 +1,4 @@
-// Looks ahead to the end of the server's certificate: whoever connects after it is refused by every
-// client. Not thread-safe.
+// Looks ahead to the end of the first certificate that connections need. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,15 +12,14 @@ class CertificateEnd {
   // Takes the end of a certificate that is new, Unix time in seconds.
   using Tell = std::function<void(std::int64_t end_time_s)>;
 
-  // Of what `file` holds, for the log. `tell` may be empty.
-  CertificateEnd(std::string file, Tell tell);
+  // `tell` may be empty.
+  explicit CertificateEnd(Tell tell);
 
-  // The one that is served at `now_s` ends at `end_time_s`, both Unix time in seconds. Logs a
+  // At `now_s` it is one in `file` that ends at `end_time_s`, both Unix time in seconds. Logs a
   // warning from 14 days before on, once for each certificate.
-  void Look(std::int64_t end_time_s, std::int64_t now_s);
+  void Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s);
 
  private:
-  std::string file_;
   Tell tell_;
   std::int64_t end_time_s_ = 0;  // as it was told
   bool warned_ = false;

@@ -84,6 +84,7 @@ absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
   MOTIONDB_ASSIGN_OR_RETURN(const Certificate certificate,
                             CertificateIn(files.certificate, texts.certificate));
   texts.end_time_s = FirstEndIn(texts.certificate);
+  texts.first_to_end = files.certificate;
   MOTIONDB_ASSIGN_OR_RETURN(const Key key, KeyIn(files.key, texts.key));
   if (X509_check_private_key(certificate.get(), key.get()) != 1) {
     ERR_clear_error();
@@ -93,6 +94,10 @@ absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
   if (!files.client_ca.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(texts.client_ca, ReadTextFile(files.client_ca));
     MOTIONDB_RETURN_IF_ERROR(CertificateIn(files.client_ca, texts.client_ca).status());
+    if (const std::int64_t end = FirstEndIn(texts.client_ca); end < texts.end_time_s) {
+      texts.end_time_s = end;
+      texts.first_to_end = files.client_ca;
+    }
   }
   return texts;
 }

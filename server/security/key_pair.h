@@ -21,9 +21,10 @@ struct TlsTexts {
   std::string certificate;
   std::string key;
   std::string client_ca;
-  // When the first of the certificates that are served ends: the server's, or one between it and
-  // its authority. Unix time in seconds.
+  // When the first certificate that connections need ends, Unix time in seconds: the server's, one
+  // between it and its authority, or one of the authorities of clients.
   std::int64_t end_time_s = 0;
+  std::string first_to_end;  // the file that has it
 
   bool operator==(const TlsTexts&) const = default;
 };

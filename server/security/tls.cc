@@ -24,8 +24,8 @@ absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files,
   MOTIONDB_ASSIGN_OR_RETURN(MemoryFile certificate, MemoryFile::Make(texts.certificate));
   MOTIONDB_ASSIGN_OR_RETURN(MemoryFile key, MemoryFile::Make(texts.key));
   MOTIONDB_ASSIGN_OR_RETURN(MemoryFile client_ca, MemoryFile::Make(texts.client_ca));
-  CertificateEnd end(files.certificate, std::move(tell_end));
-  end.Look(texts.end_time_s, std::time(nullptr));
+  CertificateEnd end(std::move(tell_end));
+  end.Look(texts.first_to_end, texts.end_time_s, std::time(nullptr));
   return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(certificate),
                                       std::move(key), std::move(client_ca), std::move(end)));
 }
@@ -52,14 +52,14 @@ Tls::Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFi
 absl::StatusOr<bool> Tls::TakeChange() {
   MOTIONDB_ASSIGN_OR_RETURN(const TlsTexts texts, ReadTlsFiles(files_));
   if (texts == texts_) {
-    end_.Look(texts_.end_time_s, std::time(nullptr));
+    end_.Look(texts_.first_to_end, texts_.end_time_s, std::time(nullptr));
     return false;
   }
   MOTIONDB_RETURN_IF_ERROR(key_.Replace(texts.key));
   MOTIONDB_RETURN_IF_ERROR(certificate_.Replace(texts.certificate));
   MOTIONDB_RETURN_IF_ERROR(client_ca_.Replace(texts.client_ca));
   texts_ = texts;
-  end_.Look(texts_.end_time_s, std::time(nullptr));
+  end_.Look(texts_.first_to_end, texts_.end_time_s, std::time(nullptr));
   return true;
 }
 

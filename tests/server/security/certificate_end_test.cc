@@ -20,28 +20,29 @@ TEST_CASE("CertificateEnd: a warning from 14 days before on, once for a certific
           "[security]") {
   const CapturedLog log(spdlog::level::debug);
   std::vector<std::int64_t> told;
-  CertificateEnd end("/etc/server.pem", [&](std::int64_t time_s) { told.push_back(time_s); });
+  CertificateEnd end([&](std::int64_t time_s) { told.push_back(time_s); });
   const std::int64_t first = kNow + 15 * kDay;
-  end.Look(first, kNow);
-  end.Look(first, kNow + kDay - 1);
+  end.Look("/etc/server.pem", first, kNow);
+  end.Look("/etc/server.pem", first, kNow + kDay - 1);
   CHECK(Lines(log) == 0);
-  for (int day = 1; day < 16; ++day) end.Look(first, kNow + day * kDay);
+  for (int day = 1; day < 16; ++day) end.Look("/etc/server.pem", first, kNow + day * kDay);
   CHECK(Lines(log) == 1);
   CHECK_THAT(log.text(), Catch::Contains("\"level\":\"warning\"") &&
                              Catch::Contains("/etc/server.pem: a certificate in it ends on "
                                              "2027-01-30 08:00 UTC"));
-  // Another one that is as short, then one that lasts.
-  end.Look(first + 1, kNow + 2 * kDay);
+  // Another one that is as short, in another file, then one that lasts.
+  end.Look("/etc/ca.pem", first + 1, kNow + 2 * kDay);
   CHECK(Lines(log) == 2);
-  end.Look(kNow + 300 * kDay, kNow + 2 * kDay);
+  CHECK_THAT(log.text(), Catch::Contains("/etc/ca.pem: a certificate in it ends on "));
+  end.Look("/etc/server.pem", kNow + 300 * kDay, kNow + 2 * kDay);
   CHECK(Lines(log) == 2);
   CHECK(told == std::vector<std::int64_t>{first, first + 1, kNow + 300 * kDay});
 }
 
 TEST_CASE("CertificateEnd: one that has ended is told of, too", "[security]") {
   const CapturedLog log(spdlog::level::debug);
-  CertificateEnd end("a.pem", {});
-  end.Look(kNow - kDay, kNow);
+  CertificateEnd end({});
+  end.Look("a.pem", kNow - kDay, kNow);
   CHECK(Lines(log) == 1);
 }
 

@@ -12,6 +12,7 @@
 
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/database.grpc.pb.h"
+#include "server/security/key_pair.h"
 #include "server/server.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/certificates.h"
@@ -146,6 +147,25 @@ TEST_CASE("TLS: figures tell when the first of the served certificates ends, als
       ReadFile(server.pair.certificate) + ReadFile(server.servers.certificate());
   std::ofstream(server.pair.certificate) << chain;
   await(2);
+}
+
+TEST_CASE("TLS: of the server's certificate and its clients' authority, the first to end is told",
+          "[security]") {
+  const TemporaryDirectory directory;
+  const Authority servers(directory / "", "servers");
+  const Authority clients(directory / "", "clients");  // ends in two days
+  const auto first_of = [&](int days, const std::string& client_ca) {
+    const KeyPairFiles pair = servers.Issue("server", "localhost", days);
+    const auto texts = server::ReadTlsFiles(
+        {.certificate = pair.certificate, .key = pair.key, .client_ca = client_ca});
+    REQUIRE(texts.ok());
+    return std::pair(
+        texts->first_to_end == client_ca,
+        std::lround(static_cast<double>(texts->end_time_s - std::time(nullptr)) / 86'400));
+  };
+  CHECK(first_of(300, "") == std::pair(false, 300L));
+  CHECK(first_of(300, clients.certificate()) == std::pair(true, 2L));
+  CHECK(first_of(1, clients.certificate()) == std::pair(false, 1L));
 }
 
 TEST_CASE("TLS: with an authority of clients, each shows a certificate and is known by it",

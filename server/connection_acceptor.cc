@@ -114,8 +114,7 @@ void ConnectionAcceptor::Admit(int connection, Acceptor& acceptor) {
   warned_ = now;
   spdlog::warn(
       "connections are refused: {} descriptors are in use, as many as connections may have of "
-      "those "
-      "that the process may open (ulimit -n, LimitNOFILE)",
+      "those that the process may open (ulimit -n, LimitNOFILE)",
       most_descriptors_);
 }
 

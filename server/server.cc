@@ -12,6 +12,7 @@
 #include "core/motion/error.h"
 #include "server/connection_acceptor.h"
 #include "server/engine/clock.h"
+#include "server/reset_guard.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
@@ -145,8 +146,8 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   SetReflection(reflection, builder);
   // Beyond it calls of one connection wait in the client. CallLimits answers before; this is for
   // health checks, which it does not see.
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS,
-                             options.calls.calls.in_all + kFurtherCalls);
+  const int most_streams = options.calls.calls.in_all + kFurtherCalls;
+  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_streams);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   // A call is only known here, with its limits, when its first message is whole.
   builder.SetResourceQuota(
@@ -165,6 +166,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
     parameters.listener_fd = listener;
     to_grpc->HandleNewConnection(&parameters);
   };
+  // Twice what may be under way: those that are over take a moment to be forgotten.
+  reset_guard_ =
+      std::make_unique<ResetGuard>(CallLimit{2 * most_streams, options.calls.calls.per_client});
   MOTIONDB_ASSIGN_OR_RETURN(acceptor_, ConnectionAcceptor::Start(options.listen, take));
   address_ =
       fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), acceptor_->port());

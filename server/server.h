@@ -23,6 +23,7 @@ namespace motiondb::server {
 struct CallHost;
 class ConnectionAcceptor;
 class FileWatch;
+class ResetGuard;
 class SilenceLimit;
 class Tls;
 
@@ -70,6 +71,7 @@ class Server {
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
   std::unique_ptr<ConnectionAcceptor> acceptor_;
+  std::unique_ptr<ResetGuard> reset_guard_;
   std::string address_;
 };
 

@@ -10,24 +10,14 @@ import tempfile
 import time
 import unittest
 
+import http2
 import programs
 from figure import write_bvh
+from http2 import (ACK, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL_WINDOW_SIZE, PING, RESET,
+                   SETTINGS, WINDOW_UPDATE, frame)
 from programs import Server
 
-DATA, HEADERS, RESET, SETTINGS, PING, WINDOW_UPDATE = 0, 1, 3, 4, 6, 8
-END_STREAM, END_HEADERS, ACK = 1, 4, 1  # flags
-INITIAL_WINDOW_SIZE = 4  # a setting
 MIB = 1 << 20
-
-
-def frame(kind, flags, stream, payload):
-    head = struct.pack(">I", len(payload))[1:] + bytes([kind, flags]) + struct.pack(">I", stream)
-    return head + payload
-
-
-def header(name, value):
-    """A header field that HPACK leaves as it is."""
-    return b"\0" + bytes([len(name)]) + name.encode() + bytes([len(value)]) + value.encode()
 
 
 def field(number, payload):
@@ -45,18 +35,14 @@ class Call:
     def __init__(self, address, method, message, hold_back=0, window=65535):
         host, port = address.rsplit(":", 1)
         self.socket = socket.create_connection((host, int(port)))
-        self.rest = memoryview(b"\0" + struct.pack(">I", len(message)) + message)
+        self.rest = memoryview(http2.message(message))
         self.hold_back = hold_back
         self.initial = self.window = self.connection_window = 65535
         self.received = b""
         self.over = False
-        headers = b"".join(header(*pair) for pair in [
-            (":method", "POST"), (":scheme", "http"), (":authority", "localhost"),
-            (":path", "/motiondb.v1." + method), ("content-type", "application/grpc"),
-            ("te", "trailers")])
-        self.socket.sendall(b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n" +
-                            frame(SETTINGS, 0, 0, struct.pack(">HI", INITIAL_WINDOW_SIZE, window)) +
-                            frame(HEADERS, END_HEADERS, 1, headers))
+        settings = frame(SETTINGS, 0, 0, struct.pack(">HI", INITIAL_WINDOW_SIZE, window))
+        headers = frame(HEADERS, END_HEADERS, 1, http2.request_headers(method))
+        self.socket.sendall(http2.START + settings + headers)
 
     def close(self):
         self.socket.close()

@@ -102,14 +102,15 @@ absl::Status Client::Connection::Finish(const grpc::Status& status,
   absl::Status result = FromGrpc(status);
   if (result.ok()) return result;
   // What gRPC itself ends brings none; the server may have begun with it all the same.
-  if (RequestId(result).empty()) {
-    result = WithRequestId(BrokenOff(result, call), call.request_id);
-  }
+  const bool by_server = !RequestId(result).empty();
+  if (!by_server) result = WithRequestId(BrokenOff(result, call), call.request_id);
   if (result.code() == absl::StatusCode::kUnavailable) {
     return WithMessage(
-        result, fmt::format("the motiondb server at {} is not available ({}): see that motiondbd "
-                            "runs there, or give the address of another",
-                            options_.server, std::string(result.message())));
+        result, fmt::format("the motiondb server at {} is not available ({}){}", options_.server,
+                            std::string(result.message()),
+                            by_server ? ""
+                                      : ": see that motiondbd runs there, or give the address of "
+                                        "another"));
   }
   // gRPC's own words for a deadline that passed here; a server that ran out of time says more.
   if (result.code() == absl::StatusCode::kDeadlineExceeded &&

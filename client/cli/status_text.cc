@@ -6,6 +6,9 @@
 
 #include <algorithm>
 #include <ctime>
+#include <functional>
+#include <string>
+#include <tuple>
 #include <vector>
 
 #include "client/cli/count_text.h"
@@ -18,6 +21,7 @@ namespace {
 // More would push the rest off the screen; --json has them all.
 constexpr int kShownDamages = 5;
 constexpr std::size_t kShownMethods = 10;
+constexpr std::size_t kShownDatabases = 12;
 
 double SecondsOf(const google::protobuf::Duration& duration) {
   using google::protobuf::util::TimeUtil;
@@ -116,6 +120,20 @@ std::string RebuildsText(const v1::DatabaseStatus& database) {
   return text;
 }
 
+// In order of name; where they are too many for a screen, those where most is going on.
+std::vector<const v1::DatabaseStatus*> ShownDatabases(const v1::GetServerStatusResponse& status) {
+  std::vector<const v1::DatabaseStatus*> databases;
+  for (const v1::DatabaseStatus& database : status.databases()) databases.push_back(&database);
+  if (databases.size() <= kShownDatabases) return databases;
+  const auto weight = [](const v1::DatabaseStatus* database) {
+    return std::tuple(!database->operation().empty(), database->open_stream_count(),
+                      database->stored_frame_count());
+  };
+  std::ranges::stable_sort(databases, std::greater(), weight);
+  databases.resize(kShownDatabases);
+  return databases;
+}
+
 std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   if (status.databases().empty()) return "no databases yet: make one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
@@ -129,7 +147,9 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
                {"BUILT IN", Align::kRight},
                {"REBUILDS"},
                {"BEING REBUILT"}});
-  for (const v1::DatabaseStatus& database : status.databases()) {
+  const std::vector<const v1::DatabaseStatus*> shown = ShownDatabases(status);
+  for (const v1::DatabaseStatus* const each : shown) {
+    const v1::DatabaseStatus& database = *each;
     const bool has_model = database.model_version() > 0;
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
                   std::to_string(database.stored_frame_count()), BytesText(database.byte_count()),
@@ -140,7 +160,12 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
                   has_model ? LatencyText(SecondsOf(database.model_build_time())) : "",
                   RebuildsText(database), WorkText(database)});
   }
-  return table.ToString();
+  std::string text = table.ToString();
+  if (const std::size_t more = static_cast<std::size_t>(status.databases_size()) - shown.size();
+      more > 0) {
+    text += fmt::format("and {} databases more: `motiondb list`\n", more);
+  }
+  return text;
 }
 
 std::string DamagesText(const v1::GetServerStatusResponse& status) {

@@ -48,6 +48,11 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   LiveDatabases databases;
   absl::Status status = ReadDatabases(databases);
   if (status.ok()) status = ResumeOperations(databases);
+  // A history that cannot be read is no reason not to serve: models that lack clips are found next.
+  if (absl::IsDataLoss(status)) {
+    damages_.Note({"", fmt::format("operations: {}", std::string(status.message()))});
+    status = absl::OkStatus();
+  }
   if (status.ok()) status = RebuildWhereNeeded(databases);
   StoreAmount amount;
   amount.database_count = static_cast<std::int32_t>(databases.size());

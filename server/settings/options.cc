@@ -4,7 +4,6 @@
 
 #include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 namespace motiondb::server {
 namespace {
@@ -37,11 +36,14 @@ const CLI::Validator Number(
 
 CLI::Validator WholeNumber() {
   const auto check = [](std::string& text) {
-    // As CLI11 reads them; one that is too large is for the range to refuse.
-    char* end = nullptr;
-    static_cast<void>(std::strtoll(text.c_str(), &end, 0));
-    if (end != text.c_str() && *end == '\0') return std::string();
-    return fmt::format("'{}' is not a whole number", text);
+    // CLI11 takes 010 for 8. One that is too large is for the range to refuse.
+    const std::size_t sign = text.starts_with('-') ? 1 : 0;
+    const std::string digits = text.substr(sign);
+    if (digits.empty() || digits.find_first_not_of("0123456789") != std::string::npos) {
+      return fmt::format("'{}' is not a whole number", text);
+    }
+    const bool octal = digits.size() > 1 && digits.front() == '0';
+    return octal ? fmt::format("'{}' begins with a 0: leave it out", text) : std::string();
   };
   return CLI::Validator(check, "");
 }

@@ -5,6 +5,7 @@
 
 #include <cctype>
 #include <string_view>
+#include <utility>
 
 #include "core/motion/error.h"
 #include "server/settings/groups.h"
@@ -27,6 +28,14 @@ std::string VariableOf(const std::string& key) {
 }
 
 bool IsFlag(const CLI::Option& option) { return option.get_expected_min() == 0; }
+// What a flag is set to in a file or a variable, as "true" or "false"; empty: neither. CLI11 takes
+// a variable that is empty, which is easily left over, for true.
+std::string TruthOf(std::string value) {
+  value = CLI::detail::to_lower(value);
+  if (value == "true" || value == "1" || value == "yes" || value == "on") return "true";
+  if (value == "false" || value == "0" || value == "no" || value == "off") return "false";
+  return "";
+}
 bool IsArray(const CLI::Option& option) { return option.get_expected_max() > 1; }
 
 std::vector<std::string> DefaultOf(const CLI::Option& option) {
@@ -133,7 +142,7 @@ std::vector<const CLI::Option*> SettingsReader::Options() const {
 }
 
 absl::Status SettingsReader::Apply(const std::string& place, const std::string& key,
-                                   const std::vector<std::string>& values) {
+                                   std::vector<std::string> values) {
   CLI::Option* const found = app_.get_option_no_throw("--" + key);
   if (found == nullptr || !found->get_configurable()) {
     return core::InvalidArgument("{}: no such setting: {}", place, key);
@@ -142,16 +151,20 @@ absl::Status SettingsReader::Apply(const std::string& place, const std::string& 
   if (values.empty() || (values.size() > 1 && !IsArray(option))) {
     return core::InvalidArgument("{}: {}: expected one value", place, key);
   }
+  if (IsFlag(option)) {
+    values = {TruthOf(values.front())};
+    if (values.front().empty()) {
+      return core::InvalidArgument("{}: {}: expected true or false", place, key);
+    }
+  }
   try {
     option.clear();
-    for (const std::string& value : values) {
-      option.add_result(IsFlag(option) ? option.get_flag_value(key, value) : value);
-    }
+    for (const std::string& value : values) option.add_result(value);
     option.run_callback();
   } catch (const CLI::Error& error) {
     return core::InvalidArgument("{}: {}", place, error.what());
   }
-  origins_[&option] = {place, values};
+  origins_[&option] = {place, std::move(values)};
   return absl::OkStatus();
 }
 

@@ -63,7 +63,7 @@ class SettingsReader {
   std::vector<const CLI::Option*> Options() const;
   // Sets what `key` names to what `place` says.
   absl::Status Apply(const std::string& place, const std::string& key,
-                     const std::vector<std::string>& values);
+                     std::vector<std::string> values);
   void ApplyFile(std::vector<absl::Status>& problems);
   void ApplyEnvironment(const Environment& environment, std::vector<absl::Status>& problems);
 

@@ -85,10 +85,10 @@ void SetToken(const storage::TokenRecord& record, v1::Token& message) {
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message) {
   message.set_sequence(record.sequence);
   SetTimestamp(record.time_us, *message.mutable_time());
-  message.set_principal(ValidUtf8(record.principal));
+  message.set_principal(WithoutControls(ValidUtf8(record.principal)));
   message.set_peer(record.peer);
   message.set_method(record.method);
-  message.set_resource(ValidUtf8(record.resource));
+  message.set_resource(WithoutControls(ValidUtf8(record.resource)));
   message.set_code(record.code);
   message.set_request_id(record.request_id);
 }

@@ -5,6 +5,7 @@
 #include "core/motion/error.h"
 #include "storage/blob/crc32.h"
 #include "storage/blob/states_codec.h"
+#include "storage/sqlite/clip_bytes.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/enum_text.h"
 #include "storage/sqlite/free_id.h"
@@ -24,8 +25,7 @@ std::string SelectWhere(std::string_view rest) {
       "SELECT clip.id, label, subject, file_name, skeleton_file_name, format, frame_count, "
       "duration_seconds, source_frame_rate_hz, leg_length_m, ifnull(skeleton.id, ''), "
       "source_report, content_hash, create_time_us, "
-      "(SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk WHERE clip_chunk.clip_key = "
-      "clip.clip_key) FROM clip LEFT JOIN skeleton "
+      "ifnull(byte_count, 0) FROM clip LEFT JOIN skeleton "
       "USING (skeleton_key) WHERE clip.database_key = ? AND deleted = 0 AND {}",
       rest);
 }
@@ -145,7 +145,9 @@ absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& cli
                               FindOrInsertSkeleton(connection, database_key, *clip.skeleton));
   }
   MOTIONDB_RETURN_IF_ERROR(InsertRow(connection, database_key, skeleton_key, clip, id));
-  MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(connection.last_insert_key()), clip));
+  const std::int64_t key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(key), clip));
+  MOTIONDB_RETURN_IF_ERROR(CountBytes(connection, key));
   return SelectClip(connection, clip.record.database, id);
 }
 

@@ -173,7 +173,13 @@ constexpr char kDeletion[] = R"sql(
 ALTER TABLE database ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1));
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess, kDeletion};
+// What a clip's blobs take stands with the clip: to list clips, no page need be read that chunks
+// begin on, and one that is damaged costs its clip alone.
+constexpr char kClipBytes[] = R"sql(
+ALTER TABLE clip ADD COLUMN byte_count INTEGER;  -- NULL: a former version's, not counted yet
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess, kDeletion, kClipBytes};
 
 // What makes each table, index, trigger and view, by its kind and name. Without the statistics that
 // ANALYZE leaves. From the last kind to the first: tables before their indices.

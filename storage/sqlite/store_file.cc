@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/clip_bytes.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
@@ -166,12 +167,14 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
     return absl::Status(migrated.code(),
                         fmt::format("'{}': {}", path, std::string(migrated.message())));
   }
+  CountUncountedBytes(*connection);
   return connection;
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(0, path, ""));
   MOTIONDB_RETURN_IF_ERROR(Migrate(*connection, Migrations()));
+  CountUncountedBytes(*connection);
   return connection;
 }
 

@@ -112,6 +112,26 @@ TEST_CASE("StatusText: how long calls take and how they fail, the busiest first"
   CHECK_THAT(more, !Contains("Some.Method3 "));
 }
 
+TEST_CASE("StatusText: of many databases, those where most is going on", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();  // with two
+  for (int i = 0; i < 10; ++i) {
+    status.add_databases()->set_name("databases/some" + std::to_string(i));
+  }
+  CHECK_THAT(StatusText(status, 0), Contains("\nempty ") && !Contains("databases more"));
+  status.add_databases()->set_name("databases/large");
+  status.mutable_databases(12)->set_stored_frame_count(99'999);
+  status.add_databases()->set_name("databases/streams");
+  status.mutable_databases(13)->set_open_stream_count(2);
+  status.add_databases()->set_name("databases/work");
+  status.mutable_databases(14)->set_operation("operations/10");
+  const std::string text = StatusText(status, 0);
+  CAPTURE(text);
+  CHECK_THAT(text, Contains("and 3 databases more: `motiondb list`\n"));
+  for (const char* const name : {"\nlarge ", "\nstreams ", "\nwork ", "\nwalks "}) {
+    CHECK_THAT(text, Contains(name));
+  }
+}
+
 TEST_CASE("StatusText: until when the certificate holds", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.set_encrypted(true);

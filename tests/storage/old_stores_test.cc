@@ -14,7 +14,7 @@ namespace motiondb::tests {
 
 TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3);
+  const int version = GENERATE(1, 2, 3, 4);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
@@ -26,6 +26,8 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
     REQUIRE(clips[0].id == "squat");
     REQUIRE(clips[1].id == "walk");
     REQUIRE(clips[1].frame_count == 90);
+    REQUIRE(clips[0].byte_count + clips[1].byte_count ==
+            std::stoll(file.Sql("SELECT sum(length(chunk)) FROM clip_chunk")));
     const core::Model model = Require(store->ReadModel("walks", core::Serially));
     REQUIRE(model.clips().size() == 2);
     REQUIRE(model.frame_count() == 180);

@@ -1,5 +1,6 @@
 // A sector of the disk that cannot be read costs what is on it.
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <string>
 
 #include "tests/storage/fault_disk.h"
@@ -81,6 +82,54 @@ TEST_CASE("Unreadable sector: of a clip's file", "[storage][sector]") {
   REQUIRE_OK(store->DeleteClip("d", "a"));
   REQUIRE_ERROR(store->GetClip("d", "a"), StatusCode::kNotFound, "a");
   REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));
+}
+
+TEST_CASE("Unreadable sector: at the start of the page on which a clip's file begins",
+          "[storage][sector]") {
+  const StoreFile file;
+  constexpr std::size_t kPage = 16384;
+  auto a = SampleClip("d", "a", 1);
+  a.file_bytes = std::string(15'000, 'a');  // what a page holds, and no more
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    REQUIRE_OK(store->AddClip(SampleClip("d", "b", 2)));
+    REQUIRE_OK(store->AddClip(a));
+    REQUIRE_OK(store->AddClip(SampleClip("d", "c", 3)));
+    REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));
+  }
+  const std::size_t place = ReadFile(file.path()).find(a.file_bytes);
+  REQUIRE(place != std::string::npos);
+  const auto zero_sector = [&] {
+    std::fstream stream(file.path(), std::ios::in | std::ios::out | std::ios::binary);
+    stream.seekp(static_cast<std::streamoff>(place / kPage * kPage));
+    stream << std::string(512, '\0');
+  };
+  FaultDisk disk;
+  std::string vfs;
+  bool counted = true;
+  SECTION("that can be read, as zeros") { zero_sector(); }
+  SECTION("that can be read, as zeros, in a store of a version that did not count bytes") {
+    file.Sql("UPDATE clip SET byte_count = NULL");
+    zero_sector();
+    counted = false;
+  }
+  SECTION("that nobody can read") {
+    disk.LoseSector(file.path(), static_cast<std::int64_t>(place / kPage * kPage),
+                    GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
+    vfs = FaultDisk::kVfs;
+  }
+  const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = vfs});
+  REQUIRE_ERROR(store->ReadClipSource("d", "a"), StatusCode::kDataLoss, "clip 'a'");
+  REQUIRE(Require(store->ListClips("d", {})).size() == 3);
+  REQUIRE((Require(store->GetClip("d", "a")).byte_count > 0) == counted);
+  REQUIRE(Require(store->GetClip("d", "c")).byte_count > 0);
+  REQUIRE_OK(store->ReadClipStates("d", "c"));
+  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: "));
+  REQUIRE_OK(store->DeleteClip("d", "a"));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "a", 1)));
+  REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "a", 1), SampleClip("d", "c", 3)})));
 }
 
 TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {

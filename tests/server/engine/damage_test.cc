@@ -1,5 +1,6 @@
 // A damaged blob costs what it is of, and is named; the rest is built and served.
 #include <catch2/catch.hpp>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -120,6 +121,26 @@ TEST_CASE("Damage: a model serves though the list of its clips is damaged", "[se
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
   CHECK_THAT(Damaged(engine), Catch::Contains("databases/db "));
+}
+
+TEST_CASE("Damage: a database serves though the history of operations is damaged",
+          "[server][damage]") {
+  TestEngine engine;
+  Fill(engine);
+  const int page = std::stoi(
+      Sql(engine,
+          "PRAGMA wal_checkpoint(TRUNCATE); SELECT rootpage FROM sqlite_schema WHERE name = "
+          "'operation'"));
+  const int page_bytes = std::stoi(Sql(engine, "PRAGMA page_size"));
+  {
+    std::fstream file(engine.store_path(), std::ios::in | std::ios::out | std::ios::binary);
+    file.seekp(static_cast<std::streamoff>(page - 1) * page_bytes);
+    file << std::string(512, '\0');
+  }
+  engine.Start();
+  CHECK(ClipsOfModel(engine) == "abc");
+  REQUIRE(engine->damages().size() == 1);
+  CHECK_THAT(engine->damages().front().description, Catch::StartsWith("operations: "));
 }
 
 TEST_CASE("Damage: a source or a skeleton costs the model nothing", "[server][damage]") {

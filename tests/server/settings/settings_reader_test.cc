@@ -112,6 +112,48 @@ TEST_CASE("Settings: a count is a whole number, and told if it is not", "[settin
   }
 }
 
+TEST_CASE("Settings: a number that begins with 0 is not taken for octal", "[settings]") {
+  SettingsReader reader;
+  const auto problems = Read(reader, {"--store", "/s.db"}, {{"MOTIONDBD_MAX_DATABASES", "010"}});
+  REQUIRE(problems.size() == 1);
+  CHECK(problems[0] ==
+        "MOTIONDBD_MAX_DATABASES: --max-databases: '010' begins with a 0: leave it out");
+  SettingsReader zero;
+  CHECK(Read(zero, {"--store", "/s.db", "--disk-reserve-mib", "0"}).empty());
+}
+
+TEST_CASE("Settings: what is true or false is said so, and not by an empty variable",
+          "[settings]") {
+  for (const auto& [text, truth] : {std::pair("true", true),
+                                    {"1", true},
+                                    {"On", true},
+                                    {"yes", true},
+                                    {"false", false},
+                                    {"0", false},
+                                    {"off", false}}) {
+    CAPTURE(text);
+    SettingsReader reader;
+    CHECK(Read(reader, {"--store", "/s.db"}, {{"MOTIONDBD_INSECURE", text}}).empty());
+    CHECK(reader.settings().server.security.insecure == truth);
+    CHECK(Find(reader, "insecure").value == (truth ? "true" : "false"));
+  }
+  const TemporaryDirectory directory;
+  for (const char* const text : {"", "2", "-1", "truth"}) {
+    CAPTURE(text);
+    SettingsReader variable;
+    const auto by_variable = Read(variable, {"--store", "/s.db"}, {{"MOTIONDBD_INSECURE", text}});
+    REQUIRE(by_variable.size() == 1);
+    CHECK(by_variable[0] == "MOTIONDBD_INSECURE: insecure: expected true or false");
+    CHECK(!variable.settings().server.security.insecure);
+    SettingsReader file;
+    const auto by_file = Read(
+        file, {"--config", WriteConfig(directory, std::string("store = '/s.db'\ninsecure = '") +
+                                                      text + "'\n")});
+    REQUIRE(by_file.size() == 1);
+    CHECK(by_file[0] == directory / "motiondbd.conf" + ":2: insecure: expected true or false");
+  }
+}
+
 TEST_CASE("Settings: HTTP and gRPC cannot have one address", "[settings]") {
   const TemporaryDirectory directory;
   const auto refused = [&](const std::string& listen, const std::string& http) {

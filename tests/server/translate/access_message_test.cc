@@ -36,6 +36,18 @@ TEST_CASE("WantedToken: what a request asks for", "[server]") {
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
 }
 
+TEST_CASE("AuditEntry: what somebody sent who was refused has no control characters", "[server]") {
+  storage::AuditRecord record;
+  record.principal = "certificate:evil\nsecond line";
+  record.resource =
+      "databases/x\r\x1b[31m\x7f \xc2\x9b"
+      "2J \xc3\x9f \xff";
+  v1::AuditEntry message;
+  server::SetAuditEntry(record, message);
+  CHECK(message.principal() == "certificate:evil\uFFFDsecond line");
+  CHECK(message.resource() == "databases/x\uFFFD\uFFFD[31m\uFFFD \uFFFD2J \u00DF \uFFFD");
+}
+
 TEST_CASE("Token: hash and salt are not in the message", "[server]") {
   v1::Token message;
   server::SetToken({.id = "1f",

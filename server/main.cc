@@ -180,6 +180,11 @@ int Run(int argc, const char* const* argv) {
   const absl::Status status = Serve(reader.settings());
   if (status.ok()) return 0;
   Tell(log.format, std::string(status.message()));
+  if (absl::IsDataLoss(status)) {
+    Tell(log.format,
+         "the store is damaged where all of it hangs on: restore a backup into a new one, or copy "
+         "it with its -wal file and make a new one of what `sqlite3 COPY .recover` prints");
+  }
   return kFailed;
 }
 

@@ -120,7 +120,7 @@ std::string RebuildsText(const v1::DatabaseStatus& database) {
   return text;
 }
 
-// In order of name; where they are too many for a screen, those where most is going on.
+// In order of name; where they are too many for a screen, those where most is going on, first.
 std::vector<const v1::DatabaseStatus*> ShownDatabases(const v1::GetServerStatusResponse& status) {
   std::vector<const v1::DatabaseStatus*> databases;
   for (const v1::DatabaseStatus& database : status.databases()) databases.push_back(&database);

@@ -98,6 +98,7 @@ class Interruptible {
 absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
   const std::int64_t bytes_before = totals_.byte_count;
   const Phase phase = phase_;
+  bool row_is_damaged = false;
   const absl::Status status = read_([&](Connection& connection) -> absl::Status {
     if (phase == Phase::kSchema) {
       Advance();
@@ -116,11 +117,14 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
         Advance();
         break;
       }
+      // SQLite may read nothing more in this transaction, nor end it well.
+      row_is_damaged = !found_.empty();
+      if (row_is_damaged) break;
     }
     return absl::OkStatus();
   });
   if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
-  if (!status.ok()) {
+  if (!status.ok() && !row_is_damaged) {
     // Rows that cannot be gone through cost what comes after them of their kind.
     MOTIONDB_RETURN_IF_ERROR(Note("", status));
     if (phase_ == phase) Advance();

@@ -9,10 +9,11 @@ import glob
 import json
 import os
 import sqlite3
+import subprocess
 import threading
 
 from figure import write_bvh
-from programs import Server, WithServer, main
+from programs import MOTIONDBD, Server, WithServer, main
 
 
 class Backup(WithServer):
@@ -114,6 +115,18 @@ class Backup(WithServer):
             other.ask_one("recognize", "d", self.path("seen.bvh"))
         finally:
             other.stop()
+
+    def test_a_store_that_cannot_be_served_says_what_can_be_done(self):
+        self.server.stop()
+        with open(self.store, "r+b") as file:
+            file.seek(100)  # the list of tables
+            file.write(bytes(512))
+        result = subprocess.run([MOTIONDBD, "--store", self.store, "--listen",
+                                 "127.0.0.1:0", "--http-listen", "none"], capture_output=True,
+                                text=True, timeout=60)
+        self.assertEqual(result.returncode, 1)
+        self.assertIn("malformed", result.stderr)
+        self.assertIn("restore a backup into a new one", result.stderr)
 
     def test_a_damaged_backup_is_refused(self):
         backup = self.path("copy.mdb")

@@ -126,7 +126,13 @@ TEST_CASE("Unreadable sector: at the start of the page on which a clip's file be
   REQUIRE(Require(store->GetClip("d", "c")).byte_count > 0);
   REQUIRE_OK(store->ReadClipStates("d", "c"));
   REQUIRE_OK(store->ReadModel("d", core::Serially));
-  REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: "));
+  REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: ") &&
+                                     !Catch::Contains("clips/b") && !Catch::Contains("clips/c"));
+  const auto verifier = Require(store->upkeep().BeginVerify({}));
+  std::vector<storage::Damage> found;
+  while (Require(verifier->Step(found))) {
+  }
+  REQUIRE(verifier->totals().clip_count == 3);
   REQUIRE_OK(store->DeleteClip("d", "a"));
   REQUIRE_OK(store->AddClip(SampleClip("d", "a", 1)));
   REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "a", 1), SampleClip("d", "c", 3)})));

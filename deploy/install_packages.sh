@@ -6,7 +6,8 @@ build=(
   g++ cmake ninja-build ccache pkg-config
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
-  libssl-dev       # tokens: random bytes and hashes; checksums of backups
+  libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
+  libnghttp2-dev   # HTTP/2 before gRPC: Debian's gRPC 1.51 does not bound what a connection may hold
   libtinyxml2-dev  # URDF files are XML
   nlohmann-json3-dev # log lines as JSON, and the figures that motiondb_eval writes
   prometheus-cpp-dev # metrics: counters, histograms and their text format (its HTTP server is not used)

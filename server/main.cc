@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/connection_acceptor.h"
+#include "server/http2/listener.h"
 #include "server/observability/health_server.h"
 #include "server/observability/listen_on.h"
 #include "server/observability/log.h"

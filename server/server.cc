@@ -3,16 +3,14 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
-#include <grpcpp/resource_quota.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/connection_acceptor.h"
 #include "server/engine/clock.h"
-#include "server/reset_guard.h"
+#include "server/http2/listener.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
@@ -36,25 +34,6 @@ void EnablePlugins() {
   (void)kEnabled;
 }
 
-// Clients that ping are not thrown off (gRPC's own limits allow two pings in five minutes, and none
-// in two hours without a call), and peers that are gone are found.
-void SetKeepalive(grpc::ServerBuilder& builder) {
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 1000);
-  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 60'000);
-  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 20'000);
-  // Whoever connects and says nothing does not hold the connection.
-  builder.AddChannelArgument(GRPC_ARG_SERVER_HANDSHAKE_TIMEOUT_MS, 20'000);
-}
-
-// A few kilobytes would unpack to gigabytes before anybody compares them with a limit, or looks at
-// who sends them. Clients do not compress unless they are told to.
-void RefuseCompression(grpc::ServerBuilder& builder) {
-  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_GZIP, false);
-  builder.SetCompressionAlgorithmSupportStatus(GRPC_COMPRESS_DEFLATE, false);
-}
-
 // Breaks off calls that were answered, and whose client takes nothing for as long as it may be
 // silent, or a tenth longer.
 std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
@@ -67,8 +46,6 @@ std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
 
 // How long clients have to close their connections before they are cut.
 constexpr milliseconds kFarewell{100};
-constexpr int kFurtherCalls = 1000;     // of one connection, which are told that they are too many
-constexpr int kOwnMetadata = 16 << 10;  // room for what gRPC and HTTP/2 add of their own
 
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
@@ -136,42 +113,22 @@ Server::~Server() { Drain(milliseconds(0)); }
 absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   EnablePlugins();
   grpc::ServerBuilder builder;
-  using Builder = grpc::ServerBuilder::experimental_type;
-  const std::shared_ptr<grpc::experimental::ExternalConnectionAcceptor> to_grpc =
-      builder.experimental().AddExternalConnectionAcceptor(
-          Builder::ExternalConnectionType::FROM_FD,
-          tls_ ? tls_->credentials() : grpc::InsecureServerCredentials());
-  SetKeepalive(builder);
-  RefuseCompression(builder);
   SetReflection(reflection, builder);
-  // Beyond it calls of one connection wait in the client. CallLimits answers before; this is for
-  // health checks, which it does not see.
-  const int most_streams = options.calls.calls.in_all + kFurtherCalls;
-  builder.AddChannelArgument(GRPC_ARG_MAX_CONCURRENT_STREAMS, most_streams);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
-  // A call is only known here, with its limits, when its first message is whole.
-  builder.SetResourceQuota(
-      grpc::ResourceQuota("motiondb")
-          .Resize(static_cast<std::size_t>(options.calls.message_memory_bytes)));
-  // More than a call may have (CallLimits): beyond this gRPC ends the connection without a word.
-  builder.AddChannelArgument(GRPC_ARG_MAX_METADATA_SIZE,
-                             4 * options.calls.max_metadata_bytes + kOwnMetadata);
   for (const auto& service : services_) builder.RegisterService(service.get());
+  // It listens nowhere: all calls come by the listener, through the channel within the process.
   grpc_ = builder.BuildAndStart();
   if (grpc_ == nullptr)
     return absl::InternalError("gRPC does not start; --log-level debug shows more");
-  const auto take = [to_grpc](int connection, int listener) {
-    grpc::experimental::ExternalConnectionAcceptor::NewConnectionParameters parameters;
-    parameters.fd = connection;
-    parameters.listener_fd = listener;
-    to_grpc->HandleNewConnection(&parameters);
-  };
-  // Twice what may be under way: those that are over take a moment to be forgotten.
-  reset_guard_ =
-      std::make_unique<ResetGuard>(CallLimit{2 * most_streams, options.calls.calls.per_client});
-  MOTIONDB_ASSIGN_OR_RETURN(acceptor_, ConnectionAcceptor::Start(options.listen, take));
+  grpc::ChannelArguments arguments;
+  arguments.SetMaxReceiveMessageSize(-1);  // of answers, which the server bounds itself
+  auto bridge = std::make_unique<CallBridge>(
+      CallBridge{grpc::GenericStub(grpc_->InProcessChannel(arguments)), host_->memory,
+                 host_->limits, static_cast<std::uint32_t>(options.max_message_bytes)});
+  MOTIONDB_ASSIGN_OR_RETURN(listener_,
+                            Listener::Start(options.listen, tls_.get(), std::move(bridge)));
   address_ =
-      fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), acceptor_->port());
+      fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), listener_->port());
   for (const char* const name : kServiceNames) {
     grpc_->GetHealthCheckService()->SetServingStatus(name, true);
   }
@@ -189,10 +146,11 @@ void Server::Drain(milliseconds grace) {
   // Calls that wait for an operation end with this, and builds stop.
   engine_->Drain();
   host_->gate.AwaitEmpty(latest);
-  // gRPC forgets connections that come after its end.
-  acceptor_.reset();
   // No call is left, or none that may stay; the moment is for clients to take notice.
-  grpc_->Shutdown(std::chrono::system_clock::now() + std::min(grace, kFarewell));
+  const milliseconds farewell = std::min(grace, kFarewell);
+  if (listener_ != nullptr) listener_->Close(farewell);
+  grpc_->Shutdown(std::chrono::system_clock::now() + farewell);
+  listener_.reset();
 }
 
 }  // namespace motiondb::server

@@ -21,9 +21,8 @@ class Service;
 namespace motiondb::server {
 
 struct CallHost;
-class ConnectionAcceptor;
 class FileWatch;
-class ResetGuard;
+class Listener;
 class SilenceLimit;
 class Tls;
 
@@ -70,8 +69,7 @@ class Server {
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
-  std::unique_ptr<ConnectionAcceptor> acceptor_;
-  std::unique_ptr<ResetGuard> reset_guard_;
+  std::unique_ptr<Listener> listener_;
   std::string address_;
 };
 

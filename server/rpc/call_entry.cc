@@ -73,7 +73,7 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       context_(context),
       method_(method),
       weight_(method.weight),
-      peer_(context.peer()),
+      peer_(PeerOf(context)),
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
       client_deadline_(context.deadline()),
@@ -90,8 +90,6 @@ void CallEntry::Weigh(std::size_t request_bytes) {
 
 grpc::Status CallEntry::Admission() const {
   if (!ticket_.admitted()) return Stopping();
-  const absl::Status metadata = host_.limits.CheckMetadata(MetadataBytes(context_));
-  if (!metadata.ok()) return ToGrpcStatus(metadata);
   return ToGrpcStatus(place_.status());
 }
 

@@ -1,8 +1,6 @@
 #include "server/rpc/call_evidence.h"
 
 #include <fmt/format.h>
-#include <grpc/grpc_security_constants.h>
-#include <grpcpp/security/auth_context.h>
 
 #include <algorithm>
 #include <random>
@@ -19,14 +17,6 @@ std::string Header(const grpc::CallbackServerContext& context, const char* name)
   return found == metadata.end() ? "" : std::string(found->second.data(), found->second.size());
 }
 
-// Of a certificate that was verified: the server asks for none that it does not verify.
-std::string CommonName(const grpc::CallbackServerContext& context) {
-  const auto authentication = context.auth_context();
-  if (authentication == nullptr) return "";
-  const auto names = authentication->FindPropertyValues(GRPC_X509_CN_PROPERTY_NAME);
-  return names.empty() ? "" : std::string(names.front().data(), names.front().size());
-}
-
 bool IsPrintable(std::string_view text) {
   return std::ranges::all_of(text, [](char c) { return c > 0x20 && c < 0x7f; });
 }
@@ -40,15 +30,11 @@ std::string NewRequestId() {
 }  // namespace
 
 Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address) {
-  return {Header(context, "authorization"), CommonName(context), address};
+  return {Header(context, "authorization"), Header(context, kCommonNameMetadata), address};
 }
 
-std::size_t MetadataBytes(const grpc::CallbackServerContext& context) {
-  std::size_t bytes = 0;
-  for (const auto& [name, value] : context.client_metadata()) {
-    bytes += name.size() + value.size() + 32;
-  }
-  return bytes;
+std::string PeerOf(const grpc::CallbackServerContext& context) {
+  return Header(context, kPeerMetadata);
 }
 
 std::string AddressOf(const std::string& peer) {

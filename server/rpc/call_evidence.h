@@ -3,7 +3,6 @@
 
 #include <grpcpp/server_context.h>
 
-#include <cstddef>
 #include <string>
 
 #include "server/security/caller.h"
@@ -13,9 +12,8 @@ namespace motiondb::server {
 // `address` is the peer's.
 Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address);
 
-// The size of what the caller sent with the call, as HTTP/2 counts it: names and values, and 32
-// bytes for each.
-std::size_t MetadataBytes(const grpc::CallbackServerContext& context);
+// As gRPC names a peer, "ipv4:127.0.0.1:50000": the listener's word, not the client's.
+std::string PeerOf(const grpc::CallbackServerContext& context);
 
 // The address without its port, "127.0.0.1", "::1", "unix", of a peer as gRPC has it:
 // "ipv4:127.0.0.1:50000", "ipv6:%5B::1%5D:50000".

@@ -26,4 +26,9 @@ struct Caller {
 
 inline constexpr char kAnonymous[] = "anonymous";
 
+// Metadata that the listener (server/http2) adds to each call, and takes from no client: its peer
+// as gRPC names one, and the common name of its certificate, verified, if it has one.
+inline constexpr char kPeerMetadata[] = "motiondb-peer";
+inline constexpr char kCommonNameMetadata[] = "motiondb-common-name-bin";
+
 }  // namespace motiondb::server

@@ -1,9 +1,11 @@
 #include "server/security/tls.h"
 
-#include <grpcpp/security/tls_certificate_provider.h>
-#include <grpcpp/security/tls_credentials_options.h>
+#include <openssl/err.h>
+#include <openssl/pem.h>
+#include <openssl/x509.h>
 
 #include <ctime>
+#include <string_view>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -11,56 +13,118 @@
 namespace motiondb::server {
 namespace {
 
-using grpc::experimental::FileWatcherCertificateProvider;
-using grpc::experimental::TlsServerCredentialsOptions;
+using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
+using Certificate = std::unique_ptr<X509, decltype(&X509_free)>;
+using Key = std::unique_ptr<EVP_PKEY, decltype(&EVP_PKEY_free)>;
 
-constexpr unsigned kGrpcPeriodSeconds = 1;
+Memory MemoryOf(const std::string& text) {
+  return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
+}
+
+// Null where there is no further one.
+Certificate NextIn(BIO& memory) {
+  Certificate certificate(PEM_read_bio_X509(&memory, nullptr, nullptr, nullptr), X509_free);
+  ERR_clear_error();
+  return certificate;
+}
+
+// HTTP/2 is the one protocol served. A client that names none is taken to speak it.
+int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
+                   const unsigned char* offered, unsigned offered_size, void*) {
+  static constexpr unsigned char kHttp2[] = {2, 'h', '2'};
+  unsigned char* found = nullptr;
+  if (SSL_select_next_proto(&found, size, kHttp2, sizeof(kHttp2), offered, offered_size) !=
+      OPENSSL_NPN_NEGOTIATED) {
+    return SSL_TLSEXT_ERR_ALERT_FATAL;
+  }
+  *chosen = found;
+  return SSL_TLSEXT_ERR_OK;
+}
+
+bool UsePair(SSL_CTX& context, const TlsTexts& texts) {
+  const Memory chain = MemoryOf(texts.certificate);
+  const Certificate own = NextIn(*chain);
+  const Memory key_text = MemoryOf(texts.key);
+  const Key key(PEM_read_bio_PrivateKey(key_text.get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
+  if (own == nullptr || SSL_CTX_use_certificate(&context, own.get()) != 1) return false;
+  while (Certificate between = NextIn(*chain)) {
+    if (SSL_CTX_add1_chain_cert(&context, between.get()) != 1) return false;
+  }
+  return SSL_CTX_use_PrivateKey(&context, key.get()) == 1 &&
+         SSL_CTX_check_private_key(&context) == 1;
+}
+
+bool RequireClients(SSL_CTX& context, const std::string& authorities) {
+  const Memory memory = MemoryOf(authorities);
+  while (const Certificate authority = NextIn(*memory)) {
+    if (X509_STORE_add_cert(SSL_CTX_get_cert_store(&context), authority.get()) != 1 ||
+        SSL_CTX_add_client_CA(&context, authority.get()) != 1) {
+      return false;
+    }
+  }
+  SSL_CTX_set_verify(&context, SSL_VERIFY_PEER | SSL_VERIFY_FAIL_IF_NO_PEER_CERT, nullptr);
+  return true;
+}
+
+absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsTexts& texts) {
+  const std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
+  if (context == nullptr) return absl::ResourceExhaustedError("TLS: out of memory");
+  SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
+  // A resumed session would outlive the authority that vouched for its client.
+  SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_TICKET |
+                                         SSL_OP_NO_COMPRESSION | SSL_OP_CIPHER_SERVER_PREFERENCE);
+  SSL_CTX_set_num_tickets(context.get(), 0);
+  SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
+  // Idle connections keep no buffers.
+  SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
+                                      SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
+                                      SSL_MODE_RELEASE_BUFFERS);
+  SSL_CTX_set_alpn_select_cb(context.get(), ChooseProtocol, nullptr);
+  const bool made = UsePair(*context, texts) &&
+                    (texts.client_ca.empty() || RequireClients(*context, texts.client_ca));
+  if (made) return context;
+  const unsigned long error = ERR_get_error();
+  ERR_clear_error();
+  const char* const reason = ERR_reason_error_string(error);
+  return core::InvalidArgument("TLS: {} is not usable: {}", texts.first_to_end,
+                               reason == nullptr ? "unknown error" : reason);
+}
 
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files,
                                                 CertificateEnd::Tell tell_end) {
   MOTIONDB_ASSIGN_OR_RETURN(TlsTexts texts, ReadTlsFiles(files));
-  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile certificate, MemoryFile::Make(texts.certificate));
-  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile key, MemoryFile::Make(texts.key));
-  MOTIONDB_ASSIGN_OR_RETURN(MemoryFile client_ca, MemoryFile::Make(texts.client_ca));
+  MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
   CertificateEnd end(std::move(tell_end));
   end.Look(texts.first_to_end, texts.end_time_s, std::time(nullptr));
-  return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(certificate),
-                                      std::move(key), std::move(client_ca), std::move(end)));
+  return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(context), std::move(end)));
 }
 
-Tls::Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
-         MemoryFile client_ca, CertificateEnd end)
+Tls::Tls(const TlsFiles& files, TlsTexts texts, std::shared_ptr<SSL_CTX> context,
+         CertificateEnd end)
     : files_(files),
       texts_(std::move(texts)),
-      certificate_(std::move(certificate)),
-      key_(std::move(key)),
-      client_ca_(std::move(client_ca)),
+      context_(std::move(context)),
       end_(std::move(end)),
-      watch_("certificates", files.certificate, [this] { return TakeChange(); }) {
-  const bool mutual = !files.client_ca.empty();
-  TlsServerCredentialsOptions options(std::make_shared<FileWatcherCertificateProvider>(
-      key_.path(), certificate_.path(), mutual ? client_ca_.path() : "", kGrpcPeriodSeconds));
-  options.watch_identity_key_cert_pairs();
-  if (mutual) options.watch_root_certs();
-  options.set_cert_request_type(mutual ? GRPC_SSL_REQUEST_AND_REQUIRE_CLIENT_CERTIFICATE_AND_VERIFY
-                                       : GRPC_SSL_DONT_REQUEST_CLIENT_CERTIFICATE);
-  credentials_ = grpc::experimental::TlsServerCredentials(options);
+      watch_("certificates", files.certificate, [this] { return TakeChange(); }) {}
+
+std::shared_ptr<SSL_CTX> Tls::context() const {
+  const std::lock_guard lock(mutex_);
+  return context_;
 }
 
 absl::StatusOr<bool> Tls::TakeChange() {
   MOTIONDB_ASSIGN_OR_RETURN(const TlsTexts texts, ReadTlsFiles(files_));
-  if (texts == texts_) {
-    end_.Look(texts_.first_to_end, texts_.end_time_s, std::time(nullptr));
-    return false;
+  const bool changed = texts != texts_;
+  if (changed) {
+    MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
+    const std::lock_guard lock(mutex_);
+    context_ = std::move(context);
+    texts_ = texts;
   }
-  MOTIONDB_RETURN_IF_ERROR(key_.Replace(texts.key));
-  MOTIONDB_RETURN_IF_ERROR(certificate_.Replace(texts.certificate));
-  MOTIONDB_RETURN_IF_ERROR(client_ca_.Replace(texts.client_ca));
-  texts_ = texts;
   end_.Look(texts_.first_to_end, texts_.end_time_s, std::time(nullptr));
-  return true;
+  return changed;
 }
 
 }  // namespace motiondb::server

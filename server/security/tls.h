@@ -1,21 +1,18 @@
-// The server's side of TLS: its certificate, that of the authority of its clients, and the watch
-// over their files. Thread-safe.
+// The server's side of TLS: its certificate, the authority of its clients, and the watch over their
+// files. Thread-safe.
 //
-// gRPC 1.51 reads certificates again when their files change, but takes a pair that does not match
-// as gladly as one that does, and then refuses every connection. So it is given files in memory
-// instead, into which go only pairs that were checked: a bad one is logged, and the last good one
-// stays.
+// Only a pair of files that fits is put in force: a bad one is logged, and the last good one stays.
 #pragma once
 
-#include <grpcpp/security/server_credentials.h>
+#include <openssl/ssl.h>
 
 #include <memory>
+#include <mutex>
 
 #include "absl/status/statusor.h"
 #include "server/security/certificate_end.h"
 #include "server/security/file_watch.h"
 #include "server/security/key_pair.h"
-#include "server/security/memory_file.h"
 
 namespace motiondb::server {
 
@@ -26,21 +23,19 @@ class Tls {
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
                                                     CertificateEnd::Tell tell_end);
 
-  // A client certificate is required where `client_ca` was given. Connections made two seconds
-  // after a change of the files see it, those that stand go on.
-  const std::shared_ptr<grpc::ServerCredentials>& credentials() const { return credentials_; }
+  // What new connections are made with: TLS 1.2 or later, HTTP/2 alone, no session resumption. A
+  // client certificate is required where `client_ca` was given. The files are read each second;
+  // connections that stand go on with what they began with.
+  std::shared_ptr<SSL_CTX> context() const;
 
  private:
-  Tls(const TlsFiles& files, TlsTexts texts, MemoryFile certificate, MemoryFile key,
-      MemoryFile client_ca, CertificateEnd end);
+  Tls(const TlsFiles& files, TlsTexts texts, std::shared_ptr<SSL_CTX> context, CertificateEnd end);
   absl::StatusOr<bool> TakeChange();
 
   const TlsFiles files_;
   TlsTexts texts_;  // in force
-  MemoryFile certificate_;
-  MemoryFile key_;
-  MemoryFile client_ca_;
-  std::shared_ptr<grpc::ServerCredentials> credentials_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<SSL_CTX> context_;
   CertificateEnd end_;
   FileWatch watch_;  // last: it changes what is above
 };

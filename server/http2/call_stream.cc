@@ -1,0 +1,327 @@
+#include "server/http2/call_stream.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstring>
+#include <utility>
+
+#include "server/security/caller.h"
+#include "server/translate/status_mapping.h"
+
+namespace motiondb::server {
+namespace {
+
+// What gRPC and this keep of a call, beside its messages, and of each message in a queue.
+constexpr std::int64_t kCallBytes = 24 << 10;
+constexpr std::int64_t kMessageBytes = 256;
+// Of headers beyond those that a call may have: what HTTP/2 and gRPC add of their own.
+constexpr std::size_t kOwnHeaderBytes = 16 << 10;
+constexpr int kHeaderLimits = 4;            // times the limit, and the connection ends
+constexpr std::size_t kHeaderCost = 32;     // of each header, as HTTP/2 counts it
+constexpr std::size_t kQueuedMessages = 2;  // beyond them the client gets no new window
+constexpr std::int64_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
+
+grpc::Status Refusal(grpc::StatusCode code, std::string message) {
+  return {code, std::move(message)};
+}
+
+std::vector<nghttp2_nv> Views(const HeaderList& headers) {
+  std::vector<nghttp2_nv> views;
+  const auto bytes = [](const std::string& text) {
+    return reinterpret_cast<std::uint8_t*>(const_cast<char*>(text.data()));
+  };
+  for (const auto& [name, value] : headers) {
+    views.push_back({bytes(name), bytes(value), name.size(), value.size(), NGHTTP2_NV_FLAG_NONE});
+  }
+  return views;
+}
+
+ssize_t ReadAnswer(nghttp2_session*, std::int32_t, std::uint8_t* into, std::size_t size,
+                   std::uint32_t* flags, nghttp2_data_source* source, void*) {
+  return static_cast<CallStream*>(source->ptr)->Send({into, size}, *flags);
+}
+
+}  // namespace
+
+CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id,
+                       bool exempt)
+    : bridge_(bridge), host_(std::move(host)), id_(id), exempt_(exempt), memory_(bridge.memory) {}
+
+bool CallStream::AddHeader(std::string_view name, std::string_view value) {
+  header_bytes_ += name.size() + value.size() + kHeaderCost;
+  const auto limit = static_cast<std::size_t>(bridge_.limits.options().max_metadata_bytes);
+  if (header_bytes_ > kHeaderLimits * limit + kOwnHeaderBytes) return false;
+  struct Known {
+    std::string_view name;
+    std::string CallStream::*value;
+  };
+  // No other header reaches gRPC: the server uses none.
+  static constexpr Known kKnown[] = {{":method", &CallStream::method_},
+                                     {":path", &CallStream::path_},
+                                     {"content-type", &CallStream::content_type_},
+                                     {"grpc-timeout", &CallStream::timeout_},
+                                     {"grpc-encoding", &CallStream::encoding_},
+                                     {"authorization", &CallStream::authorization_},
+                                     {"x-request-id", &CallStream::request_id_}};
+  for (const Known& known : kKnown) {
+    if (name == known.name && (this->*known.value).empty()) this->*known.value = value;
+  }
+  return true;
+}
+
+void CallStream::Begin() {
+  if (method_ != "POST") return RespondHttp(405);
+  if (!content_type_.starts_with("application/grpc")) return RespondHttp(415);
+  if (const absl::Status metadata = bridge_.limits.CheckMetadata(header_bytes_); !metadata.ok()) {
+    return Refuse(ToGrpcStatus(metadata));
+  }
+  if (!encoding_.empty() && encoding_ != "identity") {
+    return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
+                          "compressed messages are not accepted; send them as they are"));
+  }
+  if (!exempt_) {
+    if (const absl::Status held = Hold(kCallBytes); !held.ok()) return Refuse(ToGrpcStatus(held));
+  }
+  if (const auto timeout = ParseTimeout(timeout_)) {
+    context_.set_deadline(
+        std::chrono::system_clock::now() +
+        std::chrono::duration_cast<std::chrono::system_clock::duration>(*timeout));
+  } else if (!timeout_.empty()) {
+    return Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT,
+                          "grpc-timeout: expected at most eight digits and a unit, such as 250m"));
+  }
+  context_.AddMetadata(kPeerMetadata, host_->peer());
+  if (!host_->common_name().empty()) {
+    context_.AddMetadata(kCommonNameMetadata, host_->common_name());
+  }
+  if (!authorization_.empty())
+    context_.AddMetadata("authorization", PrintableAscii(authorization_));
+  if (!request_id_.empty()) context_.AddMetadata("x-request-id", PrintableAscii(request_id_));
+  self_ = shared_from_this();
+  bridge_.calls.PrepareBidiStreamingCall(&context_, path_, {}, this);
+  AddHold();
+  holding_ = reading_ = true;
+  StartRead(&incoming_);
+  StartCall();
+}
+
+void CallStream::Receive(std::span<const std::uint8_t> data) {
+  nghttp2_session_consume_connection(host_->session(), data.size());
+  if (queue_.size() < kQueuedMessages || refused_ || ended_) {
+    nghttp2_session_consume_stream(host_->session(), id_, data.size());
+  } else {
+    uncredited_ += data.size();
+  }
+  while (!data.empty() && !refused_ && !ended_) {
+    if (prefix_bytes_ < kMessagePrefixBytes) {
+      prefix_[prefix_bytes_++] = data.front();
+      data = data.subspan(1);
+      if (prefix_bytes_ == kMessagePrefixBytes) TakePrefix();
+      continue;
+    }
+    const std::size_t size = std::min(data.size(), GRPC_SLICE_LENGTH(message_) - message_bytes_);
+    std::memcpy(GRPC_SLICE_START_PTR(message_) + message_bytes_, data.data(), size);
+    message_bytes_ += size;
+    data = data.subspan(size);
+    if (message_bytes_ == GRPC_SLICE_LENGTH(message_)) TakeMessage();
+  }
+}
+
+void CallStream::TakePrefix() {
+  if (IsCompressed(prefix_)) {
+    return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
+                          "compressed messages are not accepted; send them as they are"));
+  }
+  const std::uint32_t length = LengthIn(prefix_);
+  if (length > bridge_.max_message_bytes) {
+    return Refuse(Refusal(grpc::StatusCode::RESOURCE_EXHAUSTED,
+                          fmt::format("a message of {} bytes: expected at most {} "
+                                      "(--max-message-mib)",
+                                      length, bridge_.max_message_bytes)));
+  }
+  if (const absl::Status held = Hold(kMessageBytes + length); !held.ok()) {
+    return Refuse(ToGrpcStatus(held));
+  }
+  message_ = grpc_slice_malloc(length);
+  message_bytes_ = 0;
+  if (length == 0) TakeMessage();
+}
+
+void CallStream::TakeMessage() {
+  const grpc::Slice slice(message_, grpc::Slice::STEAL_REF);
+  message_ = grpc_empty_slice();
+  prefix_bytes_ = 0;
+  queue_.emplace_back(&slice, 1);
+  WriteNext();
+}
+
+void CallStream::WriteNext() {
+  if (writing_ || refused_ || !holding_) return;
+  if (!queue_.empty()) {
+    writing_ = true;
+    StartWrite(&queue_.front());
+  } else if (request_ended_ && !std::exchange(writes_done_, true)) {
+    StartWritesDone();
+  }
+}
+
+void CallStream::EndRequest() {
+  request_ended_ = true;
+  if (prefix_bytes_ > 0 && !refused_ && !ended_) {
+    return Refuse(
+        Refusal(grpc::StatusCode::INVALID_ARGUMENT, "the request ended within a message"));
+  }
+  WriteNext();
+}
+
+void CallStream::OnWriteDone(bool /*ok*/) {
+  host_->Post([self = shared_from_this()] {
+    self->writing_ = false;
+    self->Release(kMessageBytes + static_cast<std::int64_t>(self->queue_.front().Length()));
+    self->queue_.pop_front();
+    self->Credit(std::exchange(self->uncredited_, 0));
+    self->WriteNext();
+  });
+}
+
+void CallStream::Credit(std::size_t bytes) {
+  if (bytes > 0 && !detached_) nghttp2_session_consume_stream(host_->session(), id_, bytes);
+}
+
+void CallStream::ReadNext() {
+  if (reading_ || !holding_) return;
+  reading_ = true;
+  StartRead(&incoming_);
+}
+
+void CallStream::OnReadDone(bool ok) {
+  host_->Post([self = shared_from_this(), ok] {
+    self->reading_ = false;
+    if (!ok || self->refused_ || self->detached_) return self->LetGo();
+    self->Answer();
+  });
+}
+
+// No operation is started from here on, so that OnDone can follow.
+void CallStream::LetGo() {
+  if (std::exchange(holding_, false)) RemoveHold();
+}
+
+void CallStream::Answer() {
+  const auto bytes = static_cast<std::int64_t>(incoming_.Length());
+  if (const absl::Status held = Hold(bytes); !held.ok()) return Refuse(ToGrpcStatus(held));
+  answer_bytes_ = bytes;
+  const MessagePrefix prefix = PrefixOf(static_cast<std::uint32_t>(bytes));
+  answer_.emplace_back(prefix.data(), prefix.size());
+  std::vector<grpc::Slice> slices;
+  if (incoming_.Dump(&slices).ok()) {
+    for (grpc::Slice& slice : slices) {
+      if (slice.size() > 0) answer_.push_back(std::move(slice));
+    }
+  }
+  incoming_.Clear();
+  answer_latest_ = Clock::now() + bridge_.limits.options().longest_silence +
+                   std::chrono::milliseconds(bytes / kSlowestBytesPerMillisecond);
+  if (!std::exchange(responding_, true)) {
+    Submit({{":status", "200"}, {"content-type", "application/grpc"}}, false);
+  } else {
+    nghttp2_session_resume_data(host_->session(), id_);
+  }
+}
+
+ssize_t CallStream::Send(std::span<std::uint8_t> into, std::uint32_t& flags) {
+  std::size_t sent = 0;
+  while (sent < into.size() && !answer_.empty()) {
+    const grpc::Slice& first = answer_.front();
+    const std::size_t size = std::min(first.size() - answer_offset_, into.size() - sent);
+    std::memcpy(into.data() + sent, first.begin() + answer_offset_, size);
+    sent += size;
+    answer_offset_ += size;
+    if (answer_offset_ < first.size()) continue;
+    answer_.pop_front();
+    answer_offset_ = 0;
+  }
+  if (answer_.empty()) {
+    Release(std::exchange(answer_bytes_, 0));
+    answer_latest_ = Clock::time_point::max();
+    if (ended_) {
+      flags |= NGHTTP2_DATA_FLAG_EOF | NGHTTP2_DATA_FLAG_NO_END_STREAM;
+      const std::vector<nghttp2_nv> views = Views(trailers_);
+      nghttp2_submit_trailer(host_->session(), id_, views.data(), views.size());
+    } else {
+      ReadNext();
+    }
+  }
+  return sent > 0 || ended_ ? static_cast<ssize_t>(sent) : ssize_t{NGHTTP2_ERR_DEFERRED};
+}
+
+void CallStream::OnDone(const grpc::Status& status) {
+  host_->Post([self = shared_from_this(), status] {
+    self->self_.reset();
+    self->End(status);
+  });
+}
+
+void CallStream::End(const grpc::Status& status) {
+  if (std::exchange(ended_, true) || detached_) return;
+  trailers_ = TrailersOf(status);
+  if (responding_) {
+    nghttp2_session_resume_data(host_->session(), id_);
+    return;
+  }
+  HeaderList headers = {{":status", "200"}, {"content-type", "application/grpc"}};
+  headers.insert(headers.end(), trailers_.begin(), trailers_.end());
+  Submit(headers, true);
+}
+
+void CallStream::Refuse(const grpc::Status& status) {
+  if (std::exchange(refused_, true)) return;
+  Cancel();
+  answer_.clear();
+  End(status);
+}
+
+void CallStream::RespondHttp(int code) {
+  refused_ = ended_ = true;
+  Submit({{":status", std::to_string(code)}}, true);
+}
+
+void CallStream::Submit(const HeaderList& headers, bool end) {
+  const std::vector<nghttp2_nv> views = Views(headers);
+  nghttp2_data_provider provider{{.ptr = this}, ReadAnswer};
+  nghttp2_submit_response(host_->session(), id_, views.data(), views.size(),
+                          end ? nullptr : &provider);
+}
+
+void CallStream::Detach() {
+  if (std::exchange(detached_, true)) return;
+  Cancel();
+  answer_.clear();
+  grpc_slice_unref(std::exchange(message_, grpc_empty_slice()));
+  Release(held_);
+}
+
+void CallStream::Cancel() {
+  if (self_ == nullptr) return;
+  context_.TryCancel();
+  if (!reading_) LetGo();  // else when the read ends
+}
+
+void CallStream::Tick(Clock::time_point now) {
+  if (now < answer_latest_) return;
+  nghttp2_submit_rst_stream(host_->session(), NGHTTP2_FLAG_NONE, id_, NGHTTP2_CANCEL);
+}
+
+absl::Status CallStream::Hold(std::int64_t more) {
+  absl::Status held = memory_.Hold(held_ + more);
+  if (held.ok()) held_ += more;
+  return held;
+}
+
+void CallStream::Release(std::int64_t bytes) {
+  held_ -= std::min(held_, bytes);
+  memory_.Hold(held_).IgnoreError();
+}
+
+}  // namespace motiondb::server

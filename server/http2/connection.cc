@@ -1,0 +1,351 @@
+#include "server/http2/connection.h"
+
+#include <algorithm>
+#include <array>
+#include <boost/asio/post.hpp>
+#include <new>
+#include <utility>
+
+namespace motiondb::server {
+
+namespace {
+
+using std::chrono::seconds;
+using Options = std::unique_ptr<nghttp2_option, decltype(&nghttp2_option_del)>;
+using Callbacks =
+    std::unique_ptr<nghttp2_session_callbacks, decltype(&nghttp2_session_callbacks_del)>;
+
+constexpr seconds kGreetingTime{20};      // for the TLS handshake and the first frame
+constexpr seconds kSilenceToPing{60};     // after which the client is asked whether it is there
+constexpr seconds kPingTime{20};          // for its answer
+constexpr std::size_t kChunk = 64 << 10;  // read or written at a time
+constexpr int kChunksInTurn = 4;          // before other connections have theirs
+constexpr int kExemptCalls = 4;           // see CallStream
+
+// The windows for what a client sends: of a stream, and of all of a connection.
+constexpr std::uint32_t kStreamWindow = 1 << 20;
+constexpr std::int32_t kConnectionWindow = 4 << 20;
+
+// Calls that a client may reset: so many in a burst, and so many a second.
+constexpr std::uint64_t kResetBurst = 1000;
+constexpr std::uint64_t kResetsPerSecond = 100;
+// Frames that carry nothing of a call, such as PING: as many as these allow together.
+constexpr std::int64_t kIdleFrames = 10'000;
+constexpr std::int64_t kIdleFramesPerSecond = 100;
+constexpr std::int64_t kIdleFramesPerCallFrame = 8;
+
+}  // namespace
+
+// What libnghttp2 calls. No exception may pass through it.
+struct SessionCallbacks {
+  template <typename Work>
+  static int Guarded(const Work& work) {
+    try {
+      return work() ? 0 : NGHTTP2_ERR_CALLBACK_FAILURE;
+    } catch (const std::bad_alloc&) {
+      return NGHTTP2_ERR_CALLBACK_FAILURE;
+    }
+  }
+
+  static int OnBeginFrame(nghttp2_session*, const nghttp2_frame_hd* frame, void* user) {
+    return static_cast<Connection*>(user)->CountFrame(*frame) ? 0 : NGHTTP2_ERR_CALLBACK_FAILURE;
+  }
+
+  static int OnBeginHeaders(nghttp2_session*, const nghttp2_frame* frame, void* user) {
+    auto& connection = *static_cast<Connection*>(user);
+    if (frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
+    return Guarded([&] {
+      const std::int32_t id = frame->hd.stream_id;
+      const bool exempt = connection.streams_.size() < kExemptCalls;
+      connection.streams_.emplace(
+          id, std::make_shared<CallStream>(connection.bridge_, connection.shared_from_this(), id,
+                                           exempt));
+      connection.calls_ = static_cast<int>(connection.streams_.size());
+      return true;
+    });
+  }
+
+  static int OnHeader(nghttp2_session*, const nghttp2_frame* frame, const std::uint8_t* name,
+                      std::size_t name_size, const std::uint8_t* value, std::size_t value_size,
+                      std::uint8_t, void* user) {
+    if (frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
+    CallStream* const stream = static_cast<Connection*>(user)->Find(frame->hd.stream_id);
+    const auto text = [](const std::uint8_t* data, std::size_t size) {
+      return std::string_view(reinterpret_cast<const char*>(data), size);
+    };
+    return Guarded([&] {
+      if (stream == nullptr || stream->AddHeader(text(name, name_size), text(value, value_size))) {
+        return true;
+      }
+      static_cast<Connection*>(user)->End("headers too large");
+      return false;
+    });
+  }
+
+  static int OnFrame(nghttp2_session*, const nghttp2_frame* frame, void* user) {
+    auto& connection = *static_cast<Connection*>(user);
+    connection.greeted_ = true;
+    const bool is_headers = frame->hd.type == NGHTTP2_HEADERS;
+    if (!is_headers && frame->hd.type != NGHTTP2_DATA) return 0;
+    return Guarded([&] {
+      CallStream* const stream = connection.Find(frame->hd.stream_id);
+      if (stream == nullptr) return true;
+      if (is_headers && frame->headers.cat == NGHTTP2_HCAT_REQUEST) stream->Begin();
+      if ((frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0) stream->EndRequest();
+      return true;
+    });
+  }
+
+  static int OnData(nghttp2_session* session, std::uint8_t, std::int32_t id,
+                    const std::uint8_t* data, std::size_t size, void* user) {
+    CallStream* const stream = static_cast<Connection*>(user)->Find(id);
+    if (stream == nullptr) return nghttp2_session_consume(session, id, size);
+    return Guarded([&] {
+      stream->Receive({data, size});
+      return true;
+    });
+  }
+
+  // A stream that was answered to its end while the client still sends: it need not go on.
+  static int OnSent(nghttp2_session* session, const nghttp2_frame* frame, void*) {
+    const bool ends =
+        frame->hd.type == NGHTTP2_HEADERS && (frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0;
+    const std::int32_t id = frame->hd.stream_id;
+    if (!ends || nghttp2_session_get_stream_remote_close(session, id) != 0) return 0;
+    return nghttp2_submit_rst_stream(session, NGHTTP2_FLAG_NONE, id, NGHTTP2_NO_ERROR);
+  }
+
+  static int OnStreamClosed(nghttp2_session*, std::int32_t id, std::uint32_t, void* user) {
+    auto& connection = *static_cast<Connection*>(user);
+    const auto found = connection.streams_.find(id);
+    if (found == connection.streams_.end()) return 0;
+    const std::shared_ptr<CallStream> stream = std::move(found->second);
+    connection.streams_.erase(found);
+    connection.calls_ = static_cast<int>(connection.streams_.size());
+    return Guarded([&] {
+      stream->Detach();
+      return true;
+    });
+  }
+};
+
+namespace {
+
+nghttp2_session* NewSession(Connection* connection) {
+  nghttp2_session_callbacks* made = nullptr;
+  if (nghttp2_session_callbacks_new(&made) != 0) throw std::bad_alloc();
+  const Callbacks callbacks(made, nghttp2_session_callbacks_del);
+  using Calls = SessionCallbacks;
+  nghttp2_session_callbacks_set_on_begin_frame_callback(made, Calls::OnBeginFrame);
+  nghttp2_session_callbacks_set_on_begin_headers_callback(made, Calls::OnBeginHeaders);
+  nghttp2_session_callbacks_set_on_header_callback(made, Calls::OnHeader);
+  nghttp2_session_callbacks_set_on_frame_recv_callback(made, Calls::OnFrame);
+  nghttp2_session_callbacks_set_on_data_chunk_recv_callback(made, Calls::OnData);
+  nghttp2_session_callbacks_set_on_frame_send_callback(made, Calls::OnSent);
+  nghttp2_session_callbacks_set_on_stream_close_callback(made, Calls::OnStreamClosed);
+
+  nghttp2_option* chosen = nullptr;
+  if (nghttp2_option_new(&chosen) != 0) throw std::bad_alloc();
+  const Options options(chosen, nghttp2_option_del);
+  nghttp2_option_set_no_auto_window_update(chosen, 1);
+  nghttp2_option_set_no_closed_streams(chosen, 1);
+  nghttp2_option_set_stream_reset_rate_limit(chosen, kResetBurst, kResetsPerSecond);
+
+  nghttp2_session* session = nullptr;
+  if (nghttp2_session_server_new2(&session, made, connection, chosen) != 0) throw std::bad_alloc();
+  return session;
+}
+
+std::span<std::uint8_t> Buffer() {
+  static thread_local std::array<std::uint8_t, kChunk> buffer;
+  return buffer;
+}
+
+}  // namespace
+
+Connection::Connection(CallBridge& bridge, boost::asio::io_context& context, ByteStream bytes,
+                       std::string peer, OnClosed on_closed)
+    : bridge_(bridge),
+      context_(context),
+      work_(context.get_executor()),
+      bytes_(std::move(bytes)),
+      peer_(std::move(peer)),
+      on_closed_(std::move(on_closed)),
+      session_(NewSession(this), nghttp2_session_del) {}
+
+Connection::~Connection() = default;
+
+void Connection::Start() {
+  const CallLimitOptions& limits = bridge_.limits.options();
+  const std::array settings = {
+      nghttp2_settings_entry{NGHTTP2_SETTINGS_MAX_CONCURRENT_STREAMS,
+                             static_cast<std::uint32_t>(limits.calls.per_client)},
+      nghttp2_settings_entry{NGHTTP2_SETTINGS_INITIAL_WINDOW_SIZE, kStreamWindow},
+      nghttp2_settings_entry{NGHTTP2_SETTINGS_MAX_HEADER_LIST_SIZE,
+                             4 * static_cast<std::uint32_t>(limits.max_metadata_bytes)}};
+  nghttp2_submit_settings(session_.get(), NGHTTP2_FLAG_NONE, settings.data(), settings.size());
+  nghttp2_session_set_local_window_size(session_.get(), NGHTTP2_FLAG_NONE, 0, kConnectionWindow);
+  Serve();
+}
+
+void Connection::Post(std::function<void()> work) {
+  boost::asio::post(context_, [self = shared_from_this(), work = std::move(work)] {
+    work();
+    self->Serve();
+  });
+}
+
+CallStream* Connection::Find(std::int32_t id) {
+  const auto found = streams_.find(id);
+  return found == streams_.end() ? nullptr : found->second.get();
+}
+
+bool Connection::CountFrame(const nghttp2_frame_hd& frame) {
+  const bool of_call = frame.type == NGHTTP2_HEADERS ||
+                       (frame.type == NGHTTP2_DATA &&
+                        (frame.length > 0 || (frame.flags & NGHTTP2_FLAG_END_STREAM) != 0));
+  if (of_call) {
+    ++call_frames_;
+    return true;
+  }
+  if (++idle_frames_ <= kIdleFrames + kIdleFramesPerCallFrame * call_frames_) return true;
+  const auto age = std::chrono::duration_cast<seconds>(Clock::now() - began_).count();
+  if (idle_frames_ <=
+      kIdleFrames + kIdleFramesPerCallFrame * call_frames_ + kIdleFramesPerSecond * age) {
+    return true;
+  }
+  End("too many frames without a call");
+  return false;
+}
+
+// Tells the client to go; the caller closes the connection then.
+void Connection::End(const char* reason) {
+  reason_ = reason;
+  nghttp2_session_terminate_session(session_.get(), NGHTTP2_ENHANCE_YOUR_CALM);
+}
+
+void Connection::Serve() {
+  if (closed_ || std::exchange(serving_, true)) return;
+  const auto self = shared_from_this();
+  bool open = true;
+  try {
+    open = WriteSome() && ReadSome() && WriteSome();
+  } catch (const std::bad_alloc&) {
+    reason_ = "out of memory";
+    open = false;
+  }
+  serving_ = false;
+  const bool over = nghttp2_session_want_read(session_.get()) == 0 &&
+                    nghttp2_session_want_write(session_.get()) == 0 && unsent_.empty();
+  if (!open || over) return Close();
+  Await();
+}
+
+// False: the connection is over. Reads what has come, within its turn.
+bool Connection::ReadSome() {
+  for (int i = 0; i < kChunksInTurn && unsent_.empty(); ++i) {
+    const std::span<std::uint8_t> buffer = Buffer();
+    const ByteStream::Result read = bytes_.Read(buffer);
+    wants_write_ = read.outcome == ByteStream::Outcome::kWantsWrite;
+    if (read.outcome == ByteStream::Outcome::kClosed) return false;
+    if (read.outcome != ByteStream::Outcome::kDone) return true;
+    if (!greeted_ && common_name_.empty()) common_name_ = bytes_.CommonName();
+    heard_ = Clock::now();
+    pinged_ = false;
+    const ssize_t taken = nghttp2_session_mem_recv(session_.get(), buffer.data(), read.bytes);
+    if (taken < 0) {
+      if (reason_[0] == '\0' && greeted_) reason_ = nghttp2_strerror(static_cast<int>(taken));
+      WriteSome();  // tells the client why, if it still listens
+      return false;
+    }
+    if (read.bytes < buffer.size() / 4 || !WriteSome()) return !closed_;
+  }
+  return true;
+}
+
+// False: the connection is over. Writes what there is until the socket takes no more.
+bool Connection::WriteSome() {
+  while (true) {
+    if (unsent_.empty()) {
+      const std::span<std::uint8_t> buffer = Buffer();
+      std::size_t size = 0;
+      while (size < buffer.size()) {
+        const std::uint8_t* data = nullptr;
+        const ssize_t made = nghttp2_session_mem_send(session_.get(), &data);
+        if (made < 0) return false;
+        if (made == 0) break;
+        const auto bytes = static_cast<std::size_t>(made);
+        const std::size_t fits = std::min(bytes, buffer.size() - size);
+        std::copy_n(data, fits, buffer.data() + size);
+        size += fits;
+        unsent_.insert(unsent_.end(), data + fits, data + bytes);  // of the last frame
+      }
+      if (size == 0) return true;
+      std::size_t written = 0;
+      while (written < size) {
+        const ByteStream::Result result = bytes_.Write(buffer.subspan(written, size - written));
+        if (result.outcome == ByteStream::Outcome::kClosed) return false;
+        if (result.outcome != ByteStream::Outcome::kDone) break;
+        written += result.bytes;
+        heard_ = Clock::now();
+      }
+      unsent_.insert(unsent_.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(written),
+                     buffer.begin() + static_cast<std::ptrdiff_t>(size));
+    }
+    while (!unsent_.empty()) {
+      const ByteStream::Result result = bytes_.Write(unsent_);
+      if (result.outcome == ByteStream::Outcome::kClosed) return false;
+      if (result.outcome != ByteStream::Outcome::kDone) return true;
+      heard_ = Clock::now();
+      unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(result.bytes));
+    }
+    if (unsent_.capacity() > 0) std::vector<std::uint8_t>().swap(unsent_);
+  }
+}
+
+void Connection::Await() {
+  using Socket = boost::asio::ip::tcp::socket;
+  // Nothing more is read from a client that takes nothing.
+  if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
+    bytes_.socket().async_wait(Socket::wait_read, [self = shared_from_this()](auto) {
+      self->awaiting_read_ = false;
+      self->Serve();
+    });
+  }
+  if ((!unsent_.empty() || wants_write_) && !std::exchange(awaiting_write_, true)) {
+    bytes_.socket().async_wait(Socket::wait_write, [self = shared_from_this()](auto) {
+      self->awaiting_write_ = false;
+      self->Serve();
+    });
+  }
+}
+
+void Connection::Tick(Clock::time_point now) {
+  if (closed_) return;
+  if (!greeted_ && now - began_ > kGreetingTime) return Close();
+  if (now - heard_ > kSilenceToPing + kPingTime) return Close();
+  if (now - heard_ > kSilenceToPing && greeted_ && !std::exchange(pinged_, true)) {
+    nghttp2_submit_ping(session_.get(), NGHTTP2_FLAG_NONE, nullptr);
+  }
+  for (const auto& [id, stream] : streams_) stream->Tick(now);
+  Serve();
+}
+
+void Connection::Drain() {
+  if (closed_) return;
+  nghttp2_submit_goaway(session_.get(), NGHTTP2_FLAG_NONE,
+                        nghttp2_session_get_last_proc_stream_id(session_.get()), NGHTTP2_NO_ERROR,
+                        nullptr, 0);
+  Serve();
+}
+
+void Connection::Close() {
+  if (std::exchange(closed_, true)) return;
+  for (const auto& [id, stream] : streams_) stream->Detach();
+  streams_.clear();
+  calls_ = 0;
+  bytes_.Close();
+  on_closed_(shared_from_this(), reason_);
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,95 @@
+// One connection of a client: its bytes (plain or TLS), its HTTP/2 session (libnghttp2), and its
+// streams, each a call. Lives on one thread; what it may cost is bounded:
+// - HTTP/2 frames that carry no call are counted, and too many end the connection;
+// - nothing is read while what was answered cannot be written;
+// - it ends if its first bytes are no HTTP/2 within a time, and if a ping is not answered.
+// A stream's headers and messages are bounded by CallStream.
+#pragma once
+
+#include <nghttp2/nghttp2.h>
+
+#include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
+#include <boost/asio/io_context.hpp>
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "server/http2/byte_stream.h"
+#include "server/http2/call_stream.h"
+
+namespace motiondb::server {
+
+class Connection final : public StreamHost, public std::enable_shared_from_this<Connection> {
+ public:
+  using Clock = std::chrono::steady_clock;
+
+  // Told when a connection has ended, on its thread, and what its client did that it had to; empty
+  // where the client left.
+  using OnClosed = std::function<void(const std::shared_ptr<Connection>&, const char* reason)>;
+
+  Connection(CallBridge& bridge, boost::asio::io_context& context, ByteStream bytes,
+             std::string peer, OnClosed on_closed);
+  ~Connection() override;
+
+  void Start();
+  // To be called about once a second: looks after everything that takes too long.
+  void Tick(Clock::time_point now);
+  // Tells the client to make its next calls elsewhere.
+  void Drain();
+  void Close();
+
+  // How many calls are open; safe to read from any thread.
+  int calls() const { return calls_.load(std::memory_order_relaxed); }
+  Clock::time_point began() const { return began_; }
+
+  nghttp2_session* session() override { return session_.get(); }
+  void Post(std::function<void()> work) override;
+  const std::string& peer() const override { return peer_; }
+  const std::string& common_name() const override { return common_name_; }
+
+ private:
+  friend struct SessionCallbacks;
+
+  void Serve();
+  bool ReadSome();
+  bool WriteSome();
+  void Await();
+  void End(const char* reason);
+  bool CountFrame(const nghttp2_frame_hd& frame);
+  CallStream* Find(std::int32_t id);
+
+  CallBridge& bridge_;
+  boost::asio::io_context& context_;
+  // Until the last stream has let go of the connection, gRPC may post to its thread.
+  const boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
+  ByteStream bytes_;
+  const std::string peer_;
+  std::string common_name_;
+  const OnClosed on_closed_;
+  std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)> session_;
+  std::map<std::int32_t, std::shared_ptr<CallStream>> streams_;
+  std::atomic<int> calls_ = 0;
+
+  std::vector<std::uint8_t> unsent_;  // what the socket has not taken yet
+  bool wants_write_ = false;
+  bool awaiting_read_ = false;
+  bool awaiting_write_ = false;
+  bool serving_ = false;
+  bool closed_ = false;
+  const char* reason_ = "";  // why it has to end
+
+  const Clock::time_point began_ = Clock::now();
+  Clock::time_point heard_ = began_;  // when bytes last went either way
+  bool pinged_ = false;               // and nothing was heard since
+  bool greeted_ = false;              // the client has begun to speak HTTP/2
+  std::int64_t idle_frames_ = 0;      // that carry nothing of a call
+  std::int64_t call_frames_ = 0;
+};
+
+}  // namespace motiondb::server

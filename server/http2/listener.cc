@@ -1,0 +1,262 @@
+#include "server/http2/listener.h"
+
+#include <netinet/tcp.h>
+#include <spdlog/spdlog.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <boost/asio/post.hpp>
+#include <cerrno>
+#include <new>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/observability/listen_on.h"
+#include "server/security/tls.h"
+
+namespace motiondb::server {
+namespace {
+
+using boost::asio::ip::tcp;
+
+constexpr rlim_t kMostDescriptors = 65'536;
+constexpr int kForOthers = 64;  // descriptors: files of the store, threads' wake-ups, HTTP
+constexpr std::size_t kPerAddress = 1024;
+constexpr unsigned kMostLoops = 4;
+constexpr std::chrono::milliseconds kRest{100};  // when no connection can be taken
+constexpr std::chrono::seconds kTick{1};
+constexpr std::chrono::minutes kBetweenWarnings{1};
+
+// Below which the descriptor of a connection must be.
+int MostDescriptors() {
+  rlimit limit{};
+  const bool known = getrlimit(RLIMIT_NOFILE, &limit) == 0;
+  const auto most =
+      static_cast<int>(known ? std::min(limit.rlim_cur, kMostDescriptors) : rlim_t{1024});
+  return most - std::min(kForOthers, most / 4);
+}
+
+bool LacksResources(int error) {
+  return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
+}
+
+// A client of IPv4 is one, also where it comes by a socket of IPv6.
+tcp::endpoint Plain(const tcp::endpoint& client) {
+  const auto& address = client.address();
+  if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return client;
+  return {boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6()),
+          client.port()};
+}
+
+// As gRPC names a peer.
+std::string PeerOf(const tcp::endpoint& client) {
+  const std::string address = client.address().to_string();
+  return client.address().is_v6() ? fmt::format("ipv6:[{}]:{}", address, client.port())
+                                  : fmt::format("ipv4:{}:{}", address, client.port());
+}
+
+}  // namespace
+
+void RaiseDescriptorLimit() {
+  rlimit limit{};
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min(limit.rlim_max, kMostDescriptors));
+  setrlimit(RLIMIT_NOFILE, &limit);
+}
+
+absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen, const Tls* tls,
+                                                          std::unique_ptr<CallBridge> bridge) {
+  std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge)));
+  MOTIONDB_RETURN_IF_ERROR(listener->Listen(listen));
+  for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
+  for (const auto& loop : listener->loops_) {
+    listener->Tick(*loop);
+    loop->thread = std::thread([&context = loop->context] { context.run(); });
+  }
+  return listener;
+}
+
+Listener::Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge)
+    : tls_(tls),
+      bridge_(std::move(bridge)),
+      most_descriptors_(MostDescriptors()),
+      loops_(MakeLoops()),
+      rest_(loops_.front()->context),
+      warnings_(1, kBetweenWarnings) {}
+
+std::vector<std::unique_ptr<Listener::Loop>> Listener::MakeLoops() {
+  std::vector<std::unique_ptr<Loop>> loops(
+      std::clamp(std::thread::hardware_concurrency(), 1U, kMostLoops));
+  for (auto& loop : loops) loop = std::make_unique<Loop>();
+  return loops;
+}
+
+Listener::~Listener() {
+  Close(std::chrono::milliseconds(0));
+  for (const auto& loop : loops_) {
+    if (loop->thread.joinable()) loop->thread.join();
+  }
+}
+
+int Listener::port() const { return acceptors_.front().local_endpoint().port(); }
+
+absl::Status Listener::Listen(const std::string& listen) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> hosts, AddressesOf(listen));
+  std::string port = listen.substr(listen.rfind(':') + 1);
+  absl::Status failed;
+  for (const std::string& host : hosts) {
+    Acceptor acceptor(loops_.front()->context);
+    const absl::Status listening = ListenOn(fmt::format("{}:{}", host, port), acceptor);
+    if (absl::IsNotFound(listening)) {  // a name may have more addresses than the machine
+      failed = listening;
+      continue;
+    }
+    MOTIONDB_RETURN_IF_ERROR(listening);
+    acceptor.non_blocking(true);
+    port = std::to_string(acceptor.local_endpoint().port());
+    acceptors_.push_back(std::move(acceptor));
+  }
+  return acceptors_.empty() ? failed : absl::OkStatus();
+}
+
+void Listener::Await(Acceptor& acceptor) {
+  acceptor.async_wait(Acceptor::wait_read, [this, &acceptor](const auto& error) {
+    if (!error) Accept(acceptor);
+  });
+}
+
+void Listener::Accept(Acceptor& acceptor) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof(address);
+  const int descriptor = accept4(acceptor.native_handle(), reinterpret_cast<sockaddr*>(&address),
+                                 &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+  if (descriptor >= 0) {
+    tcp::endpoint client;
+    std::copy_n(reinterpret_cast<const char*>(&address), size,
+                reinterpret_cast<char*>(client.data()));
+    client.resize(size);
+    Admit(descriptor, Plain(client));
+  } else if (LacksResources(errno)) {
+    rest_.expires_after(kRest);
+    return rest_.async_wait([this, &acceptor](const auto&) {  // also if another rests, too
+      if (!closing_) Await(acceptor);
+    });
+  }
+  Await(acceptor);
+}
+
+void Listener::Admit(int descriptor, const tcp::endpoint& client) {
+  const std::string address = SourceOf(client.address().to_string());
+  // A descriptor is the lowest that is free, so its number is how many are in use at least.
+  const char* refusal = descriptor >= most_descriptors_ ? "too many descriptors" : nullptr;
+  if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections of its address";
+  if (refusal != nullptr) {
+    close(descriptor);
+    if (!warnings_.Count(refusal)) return;
+    return spdlog::warn(
+        "connections are refused: reason='{}' peer={} descriptors={} connections_per_address={}; "
+        "the process may open more files with ulimit -n or LimitNOFILE",
+        refusal, client.address().to_string(), most_descriptors_, kPerAddress);
+  }
+  const int on = 1;
+  setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
+  Loop& loop = *loops_[next_loop_++ % loops_.size()];
+  boost::asio::post(loop.context,
+                    [this, &loop, descriptor, client] { Begin(loop, descriptor, client); });
+}
+
+// Counts one more connection of the address. False if it has too many, and none makes room.
+bool Listener::MakeRoom(const std::string& address) {
+  const std::lock_guard lock(mutex_);
+  auto& connections = by_address_[address];
+  if (connections.size() >= kPerAddress) {
+    std::shared_ptr<Connection> oldest;
+    for (const auto& connection : connections) {
+      if (connection == nullptr || connection->calls() > 0) continue;
+      if (oldest == nullptr || connection->began() < oldest->began()) oldest = connection;
+    }
+    if (oldest == nullptr) return false;
+    connections.erase(connections.find(oldest));
+    oldest->Post([oldest] { oldest->Close(); });
+  }
+  connections.insert(nullptr);
+  return true;
+}
+
+void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
+  const std::string address = SourceOf(client.address().to_string());
+  std::shared_ptr<Connection> connection;
+  if (closing_) {
+    close(descriptor);
+    return;
+  }
+  try {
+    tcp::socket socket(loop.context, client.protocol(), descriptor);
+    const auto context = tls_ == nullptr ? nullptr : tls_->context();
+    connection = std::make_shared<Connection>(
+        *bridge_, loop.context, ByteStream(std::move(socket), context.get()), PeerOf(client),
+        [this, &loop, address](const auto& closed, const char* reason) {
+          Forget(loop, closed, address, reason);
+        });
+  } catch (const std::bad_alloc&) {
+    return Forget(loop, nullptr, address, "out of memory");
+  }
+  loop.connections.insert(connection);
+  {
+    const std::lock_guard lock(mutex_);
+    auto& connections = by_address_[address];
+    connections.erase(connections.find(nullptr));
+    connections.insert(connection);
+  }
+  connection->Start();
+}
+
+void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
+                      const std::string& address, const char* reason) {
+  if (connection != nullptr) loop.connections.erase(connection);
+  {
+    const std::lock_guard lock(mutex_);
+    const auto found = by_address_.find(address);
+    if (found == by_address_.end()) return;
+    const auto one = found->second.find(connection);
+    if (one != found->second.end()) found->second.erase(one);
+    if (found->second.empty()) by_address_.erase(found);
+  }
+  if (reason[0] != '\0' && warnings_.Count(address + reason)) {
+    spdlog::warn("connection closed: reason='{}' peer={}", reason, address);
+  }
+}
+
+void Listener::Tick(Loop& loop) {
+  loop.ticks.expires_after(kTick);
+  loop.ticks.async_wait([this, &loop](const auto& error) {
+    if (error) return;
+    const auto now = Connection::Clock::now();
+    const auto connections = loop.connections;  // a tick may end one
+    for (const auto& connection : connections) connection->Tick(now);
+    Tick(loop);
+  });
+}
+
+void Listener::Close(std::chrono::milliseconds grace) {
+  closing_ = true;
+  for (const auto& loop : loops_) {
+    boost::asio::post(loop->context, [this, &loop = *loop, grace] {
+      if (&loop == loops_.front().get()) {
+        rest_.cancel();
+        acceptors_.clear();
+      }
+      const auto draining = loop.connections;
+      for (const auto& connection : draining) connection->Drain();
+      loop.ticks.expires_after(grace);
+      loop.ticks.async_wait([&loop](const auto&) {
+        const auto left = loop.connections;
+        for (const auto& connection : left) connection->Close();
+      });
+    });
+  }
+}
+
+}  // namespace motiondb::server

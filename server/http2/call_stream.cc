@@ -180,7 +180,7 @@ void CallStream::OnWriteDone(bool /*ok*/) {
     self->writing_ = false;
     self->Release(kMessageBytes + static_cast<std::int64_t>(self->queue_.front().Length()));
     self->queue_.pop_front();
-    self->Credit(std::exchange(self->uncredited_, 0));
+    if (self->queue_.size() < kQueuedMessages) self->Credit(std::exchange(self->uncredited_, 0));
     self->WriteNext();
   });
 }

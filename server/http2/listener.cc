@@ -216,6 +216,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
 void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
                       const std::string& address, const char* reason) {
   if (connection != nullptr) loop.connections.erase(connection);
+  if (closing_ && loop.connections.empty()) loop.ticks.cancel();
   {
     const std::lock_guard lock(mutex_);
     const auto found = by_address_.find(address);
@@ -241,16 +242,17 @@ void Listener::Tick(Loop& loop) {
 }
 
 void Listener::Close(std::chrono::milliseconds grace) {
-  closing_ = true;
+  if (closing_.exchange(true)) return;
   for (const auto& loop : loops_) {
     boost::asio::post(loop->context, [this, &loop = *loop, grace] {
       if (&loop == loops_.front().get()) {
         rest_.cancel();
         acceptors_.clear();
       }
+      // It closes with its last call.
       const auto draining = loop.connections;
       for (const auto& connection : draining) connection->Drain();
-      loop.ticks.expires_after(grace);
+      loop.ticks.expires_after(loop.connections.empty() ? std::chrono::milliseconds(0) : grace);
       loop.ticks.async_wait([&loop](const auto&) {
         const auto left = loop.connections;
         for (const auto& connection : left) connection->Close();

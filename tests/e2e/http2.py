@@ -2,7 +2,7 @@
 
 import struct
 
-DATA, HEADERS, RESET, SETTINGS, PING, WINDOW_UPDATE = 0, 1, 3, 4, 6, 8
+DATA, HEADERS, PRIORITY, RESET, SETTINGS, PING, WINDOW_UPDATE, CONTINUATION = 0, 1, 2, 3, 4, 6, 8, 9
 END_STREAM, END_HEADERS, ACK = 1, 4, 1  # flags
 INITIAL_WINDOW_SIZE = 4  # a setting
 START = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"  # of a connection
@@ -13,17 +13,50 @@ def frame(kind, flags, stream, payload):
     return head + payload
 
 
+def text(value):
+    """A string literal of HPACK, without Huffman code."""
+    length, prefix = len(value), bytes([min(len(value), 127)])
+    if length >= 127:  # the rest in groups of 7 bits
+        length -= 127
+        while length > 127:
+            prefix, length = prefix + bytes([length % 128 + 128]), length // 128
+        prefix += bytes([length])
+    return prefix + value.encode()
+
+
 def header(name, value):
     """A header field that HPACK leaves as it is."""
-    return b"\0" + bytes([len(name)]) + name.encode() + bytes([len(value)]) + value.encode()
+    return b"\0" + text(name) + text(value)
 
 
-def request_headers(method):
-    """The block of headers of a call: "DatabaseService/ListDatabases"."""
+def indexed_header(name, value):
+    """A header field that also enters the dynamic table."""
+    return b"\x40" + text(name) + text(value)
+
+
+NEWEST_ENTRY = b"\xbe"  # the field that entered the dynamic table last: index 62
+
+
+def call_headers(path, *pairs):
+    """The block of headers of a call, with further fields."""
     return b"".join(header(*pair) for pair in [
-        (":method", "POST"), (":scheme", "http"), (":authority", "localhost"),
-        (":path", "/motiondb.v1." + method), ("content-type", "application/grpc"),
-        ("te", "trailers")])
+        (":method", "POST"), (":scheme", "http"), (":authority", "localhost"), (":path", path),
+        ("content-type", "application/grpc"), ("te", "trailers"), *pairs])
+
+
+def request_headers(method, *pairs):
+    """The block of headers of a call of motiondb: "DatabaseService/ListDatabases"."""
+    return call_headers("/motiondb.v1." + method, *pairs)
+
+
+def header_frames(flags, stream, block, most=16384):
+    """A whole block of headers as HEADERS and as many CONTINUATION frames as it needs."""
+    parts = [block[i:i + most] for i in range(0, len(block), most)]
+    last = len(parts) - 1
+    return b"".join(
+        frame(CONTINUATION if i else HEADERS,
+              (END_HEADERS if i == last else 0) | (0 if i else flags), stream, part)
+        for i, part in enumerate(parts))
 
 
 def message(payload):

@@ -19,17 +19,21 @@ MODELS = "/usr/share/assimp/models/BVH"
 
 
 class Server:
-    """motiondbd on a store file of its own, with further options a place for its log, and so many descriptors."""
+    """motiondbd on a store file of its own, with further options a place for its log, so many descriptors,
+    and a cgroup (control_group.py) that it starts in."""
 
-    def __init__(self, store, *options, log=None, descriptors=None):
+    def __init__(self, store, *options, log=None, descriptors=None, group=None):
         def limit():
-            resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+            if descriptors:
+                resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+            if group:
+                group.join()
 
         level = [] if "--log-level" in options else ["--log-level", "error"]
         self.process = subprocess.Popen(
             [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
             stdout=subprocess.PIPE, stderr=log, text=True,
-            preexec_fn=limit if descriptors else None)
+            preexec_fn=limit if descriptors or group else None)
         self.http = None  # address of its metrics, where an option asks for them
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]

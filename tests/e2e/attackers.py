@@ -1,0 +1,184 @@
+"""Processes that attack a server: each plays the scripts of an attack (floods.py) on connections of its
+own, which it opens again when the server ends them."""
+
+import dataclasses
+import multiprocessing
+import select
+import socket
+import ssl
+import time
+import typing
+
+from http2 import WINDOW_UPDATE
+
+# Another address than that of the well-behaved client: limits of one address are not to meet both.
+SOURCE = "127.0.0.2"
+PIECE = 1 << 16
+ENDED = select.POLLHUP | select.POLLERR | select.POLLRDHUP | select.POLLNVAL
+CONNECTIONS, BYTES, ENDED_BY_SERVER, REFUSED = range(4)  # what is counted
+
+
+@dataclasses.dataclass(frozen=True)
+class Attack:
+    # script(connection, aim) yields what is sent: bytes, or seconds to pause. It may wait for
+    # connection.window. At its end the connection is closed and opened again.
+    script: typing.Callable
+    reads: bool = True  # takes what the server sends; else never
+    sockets: int = 1  # for each of the attackers
+    http: bool = False  # goes to the HTTP port
+    tls: bool = True  # shakes hands on a port with TLS; else writes to the bare socket
+    most_attackers: int = 1000
+    allowed: bool = False  # the server must not end these connections
+
+
+@dataclasses.dataclass(frozen=True)
+class Aim:
+    """What is attacked."""
+    address: tuple  # host, port
+    tls: typing.Optional[ssl.SSLContext]
+    token: str  # a valid one; empty: none is needed
+    database: str
+
+
+def context():
+    tls = ssl.create_default_context()
+    tls.check_hostname, tls.verify_mode = False, ssl.CERT_NONE
+    tls.set_alpn_protocols(["h2"])
+    return tls
+
+
+class Connection:
+    def __init__(self, attack, aim, counts, poller):
+        self.attack, self.aim, self.counts, self.poller = attack, aim, counts, poller
+        self.socket = None
+        self.pause_until = 0
+
+    def open(self):
+        self.chunk, self.received = memoryview(b""), b""
+        self.window = 65535  # of the connection, as far as WINDOW_UPDATE frames were read
+        try:
+            self.socket = socket.create_connection(self.aim.address, 3, (SOURCE, 0))
+            if self.aim.tls and self.attack.tls:
+                self.socket = self.aim.tls.wrap_socket(self.socket)
+            self.socket.setblocking(False)
+        except OSError:
+            self.counts[REFUSED] += 1
+            self.close()
+            self.pause_until = time.monotonic() + 0.02
+            return
+        self.counts[CONNECTIONS] += 1
+        self.pause_until = 0
+        self.script = self.attack.script(self, self.aim)
+        self.poller.register(self.socket, self.interest())
+
+    def close(self):
+        if self.socket is not None:
+            try:
+                self.poller.unregister(self.socket)
+            except (KeyError, ValueError):
+                pass
+            self.socket.close()
+        self.socket = None
+
+    def interest(self):
+        paused = self.pause_until > time.monotonic()
+        return (select.POLLRDHUP | (select.POLLIN if self.attack.reads else 0) |
+                (0 if paused else select.POLLOUT))
+
+    def go_on(self, events):
+        try:
+            if events & select.POLLIN:
+                self.receive()
+            if events & ENDED:
+                raise ConnectionResetError
+            if events & select.POLLOUT:
+                self.send()
+        except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            pass
+        except OSError:
+            self.counts[ENDED_BY_SERVER] += 1
+            self.close()
+        except StopIteration:
+            self.close()
+
+    def send(self):
+        for _ in range(8):
+            while not self.chunk:
+                step = next(self.script)
+                if isinstance(step, float):
+                    self.pause_until = time.monotonic() + step
+                    return
+                self.chunk = memoryview(step)
+            sent = self.socket.send(self.chunk[:PIECE])
+            self.counts[BYTES] += sent
+            self.chunk = self.chunk[sent:]
+
+    def receive(self):
+        try:
+            while received := self.socket.recv(1 << 18):
+                self.count_window(received)
+        except (BlockingIOError, ssl.SSLWantReadError, ssl.SSLWantWriteError):
+            return
+        raise ConnectionResetError
+
+    def count_window(self, received):
+        self.received += received
+        while len(self.received) >= 9:
+            end = 9 + int.from_bytes(self.received[:3], "big")
+            if len(self.received) < end:
+                break
+            if self.received[3] == WINDOW_UPDATE and self.received[5:9] == bytes(4):
+                self.window += int.from_bytes(self.received[9:13], "big")
+            self.received = self.received[end:]
+        self.received = self.received[-(1 << 16):]  # where it is not HTTP/2
+
+
+def _attack(attack, aim, counts, seconds, group, share):
+    """One attacker. Without a group it takes `share` of a core by its own account."""
+    if group:
+        group.join()
+    poller = select.poll()
+    connections = [Connection(attack, aim, counts, poller) for _ in range(attack.sockets)]
+    began, worked_before = time.monotonic(), time.process_time()
+    while (elapsed := time.monotonic() - began) < seconds:
+        for connection in connections:
+            if connection.socket is None and connection.pause_until < time.monotonic():
+                connection.open()
+            if connection.socket is not None:
+                poller.modify(connection.socket, connection.interest())
+            if time.monotonic() - began > seconds:
+                return
+        events = dict(poller.poll(20))
+        for connection in connections:
+            if connection.socket is not None and (happened := events.get(connection.socket.fileno())):
+                connection.go_on(happened)
+        ahead = time.process_time() - worked_before - share * elapsed
+        if not group and ahead > 0:
+            time.sleep(ahead / share)
+
+
+class Attackers:
+    """So many processes from construction on, for so many seconds."""
+
+    def __init__(self, attack, aim, count, seconds, cores, group):
+        count = min(count, attack.most_attackers)
+        processes = multiprocessing.get_context("fork")
+        self.counts = [processes.RawArray("Q", 4) for _ in range(count)]
+        self.processes = [
+            processes.Process(target=_attack, daemon=True,
+                              args=(attack, aim, counts, seconds, group, cores / count))
+            for counts in self.counts]
+        for process in self.processes:
+            process.start()
+
+    def stop(self):
+        """Of all: connections, bytes, connections that the server ended, and that it refused."""
+        for process in self.processes:
+            process.terminate()
+        for process in self.processes:
+            process.join()
+        return [sum(counts[i] for counts in self.counts) for i in range(4)]
+
+    def wait(self):
+        for process in self.processes:
+            process.join()

@@ -1,0 +1,157 @@
+#!/usr/bin/python3
+"""Attacks on every TCP port of motiondbd (floods.py), while a well-behaved client measures it.
+
+    flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER STEADY_CLIENT [--short] [--attack NAME]...
+
+The server has TLS and tokens, or neither with --plain, and 512 MiB. The attackers together have half a
+core. Each attack meets a server that just started. One line for each attack; exit code 1 if a bar is
+missed.
+"""
+
+import argparse
+import contextlib
+import shlex
+import sys
+import tempfile
+import time
+
+import control_group
+import programs
+from attackers import Aim, Attackers, context
+from floods import ATTACKS, MOST_IMPORTANT
+from measured_server import MB, Measured, host_and_port
+from steady_clients import Livez, SteadyClient
+
+PEAK_MB = 300  # resident memory of the server
+SERVER_BYTES = 512 << 20
+ATTACKER_CORES = 0.5
+P99_MS = {"health": 250, "livez": 250, "recognize": 1000}
+MOST_MS = 3000  # of any call, and of a new connection with a health check
+ROW = "{:<24}{:>7}{:>9}{:>8}{:>8}{:>7}{:>6}{:>13}{:>13}{:>13}{:>13}{:>6}  {}"
+
+
+def watch(measured, seconds):
+    """The server's peak of so long. Where no cgroup limits it, this ends the server beyond its memory."""
+    until, peak = time.monotonic() + seconds, 0
+    while time.monotonic() < until and measured.runs():
+        peak = max(peak, measured.memory("VmHWM"))
+        if peak * MB > SERVER_BYTES and not measured.group and programs.SLOWNESS == 1:
+            measured.stop(kill=True)
+        time.sleep(0.05)
+    return peak
+
+
+def problems(attack, peak, totals, latencies, ran):
+    found = [] if ran else ["the server ended"]
+    if peak > PEAK_MB and programs.SLOWNESS == 1:
+        found.append(f"{peak:.0f} MB")
+    for kind, figures in latencies.items():
+        if figures["failures"]:
+            found.append(f"{figures['failures']} of {kind} failed ({figures['error']})")
+        if figures["count"] == 0:
+            found.append(f"no {kind}")
+        if figures["p99_ms"] > P99_MS.get(kind, MOST_MS) * programs.SLOWNESS:
+            found.append(f"p99 of {kind} {figures['p99_ms']:.0f} ms")
+        if figures["max_ms"] > MOST_MS * programs.SLOWNESS:
+            found.append(f"most of {kind} {figures['max_ms']:.0f} ms")
+    connections, sent, ended, _ = totals
+    if not connections or not sent and not attack.sockets > 1:
+        found.append("nothing was tried")
+    if attack.allowed and ended:
+        found.append("ended what is allowed")
+    return found
+
+
+def measure(name, measured, options, group):
+    """Prints the line of one attack; whether all bars were kept."""
+    attack = ATTACKS[name]
+    seconds = max(options.seconds, 6.5) if attack.allowed else options.seconds
+    measured.start()
+    steady = SteadyClient(options.steady_client, measured)
+    measured.forget_peak()
+    address = host_and_port(measured.server.http if attack.http else measured.server.address)
+    aim = Aim(address, None if options.plain or attack.http else context(), measured.token,
+              "motion")
+    attackers = Attackers(attack, aim, options.connections, seconds, ATTACKER_CORES, group)
+    livez = Livez(host_and_port(measured.server.http))
+    peak = watch(measured, seconds)
+    totals = attackers.stop()
+    latencies = {**steady.stop(), "livez": livez.stop()}
+    peak = max(peak, watch(measured, 5 if seconds >= 10 else 0.5))
+    after, ran = measured.memory("VmRSS"), measured.runs()
+    found = problems(attack, peak, totals, latencies, ran)
+    if not measured.stop(kill=bool(found)) and not found:
+        found = ["it did not end as it should on SIGTERM"]
+    pairs = [f"{latencies[kind]['p99_ms']:.0f}/{latencies[kind]['max_ms']:.0f}"
+             for kind in ("health", "recognize", "connect", "livez")]
+    print(ROW.format(name, totals[0], f"{totals[1] / MB:.1f}", totals[2], totals[3],
+                     f"{peak:.0f}", f"{after:.0f}", *pairs,
+                     sum(figures["failures"] for figures in latencies.values()),
+                     "FAILED: " + "; ".join(found) if found else "ok"), flush=True)
+    return not found
+
+
+def parse_options():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("steady_client")
+    parser.add_argument("--plain", action="store_true", help="no TLS, no tokens")
+    parser.add_argument("--tls", action="store_false", dest="plain", help="the default")
+    parser.add_argument("--attack", action="append", choices=["all", *ATTACKS], metavar="NAME")
+    parser.add_argument("--short", action="store_true", help="the most important, 2.5 s each")
+    parser.add_argument("--seconds", type=float, help="of each attack; 60")
+    parser.add_argument("--connections", type=int, default=8, help="attackers")
+    parser.add_argument("--memory-parent", metavar="FOLDER",
+                        help="cgroup that the server's is made in; absent: the root, if this "
+                             "process is in it")
+    parser.add_argument("--server-options", type=shlex.split, default=[],
+                        help="further options of motiondbd, in one argument")
+    options = parser.parse_args(sys.argv[4:])
+    options.seconds = options.seconds or (2.5 if options.short else 60)
+    names = options.attack or (MOST_IMPORTANT if options.short else ["all"])
+    options.names = list(ATTACKS) if "all" in names else names
+    if options.plain:  # there is no handshake
+        options.names = [name for name in options.names if name != "handshakes"]
+    return options
+
+
+@contextlib.contextmanager
+def limit(make, *arguments, instead):
+    """The cgroup while the context lasts; None, and a line that says so, where it cannot be had."""
+    group = None
+    try:
+        group = make(*arguments)
+    except OSError as error:
+        print(f"no cgroup: {error}; {instead}")
+    try:
+        yield group
+    finally:
+        if group:
+            group.remove()
+
+
+def server_group(options):
+    if programs.SLOWNESS > 1:
+        raise OSError("bars of memory are not for sanitizers")
+    return control_group.memory_group(SERVER_BYTES, options.memory_parent)
+
+
+def run(options):
+    with (tempfile.TemporaryDirectory() as folder,
+          limit(control_group.processor_group, ATTACKER_CORES,
+                instead="attackers count their own processor time") as attackers_group,
+          limit(server_group, options, instead="a release build is killed beyond 512 MiB") as group):
+        measured = Measured(folder, options.plain, group, options.server_options)
+        print(ROW.format("attack", "conns", "MB sent", "ended", "refused", "peak", "after",
+                         "health", "recognize", "connect", "livez", "fail",
+                         "MB of memory; p99/max in ms"), flush=True)
+        try:
+            kept = [measure(name, measured, options, attackers_group) for name in options.names]
+        except BaseException:
+            measured.stop(kill=True)
+            raise
+    print(f"{sum(kept)} of {len(kept)} attacks kept every bar")
+    return 0 if all(kept) else 1
+
+
+if __name__ == "__main__":
+    sys.exit(run(parse_options()))

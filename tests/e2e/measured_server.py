@@ -1,0 +1,97 @@
+"""motiondbd as it is served, with TLS and tokens, and what the kernel says of its process."""
+
+import contextlib
+import os
+
+import programs
+from figure import write_bvh
+from secure_server import Authority
+
+MB = 1e6
+
+
+class Measured:
+    """motiondbd with a database, and what the kernel says of it."""
+
+    def __init__(self, folder, plain, group, options):
+        self.folder, self.group = folder, group
+        self.options = ["--http-listen", "127.0.0.1:0", *options]
+        self.store = os.path.join(folder, "motion.db")
+        self.client_options, self.token = [], ""
+        self.fill()
+        if not plain:
+            authority = Authority(folder, "authority")
+            certificate, key = authority.issue("server", "localhost")
+            self.options += ["--tls-certificate", certificate, "--tls-key", key,
+                             "--authentication", "token"]
+            self.client_options = ["--tls-ca", authority.certificate, "--token", self.reader]
+            self.token = self.stranger
+
+    def fill(self):
+        """The database and two tokens, with a server that asks for none."""
+        server = programs.Server(self.store, "--http-listen", "none")
+        files = f"{programs.DATA}/sets/database1.train.tsv"
+        if os.path.exists(files):
+            self.motion = f"{programs.DATA}/cmu/10/10_01.bvh"
+            server.ask_one("create", "motion")
+            server.ask("ingest", "motion", "--list", files)
+        else:
+            figures = [os.path.join(self.folder, f"figure{seed}.bvh") for seed in range(6)]
+            for seed, figure in enumerate(figures):
+                write_bvh(figure, seed, frames=600)
+            self.motion = figures[0]
+            server.ask_one("create", "motion", "--marker-set", "source", "--min-frames", "4")
+            server.ask("ingest", "motion", *figures)
+        self.reader, self.stranger = [
+            server.run("token", "create", "--role", "reader").stdout.strip() for _ in range(2)]
+        server.stop()
+
+    def start(self):
+        """AssertionError if it listens on a port that it does not announce."""
+        self.server = programs.Server(self.store, *self.options, group=self.group)
+        self.pid = self.server.process.pid
+        announced = {host_and_port(address)[1] for address in (self.server.address, self.server.http)}
+        assert self.listening_ports() == announced, self.listening_ports()
+
+    def runs(self):
+        return self.server.process.poll() is None
+
+    def stop(self, kill=False):
+        """Whether it ended as it should."""
+        if self.runs() and not kill:
+            return self.server.stop() == 0
+        self.server.process.kill()
+        self.server.process.wait()
+        self.server.process.stdout.close()
+        return False
+
+    def memory(self, figure):
+        """VmRSS, or VmHWM: the most since forget_peak. In MB; 0 when the server is gone."""
+        try:
+            with open(f"/proc/{self.pid}/status", encoding="ascii") as status:
+                return next((int(line.split()[1]) * 1024 / MB for line in status
+                             if line.startswith(figure)), 0)
+        except OSError:
+            return 0
+
+    def forget_peak(self):
+        with open(f"/proc/{self.pid}/clear_refs", "w", encoding="ascii") as file:
+            file.write("5")
+
+    def listening_ports(self):
+        inodes = set()
+        for descriptor in os.listdir(f"/proc/{self.pid}/fd"):
+            with contextlib.suppress(OSError):
+                inodes.add(os.readlink(f"/proc/{self.pid}/fd/{descriptor}"))
+        ports = set()
+        for table in ("tcp", "tcp6"):
+            with open(f"/proc/{self.pid}/net/{table}", encoding="ascii") as file:
+                for row in [line.split() for line in list(file)[1:]]:
+                    if row[3] == "0A" and f"socket:[{row[9]}]" in inodes:
+                        ports.add(int(row[1].rsplit(":", 1)[1], 16))
+        return ports
+
+
+def host_and_port(address):
+    host, port = address.removeprefix("http://").rsplit(":", 1)
+    return host, int(port)

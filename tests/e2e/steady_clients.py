@@ -1,0 +1,51 @@
+"""Well-behaved clients, which measure how long a server takes to answer them."""
+
+import http.client
+import json
+import subprocess
+import threading
+import time
+
+LIVEZ_PERIOD = 0.25  # seconds
+
+
+class Livez:
+    """Asks the HTTP port whether the process lives, on a new connection each time."""
+
+    def __init__(self, address):
+        self.address, self.over = address, threading.Event()
+        self.ms, self.failures = [], 0
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def run(self):
+        while not self.over.wait(LIVEZ_PERIOD):
+            began = time.monotonic()
+            connection = http.client.HTTPConnection(*self.address, timeout=5)
+            try:
+                connection.request("GET", "/livez")
+                self.failures += connection.getresponse().status != 200
+            except (OSError, http.client.HTTPException):
+                self.failures += 1
+            connection.close()
+            self.ms.append(1e3 * (time.monotonic() - began))
+
+    def stop(self):
+        self.over.set()
+        self.thread.join()
+        ms = sorted(self.ms) or [0]
+        return {"count": len(self.ms), "failures": self.failures, "error": "no answer of 200",
+                "p99_ms": ms[-(len(ms) // 100) - 1], "max_ms": ms[-1]}
+
+
+class SteadyClient:
+    def __init__(self, program, measured):
+        self.process = subprocess.Popen(
+            [program, "--server", measured.server.address, "--database", "motion",
+             "--motion", measured.motion, *measured.client_options],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+        assert self.process.stdout.readline() == "ready\n", "the steady client could not start"
+
+    def stop(self):
+        output, _ = self.process.communicate(timeout=60)
+        return json.loads(output)

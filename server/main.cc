@@ -1,6 +1,7 @@
 // motiondbd: opens the store, serves until SIGTERM or SIGINT, and drains.
 #include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
+#include <grpc/grpc.h>
 #include <grpc/support/log.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
@@ -9,16 +10,21 @@
 #include <boost/asio/signal_set.hpp>
 #include <csignal>
 #include <cstdio>
+#include <exception>
 #include <memory>
+#include <new>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/motion/error.h"
+#include "server/engine/memory_reserve.h"
 #include "server/http2/listener.h"
 #include "server/observability/health_server.h"
 #include "server/observability/listen_on.h"
 #include "server/observability/log.h"
+#include "server/process_limits.h"
 #include "server/rpc/method.h"
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
@@ -44,6 +50,7 @@ void LogGrpc() {
 // Whatever it makes is its owner's alone, and who reads what it prints may go away.
 void SetUpProcess() {
   RaiseDescriptorLimit();
+  SaveAddressSpace();
   umask(0077);
   std::signal(SIGPIPE, SIG_IGN);
 }
@@ -82,6 +89,10 @@ absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const std::strin
 }
 
 absl::Status Serve(const Settings& settings) {
+  std::optional<AllocationsMayFail> starting(std::in_place);
+  // Before the store is made or upgraded: not for a server that cannot run.
+  MOTIONDB_RETURN_IF_ERROR(InstallMemoryReserve());
+  MOTIONDB_RETURN_IF_ERROR(CheckProcessLimits(Workers::ThreadCount(settings.server.engine)));
   // Before any thread is made and before the address is announced: a signal that comes at any later
   // moment drains.
   boost::asio::io_context context;
@@ -107,6 +118,9 @@ absl::Status Serve(const Settings& settings) {
   MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto store,
                             OpenStore(settings.store_path, settings.disk_reserve_bytes));
+  // Held to the end of the process: at its shutdown gRPC waits for all of its threads, also for one
+  // that it could not start for lack of memory, and the store would not be closed.
+  grpc_init();
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
   fmt::print("motiondbd: listening on {}\n", server->address());
@@ -115,11 +129,25 @@ absl::Status Serve(const Settings& settings) {
 
   NotifyServiceManager(fmt::format("READY=1\nSTATUS=listening on {}", server->address()));
 
+  starting.reset();
   WaitForSignal(context, signals);
   NotifyServiceManager("STOPPING=1\nSTATUS=draining");
   server->Drain(settings.grace);
   spdlog::info("drained");
   return absl::OkStatus();
+}
+
+// Serve, with what it throws as a status.
+absl::Status ServeWithoutExceptions(const Settings& settings) {
+  try {
+    return Serve(settings);
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(
+        "cannot start: not enough memory for the store and its models; raise the limit (ulimit -v, "
+        "MemoryMax)");
+  } catch (const std::exception& error) {
+    return absl::InternalError(fmt::format("cannot start: {}", error.what()));
+  }
 }
 
 constexpr int kFailed = 1;
@@ -177,7 +205,7 @@ int Run(int argc, const char* const* argv) {
   const std::vector<absl::Status> wrong = reader.CheckToServe();
   for (const absl::Status& problem : wrong) Tell(log.format, std::string(problem.message()));
   if (!wrong.empty()) return kWrongSettings;
-  const absl::Status status = Serve(reader.settings());
+  const absl::Status status = ServeWithoutExceptions(reader.settings());
   if (status.ok()) return 0;
   Tell(log.format, std::string(status.message()));
   if (absl::IsDataLoss(status)) {

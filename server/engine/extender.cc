@@ -6,6 +6,7 @@
 #include <exception>
 
 #include "server/engine/extend.h"
+#include "server/engine/memory_reserve.h"
 
 namespace motiondb::server {
 namespace {
@@ -52,6 +53,7 @@ void Extender::Run(const std::string& database) {
   const Clock::time_point began = Clock::now();
   absl::Status status;
   try {
+    const AllocationsMayFail scope;
     status = Extend(store_, *live, options_, core::Serially);
   } catch (const std::exception& error) {
     status = absl::ResourceExhaustedError(error.what());

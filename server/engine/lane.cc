@@ -3,6 +3,8 @@
 #include <boost/asio/post.hpp>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
+
 namespace motiondb::server {
 
 void Lane::Post(std::function<void()> work) {
@@ -17,10 +19,16 @@ void Lane::Post(std::function<void()> work) {
   Start(std::move(work));
 }
 
+int Lane::running() {
+  const std::lock_guard lock(mutex_);
+  return width_ - free_;
+}
+
 void Lane::Start(std::function<void()> work) {
-  boost::asio::post(pool_, [this, work = std::move(work)] {
+  boost::asio::post(pool_.executor(), [this, work = std::move(work)] {
+    // Also where the work throws: its place must not be lost.
+    const absl::Cleanup next = [this] { Next(); };
     work();
-    Next();
   });
 }
 

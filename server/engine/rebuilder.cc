@@ -11,6 +11,7 @@
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "core/tree/divide_node.h"
+#include "server/engine/memory_reserve.h"
 #include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
@@ -247,6 +248,7 @@ void Rebuilder::Run(Build& build) {
   absl::StatusOr<Rebuilt> rebuilt;
   while_alive([&] { book_.Start(build.operation); }).IgnoreError();  // it finds out itself
   try {
+    const AllocationsMayFail scope;
     rebuilt =
         Rebuild(store_, *build.database, options_, workers_.build_parallel(), progress, stopped);
   } catch (const std::bad_alloc&) {

@@ -8,6 +8,8 @@
 #include <mutex>
 #include <utility>
 
+#include "server/engine/memory_reserve.h"
+
 namespace motiondb::server {
 namespace {
 
@@ -20,6 +22,7 @@ class SharedLoop {
     int done = 0;
     for (int i = next_.fetch_add(1); i < count_; i = next_.fetch_add(1)) {
       try {
+        const AllocationsMayFail scope;
         body_(i);
       } catch (...) {
         const std::lock_guard lock(mutex_);

@@ -25,20 +25,26 @@ int BuildThreads(const EngineOptions& options) {
   return options.build_threads > 0 ? options.build_threads : std::max(1, MachineThreads() / 2);
 }
 
-core::ParallelFor Lend(boost::asio::thread_pool& pool, int threads) {
+core::ParallelFor Lend(ThreadPool& pool, int threads) {
   return [&pool, threads](int count, const std::function<void(int)>& body) {
-    RunSharedLoop(count, body, threads - 1,
-                  [&pool](std::function<void()> help) { boost::asio::post(pool, help); });
+    RunSharedLoop(count, body, threads - 1, [&pool](std::function<void()> help) {
+      boost::asio::post(pool.executor(), std::move(help));
+    });
   };
 }
 
 }  // namespace
 
+int Workers::ThreadCount(const EngineOptions& options) {
+  constexpr int kOfOneThread = 4;  // extensions, changes, urgent changes, upkeep
+  return RequestThreads(options) + BuildThreads(options) + kOfOneThread;
+}
+
 Workers::Workers(const EngineOptions& options)
     : request_threads_(RequestThreads(options)),
       build_threads_(BuildThreads(options)),
-      requests_(static_cast<std::size_t>(request_threads_)),
-      builds_(static_cast<std::size_t>(build_threads_)),
+      requests_(request_threads_),
+      builds_(build_threads_),
       extensions_(1),
       changes_(1),
       urgent_changes_(1),
@@ -56,7 +62,7 @@ std::function<void()> Workers::Counted(std::atomic<int>& queued, std::function<v
 }
 
 void Workers::Post(std::function<void()> work) {
-  boost::asio::post(requests_, Counted(queued_requests_, std::move(work)));
+  boost::asio::post(requests_.executor(), Counted(queued_requests_, std::move(work)));
 }
 
 void Workers::PostHeavy(std::function<void()> work) {
@@ -64,15 +70,15 @@ void Workers::PostHeavy(std::function<void()> work) {
 }
 
 void Workers::PostChange(std::function<void()> work) {
-  boost::asio::post(changes_, Counted(queued_changes_, std::move(work)));
+  boost::asio::post(changes_.executor(), Counted(queued_changes_, std::move(work)));
 }
 
 void Workers::PostUrgentChange(std::function<void()> work) {
-  boost::asio::post(urgent_changes_, Counted(queued_urgent_, std::move(work)));
+  boost::asio::post(urgent_changes_.executor(), Counted(queued_urgent_, std::move(work)));
 }
 
 void Workers::PostUpkeep(std::function<void()> work) {
-  boost::asio::post(upkeep_, Counted(queued_upkeep_, std::move(work)));
+  boost::asio::post(upkeep_.executor(), Counted(queued_upkeep_, std::move(work)));
 }
 
 QueueLengths Workers::queued() const {
@@ -88,12 +94,12 @@ core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads
 core::ParallelFor Workers::request_parallel() { return Lend(requests_, request_threads_); }
 
 void Workers::Join() {
-  requests_.join();
-  changes_.join();
-  urgent_changes_.join();
-  upkeep_.join();
-  builds_.join();
-  extensions_.join();
+  requests_.Join();
+  changes_.Join();
+  urgent_changes_.Join();
+  upkeep_.Join();
+  builds_.Join();
+  extensions_.Join();
 }
 
 }  // namespace motiondb::server

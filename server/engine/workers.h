@@ -6,12 +6,12 @@
 #pragma once
 
 #include <atomic>
-#include <boost/asio/thread_pool.hpp>
 #include <functional>
 
 #include "core/tree/parallel.h"
 #include "server/engine/lane.h"
 #include "server/engine/options.h"
+#include "server/engine/thread_pool.h"
 
 namespace motiondb::server {
 
@@ -26,7 +26,10 @@ struct QueueLengths {
 
 class Workers {
  public:
-  using Executor = boost::asio::thread_pool::executor_type;
+  using Executor = ThreadPool::Executor;
+
+  // Threads that one made with these options starts.
+  static int ThreadCount(const EngineOptions& options);
 
   explicit Workers(const EngineOptions& options);
   ~Workers();
@@ -46,10 +49,12 @@ class Workers {
   bool upkeep_waits() const { return queued_upkeep_.load(std::memory_order_relaxed) > 0; }
   QueueLengths queued() const;
   int request_threads() const { return request_threads_; }
+  // Heavy work that has a thread or is next for one.
+  int running_heavy() { return heavy_requests_.running(); }
 
-  Executor request_executor() { return requests_.get_executor(); }
-  Executor build_executor() { return builds_.get_executor(); }
-  Executor extension_executor() { return extensions_.get_executor(); }
+  Executor request_executor() { return requests_.executor(); }
+  Executor build_executor() { return builds_.executor(); }
+  Executor extension_executor() { return extensions_.executor(); }
 
   // Lends the build pool's threads. The calling thread works too, so a loop ends even where every
   // other thread is taken, and loops may be nested.
@@ -71,12 +76,12 @@ class Workers {
   std::atomic<int> queued_changes_{0};
   std::atomic<int> queued_urgent_{0};
   std::atomic<int> queued_upkeep_{0};
-  boost::asio::thread_pool requests_;
-  boost::asio::thread_pool builds_;
-  boost::asio::thread_pool extensions_;
-  boost::asio::thread_pool changes_;
-  boost::asio::thread_pool urgent_changes_;
-  boost::asio::thread_pool upkeep_;
+  ThreadPool requests_;
+  ThreadPool builds_;
+  ThreadPool extensions_;
+  ThreadPool changes_;
+  ThreadPool urgent_changes_;
+  ThreadPool upkeep_;
   Lane heavy_requests_;
 };
 

@@ -3,6 +3,8 @@
 #include <exception>
 #include <utility>
 
+#include "server/engine/memory_reserve.h"
+
 namespace motiondb::server {
 namespace {
 
@@ -20,6 +22,7 @@ HttpAnswer Ready(const Monitor& monitor) {
 HttpPage Guarded(std::function<HttpAnswer()> make) {
   return {.make = [make = std::move(make)]() -> HttpAnswer {
     try {
+      const AllocationsMayFail scope;
       return make();
     } catch (const std::exception& error) {
       return {.status = 500, .body = std::string(error.what()) + "\n"};
@@ -35,14 +38,16 @@ HttpPages HealthPages(const Monitor& monitor) {
   pages["/readyz"] = Guarded([&monitor] { return Ready(monitor); });
   // Alive while it answers at all: a disk that hangs is no reason to be started anew.
   pages["/livez"] = {.make = [] { return HttpAnswer{.body = "alive\n"}; }, .at_once = true};
-  pages["/"] = {.make =
-                    [] {
-                      return HttpAnswer{.body =
-                                            "/metrics  figures for Prometheus\n"
-                                            "/livez    200 while the process answers\n"
-                                            "/readyz   200 while calls are answered, else 503\n"};
-                    },
-                .at_once = true};
+  pages["/"] = {
+      .make =
+          [] {
+            return HttpAnswer{
+                .body =
+                    "/metrics  figures for Prometheus\n"
+                    "/livez    200 while the process answers\n"
+                    "/readyz   200 while queries are answered and clips stored, else 503\n"};
+          },
+      .at_once = true};
   return pages;
 }
 

@@ -3,6 +3,7 @@
 #include <exception>
 #include <new>
 
+#include "server/engine/memory_reserve.h"
 #include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
@@ -10,9 +11,11 @@ namespace {
 
 absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
   try {
+    const AllocationsMayFail scope;
     return handler();
   } catch (const std::bad_alloc&) {
-    return absl::ResourceExhaustedError("not enough memory to answer");
+    return absl::ResourceExhaustedError(
+        "not enough memory for this call: send less at a time, or try again later");
   } catch (const std::exception& error) {
     return absl::InternalError(error.what());
   }
@@ -23,6 +26,7 @@ absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler) {
   if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
+  if (const absl::Status memory = RefillMemoryReserve(); !memory.ok()) return ToGrpcStatus(memory);
   return ToGrpcStatus(WithoutExceptions(handler));
 }
 

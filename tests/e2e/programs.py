@@ -19,13 +19,15 @@ MODELS = "/usr/share/assimp/models/BVH"
 
 
 class Server:
-    """motiondbd on a store file of its own, with further options a place for its log, so many descriptors,
-    and a cgroup (control_group.py) that it starts in."""
+    """motiondbd on a store file of its own, with further options, a place for its log, the most descriptors and bytes
+    of address space that it may have, and a cgroup (control_group.py) that it starts in."""
 
-    def __init__(self, store, *options, log=None, descriptors=None, group=None):
+    def __init__(self, store, *options, log=None, descriptors=None, address_space=None, group=None):
         def limit():
             if descriptors:
                 resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+            if address_space:
+                resource.setrlimit(resource.RLIMIT_AS, (address_space, address_space))
             if group:
                 group.join()
 
@@ -33,7 +35,7 @@ class Server:
         self.process = subprocess.Popen(
             [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
             stdout=subprocess.PIPE, stderr=log, text=True,
-            preexec_fn=limit if descriptors or group else None)
+            preexec_fn=limit if descriptors or address_space or group else None)
         self.http = None  # address of its metrics, where an option asks for them
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]

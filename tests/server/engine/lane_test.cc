@@ -15,7 +15,7 @@ namespace {
 
 TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[server]") {
   for (const int width : {1, 2, 3}) {
-    boost::asio::thread_pool pool(4);
+    ThreadPool pool(4);
     std::atomic<int> running{0};
     std::atomic<int> most{0};
     std::mutex mutex;
@@ -33,7 +33,7 @@ TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[
         --running;
       });
     }
-    pool.join();
+    pool.Join();
     CHECK(most <= width);
     CHECK(order.size() == 200);
     if (width == 1) CHECK(std::is_sorted(order.begin(), order.end()));

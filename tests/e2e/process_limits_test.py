@@ -1,0 +1,150 @@
+#!/usr/bin/python3
+"""motiondbd with too few descriptors, threads or too little memory: it says what it needs, or refuses calls.
+
+    process_limits_test.py MOTIONDBD MOTIONDB DATA_FOLDER
+"""
+
+import gzip
+import os
+import resource
+import signal
+import subprocess
+import tempfile
+import threading
+import time
+import unittest
+
+import programs
+from observability_test import OLD_STORES, write_walk
+from programs import MOTIONDBD, Server
+
+MIB = 1 << 20
+LONE_USER = 61234  # a user of whom no process runs
+
+
+class Starting(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.folder_of_store = os.path.join(self.folder.name, "store")
+        os.mkdir(self.folder_of_store)
+
+    def start(self, limits, user=None):
+        """(exit code, standard error) of a server that ends by itself; ("serves", "") of one that does not."""
+        def limit():
+            for what, most in limits.items():
+                resource.setrlimit(what, (most, most))
+            if user is not None:
+                os.setgid(user)
+                os.setuid(user)
+
+        process = subprocess.Popen(
+            [MOTIONDBD, "--store", os.path.join(self.folder_of_store, "motion.db"), "--listen",
+             "127.0.0.1:0", "--http-listen", "127.0.0.1:0", "--log-level", "off"],
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, preexec_fn=limit)
+        serves = any("listening on" in line for line in process.stdout)
+        if serves:
+            process.send_signal(signal.SIGTERM)
+        _, errors = process.communicate(timeout=60 * programs.SLOWNESS)
+        if serves:
+            self.assertEqual(process.returncode, 0, errors)
+        return "serves" if serves else process.returncode, errors
+
+    def test_too_few_descriptors_are_refused_before_the_store_is_touched(self):
+        old = os.path.join(self.folder_of_store, "motion.db")
+        with gzip.open(os.path.join(OLD_STORES, "version1.db.gz")) as packed:
+            version1 = packed.read()
+        for has_store in (False, True):
+            if has_store:
+                with open(old, "wb") as file:
+                    file.write(version1)
+            for descriptors in (8, 16, 32, 64, 127):
+                code, errors = self.start({resource.RLIMIT_NOFILE: descriptors})
+                self.assertEqual(code, 1, f"{descriptors}: {errors}")
+                self.assertIn(f"may open {descriptors} files, and at least 128 are needed", errors)
+                self.assertEqual(errors.count("\n"), 1, errors)
+                self.assertEqual(os.listdir(self.folder_of_store), ["motion.db"] if has_store else [])
+        with open(old, "rb") as file:
+            self.assertEqual(file.read(), version1)
+        self.assertEqual(self.start({resource.RLIMIT_NOFILE: 128})[0], "serves")
+
+    def test_too_few_threads_are_refused_before_the_store_is_made(self):
+        if os.getuid() != 0:
+            self.skipTest("needs root, to run the server as a user without other processes")
+        os.chown(self.folder_of_store, LONE_USER, LONE_USER)
+        os.chmod(self.folder.name, 0o755)
+        if subprocess.run([MOTIONDBD, "--version"], user=LONE_USER, capture_output=True).returncode:
+            self.skipTest("another user cannot run " + MOTIONDBD)
+        for threads in (2, 8, 20):
+            code, errors = self.start({resource.RLIMIT_NPROC: threads}, LONE_USER)
+            self.assertEqual(code, 1, errors)
+            self.assertRegex(errors, r"cannot start: \d+ threads can be started, and \d+ are needed")
+            self.assertIn("ulimit -u", errors)
+            self.assertEqual(os.listdir(self.folder_of_store), [])
+        self.assertEqual(self.start({resource.RLIMIT_NPROC: 200}, LONE_USER)[0], "serves")
+
+    def test_with_any_memory_it_serves_or_says_why_not(self):
+        ended = {}
+        for mebibytes in range(250, 1001, 125):
+            code, errors = self.start({resource.RLIMIT_AS: mebibytes * MIB})
+            ended[mebibytes] = code
+            if code == "serves":
+                for name in os.listdir(self.folder_of_store):
+                    os.remove(os.path.join(self.folder_of_store, name))
+                continue
+            self.assertEqual(code, 1, f"{mebibytes} MiB: {errors}")
+            self.assertIn("ulimit -v", errors)
+            self.assertEqual(os.listdir(self.folder_of_store), [])
+        print(f"\naddress space in MiB, and how it ended: {ended}")
+        self.assertIn("serves", ended.values())
+        self.assertIn(1, ended.values())
+
+
+class Running(unittest.TestCase):
+    def test_calls_fail_for_lack_of_memory_and_the_server_goes_on(self):
+        failed = []
+        with tempfile.TemporaryDirectory() as folder:
+            walk, small = folder + "/walk.bvh", folder + "/small.bvh"
+            write_walk(small)
+            write_walk(walk, frames=400_000)
+            with open(walk, "rb") as file:
+                text = file.read()
+            # The same content is stored once only: their first frames differ.
+            large = [f"{folder}/large{i}.bvh" for i in range(8)]
+            for i, name in enumerate(large):
+                with open(name, "wb") as file:
+                    file.write(text.replace(b"\n0 80 0 ", b"\n0 80.%d 0 " % (i + 1), 1))
+            for mebibytes in (900, 700):
+                server = Server(f"{folder}/{mebibytes}.db", "--http-listen", "none",
+                                address_space=mebibytes * MIB)
+                self.addCleanup(lambda server=server: server.process.poll() is not None
+                                or server.stop())
+                failed += self.ingest_together(server, large)
+                self.assertIsNone(server.process.poll(), "the server has ended")
+                latest = time.monotonic() + 30 * programs.SLOWNESS
+                while (result := server.run("ingest", "walks", small)).returncode != 0:
+                    self.assertLess(time.monotonic(), latest, result.stderr)
+                self.assertTrue(server.ask("recognize", "walks", small))
+                self.assertEqual(server.stop(), 0)
+        self.assertTrue(failed, "memory did not run out")
+        for error in failed:
+            self.assertIn("memory", error)
+
+    def ingest_together(self, server, files):
+        """The errors of those ingests that failed."""
+        server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
+        results = []
+        threads = [threading.Thread(target=lambda file=file: results.append(
+            server.run("ingest", "walks", file))) for file in files]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        errors = [result.stderr for result in results if result.returncode != 0]
+        print(f"\n{len(errors)} of {len(files)} ingests of {os.path.getsize(files[0]) / MIB:.0f} MiB "
+              f"failed: {errors[:1]}")
+        return errors
+
+
+if __name__ == "__main__":
+    programs.main()

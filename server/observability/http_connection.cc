@@ -23,6 +23,12 @@ HttpAnswer Refusal(http::status status, std::string why) {
   return {.status = static_cast<unsigned>(status), .body = std::move(why) + "\n"};
 }
 
+// Unspecified where the client is gone already.
+boost::asio::ip::address AddressOf(const boost::asio::ip::tcp::socket& socket) {
+  beast::error_code error;
+  return socket.remote_endpoint(error).address();
+}
+
 // The answer to what is no request; nothing where the client is gone or was too slow, which is the
 // end without a word.
 std::optional<HttpAnswer> AnswerTo(beast::error_code error) {
@@ -43,7 +49,15 @@ std::optional<HttpAnswer> AnswerTo(beast::error_code error) {
 }  // namespace
 
 HttpConnection::HttpConnection(HttpConnectionHost& host, boost::asio::ip::tcp::socket socket)
-    : host_(host), stream_(std::move(socket)), buffer_(kHeaderLimit + kBodyLimit) {}
+    : host_(host),
+      address_(AddressOf(socket)),
+      stream_(std::move(socket)),
+      buffer_(kHeaderLimit + kBodyLimit) {}
+
+HttpConnection::~HttpConnection() {
+  // Without Close only where an exception, or the end of the server, dropped what it waited for.
+  if (!closed_) host_.OnClosed(*this);
+}
 
 void HttpConnection::Close() {
   if (std::exchange(closed_, true)) return;
@@ -86,8 +100,8 @@ void HttpConnection::Respond() {
     return Write(Refusal(http::status::method_not_allowed, "expected GET or HEAD"), keep_alive);
   }
   if (page->at_once) return Write(page->make(), keep_alive);
-  const bool is_coming =
-      host_.MakeElsewhere(*page, [self = shared_from_this(), keep_alive](HttpAnswer answer) {
+  const bool is_coming = host_.MakeElsewhere(
+      *page, address_, [self = shared_from_this(), keep_alive](HttpAnswer answer) {
         if (!self->closed_) self->Write(std::move(answer), keep_alive);
       });
   if (is_coming) return;

@@ -23,8 +23,9 @@ class HttpConnectionHost {
   // The page of a path; null where there is none.
   virtual const HttpPage* FindPage(std::string_view path) const = 0;
   // Makes a page elsewhere and brings the answer back to this thread. False, and nothing comes,
-  // where too many wait for pages already.
-  virtual bool MakeElsewhere(const HttpPage& page, std::function<void(HttpAnswer)> take) = 0;
+  // where too many wait for pages already, in all or at this client address.
+  virtual bool MakeElsewhere(const HttpPage& page, const boost::asio::ip::address& address,
+                             std::function<void(HttpAnswer)> take) = 0;
   virtual void OnClosed(HttpConnection& connection) = 0;
 };
 
@@ -32,8 +33,12 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   // The host must outlive the connection.
   HttpConnection(HttpConnectionHost& host, boost::asio::ip::tcp::socket socket);
+  ~HttpConnection();
+  HttpConnection(const HttpConnection&) = delete;
+  HttpConnection& operator=(const HttpConnection&) = delete;
 
   void Start() { Read(); }
+  const boost::asio::ip::address& address() const { return address_; }
   // Ends it at once.
   void Close();
 
@@ -53,6 +58,7 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void AwaitEnd();
 
   HttpConnectionHost& host_;
+  const boost::asio::ip::address address_;  // of the client
   boost::beast::tcp_stream stream_;
   boost::beast::flat_buffer buffer_;
   std::optional<boost::beast::http::request_parser<boost::beast::http::string_body>> parser_;

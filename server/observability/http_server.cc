@@ -7,14 +7,13 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <map>
-#include <thread>
 #include <unordered_set>
 #include <utility>
 #include <vector>
 
 #include "core/motion/error.h"
+#include "server/engine/thread_pool.h"
 #include "server/observability/http_connection.h"
 #include "server/observability/listen_on.h"
 
@@ -35,9 +34,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
       : pages_(std::move(pages)), limits_(limits) {}
 
   ~BeastHttpServer() override {
-    makers_.join();
-    context_.stop();
-    if (talker_.joinable()) talker_.join();
+    makers_.Join();
+    talker_.Stop();
   }
 
   absl::Status Listen(const std::string& listen) {
@@ -48,7 +46,6 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     address_ = fmt::format("{}:{}", listen.substr(0, listen.rfind(':')),
                            acceptor_.local_endpoint().port());
     Accept();
-    talker_ = std::thread([this] { context_.run(); });
     return absl::OkStatus();
   }
 
@@ -62,15 +59,22 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     return found == pages_.end() ? nullptr : &found->second;
   }
 
-  bool MakeElsewhere(const HttpPage& page, Take take) override {
-    // Half are left to pages made at once: those who wait here cannot be made to make room.
+  bool MakeElsewhere(const HttpPage& page, const asio::ip::address& address, Take take) override {
+    // Half are left to pages made at once: those who wait here cannot be made to make room. Half of
+    // the rest is left to other addresses.
     if (waiting_ >= std::max(1, limits_.connections / 2)) return false;
+    const auto waiting_there = waiting_by_address_.find(address);
+    if (waiting_there != waiting_by_address_.end() &&
+        waiting_there->second >= std::max(1, limits_.connections / 4)) {
+      return false;
+    }
     ++waiting_;
-    std::vector<Take>& takers = takers_[&page];
-    takers.push_back(std::move(take));
+    ++waiting_by_address_[address];
+    std::vector<Taker>& takers = takers_[&page];
+    takers.push_back({address, std::move(take)});
     if (takers.size() > 1) return true;
-    asio::post(makers_, [this, &page] {
-      asio::post(context_, [this, &page, answer = page.make()] { Hand(page, answer); });
+    asio::post(makers_.executor(), [this, &page] {
+      asio::post(talker_.executor(), [this, &page, answer = page.make()] { Hand(page, answer); });
     });
     return true;
   }
@@ -87,16 +91,20 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
         });
         return;
       }
-      Admit(std::move(socket));
       Accept();
+      Admit(std::move(socket));
     });
   }
 
   // Gives all who asked for a page while it was made what came of it.
   void Hand(const HttpPage& page, const HttpAnswer& answer) {
-    const std::vector<Take> takers = std::exchange(takers_[&page], {});
+    const std::vector<Taker> takers = std::exchange(takers_[&page], {});
     waiting_ -= static_cast<int>(takers.size());
-    for (const Take& take : takers) take(answer);
+    for (const Taker& taker : takers) {
+      const auto waiting_there = waiting_by_address_.find(taker.address);
+      if (--waiting_there->second == 0) waiting_by_address_.erase(waiting_there);
+    }
+    for (const Taker& taker : takers) taker.take(answer);
   }
 
   void Admit(tcp::socket socket) {
@@ -106,14 +114,22 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     connection->Start();
   }
 
-  // Closes the connection that has kept us waiting longest. False where each waits for us.
+  // Closes the connection that has kept us waiting longest, of the address that has most
+  // connections: a client at an address of its own keeps its place. False where each waits for us.
   bool MakeRoom() {
+    std::map<asio::ip::address, int> counts;
+    for (const HttpConnection* const connection : connections_) ++counts[connection->address()];
     HttpConnection* slowest = nullptr;
     for (HttpConnection* const connection : connections_) {
       if (!connection->waiting_since()) continue;
-      if (slowest == nullptr || *connection->waiting_since() < *slowest->waiting_since()) {
+      if (slowest == nullptr) {
         slowest = connection;
+        continue;
       }
+      const int count = counts[connection->address()];
+      const int most = counts[slowest->address()];
+      const bool is_slower = *connection->waiting_since() < *slowest->waiting_since();
+      if (count > most || (count == most && is_slower)) slowest = connection;
     }
     if (slowest == nullptr) return false;
     slowest->Close();
@@ -124,15 +140,19 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   const HttpLimits limits_;
   std::string address_;
   bool is_loopback_ = false;
-  // Each is kept by what it waits for. Before the context, which ends what they wait for.
+  // Each is kept by what it waits for. Before the threads, which end what they wait for.
   std::unordered_set<HttpConnection*> connections_;
-  asio::io_context context_;
-  std::map<const HttpPage*, std::vector<Take>> takers_;  // of each page that is being made
-  int waiting_ = 0;                                      // of them all
-  tcp::acceptor acceptor_{context_};
-  asio::steady_timer rest_{context_};
-  asio::thread_pool makers_{1};
-  std::thread talker_;
+  ThreadPool talker_{1};
+  struct Taker {
+    asio::ip::address address;
+    Take take;
+  };
+  std::map<const HttpPage*, std::vector<Taker>> takers_;  // of each page that is being made
+  int waiting_ = 0;                                       // of them all
+  std::map<asio::ip::address, int> waiting_by_address_;
+  tcp::acceptor acceptor_{talker_.context()};
+  asio::steady_timer rest_{talker_.context()};
+  ThreadPool makers_{1};
 };
 
 }  // namespace

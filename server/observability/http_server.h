@@ -4,10 +4,11 @@
 //
 // What a client may cost is bounded: the size of a request, the time until it is whole and until
 // its answer is taken, and the connections at a time. At the limit the one that has kept the server
-// waiting longest makes room, so clients that send slowly, nothing or garbage lock nobody out.
+// waiting longest makes room, of those of the address that has most connections, so clients that
+// send slowly, nothing or garbage lock nobody out.
 // A page that takes time is made once for all who ask meanwhile, and half of the connections may
-// wait for such pages, further requests being refused (503): however long one takes, pages made at
-// once are answered.
+// wait for such pages, a quarter from one address, further requests being refused (503): however
+// long one takes, pages made at once are answered.
 #pragma once
 
 #include <chrono>

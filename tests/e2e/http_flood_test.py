@@ -1,0 +1,156 @@
+#!/usr/bin/python3
+"""The HTTP port while eight clients try to keep others out: probes are answered, and memory stays small.
+
+    http_flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER
+"""
+
+import http.client
+import multiprocessing
+import os
+import selectors
+import socket
+import tempfile
+import time
+import unittest
+
+import programs
+from programs import Server
+
+MIB = 1 << 20
+ATTACKER, PROBE = "127.0.0.2", "127.0.0.3"
+SECONDS = 3.0
+LONGEST_ANSWER = 0.25 * programs.SLOWNESS
+GET = b"GET /metrics HTTP/1.1\r\nHost: test\r\n\r\n"
+
+
+def connect(port):
+    return socket.create_connection(("127.0.0.1", port), timeout=5, source_address=(ATTACKER, 0))
+
+
+def slow_headers(port):
+    """Holds as many connections as it gets, and sends each a few bytes at a time."""
+    held = []
+    while True:
+        if len(held) < 100:
+            held.append(connect(port))
+            held[-1].sendall(b"GET /readyz HTTP/1.1\r\n")
+        for one in held[:]:
+            try:
+                one.sendall(b"X: y\r\n")
+            except OSError:
+                one.close()
+                held.remove(one)
+        time.sleep(0.01)
+
+
+def large_headers(port):
+    while True:
+        with connect(port) as one:
+            one.sendall(b"GET /readyz HTTP/1.1\r\n")
+            for _ in range(1000):
+                one.sendall(b"X: " + b"x" * 1000 + b"\r\n")
+
+
+def many_connections(port):
+    held = []
+    while True:
+        held.append(connect(port))
+        if len(held) > 200:
+            held.pop(0).close()
+
+
+def pipelined(port):
+    """Requests without end, whose answers it never reads."""
+    while True:
+        with connect(port) as one:
+            while True:
+                one.sendall(50 * GET)
+
+
+def fast(port):
+    """Requests and answers as fast as they go."""
+    while True:
+        with connect(port) as one:
+            while True:
+                one.sendall(GET)
+                if not one.recv(1 << 20):
+                    break
+
+
+def many_askers(port):
+    """Many connections that always wait for a page."""
+    asking = selectors.DefaultSelector()
+    while True:
+        while len(asking.get_map()) < 64:
+            one = connect(port)
+            one.sendall(GET)
+            asking.register(one, selectors.EVENT_READ)
+        for key, _ in asking.select():
+            try:
+                if key.fileobj.recv(1 << 20):
+                    key.fileobj.sendall(GET)
+                    continue
+            except OSError:
+                pass
+            asking.unregister(key.fileobj)
+            key.fileobj.close()
+
+
+def attack(kind, port):
+    os.nice(10)  # what others do elsewhere takes no processor time of the server's machine
+    while True:
+        try:
+            kind(port)
+        except OSError:
+            time.sleep(0.001)
+
+
+def resident(pid):
+    with open(f"/proc/{pid}/statm") as file:
+        return int(file.read().split()[1]) * os.sysconf("SC_PAGESIZE") / MIB
+
+
+class HttpFlood(unittest.TestCase):
+    def test_probes_are_answered_while_eight_clients_flood_the_port(self):
+        with tempfile.TemporaryDirectory() as folder:
+            server = Server(folder + "/motion.db", "--http-listen", "127.0.0.1:0")
+            self.addCleanup(lambda: server.process.poll() is not None or server.stop())
+            port = int(server.http.rsplit(":", 1)[1])
+            before = resident(server.process.pid)
+            kinds = [slow_headers, large_headers, many_connections, many_connections, pipelined,
+                     many_askers, many_askers, fast]
+            attackers = [multiprocessing.Process(target=attack, args=(kind, port), daemon=True)
+                         for kind in kinds]
+            for attacker in attackers:
+                attacker.start()
+            try:
+                time.sleep(0.5)  # until all work
+                times, most = [], 0.0
+                begin = time.monotonic()
+                while time.monotonic() - begin < SECONDS:
+                    page = ("/livez", "/readyz", "/metrics")[len(times) % 3]
+                    asked = time.monotonic()
+                    probe = http.client.HTTPConnection("127.0.0.1", port, timeout=5,
+                                                       source_address=(PROBE, 0))
+                    probe.request("GET", page)
+                    status = probe.getresponse().status
+                    probe.close()
+                    times.append(time.monotonic() - asked)
+                    self.assertEqual(status, 200, page)
+                    most = max(most, resident(server.process.pid))
+                    time.sleep(0.01)
+            finally:
+                for attacker in attackers:
+                    attacker.kill()
+                for attacker in attackers:
+                    attacker.join()
+            times.sort()
+            print(f"\n{len(times)} probes: half within {1000 * times[len(times) // 2]:.0f} ms, all within "
+                  f"{1000 * times[-1]:.0f} ms; memory {before:.0f} -> {most:.0f} MiB")
+            self.assertLess(times[-1], LONGEST_ANSWER)
+            self.assertLess(most - before, 32 if programs.SLOWNESS == 1 else 300)
+            self.assertEqual(server.stop(), 0)
+
+
+if __name__ == "__main__":
+    programs.main()

@@ -10,7 +10,12 @@
 
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
+<<<<<<< HEAD
 #include "server/http2/listener.h"
+=======
+#include "server/health_watch.h"
+#include "server/reset_guard.h"
+>>>>>>> 0735a9d (Not ready while the store accepts no additions; count failed writes)
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"
@@ -83,6 +88,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
     MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, tell_end));
   }
   MOTIONDB_RETURN_IF_ERROR(server->Listen(options, plan.reflection));
+  server->health_ =
+      std::make_unique<HealthWatch>(*server->engine_, *server->grpc_->GetHealthCheckService());
   return server;
 }
 
@@ -141,6 +148,7 @@ void Server::Drain(milliseconds grace) {
   if (grpc_ == nullptr) return;
   monitor_->SetPhase(Phase::kDraining);
   const auto latest = std::chrono::steady_clock::now() + grace;
+  health_.reset();
   grpc_->GetHealthCheckService()->Shutdown();
   host_->gate.Close();
   // Calls that wait for an operation end with this, and builds stop.

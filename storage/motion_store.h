@@ -8,6 +8,7 @@
 // RESOURCE_EXHAUSTED (disk).
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -28,6 +29,16 @@ namespace motiondb::storage {
 struct Page {
   std::string after;
   int limit = 100;
+};
+
+// Writes that failed since the store was opened, by cause.
+struct WriteFailures {
+  std::int64_t no_space = 0;    // no room on the disk, or no memory
+  std::int64_t io_error = 0;    // the disk, or the file is gone or read-only
+  std::int64_t corruption = 0;  // what is stored cannot be read
+  std::int64_t other = 0;
+
+  std::int64_t total() const { return no_space + io_error + corruption + other; }
 };
 
 class MotionStore {
@@ -125,6 +136,12 @@ class MotionStore {
   virtual absl::StatusOr<std::vector<OperationRecord>> ListOperations(const std::string& database,
                                                                       const std::string& before,
                                                                       int limit) = 0;
+
+  // OK if additions are accepted. RESOURCE_EXHAUSTED (the disk lacks room), UNAVAILABLE (the file
+  // is gone, or the disk fails), or what a write failed with. Once a second at most it tries a
+  // small write, if the last write failed or the disk lacks room; it takes as long as that.
+  virtual absl::Status CheckWrites() = 0;
+  virtual WriteFailures write_failures() const = 0;
 
   // Tokens and the record of changes, kept with the motion; as long-lived as this store.
   virtual AccessStore& access() = 0;

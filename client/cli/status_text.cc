@@ -39,6 +39,12 @@ std::string ConnectionText(const v1::GetServerStatusResponse& status) {
                                             : "anybody who reaches it may do anything");
 }
 
+std::string ServingText(const v1::GetServerStatusResponse& status) {
+  if (!status.serving()) return "draining";
+  if (status.not_ready_reason().empty()) return "serving";
+  return fmt::format("serving, but not ready: {}", status.not_ready_reason());
+}
+
 std::string CallsText(const v1::GetServerStatusResponse& status) {
   return fmt::format("{} ended, {} of them failed by the server's fault; {} under way",
                      status.call_count(), status.failed_call_count(), status.open_call_count());
@@ -53,6 +59,15 @@ std::string WorkText(const v1::DatabaseStatus& database) {
                      database.progress() * 100, database.stage());
 }
 
+std::string WaitingText(const v1::GetServerStatusResponse& status) {
+  std::string text =
+      fmt::format("{}, of {} threads", status.queued_call_count(), status.request_thread_count());
+  if (status.running_heavy_call_count() > 0) {
+    text += "; " + CountText(status.running_heavy_call_count(), "heavy call") + " running";
+  }
+  return text;
+}
+
 std::string ProcessText(const v1::GetServerStatusResponse& status) {
   return fmt::format("{} of memory, {} of CPU time, {} threads, {} of {} files open",
                      BytesText(status.memory_bytes()), DurationText(status.cpu_time().seconds()),
@@ -62,6 +77,9 @@ std::string ProcessText(const v1::GetServerStatusResponse& status) {
 std::string StoreText(const v1::GetServerStatusResponse& status) {
   std::string text =
       fmt::format("{}, log {}", BytesText(status.store_bytes()), BytesText(status.log_bytes()));
+  if (status.failed_write_count() > 0) {
+    text += ", " + CountText(status.failed_write_count(), "failed write");
+  }
   if (status.disk_bytes() == 0) return text;  // not known, or told by an older server
   return text + fmt::format("; {} of {} free on its disk", BytesText(status.disk_free_bytes()),
                             BytesText(status.disk_bytes()));
@@ -214,14 +232,12 @@ std::string BytesText(std::int64_t bytes) {
 
 std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t now_us) {
   Table table({{""}, {""}});
-  table.AddRow({"motiondbd", fmt::format("{}, {}", status.version(),
-                                         status.serving() ? "serving" : "draining")});
+  table.AddRow({"motiondbd", fmt::format("{}, {}", status.version(), ServingText(status))});
   table.AddRow({"up", DurationText(now_us / 1'000'000 - status.start_time().seconds())});
   table.AddRow({"connections", ConnectionText(status)});
   table.AddRow({"calls", CallsText(status)});
   table.AddRow({"streams of frames", std::to_string(status.open_stream_count())});
-  table.AddRow({"waiting for a thread", fmt::format("{}, of {} threads", status.queued_call_count(),
-                                                    status.request_thread_count())});
+  table.AddRow({"waiting for a thread", WaitingText(status)});
   table.AddRow({"without a good token", CountText(status.authentication_failure_count(), "call")});
   table.AddRow({"process", ProcessText(status)});
   table.AddRow({"store", StoreText(status)});

@@ -82,6 +82,8 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Put({{"queue", "upkeep"}}, figures.queued.upkeep);
   families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that work on requests.",
                figures.request_threads);
+  families.Add(MetricType::Gauge, "motiondb_running_heavy_calls",
+               "Heavy calls that have a thread or are next for one.", figures.running_heavy_calls);
   families.Add(MetricType::Gauge, "motiondb_store_bytes", "Size of the store's file.",
                static_cast<double>(figures.store_bytes));
   families.Add(MetricType::Gauge, "motiondb_log_bytes", "Size of the store's write-ahead log.",
@@ -94,6 +96,18 @@ void AddServer(const ServerFigures& figures, Families& families) {
       "When the first certificate that connections need ends, the server's or its clients' "
       "authority's, in seconds since the Unix epoch; 0 without TLS.",
       static_cast<double>(figures.certificate_end_time_s));
+}
+
+void AddWriteFailures(const ServerFigures& figures, Families& families) {
+  families.Begin(MetricType::Counter, "motiondb_store_failed_writes_total",
+                 "Writes of the store that failed since the start, by reason.");
+  const auto put = [&](const char* reason, std::int64_t count) {
+    families.Put({{"reason", reason}}, static_cast<double>(count));
+  };
+  put("no_space", figures.write_failures.no_space);
+  put("io_error", figures.write_failures.io_error);
+  put("corruption", figures.write_failures.corruption);
+  put("other", figures.write_failures.other);
 }
 
 // Without series while the store is not there yet.
@@ -193,6 +207,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
 std::vector<MetricFamily> FamiliesOf(const ServerFigures& figures) {
   Families families;
   AddServer(figures, families);
+  AddWriteFailures(figures, families);
   AddDisk(figures, families);
   AddDatabases(figures, families);
   AddRebuilds(figures, families);

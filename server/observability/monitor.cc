@@ -88,6 +88,8 @@ ServerFigures Monitor::Figures() const {
   if (engine_ == nullptr) return figures;
   figures.queued = engine_->workers().queued();
   figures.request_threads = engine_->workers().request_threads();
+  figures.running_heavy_calls = engine_->workers().running_heavy();
+  figures.write_failures = engine_->store().write_failures();
   figures.damages = engine_->damages();
   for (const auto& database : engine_->Databases()) {
     figures.databases.push_back(FiguresOf(*engine_, *database));
@@ -103,13 +105,14 @@ Readiness Monitor::CheckReadiness() const {
     return {false, "starting: models are being read"};
   }
   storage::MotionStore& store = engine_->store();
-  if (const absl::Status file = store.upkeep().CheckFile(); !file.ok()) {
-    return {false, std::string(file.message())};
-  }
   const auto read = store.ListDatabases({.limit = 1});
   if (!read.ok()) {
     return {false,
             fmt::format("the store cannot be read: {}", std::string(read.status().message()))};
+  }
+  if (const absl::Status writes = store.CheckWrites(); !writes.ok()) {
+    return {false, fmt::format("queries are answered, but nothing is stored: {}",
+                               std::string(writes.message()))};
   }
   return {true, "ready"};
 }

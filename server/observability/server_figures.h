@@ -11,6 +11,7 @@
 #include "server/engine/workers.h"
 #include "server/observability/call_meter.h"
 #include "server/observability/process_figures.h"
+#include "storage/motion_store.h"
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
 
@@ -47,6 +48,8 @@ struct ServerFigures {
   int open_streams = 0;
   QueueLengths queued;
   int request_threads = 0;
+  int running_heavy_calls = 0;
+  storage::WriteFailures write_failures;
   ProcessFigures process;
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;

@@ -84,6 +84,11 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   SetProcess(figures.process, response);
   response.set_store_bytes(figures.store_bytes);
   response.set_log_bytes(figures.log_bytes);
+  response.set_failed_write_count(figures.write_failures.total());
+  response.set_running_heavy_call_count(figures.running_heavy_calls);
+  if (const Readiness readiness = call.monitor.CheckReadiness(); !readiness.ready) {
+    response.set_not_ready_reason(readiness.reason);
+  }
   response.set_disk_bytes(figures.disk_bytes);
   response.set_disk_free_bytes(figures.disk_free_bytes);
   for (const DatabaseFigures& database : figures.databases) {

@@ -25,6 +25,12 @@ absl::StatusOr<ClipRecord> InsertWithRecord(Connection& connection, const NewCli
 }  // namespace
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
+  auto added = AddClipInTurn(clip);
+  write_health_.Note(added.status());
+  return added;
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::AddClipInTurn(const NewClip& clip) {
   Addition own{&clip, std::nullopt};
   {
     const std::lock_guard lock(additions_mutex_);

@@ -58,6 +58,12 @@ absl::Status DiskReserve::Check(Connection& writer, std::int64_t added_bytes) co
       Mebibytes(bytes_)));
 }
 
+bool DiskReserve::IsLeft() const {
+  struct statvfs disk {};
+  if (is_off() || statvfs(path_.c_str(), &disk) != 0) return true;
+  return static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize) > bytes_;
+}
+
 void DiskReserve::GiveBack(Connection& writer) const {
   if (is_off()) return;
   const auto room = Look(writer);

@@ -22,6 +22,10 @@ class DiskReserve {
   // is in no transaction.
   absl::Status Check(Connection& writer, std::int64_t added_bytes) const;
 
+  // Whether the disk has more room than the reserve: if not, every addition is refused. Looks at
+  // the disk alone, so any thread may call it. True if that cannot be seen.
+  bool IsLeft() const;
+
   // Empties the log where less is free than the reserve, so that what deletions take of that is
   // given back by the next one. REQUIRES: as above.
   void GiveBack(Connection& writer) const;

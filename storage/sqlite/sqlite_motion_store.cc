@@ -83,7 +83,9 @@ auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled
   using Result = std::invoke_result_t<Work, Connection&>;
   std::unique_lock lock(writer_mutex_, std::defer_lock);
   if (absl::Status turn = Lock(lock, cancelled); !turn.ok()) return Result(std::move(turn));
-  return WriteHolding(work, added);
+  Result written = WriteHolding(work, added);
+  write_health_.Note(StatusOf(written));
+  return written;
 }
 
 template <typename Work>
@@ -315,6 +317,26 @@ absl::Status SqliteMotionStore::CheckFile() {
       "the store's file {}: nothing is changed any more, since it would be lost; put the file "
       "back, or stop the server and restore a backup",
       std::string(same.message())));
+}
+
+absl::Status SqliteMotionStore::CheckWrites() {
+  MOTIONDB_RETURN_IF_ERROR(CheckFile());
+  if (!write_health_.is_suspect() && reserve_.IsLeft()) return absl::OkStatus();
+  return write_health_.Try([this] { return TryWriting(); });
+}
+
+absl::Status SqliteMotionStore::TryWriting() {
+  // What a small clip takes in the log and in the file.
+  constexpr std::int64_t kAddedBytes = 256 << 10;
+  constexpr std::chrono::seconds kLongestWait{1};
+  std::unique_lock lock(writer_mutex_, std::defer_lock);
+  const auto latest = std::chrono::steady_clock::now() + kLongestWait;
+  MOTIONDB_RETURN_IF_ERROR(Lock(lock, [&] { return std::chrono::steady_clock::now() > latest; }));
+  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, kAddedBytes));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto version, writer_->QueryInteger("PRAGMA user_version"));
+  return InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
+    return connection.Execute(fmt::format("PRAGMA user_version = {}", version));
+  });
 }
 
 absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(

@@ -23,6 +23,7 @@
 #include "storage/sqlite/reader_pool.h"
 #include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
+#include "storage/sqlite/write_health.h"
 
 namespace motiondb::storage {
 
@@ -90,6 +91,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                                                               const std::string& before,
                                                               int limit) override;
 
+  absl::Status CheckWrites() override;
+  WriteFailures write_failures() const override { return write_health_.failures(); }
+
   AccessStore& access() override { return *this; }
   absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) override;
   absl::StatusOr<TokenRecord> GetToken(const std::string& id) override;
@@ -149,6 +153,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     // Who took it up has ended, and so it stays. Guarded by additions_mutex_.
     bool is_over = false;
   };
+  // AddClip, but for counting failures.
+  absl::StatusOr<ClipRecord> AddClipInTurn(const NewClip& clip);
   // False: somebody has taken it up, and will write it.
   bool Withdraw(const Addition& addition);
   // Both REQUIRE: writer_mutex_ is held. An addition is told what became of it only when that is so
@@ -156,6 +162,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   bool AddInOne(const std::vector<Addition*>& additions);
   // Each in a transaction of its own; what `own`, one of them, throws is thrown on.
   void AddEach(const std::vector<Addition*>& additions, const Addition& own);
+
+  // Writes a page that stays as it is. CANCELLED if another write takes long.
+  absl::Status TryWriting();
 
   // Makes the checked store of a backup this store's own.
   absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
@@ -169,6 +178,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
   std::function<std::int64_t()> now_us_;
+  WriteHealth write_health_;
   std::mutex additions_mutex_;        // never held while writer_mutex_ is waited for
   std::vector<Addition*> additions_;  // that nobody has taken up
   std::condition_variable additions_over_;

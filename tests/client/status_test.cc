@@ -142,6 +142,18 @@ TEST_CASE("StatusText: until when the certificate holds", "[client][cli]") {
                "anybody"));
 }
 
+TEST_CASE("StatusText: writes that fail, and heavy calls", "[client][cli]") {
+  v1::GetServerStatusResponse status = SomeStatus();
+  status.set_not_ready_reason("queries are answered, but nothing is stored: the disk is full");
+  status.set_failed_write_count(1);
+  status.set_running_heavy_call_count(2);
+  const std::string text = StatusText(status, 0);
+  CHECK_THAT(text, Contains("0.1.0, serving, but not ready: queries are answered, but nothing is "
+                            "stored: the disk is full\n"));
+  CHECK_THAT(text, Contains("log 0 B, 1 failed write; "));
+  CHECK_THAT(text, Contains("4, of 2 threads; 2 heavy calls running\n"));
+}
+
 TEST_CASE("StatusText: a disk of which nothing is known is not mentioned", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_disk_bytes();

@@ -117,9 +117,11 @@ void CheckHealth(const std::shared_ptr<grpc::GenericStub>& stub, bool wait_for_r
 }
 
 void Recognize(const std::shared_ptr<v1::QueryService::Stub>& stub,
-               const v1::RecognizeRequest& request, Latencies& latencies) {
+               const v1::RecognizeRequest& request, const std::string& token,
+               Latencies& latencies) {
   using RecognizeCall = Call<v1::QueryService::Stub, v1::RecognizeRequest, v1::RecognizeResponse>;
   const auto call = std::make_shared<RecognizeCall>(stub, request);
+  if (!token.empty()) call->context.AddMetadata("authorization", "Bearer " + token);
   latencies.Begin();
   const auto begin = Clock::now();
   stub->async()->Recognize(
@@ -171,7 +173,9 @@ void Run(const client::ClientOptions& options, const std::string& database,
   const auto health_stub = std::make_shared<grpc::GenericStub>(channel);
   const std::shared_ptr<v1::QueryService::Stub> query_stub = v1::QueryService::NewStub(channel);
   Latencies warm_up, health, recognize, connect;
-  for (const v1::RecognizeRequest& request : requests) Recognize(query_stub, request, warm_up);
+  for (const v1::RecognizeRequest& request : requests) {
+    Recognize(query_stub, request, options.token, warm_up);
+  }
   const nlohmann::json warmed_up = warm_up.Summary();
   if (warmed_up["failures"] != 0) throw std::runtime_error(warmed_up.dump());
   fmt::print("ready\n");
@@ -182,7 +186,7 @@ void Run(const client::ClientOptions& options, const std::string& database,
     CheckHealth(health_stub, false, health);
     if (tick % kTicksPerRecognize == 0) {
       const auto number = static_cast<std::size_t>(tick / kTicksPerRecognize);
-      Recognize(query_stub, requests[number % requests.size()], recognize);
+      Recognize(query_stub, requests[number % requests.size()], options.token, recognize);
     }
     if (tick % kTicksPerConnect == kTicksPerConnect / 2) {
       CheckHealth(std::make_shared<grpc::GenericStub>(NewChannel(options)), true, connect);

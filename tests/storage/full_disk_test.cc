@@ -3,10 +3,12 @@
 
 #include <catch2/catch.hpp>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
 
 #include "storage/sqlite/store_file.h"
 #include "tests/storage/require_ok.h"
@@ -96,6 +98,39 @@ TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve ca
     CHECK(Fill(*store, 200) >= count - 1);
     REQUIRE(Findings(*store).empty());
   }
+}
+
+TEST_CASE("SqliteMotionStore: says that a full disk refuses additions, until there is room",
+          "[storage][full]") {
+  const SmallFileSystem disk(32);
+  if (!disk.IsThere()) return;
+  const auto store = Require(storage::SqliteMotionStore::Open(disk / "store.db", WithReserve(8)));
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->AddClip(LargeClip(1)));
+  REQUIRE_OK(store->CheckWrites());
+  CHECK(store->write_failures().total() == 0);
+  // Others take the disk: no write has failed yet.
+  std::ofstream(disk / "other", std::ios::binary) << std::string(24 * kMegabyte, 'x');
+  REQUIRE_ERROR(store->CheckWrites(), absl::StatusCode::kResourceExhausted, "--disk-reserve-mib");
+  REQUIRE_ERROR(store->AddClip(LargeClip(2)), absl::StatusCode::kResourceExhausted, "");
+  REQUIRE_ERROR(store->CheckWrites(), absl::StatusCode::kResourceExhausted, "--disk-reserve-mib");
+  CHECK(store->write_failures().no_space == 1);
+  CHECK(store->write_failures().total() == 1);
+  REQUIRE_OK(store->DeleteClip("d", "large-1"));
+  std::filesystem::remove(disk / "other");
+  // At the next trial, a second later at most.
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!store->CheckWrites().ok()) {
+    REQUIRE(std::chrono::steady_clock::now() < latest);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  REQUIRE_OK(store->AddClip(LargeClip(2)));
+  CHECK(store->write_failures().total() == 1);
+  // What the request is wrong about is no failure of the store.
+  REQUIRE(!store->DeleteClip("d", "none").ok());
+  REQUIRE(!store->CreateDatabase(SampleDatabase("d")).ok());
+  CHECK(store->write_failures().total() == 1);
+  REQUIRE(Findings(*store).empty());
 }
 
 TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as long as that lasts",

@@ -43,6 +43,8 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::Status DeleteDatabase(const std::string& database,
                               const storage::ChangeTerms& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
+  absl::Status CheckWrites() override { return absl::OkStatus(); }
+  storage::WriteFailures write_failures() const override { return {}; }
 
   absl::StatusOr<storage::ClipRecord> AddClip(const storage::NewClip& clip) override;
   absl::StatusOr<storage::ClipRecord> GetClip(const std::string& database,

@@ -157,6 +157,11 @@ class GatedStore : public storage::MotionStore {
                                                                        int limit) override {
     return store_->ListOperations(database, before, limit);
   }
+  absl::Status CheckWrites() override {
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->CheckWrites();
+  }
+  storage::WriteFailures write_failures() const override { return store_->write_failures(); }
   storage::AccessStore& access() override { return store_->access(); }
   storage::StoreUpkeep& upkeep() override {
     gate_->Pass();

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/server.h"
+#include "tests/support/full_disk.h"
 #include "tests/support/gated_store.h"
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
@@ -41,6 +42,7 @@ class TestServer {
   // What the next Start begins with.
   server::ServerOptions& options() { return options_; }
   Gate& gate() { return *gate_; }
+  FullDisk& disk() { return *disk_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
   // Another, with a connection of its own.
   std::shared_ptr<grpc::Channel> NewChannel() const;
@@ -69,6 +71,7 @@ class TestServer {
   server::ServerOptions options_;
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
 };

@@ -55,6 +55,19 @@ TEST_CASE("MetricFamilies: the disk, once it is known", "[server][metrics]") {
       Contains("motiondb_disk_bytes 1073741824\n") && Contains("motiondb_disk_free_bytes 0\n"));
 }
 
+TEST_CASE("MetricFamilies: failed writes by reason, and heavy calls", "[server][metrics]") {
+  CHECK_THAT(Text({}), Contains("motiondb_store_failed_writes_total{reason=\"no_space\"} 0\n") &&
+                           Contains("motiondb_running_heavy_calls 0\n"));
+  const std::string text =
+      Text({.running_heavy_calls = 2,
+            .write_failures = {.no_space = 4, .io_error = 3, .corruption = 2, .other = 1}});
+  CHECK_THAT(text, Contains("motiondb_store_failed_writes_total{reason=\"no_space\"} 4\n") &&
+                       Contains("motiondb_store_failed_writes_total{reason=\"io_error\"} 3\n") &&
+                       Contains("motiondb_store_failed_writes_total{reason=\"corruption\"} 2\n") &&
+                       Contains("motiondb_store_failed_writes_total{reason=\"other\"} 1\n") &&
+                       Contains("motiondb_running_heavy_calls 2\n"));
+}
+
 TEST_CASE("MetricFamilies: the end of the certificate, 0 without one", "[server][metrics]") {
   CHECK_THAT(Text({}), Contains("motiondb_certificate_end_time_seconds 0\n"));
   CHECK_THAT(Text({.certificate_end_time_s = 1'800'000'000}),

@@ -108,6 +108,36 @@ TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
           Contains("motiondb_open_requests 0\n") && Contains("motiondb_open_streams 0\n"));
 }
 
+TEST_CASE("Health: a store that accepts nothing stops the services that add, until it does",
+          "[server][status]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  // Waits until the server as a whole has this health; the watch looks every second.
+  const auto await_health = [&](const std::string& health) {
+    const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+    while (CheckHealth(server).bytes != health) {
+      REQUIRE(std::chrono::steady_clock::now() < latest);
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+  };
+  CHECK(CheckHealth(server).bytes == kServing);
+  CHECK(StatusOf(server).not_ready_reason().empty());
+  server.disk().Set(FullDisk::Lacks::kRoom);
+  await_health(kNotServing);
+  for (const std::string& service : ListOwnServices(server)) {
+    CAPTURE(service);
+    const bool adds = service.ends_with(".ClipService") || service.ends_with(".DatabaseService");
+    CHECK(CheckHealth(server, service).bytes == (adds ? kNotServing : kServing));
+  }
+  CHECK_THAT(StatusOf(server).not_ready_reason(),
+             Contains("nothing is stored") && Contains("disk is full"));
+  CHECK(!server.server().monitor().CheckReadiness().ready);
+  server.disk().Set(FullDisk::Lacks::kNothing);
+  await_health(kServing);
+  CHECK(CheckHealth(server, "motiondb.v1.ClipService").bytes == kServing);
+  CHECK(server.server().monitor().CheckReadiness().ready);
+}
+
 TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
   TestServer server;
   server.CreateDatabase("db");

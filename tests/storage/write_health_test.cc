@@ -1,0 +1,56 @@
+// A store on a disk that fails says so, counts the failures, and finds out that it works again.
+#include <catch2/catch.hpp>
+#include <chrono>
+#include <thread>
+
+#include "tests/storage/fault_disk.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_file.h"
+#include "tests/support/temporary_directory.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Fault = FaultDisk::Fault;
+
+// The next trial is a second away at most.
+void AwaitWrites(storage::MotionStore& store) {
+  const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
+  while (!store.CheckWrites().ok()) {
+    REQUIRE(std::chrono::steady_clock::now() < latest);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("WriteHealth: a disk that fails, and works again without a write of anybody",
+          "[storage][fault]") {
+  const TemporaryDirectory folder;
+  FaultDisk disk;
+  const auto store =
+      Require(storage::SqliteMotionStore::Open(folder / "store.db", {.vfs = FaultDisk::kVfs}));
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->CheckWrites());
+
+  // One write goes wrong: the trial shows that it was that one alone.
+  disk.Arm(Fault::kError, 1);
+  REQUIRE_ERROR(store->AddClip(SampleClip("d", "walk", 1)), absl::StatusCode::kUnavailable, "");
+  CHECK(store->write_failures().io_error == 1);
+  AwaitWrites(*store);
+
+  disk.Arm(Fault::kFull, 1);
+  REQUIRE_ERROR(store->AddClip(SampleClip("d", "walk", 1)), absl::StatusCode::kResourceExhausted,
+                "full");
+  CHECK(store->write_failures().no_space == 1);
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));
+  REQUIRE_ERROR(store->CheckWrites(), absl::StatusCode::kResourceExhausted, "full");
+  disk.Clear();
+  AwaitWrites(*store);
+  // Trials are not counted.
+  CHECK(store->write_failures().total() == 2);
+  REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+}
+
+}  // namespace motiondb::tests

@@ -10,12 +10,8 @@
 
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-<<<<<<< HEAD
-#include "server/http2/listener.h"
-=======
 #include "server/health_watch.h"
-#include "server/reset_guard.h"
->>>>>>> 0735a9d (Not ready while the store accepts no additions; count failed writes)
+#include "server/http2/listener.h"
 #include "server/rpc/method.h"
 #include "server/rpc/reflection.h"
 #include "server/rpc/services.h"

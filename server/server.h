@@ -22,12 +22,8 @@ namespace motiondb::server {
 
 struct CallHost;
 class FileWatch;
-<<<<<<< HEAD
-class Listener;
-=======
 class HealthWatch;
-class ResetGuard;
->>>>>>> 0735a9d (Not ready while the store accepts no additions; count failed writes)
+class Listener;
 class SilenceLimit;
 class Tls;
 
@@ -74,13 +70,8 @@ class Server {
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
-<<<<<<< HEAD
-  std::unique_ptr<Listener> listener_;
-=======
   std::unique_ptr<HealthWatch> health_;
-  std::unique_ptr<ConnectionAcceptor> acceptor_;
-  std::unique_ptr<ResetGuard> reset_guard_;
->>>>>>> 0735a9d (Not ready while the store accepts no additions; count failed writes)
+  std::unique_ptr<Listener> listener_;
   std::string address_;
 };
 

@@ -120,9 +120,13 @@ absl::Status ReadSurplus(TextScanner& scanner, int frames, std::string_view firs
                        Shown(line), NumbersOnLine(first_line, width));
 }
 
-absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
-                                       const std::vector<ChannelColumn>& columns,
-                                       std::vector<std::string>& notes) {
+std::string NumberOfFrame(std::size_t number, std::size_t width, int frame, int frames) {
+  return fmt::format("number {} of {} of frame {} of {}", number, width, frame, frames);
+}
+
+absl::StatusOr<JointMatrix> ReadNumbers(TextScanner& scanner, int frames,
+                                        const std::vector<ChannelColumn>& columns,
+                                        std::vector<std::string>& notes) {
   const std::size_t width = columns.size();
   // A number takes two bytes at least: a digit and a space. Memory is taken for no more than that.
   const std::size_t most = (scanner.bytes_left() + 1) / 2 / width;
@@ -139,15 +143,51 @@ absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
     for (const ChannelColumn& column : columns) {
       double value = 0;
       if (!scanner.TryNumber(value)) {
+        const auto number = static_cast<std::size_t>(&column - columns.data()) + 1;
         return scanner.Expected(
-            fmt::format("number {} of {} of frame {} of {}{}", &column - columns.data() + 1, width,
-                        frame + 1, frames, NumbersOnLine(first_line, width)),
+            NumberOfFrame(number, width, frame + 1, frames) + NumbersOnLine(first_line, width),
             scanner.LastRead());
       }
       row[column.column] = column.factor * value + column.bias;
     }
   }
   MOTIONDB_RETURN_IF_ERROR(ReadSurplus(scanner, frames, first_line, width, notes));
+  return values;
+}
+
+// Whether each line seems to be a frame; one of the first two may be wrong.
+bool HasFrameOnEachLine(TextScanner scanner, std::size_t width) {
+  if (scanner.AtEnd()) return false;
+  if (CountNumbers(scanner.Line()) == width) return true;
+  return !scanner.AtEnd() && CountNumbers(scanner.Line()) == width;
+}
+
+// The error of the first line that is not one frame.
+absl::Status CheckLines(TextScanner scanner, int frames, std::size_t width) {
+  for (int frame = 1; frame <= frames && !scanner.AtEnd(); ++frame) {
+    double value = 0;
+    for (std::size_t number = 1; number <= width; ++number) {
+      if (scanner.TryNumberOnLine(value)) continue;
+      return scanner.Expected(NumberOfFrame(number, width, frame, frames), scanner.LastRead());
+    }
+    if (const std::string_view more = scanner.TokenOnLine(); !more.empty()) {
+      return scanner.Error("expected {} numbers in frame {} of {}, found '{}' after them", width,
+                           frame, frames, Shown(more));
+    }
+  }
+  return absl::OkStatus();
+}
+
+// Frames are a stream of numbers, whatever the lines; only when something is wrong do the lines
+// tell where.
+absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
+                                       const std::vector<ChannelColumn>& columns,
+                                       std::vector<std::string>& notes) {
+  const TextScanner first = scanner;
+  auto values = ReadNumbers(scanner, frames, columns, notes);
+  if (!values.ok() && HasFrameOnEachLine(first, columns.size())) {
+    MOTIONDB_RETURN_IF_ERROR(CheckLines(first, frames, columns.size()));
+  }
   return values;
 }
 

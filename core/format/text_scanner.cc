@@ -206,7 +206,11 @@ bool TextScanner::TakeNumber(double& value) {
 }
 
 absl::Status TextScanner::ReadNumber(std::string_view what, double& value) {
-  return TryNumber(value) ? absl::OkStatus() : Expected(what, LastRead());
+  const char* const before = next_;
+  if (TryNumber(value)) return absl::OkStatus();
+  if (!std::any_of(before, last_, IsLineEnd)) return Expected(what, LastRead());
+  next_ = last_ = before;  // it is missing there, and not on the line of what follows
+  return Expected(what, "");
 }
 
 absl::Status TextScanner::ReadInteger(std::string_view what, int least, int most, int& value) {

@@ -55,7 +55,8 @@ class TextScanner {
   // The token that was read last.
   std::string_view LastRead() const;
 
-  // The next token as a number; `what` names it in the error.
+  // The next token as a number; `what` names it in the error, which is at the line where the number
+  // is missing or wrong.
   absl::Status ReadNumber(std::string_view what, double& value);
   // The next token as a whole number from `least` to `most`.
   absl::Status ReadInteger(std::string_view what, int least, int most, int& value);
@@ -94,7 +95,7 @@ class TextScanner {
   const char* last_;  // start of what was read last
 };
 
-// `text` for an error message: valid UTF-8, no control characters, at most 40 bytes of it.
+// `text` for an error message: valid UTF-8, no display controls, at most 40 bytes of it.
 std::string Shown(std::string_view text);
 
 // A note for the report if the file's last number may have lost digits, as nothing else can tell.

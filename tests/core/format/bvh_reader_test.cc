@@ -287,6 +287,26 @@ TEST_CASE("BVH: frames missing and frames left over are told", "[core][format]")
   CHECK_THAT(core::Describe(more->report), Contains("a frame more than the 1"));
 }
 
+TEST_CASE("BVH: a number that is missing, or too much, is told with its line", "[core][format]") {
+  const auto refusal = [](std::string_view lines, int frames) {
+    return Refusal(ReadBvh(Replaced(Figure("1 92 3 10 20 30 0 0 0 6\n", lines), "Frames: 2",
+                                    fmt::format("Frames: {}", frames))));
+  };
+  const std::string whole = "1 92 3 10 20 30 0 0 0 6\n", less = "1 92 3 10 20 30 0 0 6\n";
+  CHECK_THAT(refusal(less + whole + whole, 4),
+             Contains("walk:29: the line ends here, expected number 10 of 10 of frame 2 of 4"));
+  CHECK_THAT(refusal(whole + "1 2" + whole + whole, 4),
+             Contains("walk:30: expected 10 numbers in frame 3 of 4, found '6' after them"));
+  CHECK_THAT(refusal(less, 2), Contains("walk:29: the file ends here (truncated?)") &&
+                                   Contains("number 10 of 10 of frame 2 of 2"));
+  // The first line is the wrong one.
+  CHECK_THAT(Refusal(ReadBvh(Figure("0 0 0 5", "0 0 5"))),
+             Contains("walk:28: the line ends here, expected number 10 of 10 of frame 1 of 2"));
+  // Before a number that is none.
+  CHECK_THAT(refusal(less + "1 x 3 10 20 30 0 0 0 6\n", 3),
+             Contains("walk:29: the line ends here"));
+}
+
 TEST_CASE("BVH: a number that is none is told with its place", "[core][format]") {
   for (const char* bad : {"1.2abc", "nan", "inf", "1,5", "1e400"}) {
     CHECK_THAT(
@@ -294,7 +314,7 @@ TEST_CASE("BVH: a number that is none is told with its place", "[core][format]")
         Contains(fmt::format("walk:29: expected number 2 of 10 of frame 2 of 2, found '{}'", bad)));
   }
   CHECK_THAT(Refusal(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60"))),
-             Contains("walk:9: expected a number (OFFSET takes three), found 'CHANNELS'"));
+             Contains("walk:8: the line ends here, expected a number (OFFSET takes three)"));
 }
 
 TEST_CASE("BVH: a hierarchy that does not hold together is refused", "[core][format]") {

@@ -114,9 +114,10 @@ TEST_CASE("ToUtf8: valid text stays, other bytes are read as Latin-1", "[core][f
         "H\xC3\xBC"
         "fte");
   CHECK(ToUtf8("a\x01\x7F") == "a??");
-  CHECK(ToUtf8("\xE2\x82") == "\xC3\xA2\xC2\x82");  // cut short
-  CHECK(ToUtf8("\xC0\xAF") == "\xC3\x80\xC2\xAF");  // overlong
-  CHECK(ToUtf8("\xED\xA0\x80").size() == 6);        // surrogate
+  CHECK(ToUtf8("a\xC2\x9B\xE2\x80\xAE\xE2\x80\xA8") == "a???");
+  CHECK(ToUtf8("\xE2\x82") == "\xC3\xA2?");              // cut short
+  CHECK(ToUtf8("\xC0\xAF") == "\xC3\x80\xC2\xAF");       // overlong
+  CHECK(ToUtf8("\xED\xA0\x80") == "\xC3\xAD\xC2\xA0?");  // surrogate
   CHECK(ToUtf8("\xF0\x9F\x98\x80") == "\xF0\x9F\x98\x80");
 }
 

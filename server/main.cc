@@ -26,6 +26,7 @@
 #include "server/observability/log.h"
 #include "server/process_limits.h"
 #include "server/rpc/method.h"
+#include "server/security/shown_text.h"
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
 #include "server/systemd_notify.h"
@@ -155,7 +156,7 @@ constexpr int kWrongSettings = 2;
 
 int PrintProblems(const std::vector<absl::Status>& problems) {
   for (const absl::Status& problem : problems) {
-    fmt::print(stderr, "motiondbd: {}\n", std::string(problem.message()));
+    fmt::print(stderr, "motiondbd: {}\n", ShownText(std::string(problem.message())));
   }
   return kWrongSettings;
 }
@@ -164,7 +165,7 @@ int PrintProblems(const std::vector<absl::Status>& problems) {
 int CheckConfig(const SettingsReader& reader) {
   for (const EffectiveSetting& setting : reader.Effective()) {
     const std::string line = fmt::format("{} = {}", setting.key, setting.value);
-    fmt::print("{:<48}# {}\n", line, setting.source);
+    fmt::print("{}\n", ShownText(fmt::format("{:<48}# {}", line, setting.source)));
   }
   const std::vector<absl::Status> problems = reader.Check();
   if (!problems.empty()) return PrintProblems(problems);
@@ -173,7 +174,7 @@ int CheckConfig(const SettingsReader& reader) {
   const auto plan = PlanSecurity(settings.server.security, settings.server.listen);
   if (!plan.ok()) return PrintProblems({plan.status()});
   for (const std::string& warning : plan->warnings) {
-    fmt::print(stderr, "motiondbd: {}\n", warning);
+    fmt::print(stderr, "motiondbd: {}\n", ShownText(warning));
   }
   return 0;
 }

@@ -8,25 +8,45 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <string>
+#include <string_view>
 #include <utility>
 
+#include "core/format/text_encoding.h"
 #include "server/observability/log_fields.h"
+#include "server/security/secret.h"
 
 namespace motiondb::server {
 namespace {
 
 using json = nlohmann::ordered_json;  // fields stay in the order in which they were given
 
-// Bytes that are no UTF-8 become U+FFFD.
+// Bytes that are no UTF-8 become U+FFFD; display controls, which can only be in strings, are
+// escaped.
 template <typename Json>
 std::string Dump(const Json& value) {
-  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+  const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
+  std::string escaped;
+  escaped.reserve(text.size());
+  for (std::string_view rest = text; !rest.empty();) {
+    const core::Utf8Character character = core::FirstUtf8Character(rest);
+    if (core::IsDisplayControl(character.code)) {
+      escaped += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(character.code));
+    } else {
+      escaped += rest.substr(0, character.bytes);
+    }
+    rest.remove_prefix(character.bytes);
+  }
+  return escaped;
 }
 
 // As it is, but for control characters, quotes and backslashes, which are escaped as in JSON.
 std::string OneLine(const std::string& text) {
   std::string quoted = Dump(json(text));
   return quoted.substr(1, quoted.size() - 2);
+}
+
+std::string MessageOf(const spdlog::details::log_msg& line) {
+  return WithoutSecrets({line.payload.data(), line.payload.size()});
 }
 
 // A word, or a quoted string where it is none.
@@ -40,7 +60,9 @@ std::string FieldText(const json& value) {
 }
 
 json ToJson(const LogField& field) {
-  return std::visit([](const auto& value) { return json(value); }, field.second);
+  json value = std::visit([](const auto& held) { return json(held); }, field.second);
+  if (value.is_string()) value = WithoutSecrets(value.get_ref<const std::string&>());
+  return value;
 }
 
 void Collect(const LogFields* fields, json& object) {
@@ -60,7 +82,7 @@ class TextFormatter final : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& line, spdlog::memory_buf_t& out) override {
     head_.format(line, out);
-    std::string tail = OneLine(std::string(line.payload.data(), line.payload.size()));
+    std::string tail = OneLine(MessageOf(line));
     const json fields = CurrentFields();
     for (const auto& [name, value] : fields.items()) {
       tail += fmt::format(" {}={}", name, FieldText(value));
@@ -88,7 +110,7 @@ class JsonFormatter final : public spdlog::formatter {
         fmt::format("{:%Y-%m-%dT%H:%M:%S}.{:03}Z",
                     fmt::gmtime(static_cast<std::time_t>(seconds.count())), milliseconds.count());
     object["level"] = std::string(level.data(), level.size());
-    object["message"] = std::string(line.payload.data(), line.payload.size());
+    object["message"] = MessageOf(line);
     object.update(CurrentFields());
     const std::string text = Dump(object) + "\n";
     out.append(text.data(), text.data() + text.size());

@@ -1,5 +1,6 @@
 // How a log line looks: as text for a person, or as one JSON object for a machine. Either way it is
 // one line of valid UTF-8, whatever the message: nobody forges a line by a name with a line end.
+// Display controls (core/format/text_encoding.h) are escaped, and the secrets of tokens left out.
 #pragma once
 
 #include <spdlog/formatter.h>

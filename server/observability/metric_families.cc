@@ -4,6 +4,8 @@
 #include <string>
 #include <utility>
 
+#include "server/security/shown_text.h"
+
 namespace motiondb::server {
 namespace {
 
@@ -25,13 +27,13 @@ class Families {
   }
   void Put(Labels labels, double value) {
     ClientMetric metric;
-    metric.label = std::move(labels);
+    metric.label = Shown(std::move(labels));
     metric.gauge.value = metric.counter.value = value;  // whichever the family's type reads
     families_.back().metric.push_back(std::move(metric));
   }
   void PutSummary(Labels labels, std::int64_t count, double sum) {
     ClientMetric metric;
-    metric.label = std::move(labels);
+    metric.label = Shown(std::move(labels));
     metric.summary.sample_count = static_cast<std::uint64_t>(count);
     metric.summary.sample_sum = sum;
     families_.back().metric.push_back(std::move(metric));
@@ -39,6 +41,12 @@ class Families {
   std::vector<MetricFamily> Take() && { return std::move(families_); }
 
  private:
+  // Names of databases come from stores that earlier versions wrote.
+  static Labels Shown(Labels labels) {
+    for (auto& label : labels) label.value = ShownText(label.value);
+    return labels;
+  }
+
   std::vector<MetricFamily> families_;
 };
 

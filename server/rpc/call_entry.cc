@@ -10,7 +10,7 @@
 #include "server/rpc/run_handler.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
-#include "server/security/secret.h"
+#include "server/security/shown_text.h"
 #include "server/translate/field_text.h"
 #include "server/translate/request_info.h"
 #include "server/translate/resource_name.h"
@@ -249,10 +249,10 @@ storage::AuditRecord CallEntry::RecordWithChange(std::string resource) {
 storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
-  record.principal = principal_;
+  record.principal = ShownText(principal_);
   record.peer = AddressOf(peer_);
   record.method = method_.name;
-  record.resource = ValidUtf8(WithoutSecrets(resource_), kResourceLimit);
+  record.resource = ValidUtf8(ShownText(resource_), kResourceLimit);
   record.code = code;
   record.request_id = request_id_;
   return record;

@@ -6,6 +6,8 @@
 #include <random>
 #include <string_view>
 
+#include "server/security/secret.h"
+
 namespace motiondb::server {
 namespace {
 
@@ -56,7 +58,8 @@ std::string AddressOf(const std::string& peer) {
 
 std::string RequestIdOf(const grpc::CallbackServerContext& context) {
   std::string given = Header(context, "x-request-id");
-  const bool usable = !given.empty() && given.size() <= kLongestRequestId && IsPrintable(given);
+  const bool usable = !given.empty() && given.size() <= kLongestRequestId && IsPrintable(given) &&
+                      WithoutSecrets(given) == given;
   return usable ? given : NewRequestId();
 }
 

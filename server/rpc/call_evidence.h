@@ -19,7 +19,8 @@ std::string PeerOf(const grpc::CallbackServerContext& context);
 // "ipv4:127.0.0.1:50000", "ipv6:%5B::1%5D:50000".
 std::string AddressOf(const std::string& peer);
 
-// The caller's `x-request-id`, if it is 1 to 128 printable characters, else a new one.
+// The caller's `x-request-id`, if it is 1 to 128 printable characters and holds no
+// token, else a new one.
 std::string RequestIdOf(const grpc::CallbackServerContext& context);
 
 }  // namespace motiondb::server

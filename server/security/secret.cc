@@ -14,6 +14,8 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::string_view kPrefix = "mdb_";
+// What may follow a token in an error or a log line. None of it can be part of a secret.
+constexpr std::string_view kTokenEnds = " \t\r\n/'\"`,;:@()[]{}<>";
 
 }  // namespace
 
@@ -65,7 +67,7 @@ std::string WithoutSecrets(std::string_view text) {
       continue;
     }
     shown.append(text.substr(0, end)).append("...");
-    text.remove_prefix(std::min(text.find('/', end), text.size()));
+    text.remove_prefix(std::min(text.find_first_of(kTokenEnds, end), text.size()));
   }
 }
 

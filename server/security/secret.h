@@ -32,7 +32,7 @@ std::optional<BearerToken> SplitToken(std::string_view text);
 std::string JoinToken(std::string_view id, std::string_view secret);
 
 // The text with "..." for whatever follows the id of what looks like a token in it, whole or in
-// part, up to the next '/': for records, logs and errors.
+// part, up to white space, a quote, a bracket, or one of "/,;:@".
 std::string WithoutSecrets(std::string_view text);
 
 }  // namespace motiondb::server

@@ -6,6 +6,7 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/database.pb.h"
 #include "server/translate/field_violation.h"
+#include "server/translate/plain_text.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/scaling.h"
 #include "server/translate/timestamp.h"
@@ -55,6 +56,7 @@ absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
 }
 
 absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database) {
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainLines("database.marker_set_file", database.marker_set_file()));
   auto setting = ResolveMarkerSet(database.marker_set(), database.marker_set_file());
   if (setting.ok()) return setting;
   const bool own = !database.marker_set_file().empty();

@@ -16,6 +16,16 @@ namespace {
 constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
 constexpr std::size_t kLongestText = 255;
 
+// Of a file that another user exports into a folder: hidden it would be overlooked there, and with
+// a dash in front it would be an option of whatever command it is given to.
+absl::Status CheckFileName(std::string_view field, std::string_view name) {
+  if (name.starts_with('.') || name.starts_with('-')) {
+    return FieldViolation(field, "expected a name that begins with neither '.' nor '-', got '{}'",
+                          name);
+  }
+  return CheckPlainText(field, name, kLongestText);
+}
+
 }  // namespace
 
 absl::Status IngestStream::Take(v1::IngestClipRequest message) {
@@ -45,9 +55,8 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   file_.file_name = WithoutFolders(header.file_name());
   file_.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
   if (file_.file_name.empty()) return FieldViolation("header.file_name", "is missing");
-  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.file_name", file_.file_name, kLongestText));
-  MOTIONDB_RETURN_IF_ERROR(
-      CheckPlainText("header.skeleton_file_name", file_.skeleton_file_name, kLongestText));
+  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.file_name", file_.file_name));
+  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.skeleton_file_name", file_.skeleton_file_name));
   MOTIONDB_ASSIGN_OR_RETURN(file_.format,
                             FileFormatFrom("header", header.format(), file_.file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", file_.format, file_.skeleton_file_name));

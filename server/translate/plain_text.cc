@@ -1,44 +1,46 @@
 #include "server/translate/plain_text.h"
 
 #include <algorithm>
+#include <cstdint>
 
+#include "core/format/text_encoding.h"
+#include "core/motion/error.h"
+#include "server/security/secret.h"
 #include "server/translate/field_violation.h"
 
 namespace motiondb::server {
 namespace {
 
-// Of ASCII.
-bool IsControl(char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }
-
-// U+0080 to U+009F, by which some terminals are controlled too.
-bool IsLateControl(std::string_view text) {
-  if (text.size() < 2 || text[0] != '\xc2') return false;
-  const auto second = static_cast<unsigned char>(text[1]);
-  return second >= 0x80 && second <= 0x9f;
+absl::Status CheckLine(std::string_view field, std::string_view line) {
+  const core::Utf8Character control = core::FindDisplayControl(line);
+  if (control.bytes == 0) return absl::OkStatus();
+  return FieldViolation(
+      field, "expected text, got the control or invisible format character U+{:04X}; leave it out",
+      static_cast<std::uint32_t>(control.code));
 }
 
 }  // namespace
 
-std::string WithoutControls(std::string_view text) {
-  std::string plain;
-  while (!text.empty()) {
-    const bool late = IsLateControl(text);
-    if (late || IsControl(text[0])) {
-      plain += "\uFFFD";
-    } else {
-      plain += text[0];
-    }
-    text.remove_prefix(late ? 2 : 1);
-  }
-  return plain;
+absl::Status CheckNoToken(std::string_view field, std::string_view text) {
+  if (WithoutSecrets(text) == text) return absl::OkStatus();
+  return FieldViolation(
+      field, "expected no access token, which everybody could read here; revoke the one you sent");
 }
 
 absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t most) {
   if (text.size() > most) {
     return FieldViolation(field, "expected at most {} bytes, got {}", most, text.size());
   }
-  if (std::ranges::any_of(text, IsControl)) {
-    return FieldViolation(field, "has a control character");
+  MOTIONDB_RETURN_IF_ERROR(CheckLine(field, text));
+  return CheckNoToken(field, text);
+}
+
+absl::Status CheckPlainLines(std::string_view field, std::string_view text) {
+  MOTIONDB_RETURN_IF_ERROR(CheckNoToken(field, text));
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find_first_of("\t\r\n"), text.size());
+    MOTIONDB_RETURN_IF_ERROR(CheckLine(field, text.substr(0, end)));
+    text.remove_prefix(std::min(end + 1, text.size()));
   }
   return absl::OkStatus();
 }

@@ -1,20 +1,22 @@
-// Texts of requests that end up in tables and on terminals: labels, names, descriptions. Safe to
-// call from any thread.
+// Texts of requests that are stored and end up in tables and on terminals: labels, names,
+// descriptions. Safe to call from any thread.
 #pragma once
 
 #include <cstddef>
-#include <string>
 #include <string_view>
 
 #include "absl/status/status.h"
 
 namespace motiondb::server {
 
-// The text, which is valid UTF-8, with a U+FFFD for each control character: for what somebody sent
-// who was refused, and another one reads.
-std::string WithoutControls(std::string_view text);
+// INVALID_ARGUMENT for what looks like a bearer token: whatever is stored has many readers.
+absl::Status CheckNoToken(std::string_view field, std::string_view text);
 
-// INVALID_ARGUMENT for more bytes than `most`, or a control character.
+// INVALID_ARGUMENT for more bytes than `most`, a display control (core/format/text_encoding.h), or
+// a token.
 absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t most);
+
+// The same for a text file of any length, which may have line ends and tabs.
+absl::Status CheckPlainLines(std::string_view field, std::string_view text);
 
 }  // namespace motiondb::server

@@ -6,6 +6,7 @@
 
 #include "core/motion/error.h"
 #include "server/translate/field_violation.h"
+#include "server/translate/plain_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -114,7 +115,7 @@ absl::Status CheckDatabaseId(std::string_view field, std::string_view id) {
   const bool valid =
       !id.empty() && id.size() <= 63 && IsLowerOrDigit(id.front()) &&
       std::ranges::all_of(id, [](char c) { return IsLowerOrDigit(c) || c == '-' || c == '_'; });
-  if (valid) return absl::OkStatus();
+  if (valid) return CheckNoToken(field, id);
   return FieldViolation(
       field, "expected 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter or digit, got '{}'",
       id);
@@ -122,7 +123,7 @@ absl::Status CheckDatabaseId(std::string_view field, std::string_view id) {
 
 absl::Status CheckClipId(std::string_view field, std::string_view id) {
   if (!id.empty() && id.size() <= 127 && std::ranges::all_of(id, IsClipIdCharacter)) {
-    return absl::OkStatus();
+    return CheckNoToken(field, id);
   }
   return FieldViolation(field, "expected 1 to 127 of letters, digits, '-', '_', '.', got '{}'", id);
 }

@@ -7,7 +7,8 @@
 
 namespace motiondb::server {
 
-// The same canonical code; the message as valid UTF-8 of at most 1 KiB, since gRPC's trailers hold
+// The same canonical code; the message as one line of valid UTF-8 of at most 1 KiB, without display
+// controls and without the secrets of tokens, since gRPC's trailers hold
 // 8; payloads as the details of a motiondb.v1.Status, which travels in `grpc-status-details-bin`.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 

@@ -8,7 +8,9 @@
 #include <string>
 #include <thread>
 
+#include "core/format/text_encoding.h"
 #include "server/observability/log_fields.h"
+#include "tests/support/shown_text_cases.h"
 
 namespace motiondb::tests {
 namespace {
@@ -73,6 +75,24 @@ TEST_CASE("TextLog: fields stand at the end, quoted where they are no word", "[s
   const LogFields fields{{"code", "OK"}, {"empty", ""}, {"two", "a b"}, {"ms", 2.25}};
   CHECK_THAT(Line(LogFormat::kText, "call"),
              Catch::EndsWith("info call code=OK empty=\"\" two=\"a b\" ms=2.25\n"));
+}
+
+TEST_CASE("Log: neither display controls nor secrets, in messages and fields", "[server][log]") {
+  const std::string hostile =
+      "\xC2\x9B"
+      "2J\x7f\xE2\x80\xAE\xE2\x80\xA8\xEF\xBB\xBF \xC3\xA4 ";
+  const LogFields fields{{"request_id", hostile + AnyToken()}};
+  for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
+    const std::string line = Line(format, hostile + "got '" + AnyToken() + "', see");
+    CAPTURE(line);
+    CHECK(core::FindDisplayControl(line).code == '\n');
+    CHECK(line.find('\n') == line.size() - 1);
+    CHECK_THAT(line, Catch::Contains(R"(\u009b2J\u007f\u202e\u2028\ufeff)") &&
+                         Catch::Contains("got 'mdb_0123456789ab_...', see") &&
+                         !Catch::Contains(Secret()));
+    if (format == LogFormat::kText) continue;
+    CHECK(json::parse(line)["request_id"] == hostile + "mdb_0123456789ab_...");
+  }
 }
 
 TEST_CASE("LogFields: hold within their braces, on their thread", "[server][log]") {

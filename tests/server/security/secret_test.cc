@@ -46,7 +46,8 @@ TEST_CASE("Secret: nothing after a token's id is shown", "[security]") {
   CHECK(server::WithoutSecrets("tokens/" + token) == "tokens/" + shown);
   CHECK(server::WithoutSecrets("tokens/" + token.substr(0, 20)) == "tokens/" + shown);
   CHECK(server::WithoutSecrets(token + "/" + token + "/x") == shown + "/" + shown + "/x");
-  CHECK(server::WithoutSecrets("mdb_mdb_0123456789AB_ g") == "mdb_mdb_0123456789AB_...");
+  CHECK(server::WithoutSecrets("mdb_mdb_0123456789AB_ g") == "mdb_mdb_0123456789AB_... g");
+  CHECK(server::WithoutSecrets("got '" + token + "', see") == "got '" + shown + "', see");
   for (const char* plain : {"", "tokens/0123456789ab", "databases/mdb_walks_2/clips/a", "mdb_",
                             "mdb_0123456789ab", "mdb_0123456789", "databases/mdb_0123456789a_"}) {
     CHECK(server::WithoutSecrets(plain) == plain);

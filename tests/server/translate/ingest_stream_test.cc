@@ -74,6 +74,12 @@ TEST_CASE("IngestStream: every wrong field of the header is named", "[server][tr
   expect("file_name", [](auto& header) { header.set_file_name("folder/"); });
   expect("file_name", [](auto& header) { header.set_file_name("walk.fbx"); });
   expect("file_name", [](auto& header) { header.set_file_name("a\nb.bvh"); });
+  for (const char* name : {".walk.bvh", "-rf.bvh", "a\xC2\x9B.bvh", "a\xE2\x80\xAE.bvh"}) {
+    expect("file_name", [name](auto& header) { header.set_file_name(name); });
+    expect("label",
+           [name](auto& header) { header.set_label(std::string(name).substr(1) + "\u2028"); });
+    expect("subject", [name](auto& header) { header.set_subject(std::string(name) + "\u061c"); });
+  }
   expect("format", [](auto& header) { header.set_format(static_cast<v1::FileFormat>(9)); });
   expect("skeleton_file_name", [](auto& header) { header.set_skeleton_file_name("a.asf"); });
   expect("skeleton_file_name", [](auto& header) { header.set_file_name("walk.amc"); });

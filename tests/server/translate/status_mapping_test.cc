@@ -4,6 +4,7 @@
 
 #include "motiondb/v1/error.pb.h"
 #include "server/translate/field_violation.h"
+#include "tests/support/shown_text_cases.h"
 
 namespace motiondb::server {
 namespace {
@@ -46,6 +47,20 @@ TEST_CASE("StatusMapping: messages fit gRPC's trailers and are UTF-8", "[server]
   CHECK(3 * mapped.error_message().size() + mapped.error_details().size() * 4 / 3 < 8000);
   v1::Status details;
   CHECK(details.ParseFromString(mapped.error_details()));
+}
+
+TEST_CASE("StatusMapping: messages and details have no secrets and no display controls",
+          "[server][translate]") {
+  for (const auto& [text, shown] : tests::ShownTexts()) {
+    CAPTURE(text);
+    const grpc::Status mapped = ToGrpcStatus(FieldViolation("field", "got '{}'", text));
+    CHECK(mapped.error_message() == "field: got '" + shown + "'");
+    v1::Status details;
+    REQUIRE(details.ParseFromString(mapped.error_details()));
+    v1::BadRequest bad_request;
+    REQUIRE(bad_request.ParseFromString(details.details(0).value()));
+    CHECK(bad_request.field_violations(0).description() == "got '" + shown + "'");
+  }
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
 // motiondb audit: what was changed or backed up, by whom, when and from where.
-#include <fmt/format.h>
 #include <motiondb/v1/access.pb.h>
 
 #include <algorithm>
@@ -7,6 +6,7 @@
 #include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 
 namespace motiondb::client {
 namespace {
@@ -36,7 +36,7 @@ absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
   if (global.json) {
     for (const v1::AuditEntry& entry : all.entries()) PrintJson(entry);
   } else {
-    fmt::print("{}", AuditText(all));
+    PrintText(AuditText(all));
   }
   return absl::OkStatus();
 }

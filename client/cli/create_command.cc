@@ -8,6 +8,7 @@
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/motion_file.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -86,7 +87,7 @@ absl::Status Run(const CreateOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("created\n{}", DatabaseText(response->database()));
+    PrintText("created\n" + DatabaseText(response->database()));
   }
   return absl::OkStatus();
 }

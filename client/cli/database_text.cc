@@ -10,6 +10,7 @@
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -30,7 +31,9 @@ std::string TimeText(const google::protobuf::Timestamp& time) {
   return TimeUtil::ToString(TimeUtil::SecondsToTimestamp(time.seconds()));
 }
 
-std::string LabelWord(const std::string& label) { return label.empty() ? "(no label)" : label; }
+std::string LabelWord(const std::string& label) {
+  return label.empty() ? "(no label)" : DisplayText(label);
+}
 
 std::string StateWord(const v1::Operation& operation) {
   return LastWord(v1::OperationState_Name(operation.state()));
@@ -91,10 +94,11 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
-  std::string text = fmt::format(
-      "{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n", ShortName(clip.name()),
-      LabelWord(clip.label()), CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
-      clip.leg_length_m(), clip.file_name(), clip.source_frame_rate_hz());
+  std::string text =
+      fmt::format("{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
+                  DisplayText(ShortName(clip.name())), LabelWord(clip.label()),
+                  CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
+                  clip.leg_length_m(), DisplayText(clip.file_name()), clip.source_frame_rate_hz());
   // The report may have several lines; all are set in under their clip.
   std::string report = clip.source_report();
   while (!report.empty()) {

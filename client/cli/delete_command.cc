@@ -9,8 +9,10 @@
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -32,7 +34,8 @@ void Declare(CLI::App& command, DeleteOptions& options) {
 // On a terminal the database's name must be typed; a script is taken at its word.
 absl::Status Confirm(const std::string& name) {
   if (isatty(STDIN_FILENO) != 1) return absl::OkStatus();
-  fmt::print(stderr, "This deletes all clips and models of {0}. Type {0} to go on: ", name);
+  fmt::print(stderr,
+             "This deletes all clips and models of {0}. Type {0} to go on: ", ErrorText(name));
   std::fflush(stderr);
   std::string typed;
   std::getline(std::cin, typed);
@@ -54,7 +57,7 @@ absl::Status DeleteDatabase(const DeleteOptions& options, const GlobalOptions& g
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("deleted database {}\n", ShortName(name));
+    PrintLine("deleted database {}", ShortName(name));
   }
   return absl::OkStatus();
 }
@@ -66,7 +69,7 @@ absl::Status DeleteClip(const DeleteOptions& options, const GlobalOptions& globa
   request.set_name(ClipName(options.database, options.clip));
   auto response = client->DeleteClip(request);
   if (!response.ok()) return response.status();
-  auto done = WaitForRebuild(*client, response->operation().name());
+  auto done = WaitForRebuild(*client, response->operation().name(), "the clip is deleted");
   if (!done.ok()) return done.status();
   if (global.json) {
     *response->mutable_operation() = *std::move(done);
@@ -75,7 +78,7 @@ absl::Status DeleteClip(const DeleteOptions& options, const GlobalOptions& globa
   }
   const auto summary = ModelSummary(*client, *done);
   if (!summary.ok()) return summary.status();
-  fmt::print("deleted clip {}; {}\n", ShortName(request.name()), *summary);
+  PrintLine("deleted clip {}; {}", ShortName(request.name()), *summary);
   return absl::OkStatus();
 }
 

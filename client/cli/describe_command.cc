@@ -1,10 +1,10 @@
 // motiondb describe DB: the figures of a database and its model.
-#include <fmt/format.h>
 #include <motiondb/v1/database.pb.h>
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -28,7 +28,7 @@ absl::Status Run(const DescribeOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("{}", DescriptionText(*response));
+    PrintText(DescriptionText(*response));
   }
   return absl::OkStatus();
 }

@@ -1,11 +1,11 @@
 // motiondb dump DB DIR: the model as NumPy files.
-#include <fmt/format.h>
 #include <motiondb/v1/model.pb.h>
 
 #include "client/cli/command.h"
 #include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/model_dump.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"
 
@@ -45,10 +45,10 @@ absl::Status Run(const DumpOptions& options, const GlobalOptions& global) {
     *response.mutable_model() = *model;
     PrintJson(response);
   } else {
-    fmt::print("model {}: {}, {}, {}, written to {}\n", model->version(),
-               CountText(model->frame_count(), "frame"),
-               CountText(model->dimension_count(), "dimension"),
-               CountText(model->nodes_per_layer_size(), "layer"), options.directory);
+    PrintLine("model {}: {}, {}, {}, written to {}", model->version(),
+              CountText(model->frame_count(), "frame"),
+              CountText(model->dimension_count(), "dimension"),
+              CountText(model->nodes_per_layer_size(), "layer"), options.directory);
   }
   return absl::OkStatus();
 }

@@ -1,5 +1,4 @@
 // motiondb estimate DB FILE: what state is the motion in?
-#include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <optional>
@@ -8,6 +7,7 @@
 #include "client/cli/estimation_text.h"
 #include "client/cli/json_output.h"
 #include "client/cli/marker_names.h"
+#include "client/cli/print.h"
 #include "client/cli/query_options.h"
 
 namespace motiondb::client {
@@ -54,7 +54,7 @@ absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
       if (!names.ok()) return names.status();
       marker_names = *std::move(names);
     }
-    fmt::print("{}", EstimationText(*response, marker_names));
+    PrintText(EstimationText(*response, marker_names));
   }
   return absl::OkStatus();
 }

@@ -1,11 +1,11 @@
 // motiondb export DB CLIP: the original files, byte for byte.
-#include <fmt/format.h>
 #include <motiondb/v1/clip.pb.h>
 
 #include <filesystem>
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -39,9 +39,9 @@ absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {
     return absl::OkStatus();
   }
   const std::filesystem::path directory(options.directory);
-  fmt::print("{}\n", (directory / header->clip().file_name()).string());
+  PrintLine("{}", (directory / header->clip().file_name()).string());
   if (!header->skeleton_file_name().empty()) {
-    fmt::print("{}\n", (directory / header->skeleton_file_name()).string());
+    PrintLine("{}", (directory / header->skeleton_file_name()).string());
   }
   return absl::OkStatus();
 }

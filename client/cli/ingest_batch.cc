@@ -6,10 +6,12 @@
 #include "client/cli/count_text.h"
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/utf8.h"
+#include "client/display_text.h"
+#include "client/grpc_status.h"
 
 namespace motiondb::client {
 namespace {
@@ -44,7 +46,9 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
     failures_.push_back(Failure(clip.path, response.status()));
     if (absl::IsUnavailable(response.status())) {
       return absl::UnavailableError(
-          fmt::format("stopped after {} of {}", i, CountText(clips.size(), "file")));
+          fmt::format("stopped after {} of {}; {}; `motiondb list {}` shows whether the last file "
+                      "is, too",
+                      i, CountText(clips.size(), "file"), StoredText(), ShortName(database_)));
     }
   }
   return absl::OkStatus();
@@ -75,21 +79,30 @@ void IngestBatch::Stored(const v1::IngestClipResponse& response) {
   if (json_) {
     PrintJson(response);
   } else {
-    fmt::print("{}", IngestedClipText(response.clip()));
+    PrintText(IngestedClipText(response.clip()));
   }
   // At once, so that a script which is ended knows what is stored.
   std::fflush(stdout);
 }
 
+std::string IngestBatch::StoredText() const {
+  return fmt::format("{} {} stored", CountText(stored_clips_, "clip"),
+                     stored_clips_ == 1 ? "is" : "are");
+}
+
 absl::Status IngestBatch::AwaitModel() {
   if (operation_.empty()) return absl::OkStatus();
-  const auto done = WaitForRebuild(client_, operation_);
+  const auto done = WaitForRebuild(client_, operation_, StoredText());
   if (!done.ok()) return done.status();
   if (json_) return absl::OkStatus();
   const auto summary = ModelSummary(client_, *done);
-  if (!summary.ok()) return summary.status();
-  fmt::print("ingested {}, {}; {}\n", CountText(stored_clips_, "clip"),
-             CountText(stored_frames_, "frame"), *summary);
+  if (!summary.ok()) {
+    return WithMessage(summary.status(),
+                       fmt::format("{}; {}, and the model knows them",
+                                   std::string(summary.status().message()), StoredText()));
+  }
+  PrintLine("ingested {}, {}; {}", CountText(stored_clips_, "clip"),
+            CountText(stored_frames_, "frame"), *summary);
   return absl::OkStatus();
 }
 

@@ -31,6 +31,7 @@ class IngestBatch {
  private:
   absl::StatusOr<v1::IngestClipResponse> SendOne(const ClipEntry& clip) const;
   void Stored(const v1::IngestClipResponse& response);
+  std::string StoredText() const;  // "2 clips are stored"
 
   const Client& client_;
   const std::string database_;

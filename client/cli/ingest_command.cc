@@ -9,6 +9,7 @@
 #include "client/cli/count_text.h"
 #include "client/cli/ingest_batch.h"
 #include "client/cli/motion_file.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -82,9 +83,7 @@ absl::Status Run(const IngestOptions& options, const GlobalOptions& global) {
   absl::Status status = batch.Send(*clips);
   if (status.ok()) status = batch.AwaitModel();
   std::fflush(stdout);
-  for (const std::string& failure : batch.failures()) {
-    fmt::print(stderr, "motiondb: {}\n", failure);
-  }
+  for (const std::string& failure : batch.failures()) PrintError(failure);
   if (!status.ok() || batch.failures().empty()) return status;
   return absl::InvalidArgumentError(fmt::format("{} of {} {} not ingested", batch.failures().size(),
                                                 CountText(clips->size(), "file"),

@@ -1,11 +1,11 @@
 // motiondb list [DB]: the databases, or the clips of one.
-#include <fmt/format.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
 
 namespace motiondb::client {
@@ -25,7 +25,7 @@ absl::Status Print(const absl::StatusOr<std::vector<Item>>& items, bool json, co
   if (json) {
     for (const Item& item : *items) PrintJson(item);
   } else {
-    fmt::print("{}", text(*items));
+    PrintText(text(*items));
   }
   return absl::OkStatus();
 }

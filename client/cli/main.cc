@@ -8,6 +8,8 @@
 
 #include "client/cli/command.h"
 #include "client/cli/exit_code.h"
+#include "client/cli/print.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -25,7 +27,7 @@ std::string UsageError(const CLI::App* app, const CLI::Error& error) {
   const std::string what = unknown.empty() || error.get_name() != "RequiredError"
                                ? error.what()
                                : fmt::format("no such command: {}", unknown.front());
-  return fmt::format("motiondb: {}\nTry `{} --help`.\n", what, name);
+  return fmt::format("motiondb: {}\nTry `{} --help`.\n", ErrorText(what), name);
 }
 
 // gRPC writes what it meets to standard error; what matters of it is in the errors of calls. Who
@@ -119,8 +121,7 @@ int Run(int argc, char** argv) {
   }
   if (status.ok()) return 0;
   // gRPC has no words for some, such as text that is not UTF-8.
-  fmt::print(stderr, "motiondb: {}\n",
-             status.message().empty() ? absl::StatusCodeToString(status.code())
+  PrintError(status.message().empty() ? absl::StatusCodeToString(status.code())
                                       : std::string(status.message()));
   return ExitCodeOf(status);
 }
@@ -132,7 +133,7 @@ int main(int argc, char** argv) {
   try {
     return motiondb::client::Run(argc, argv);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "motiondb: {}\n", error.what());
+    motiondb::client::PrintError(error.what());
     return motiondb::client::kFailed;
   }
 }

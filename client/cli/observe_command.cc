@@ -11,7 +11,9 @@
 #include "client/cli/json_output.h"
 #include "client/cli/observe_replay.h"
 #include "client/cli/observe_text.h"
+#include "client/cli/print.h"
 #include "client/cli/query_options.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -79,10 +81,10 @@ class LiveLine {
   void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
     if (terminal_) {
-      fmt::print("\r\033[K{}", ObservedLine(answer, seconds));
+      fmt::print("\r\033[K{}", DisplayText(ObservedLine(answer, seconds)));
       std::fflush(stdout);
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
-      fmt::print("{}\n", ObservedLine(answer, seconds));
+      PrintLineText(ObservedLine(answer, seconds));
       shown_ = seconds;
     }
   }
@@ -123,7 +125,7 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
                               });
   if (!global.json) line.End();
   if (!figures.ok()) return figures.status();
-  if (!global.json) fmt::print("{}", ReplayText(*figures, last, options.realtime));
+  if (!global.json) PrintText(ReplayText(*figures, last, options.realtime));
   return absl::OkStatus();
 }
 

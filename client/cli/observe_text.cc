@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "client/cli/count_text.h"
+#include "client/cli/database_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -23,8 +24,8 @@ std::string LabelsText(const v1::ObserveResponse& answer) {
   std::string text;
   for (int i = 0; i < std::min(answer.labels_size(), kShownLabels); ++i) {
     const v1::LabelProbability& label = answer.labels(i);
-    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "",
-                        label.label().empty() ? "(no label)" : label.label(), label.probability());
+    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelWord(label.label()),
+                        label.probability());
   }
   return text;
 }

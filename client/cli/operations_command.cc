@@ -1,10 +1,10 @@
 // motiondb operations list|wait|cancel: long work on the server.
-#include <fmt/format.h>
 #include <motiondb/v1/operation.pb.h>
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"
 
@@ -44,7 +44,7 @@ absl::Status RunList(const OperationsListOptions& options, const GlobalOptions& 
   if (global.json) {
     for (const v1::Operation& operation : *operations) PrintJson(Printable(operation));
   } else {
-    fmt::print("{}", OperationsText(*operations));
+    PrintText(OperationsText(*operations));
   }
   return absl::OkStatus();
 }
@@ -57,7 +57,7 @@ void Print(const v1::Operation& operation, bool json) {
     *response.mutable_operation() = Printable(operation);
     PrintJson(response);
   } else {
-    fmt::print("{}", OperationsText({operation}));
+    PrintText(OperationsText({operation}));
   }
 }
 

@@ -11,6 +11,7 @@
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
 #include "client/cli/plan_text.h"
+#include "client/cli/print.h"
 #include "client/cli/whole_file.h"
 
 namespace motiondb::client {
@@ -113,8 +114,8 @@ absl::Status Run(const PlanOptions& options, const GlobalOptions& global) {
     PrintJson(*response);
     return status;
   }
-  fmt::print("{}", PlanText(*response));
-  for (const std::string& file : written) fmt::print("wrote {}\n", file);
+  PrintText(PlanText(*response));
+  for (const std::string& file : written) PrintLine("wrote {}", file);
   return status;
 }
 

@@ -1,5 +1,4 @@
 // motiondb predict DB FILE: what comes next, at one moment or at many?
-#include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <optional>
@@ -8,6 +7,7 @@
 #include "client/cli/json_output.h"
 #include "client/cli/marker_names.h"
 #include "client/cli/prediction_text.h"
+#include "client/cli/print.h"
 #include "client/cli/query_options.h"
 
 namespace motiondb::client {
@@ -66,7 +66,7 @@ class Printer {
     if (json_) {
       PrintJson(prediction);
     } else {
-      fmt::print("{}{}", first_ ? "" : "\n", PredictionText(prediction, marker_names_));
+      PrintText((first_ ? "" : "\n") + PredictionText(prediction, marker_names_));
     }
     first_ = false;
   }

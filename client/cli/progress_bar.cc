@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "client/display_text.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -22,9 +24,13 @@ int TerminalColumns() {
 std::string ProgressLine(double fraction, const std::string& doing, int columns) {
   const double shown = std::clamp(fraction, 0.0, 1.0);
   const int filled = static_cast<int>(shown * kBarCells);
-  const std::string line = fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
-                                       std::string(kBarCells - filled, '.'), shown * 100, doing);
-  return line.substr(0, static_cast<size_t>(std::max(columns - 1, 0)));
+  const std::string line =
+      fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
+                  std::string(kBarCells - filled, '.'), shown * 100, DisplayText(doing));
+  // Cut between characters.
+  size_t end = std::min(line.size(), static_cast<size_t>(std::max(columns - 1, 0)));
+  while (end > 0 && end < line.size() && (line[end] & 0xC0) == 0x80) --end;
+  return line.substr(0, end);
 }
 
 ProgressBar::ProgressBar() : enabled_(isatty(STDERR_FILENO) == 1) {}

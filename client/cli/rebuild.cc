@@ -6,18 +6,28 @@
 
 #include "client/cli/count_text.h"
 #include "client/cli/progress_bar.h"
+#include "client/grpc_status.h"
 
 namespace motiondb::client {
 
-absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation) {
+absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation,
+                                             const std::string& done_before) {
+  const auto with_what_is_done = [&](const absl::Status& status, const std::string& message) {
+    const bool gone = absl::IsUnavailable(status);
+    return WithMessage(
+        status, fmt::format("{}; {}{}", message, done_before,
+                            gone ? ", and the server builds the model when it runs again" : ""));
+  };
   ProgressBar bar;
   auto done = client.WaitOperation(operation, [&](const v1::Operation& now) {
     bar.Show(now.progress(), "model: " + (now.stage().empty() ? "waiting" : now.stage()));
   });
-  if (!done.ok()) return done.status();
+  if (!done.ok()) {
+    return with_what_is_done(done.status(), std::string(done.status().message()));
+  }
   if (const absl::Status status = OperationStatus(*done); !status.ok()) {
-    return absl::Status(status.code(), fmt::format("the new model was not built: {}",
-                                                   std::string(status.message())));
+    return with_what_is_done(
+        status, fmt::format("the new model was not built: {}", std::string(status.message())));
   }
   return done;
 }

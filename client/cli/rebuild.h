@@ -8,8 +8,10 @@
 namespace motiondb::client {
 
 // Waits for the operation with a progress bar. The operation as it ended, or the error that it or
-// the call ended with.
-absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation);
+// the call ended with. `done_before`, such as "2 clips are stored", follows the error: that stays
+// so without the model.
+absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation,
+                                             const std::string& done_before);
 
 // ", 3 of them added since it was built (0.4 % of frames in nodes that a build would divide)";
 // empty where none was.

@@ -8,6 +8,7 @@
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
 #include "client/cli/motion_file.h"
+#include "client/cli/print.h"
 #include "client/cli/query_options.h"
 #include "client/cli/recognition_plot.h"
 #include "client/cli/recognition_text.h"
@@ -116,11 +117,11 @@ absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("{}", RecognitionText(*response));
+    PrintText(RecognitionText(*response));
   }
   if (options.plot.empty()) return absl::OkStatus();
   absl::Status status = WritePlot(*client, options, request);
-  if (status.ok() && !global.json) fmt::print("wrote {}\n", options.plot);
+  if (status.ok() && !global.json) PrintLine("wrote {}", options.plot);
   return status;
 }
 

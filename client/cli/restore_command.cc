@@ -1,10 +1,10 @@
 // motiondb restore FILE: fills a server whose store is empty with a backup.
-#include <fmt/format.h>
 #include <motiondb/v1/store.pb.h>
 
 #include "client/cli/command.h"
 #include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 
 namespace motiondb::client {
@@ -30,8 +30,8 @@ absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("restored {}, {}\n", CountText(response->database_count(), "database"),
-               CountText(response->clip_count(), "clip"));
+    PrintLine("restored {}, {}", CountText(response->database_count(), "database"),
+              CountText(response->clip_count(), "clip"));
   }
   return absl::OkStatus();
 }

@@ -9,6 +9,7 @@
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/status_text.h"
 
 namespace motiondb::client {
@@ -39,7 +40,8 @@ absl::Status ShowOnce(const Client& client, const GlobalOptions& global, bool on
   }
   // To the upper left, over what stood there, and nothing below.
   const char* const clear = on_cleared_screen ? "\x1b[H\x1b[J" : "";
-  fmt::print("{}{}", clear, StatusText(*status, NowMicroseconds()));
+  fmt::print("{}", clear);
+  PrintText(StatusText(*status, NowMicroseconds()));
   std::fflush(stdout);
   return absl::OkStatus();
 }

@@ -4,15 +4,13 @@
 
 #include <cmath>
 
-#include "client/cli/utf8.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 
 std::string SvgText(std::string_view text) {
-  const bool readable = IsUtf8(text);
   std::string escaped;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
+  for (const char c : DisplayLines(text)) {
     if (c == '&') {
       escaped += "&amp;";
     } else if (c == '<') {
@@ -21,12 +19,8 @@ std::string SvgText(std::string_view text) {
       escaped += "&gt;";
     } else if (c == '"') {
       escaped += "&quot;";
-    } else if (byte >= 0x80 && !readable) {
-      escaped += '?';
-    } else if (byte >= 0x20 && byte != 0x7f) {
-      escaped += c;
-    } else if (c == '\n' || c == '\t') {
-      escaped += ' ';
+    } else {
+      escaped += c == '\n' ? ' ' : c;
     }
   }
   return escaped;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "client/display_text.h"
+
 namespace motiondb::client {
 namespace {
 
@@ -33,6 +35,7 @@ std::string PadRight(const std::string& text, size_t width) {
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
 void Table::AddRow(std::vector<std::string> cells) {
+  for (std::string& cell : cells) cell = DisplayText(cell);
   cells.resize(columns_.size());
   rows_.push_back(std::move(cells));
 }

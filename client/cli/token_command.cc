@@ -11,7 +11,9 @@
 #include "client/cli/access_text.h"
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
+#include "client/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -71,8 +73,8 @@ absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& g
   }
   // The secret alone on standard output, so that it can go straight into a file.
   fmt::print(stderr, "{}. Keep what follows: it is not shown again.\n",
-             TokenText(response->token()));
-  fmt::print("{}\n", response->secret());
+             DisplayText(TokenText(response->token())));
+  PrintLineText(response->secret());
   return absl::OkStatus();
 }
 
@@ -86,7 +88,7 @@ absl::Status RunList(const TokenListOptions&, const GlobalOptions& global) {
   if (global.json) {
     for (const v1::Token& token : *tokens) PrintJson(token);
   } else {
-    fmt::print("{}", TokensText(*tokens, std::time(nullptr)));
+    PrintText(TokensText(*tokens, std::time(nullptr)));
   }
   return absl::OkStatus();
 }
@@ -105,7 +107,7 @@ absl::Status RunRevoke(const TokenRevokeOptions& options, const GlobalOptions& g
   if (global.json) {
     PrintJson(*response);
   } else {
-    fmt::print("revoked {}\n", response->token().name());
+    PrintLine("revoked {}", response->token().name());
   }
   return absl::OkStatus();
 }

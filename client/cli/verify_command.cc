@@ -5,6 +5,7 @@
 #include "client/cli/command.h"
 #include "client/cli/count_text.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 
 namespace motiondb::client {
@@ -16,8 +17,8 @@ void Declare(CLI::App&, VerifyOptions&) {}
 
 // One finding a line, on standard output: it is the answer.
 void Print(const v1::Damage& damage) {
-  fmt::print("damaged: {}{}{}\n", damage.resource(), damage.resource().empty() ? "" : ": ",
-             damage.description());
+  PrintLine("damaged: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
+            damage.description());
 }
 
 absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
@@ -41,11 +42,11 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
   bar.Clear();
   if (!summary.ok()) return summary.status();
   if (!global.json) {
-    fmt::print("verified {}, {}, {}, {}, {:.1f} MB\n",
-               CountText(summary->database_count(), "database"),
-               CountText(summary->clip_count(), "clip"), CountText(summary->model_count(), "model"),
-               CountText(summary->skeleton_count(), "skeleton"),
-               static_cast<double>(summary->byte_count()) / 1e6);
+    PrintLine("verified {}, {}, {}, {}, {:.1f} MB",
+              CountText(summary->database_count(), "database"),
+              CountText(summary->clip_count(), "clip"), CountText(summary->model_count(), "model"),
+              CountText(summary->skeleton_count(), "skeleton"),
+              static_cast<double>(summary->byte_count()) / 1e6);
   }
   if (summary->damage_count() == 0) return absl::OkStatus();
   return absl::DataLossError(

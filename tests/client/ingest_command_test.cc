@@ -117,7 +117,23 @@ TEST_CASE("motiondb ingest: a server that goes away ends it at once", "[client][
   const auto result = RunMotiondb(server.address(), {"ingest", "walks", a, b});
   CHECK(result.exit_code == 1);
   CHECK(Headers(server).size() == 1);
-  CHECK_THAT(result.err, Contains("shutting down") && Contains("stopped after 0 of 2 files"));
+  CHECK_THAT(result.err, Contains("shutting down") && Contains("stopped after 0 of 2 files") &&
+                             Contains("0 clips are stored"));
+}
+
+TEST_CASE("motiondb ingest: a server that goes away before the model is built keeps the clips",
+          "[client][cli]") {
+  FakeServer server;
+  server.Answer("GetDatabase", v1::GetDatabaseResponse());
+  server.Answer("IngestClip", Stored("a", "operations/1"));
+  server.Fail("WaitOperation", 14, "the server is stopping");
+  const TemporaryFolder folder;
+  const auto result =
+      RunMotiondb(server.address(), {"ingest", "walks", folder.Write("a.bvh", "a").string()});
+  CHECK(result.exit_code == 1);
+  CHECK_THAT(result.err, Contains("the server is stopping") &&
+                             Contains("; 1 clip is stored, and the server builds the model when it "
+                                      "runs again\n"));
 }
 
 TEST_CASE("motiondb ingest: a database that is not there is one error", "[client][cli]") {

@@ -13,7 +13,6 @@
 #include "client/cli/recognition_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
-#include "client/cli/utf8.h"
 
 namespace motiondb::tests {
 namespace {
@@ -173,16 +172,6 @@ TEST_CASE("Json: the proto's field names, zeros included, on one line", "[client
                        Catch::Contains("\"log_probability\":\"-Infinity\""));
   CHECK(json.find('\n') == std::string::npos);
   CHECK(JsonString("a\"b\n") == R"("a\"b\n")");
-}
-
-TEST_CASE("Utf8: well-formed text and nothing else", "[client][cli]") {
-  for (const char* good : {"", "walk", "Müller", "\xE2\x82\xAC", "\xF0\x9F\x8F\x83"}) {
-    CHECK(IsUtf8(good));
-  }
-  for (const char* bad : {"M\xFCller", "\xC3", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80",
-                          "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xC3\xC3"}) {
-    CHECK(!IsUtf8(bad));
-  }
 }
 
 TEST_CASE("ProgressLine: fits its terminal and its range", "[client][cli]") {

@@ -1,0 +1,196 @@
+// What a hostile server or an older store may say, and what of it reaches a terminal or a picture.
+#include "client/display_text.h"
+
+#include <motiondb/v1/access.pb.h>
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/operation.pb.h>
+#include <motiondb/v1/query.pb.h>
+#include <motiondb/v1/store.pb.h>
+
+#include <catch2/catch.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/cli/progress_bar.h"
+#include "client/cli/svg.h"
+#include "tests/client/fake_server.h"
+#include "tests/client/run_motiondb.h"
+#include "tests/client/temporary_folder.h"
+#include "tests/support/shown_text_cases.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+// A line feed, an escape of 7 and of 8 bits, a change of direction and a line separator.
+const std::string kHostile =
+    "A\n\x1b[31m\xC2\x9B"
+    "2J\xE2\x80\xAE\xE2\x80\xA8\xE2\x81\xA6Z";
+
+// Only line feeds of the program's own.
+void CheckHarmless(const std::string& output) {
+  CAPTURE(output);
+  CHECK(output == client::DisplayLines(output));
+  CHECK_THAT(output, !Contains("A\n"));
+}
+
+TEST_CASE("DisplayText: as the server shows it", "[client]") {
+  for (const auto& [text, shown] : ShownTexts()) {
+    CAPTURE(text);
+    CHECK(client::ErrorText(text) == shown);
+    if (text.find("mdb_") == std::string::npos) CHECK(client::DisplayText(text) == shown);
+  }
+  for (char32_t character = 0; character <= 0x10FFFF; ++character) {
+    if (client::IsDisplayControl(character) != IsListedDisplayControl(character)) {
+      FAIL(static_cast<unsigned>(character));
+    }
+  }
+  CHECK(client::DisplayLines("a\nb\x1b") == "a\nb\xEF\xBF\xBD");
+  CHECK(client::DisplayText(AnyToken()) == AnyToken());
+}
+
+TEST_CASE("Utf8: well-formed text and nothing else", "[client]") {
+  for (const char* good : {"", "walk", "M\xC3\xBCller", "\xE2\x82\xAC", "\xF0\x9F\x8F\x83"}) {
+    CHECK(client::IsUtf8(good));
+  }
+  for (const char* bad : {"M\xFCller", "\xC3", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80",
+                          "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xC3\xC3"}) {
+    CHECK(!client::IsUtf8(bad));
+  }
+}
+
+TEST_CASE("DisplayText: pictures and progress lines have it", "[client][cli]") {
+  CheckHarmless(client::SvgText(kHostile));
+  CheckHarmless(client::SvgLabel("title", 0, 0, kHostile, ""));
+  CheckHarmless(client::ProgressLine(0.5, kHostile, 80));
+  // Cut between characters.
+  for (int columns = 35; columns < 50; ++columns) {
+    CHECK(client::IsUtf8(
+        client::ProgressLine(0.5, "\xC3\xA4\xE2\x82\xAC\xC3\xA4\xE2\x82\xAC", columns)));
+  }
+}
+
+// Every command whose tables and lines hold strings of the server, over one that is hostile.
+TEST_CASE("motiondb: no string of the server acts on the terminal", "[client][cli]") {
+  FakeServer server;
+  v1::Clip clip;
+  clip.set_name("databases/d/clips/" + kHostile);
+  for (std::string* const text :
+       {clip.mutable_label(), clip.mutable_subject(), clip.mutable_file_name()}) {
+    *text = kHostile;
+  }
+  v1::ListClipsResponse clips;
+  *clips.add_clips() = clip;
+  server.Answer("ListClips", clips);
+  v1::Database database;
+  database.set_name("databases/" + kHostile);
+  database.set_marker_set(kHostile);
+  v1::ListDatabasesResponse databases;
+  *databases.add_databases() = database;
+  server.Answer("ListDatabases", databases);
+  v1::CreateDatabaseResponse created;
+  *created.mutable_database() = database;
+  server.Answer("CreateDatabase", created);
+  v1::DescribeDatabaseResponse description;
+  description.set_name(database.name());
+  description.add_labels()->set_label(kHostile);
+  server.Answer("DescribeDatabase", description);
+  v1::ListOperationsResponse operations;
+  v1::Operation& operation = *operations.add_operations();
+  operation.set_name("operations/" + kHostile);
+  operation.set_stage(kHostile);
+  operation.mutable_error()->set_message(kHostile);
+  server.Answer("ListOperations", operations);
+  v1::ListAuditEntriesResponse audit;
+  v1::AuditEntry& entry = *audit.add_entries();
+  for (std::string* const text :
+       {entry.mutable_principal(), entry.mutable_peer(), entry.mutable_method(),
+        entry.mutable_resource(), entry.mutable_request_id()}) {
+    *text = kHostile;
+  }
+  server.Answer("ListAuditEntries", audit);
+  v1::ListTokensResponse tokens;
+  tokens.add_tokens()->set_description(kHostile);
+  server.Answer("ListTokens", tokens);
+  v1::CreateTokenResponse token;
+  token.mutable_token()->set_name(kHostile);
+  token.set_secret(kHostile);
+  server.Answer("CreateToken", token);
+  v1::GetServerStatusResponse status;
+  status.set_version(kHostile);
+  v1::Damage& damage = *status.add_damages();
+  damage.set_resource(kHostile);
+  damage.set_description(kHostile);
+  server.Answer("GetServerStatus", status);
+  v1::VerifyStoreResponse verified;
+  *verified.mutable_damage() = damage;
+  server.Answer("VerifyStore", verified);
+  server.Fail("GetModel", 13, kHostile);
+  server.Fail("CancelOperation", 3, kHostile);
+  v1::IngestClipResponse ingested;
+  *ingested.mutable_clip() = clip;
+  server.Answer("GetDatabase", v1::GetDatabaseResponse());
+  server.Answer("IngestClip", ingested);
+
+  const TemporaryFolder folder;
+  const std::string file = folder.Write("a.bvh", "a").string();
+  for (const std::vector<std::string>& command :
+       std::initializer_list<std::vector<std::string>>{{"list"},
+                                                       {"list", "d"},
+                                                       {"create", "d"},
+                                                       {"describe", "d"},
+                                                       {"operations", "list"},
+                                                       {"operations", "cancel", "x"},
+                                                       {"audit"},
+                                                       {"token", "list"},
+                                                       {"token", "create", "--role", "reader"},
+                                                       {"status"},
+                                                       {"verify"},
+                                                       {"ingest", "d", file},
+                                                       {"delete", "d", kHostile},
+                                                       {"list", "d", kHostile},
+                                                       {"recognize", "d", kHostile + ".bvh"}}) {
+    CAPTURE(command);
+    const auto result = RunMotiondb(server.address(), command);
+    CheckHarmless(result.out);
+    CheckHarmless(result.err);
+    CHECK(result.out.size() + result.err.size() > 0);
+  }
+
+  // JSON loses nothing.
+  const auto json = RunMotiondb(server.address(), {"--json", "list", "d"});
+  CheckHarmless(json.out);
+  CHECK(nlohmann::json::parse(json.out)["label"] == kHostile);
+  CHECK(nlohmann::json::parse(RunMotiondb(server.address(), {"--json", "status"}).out)["version"] ==
+        kHostile);
+}
+
+TEST_CASE("motiondb: a token given in the place of a name is not printed", "[client][cli]") {
+  FakeServer server;
+  server.Fail("DescribeDatabase", 5, "there is no database '" + AnyToken() + "'");
+  const TemporaryFolder folder;
+  for (const std::vector<std::string>& command : std::initializer_list<std::vector<std::string>>{
+           {"describe", AnyToken()},
+           {"status", AnyToken()},
+           {AnyToken()},
+           {"status", "--watch", AnyToken()},
+           {"status", "--token-file", AnyToken()},
+           {"plan", "d", "--goal", AnyToken()},
+           {"plan", "d", "--goal", "1,2,3", "--start", AnyToken()},
+           {"plan", "d", "--goal", "1,2,3", "--out", AnyToken()},
+           {"recognize", "d", AnyToken()},
+           {"ingest", "d", AnyToken()},
+           {"create", "d", "--marker-set", AnyToken()},
+           {"token", "create", "--role", AnyToken()},
+           {"export", "d", AnyToken(), "--out", folder.path().string()}}) {
+    CAPTURE(command);
+    const auto result = RunMotiondb(server.address(), command);
+    CHECK(result.exit_code != 0);
+    CHECK_THAT(result.err, !Contains("ccc") && Contains("motiondb: "));
+    CHECK_THAT(result.out, !Contains("ccc"));
+  }
+}
+
+}  // namespace
+}  // namespace motiondb::tests

@@ -6,8 +6,6 @@
 #include <unistd.h>
 
 #include <cerrno>
-#include <cstdio>
-#include <cstdlib>
 #include <cstring>
 
 #include "client/replaceable_file.h"
@@ -16,16 +14,6 @@ namespace motiondb::client {
 namespace {
 
 constexpr size_t kDigestBytes = 32;
-
-bool WriteAll(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = write(file, bytes.data(), bytes.size());
-    if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) return false;
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
-  return true;
-}
 
 // By errno.
 absl::Status Failed(const std::string& path) {
@@ -56,12 +44,7 @@ BackupFile::BackupFile() : digest_(EVP_MD_CTX_new()) {
   EVP_DigestInit_ex(digest_.get(), EVP_sha256(), nullptr);
 }
 
-BackupFile::~BackupFile() {
-  if (file_ < 0) return;
-  close(file_);
-  std::error_code ignored;
-  std::filesystem::remove(part_, ignored);
-}
+BackupFile::~BackupFile() = default;
 
 absl::Status BackupFile::Open(const std::filesystem::path& path, bool overwrite) {
   std::error_code ignored;
@@ -69,15 +52,15 @@ absl::Status BackupFile::Open(const std::filesystem::path& path, bool overwrite)
   if (const absl::Status free = CheckReplaceable(path); !free.ok()) return free;
   path_ = path;
   overwrite_ = overwrite;
-  part_ = path.string() + ".part-XXXXXX";
-  // A new file, with mode 0600: a backup holds all motion and the hashes of tokens, and is its
-  // owner's alone.
-  file_ = mkostemp(part_.data(), O_CLOEXEC);
-  return file_ < 0 ? Failed(part_) : absl::OkStatus();
+  // A backup holds all motion and the hashes of tokens, and is its owner's alone.
+  auto file = OutputFile::Create(path, 0600);
+  if (!file.ok()) return file.status();
+  file_ = *std::move(file);
+  return absl::OkStatus();
 }
 
 absl::Status BackupFile::Append(const std::string& block) {
-  if (!WriteAll(file_, block)) return Failed(part_);
+  if (const absl::Status written = file_->Append(block); !written.ok()) return written;
   bytes_ += static_cast<std::int64_t>(block.size());
   tail_ += block;
   if (tail_.size() > kDigestBytes) {
@@ -95,27 +78,12 @@ absl::Status BackupFile::Complete() {
     return absl::DataLossError(
         fmt::format("{}: the backup did not arrive whole: its checksum is wrong", path_.string()));
   }
-  if (fsync(file_) != 0) return Failed(part_);
-  if (const absl::Status named = GiveName(); !named.ok()) return named;
-  close(file_);
-  file_ = -1;
+  if (const absl::Status synced = file_->Flush(/*to_disk=*/true); !synced.ok()) return synced;
+  // Again, for a server may have been started on it meanwhile.
+  if (const absl::Status free = CheckReplaceable(path_); overwrite_ && !free.ok()) return free;
+  if (const absl::Status named = file_->Commit(overwrite_); !named.ok()) return named;
   const std::filesystem::path folder = path_.parent_path();
   return SyncFolder(folder.empty() ? "." : folder) ? absl::OkStatus() : Failed(path_.string());
-}
-
-absl::Status BackupFile::GiveName() {
-  if (!overwrite_) {
-    if (renameat2(AT_FDCWD, part_.c_str(), AT_FDCWD, path_.c_str(), RENAME_NOREPLACE) == 0) {
-      return absl::OkStatus();
-    }
-    // Not every file system can tell in one step whether the name is free.
-    std::error_code ignored;
-    const bool is_taken = errno == EEXIST || std::filesystem::exists(path_, ignored);
-    if (is_taken) return AlreadyThere(path_);
-  }
-  // Again, for a server may have been started on it meanwhile.
-  if (const absl::Status free = CheckReplaceable(path_); !free.ok()) return free;
-  return rename(part_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : Failed(path_.string());
 }
 
 }  // namespace motiondb::client

@@ -1,14 +1,15 @@
-// A backup on disk: written under a name of its own, FILE.part-XXXXXX, until it is whole, so that
-// two to one FILE do not mix. Not thread-safe.
+// A backup on disk. The file has no name until it is whole, so that two to one FILE do not mix. Not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "absl/status/status.h"
+#include "client/output_file.h"
 
 struct evp_md_ctx_st;
 
@@ -37,12 +38,9 @@ class BackupFile {
   struct Free {
     void operator()(evp_md_ctx_st* context) const;
   };
-  absl::Status GiveName();
-
   std::filesystem::path path_;
-  std::string part_;
   bool overwrite_ = false;
-  int file_ = -1;  // descriptor
+  std::optional<OutputFile> file_;  // between Open and Complete
   std::unique_ptr<evp_md_ctx_st, Free> digest_;
   std::string tail_;  // the last bytes so far, which may be the checksum
   std::int64_t bytes_ = 0;

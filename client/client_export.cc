@@ -1,12 +1,11 @@
 // Files coming out: a header, then blocks.
 #include <fmt/format.h>
 
-#include <algorithm>
-#include <fstream>
-#include <iterator>
+#include <optional>
 #include <utility>
 
 #include "client/connection.h"
+#include "client/output_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -17,75 +16,35 @@ absl::Status BrokenStream(const std::string& clip, const char* what) {
   return absl::DataLossError(fmt::format("export of {}: {}", clip, what));
 }
 
-bool SameBytes(const fs::path& a, const fs::path& b) {
-  std::ifstream first(a, std::ios::binary), second(b, std::ios::binary);
-  using Iterator = std::istreambuf_iterator<char>;
-  return std::equal(Iterator(first), Iterator(), Iterator(second), Iterator());
-}
+// One of the files that come. `file` has none after Open failed, or where the same bytes are there.
+struct ExportedFile {
+  fs::path path;
+  std::optional<OutputFile> file;
 
-// A file that appears under its name when it is complete, and leaves nothing behind otherwise.
-class PendingFile {
- public:
-  PendingFile() = default;
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-  ~PendingFile() {
-    if (!stream_.is_open()) return;
-    stream_.close();
-    std::error_code ignored;
-    fs::remove(Partial(), ignored);
-  }
-
-  // `name` comes from the server: only a plain file name is accepted.
   absl::Status Open(const fs::path& directory, const std::string& name) {
-    const fs::path plain(name);
-    if (name.empty() || plain != plain.filename() || plain == "." || plain == "..") {
-      return absl::DataLossError(fmt::format("\"{}\" is not the name of a file", name));
-    }
-    path_ = directory / plain;
-    stream_.open(Partial(), std::ios::binary | std::ios::trunc);
-    return Check();
+    if (const absl::Status plain = CheckFileNameFromServer(name); !plain.ok()) return plain;
+    path = directory / name;
+    auto created = OutputFile::Create(path);
+    if (!created.ok()) return created.status();
+    file = *std::move(created);
+    return absl::OkStatus();
   }
 
-  absl::Status Append(const std::string& block) {
-    stream_.write(block.data(), static_cast<std::streamsize>(block.size()));
-    return Check();
-  }
-
-  // Writes out what is left. ALREADY_EXISTS if other bytes lie under the name; the same bytes do no
-  // harm, and clips share skeletons.
-  absl::Status Complete(bool overwrite) {
-    if (!stream_.is_open()) return absl::OkStatus();
-    stream_.flush();
-    if (const absl::Status status = Check(); !status.ok()) return status;
+  // ALREADY_EXISTS if other bytes lie under the name; the same bytes do no harm, and clips share
+  // skeletons.
+  absl::Status Compare(bool overwrite) {
+    if (!file) return absl::OkStatus();
+    const auto same = file->IsThereAlready();
+    if (!same.ok()) return same.status();
     std::error_code ignored;
-    if (!overwrite && fs::exists(path_, ignored) && !SameBytes(path_, Partial())) {
+    if (*same) {
+      file.reset();
+    } else if (!overwrite && fs::exists(fs::symlink_status(path, ignored))) {
       return absl::AlreadyExistsError(
-          fmt::format("{}: exists already, with other contents", path_.string()));
+          fmt::format("{}: exists already, with other contents", path.string()));
     }
     return absl::OkStatus();
   }
-
-  absl::Status Commit() {
-    if (!stream_.is_open()) return absl::OkStatus();
-    std::error_code error;
-    fs::rename(Partial(), path_, error);
-    if (error) {
-      return absl::UnknownError(fmt::format("{}: {}", path_.string(), error.message()));
-    }
-    stream_.close();
-    return absl::OkStatus();
-  }
-
- private:
-  fs::path Partial() const { return path_.string() + ".partial"; }
-  absl::Status Check() const {
-    if (stream_) return absl::OkStatus();
-    return absl::UnknownError(fmt::format("{}: cannot be written", path_.string()));
-  }
-
-  fs::path path_;
-  std::ofstream stream_;
 };
 
 }  // namespace
@@ -141,24 +100,32 @@ absl::StatusOr<v1::ExportClipHeader> Client::ExportClipToDirectory(
     return absl::UnknownError(fmt::format("{}: {}", directory.string(), error.message()));
   }
   v1::ExportClipHeader header;
-  PendingFile file, skeleton;
+  ExportedFile file, skeleton;
   ExportSink sink;
   sink.on_header = [&](const v1::ExportClipHeader& received) -> absl::Status {
     header = received;
-    const absl::Status opened = file.Open(directory, header.clip().file_name());
+    const std::string& name = header.clip().file_name();
+    const absl::Status opened = file.Open(directory, name);
     if (!opened.ok() || header.skeleton_file_name().empty()) return opened;
+    if (header.skeleton_file_name() == name) {
+      return BrokenStream(request.name(), "the clip and its skeleton have the same file name");
+    }
     return skeleton.Open(directory, header.skeleton_file_name());
   };
-  sink.on_file_block = [&](const std::string& block) { return file.Append(block); };
-  sink.on_skeleton_block = [&](const std::string& block) { return skeleton.Append(block); };
+  sink.on_file_block = [&](const std::string& block) { return file.file->Append(block); };
+  sink.on_skeleton_block = [&](const std::string& block) {
+    return skeleton.file ? skeleton.file->Append(block)
+                         : BrokenStream(request.name(), "a block of a skeleton without a name");
+  };
   if (const absl::Status status = connection_->Export(request, sink, options); !status.ok()) {
     return status;
   }
-  for (PendingFile* pending : {&file, &skeleton}) {
-    if (const absl::Status status = pending->Complete(overwrite); !status.ok()) return status;
+  for (ExportedFile* const pending : {&file, &skeleton}) {
+    if (const absl::Status status = pending->Compare(overwrite); !status.ok()) return status;
   }
-  for (PendingFile* pending : {&file, &skeleton}) {
-    if (const absl::Status status = pending->Commit(); !status.ok()) return status;
+  for (ExportedFile* const pending : {&file, &skeleton}) {
+    if (!pending->file) continue;
+    if (const absl::Status status = pending->file->Commit(overwrite); !status.ok()) return status;
   }
   return header;
 }

@@ -3,6 +3,7 @@
 
 #include "client/cli/command.h"
 #include "client/cli/json_output.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 
 namespace motiondb::client {
@@ -14,7 +15,7 @@ struct BackupOptions {
 };
 
 void Declare(CLI::App& command, BackupOptions& options) {
-  command.add_option("FILE", options.file, "File to write; FILE.part-XXXXXX until it is whole")
+  command.add_option("FILE", options.file, "File to write; it is there when it is whole")
       ->required();
   command.add_flag("--force", options.force,
                    "Replace a backup that exists; never a server's store, nor what is no backup");
@@ -32,7 +33,7 @@ absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
     // The response is a stream of blocks, so this is its sum.
     fmt::print("{{\"file\":{},\"total_bytes\":{}}}\n", JsonString(options.file), *bytes);
   } else {
-    fmt::print("{}: {:.1f} MB, checksum right\n", options.file, static_cast<double>(*bytes) / 1e6);
+    PrintLine("{}: {:.1f} MB, checksum right", options.file, static_cast<double>(*bytes) / 1e6);
   }
   return absl::OkStatus();
 }

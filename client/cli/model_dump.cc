@@ -5,11 +5,11 @@
 #include <motiondb/v1/model.pb.h>
 
 #include <cctype>
-#include <fstream>
 #include <utility>
 
 #include "client/cli/json_output.h"
 #include "client/cli/npy_writer.h"
+#include "client/cli/whole_file.h"
 
 namespace motiondb::client {
 namespace {
@@ -24,20 +24,38 @@ absl::Status FileError(const fs::path& path, const std::error_code& error) {
   return absl::UnknownError(fmt::format("{}: {}", path.string(), error.message()));
 }
 
-// Removes what a dump writes. Folders go only when nothing else is left in them.
+// Whether it is a folder itself, and not a link to one.
+bool IsFolder(const fs::path& path) {
+  std::error_code ignored;
+  return fs::symlink_status(path, ignored).type() == fs::file_type::directory;
+}
+
+// Makes a folder of a dump. A link in its place would lead the files elsewhere.
+absl::Status MakeFolder(const fs::path& path) {
+  std::error_code error;
+  fs::create_directory(path, error);
+  if (error) return FileError(path, error);
+  if (IsFolder(path)) return absl::OkStatus();
+  return absl::FailedPreconditionError(
+      fmt::format("{}: expected a folder or nothing; remove it", path.string()));
+}
+
+// Removes what a dump writes. Folders go only when nothing else is left in them; what is a link, or
+// no folder, stays.
 void RemoveEarlierDump(const fs::path& directory) {
   std::error_code ignored;
   for (const char* file : kModelFiles) fs::remove(directory / file, ignored);
+  const fs::path all = directory / "layers";
+  if (!IsFolder(all)) return;
   std::vector<fs::path> layers;
-  for (fs::directory_iterator entry(directory / "layers", ignored), end; entry != end;
-       entry.increment(ignored)) {
-    layers.push_back(entry->path());
+  for (fs::directory_iterator entry(all, ignored), end; entry != end; entry.increment(ignored)) {
+    if (IsFolder(entry->path())) layers.push_back(entry->path());
   }
   for (const fs::path& layer : layers) {
     for (const char* file : kLayerFiles) fs::remove(layer / file, ignored);
     fs::remove(layer, ignored);
   }
-  fs::remove(directory / "layers", ignored);
+  fs::remove(all, ignored);
 }
 
 // Reads one model and writes it, from the frames to the bottom layer and up to the root.
@@ -126,10 +144,9 @@ absl::Status Dump::WriteLayer(int layer) {
     }
   }
   const fs::path folder = directory_ / "layers" / fmt::format("{:02}", layer);
-  std::error_code error;
-  fs::create_directories(folder, error);
-  if (error) return FileError(folder, error);
-  absl::Status status = WriteColumn(folder / "node_of_frame.npy", node_of_frame_);
+  absl::Status status = MakeFolder(folder.parent_path());
+  if (status.ok()) status = MakeFolder(folder);
+  if (status.ok()) status = WriteColumn(folder / "node_of_frame.npy", node_of_frame_);
   if (status.ok()) status = WriteNodes(layer, folder, parents_below_);
   if (status.ok()) status = WriteTransitions(layer, folder);
   return status;
@@ -201,15 +218,7 @@ absl::Status Dump::WriteJson(const v1::Database& database) const {
 }}
 )",
       IndentedJson(model_), database.frame_rate_hz(), markers);
-  const fs::path path = directory_ / "model.json";
-  const fs::path partial = path.string() + ".partial";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file << json;
-  file.close();
-  if (!file) return absl::UnknownError(fmt::format("{}: cannot be written", path.string()));
-  std::error_code error;
-  fs::rename(partial, path, error);
-  return error ? FileError(path, error) : absl::OkStatus();
+  return WriteWholeFile(directory_ / "model.json", json);
 }
 
 }  // namespace

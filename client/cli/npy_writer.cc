@@ -42,22 +42,17 @@ std::string NpyHeader(NpyType type, const std::vector<int64_t>& shape) {
 NpyWriter::NpyWriter(std::filesystem::path path, NpyType type, std::vector<int64_t> shape)
     : path_(std::move(path)),
       missing_bytes_(ElementCount(shape) * kElementBytes),
-      file_(Partial(), std::ios::binary | std::ios::trunc) {
-  const std::string header = NpyHeader(type, shape);
-  file_.write(header.data(), static_cast<std::streamsize>(header.size()));
+      file_(OutputFile::Create(path_)) {
+  Write(NpyHeader(type, shape));
 }
 
-NpyWriter::~NpyWriter() {
-  if (!file_.is_open()) return;
-  file_.close();
-  std::error_code ignored;
-  std::filesystem::remove(Partial(), ignored);
+void NpyWriter::Write(std::string_view bytes) {
+  if (!file_.ok()) return;
+  if (absl::Status written = file_->Append(bytes); !written.ok()) file_ = written;
 }
-
-std::filesystem::path NpyWriter::Partial() const { return path_.string() + ".partial"; }
 
 void NpyWriter::AppendBytes(std::string_view bytes) {
-  file_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  Write(bytes);
   missing_bytes_ -= static_cast<int64_t>(bytes.size());
 }
 
@@ -69,18 +64,13 @@ void NpyWriter::Append(int32_t value) {
 }
 
 absl::Status NpyWriter::Finish() {
-  file_.flush();
-  if (!file_) return absl::UnknownError(fmt::format("{}: cannot be written", path_.string()));
+  if (!file_.ok()) return file_.status();
   if (missing_bytes_ != 0) {
     return absl::DataLossError(fmt::format("{}: the server sent {} too {}", path_.string(),
                                            CountText(std::abs(missing_bytes_), "byte"),
                                            missing_bytes_ > 0 ? "few" : "many"));
   }
-  std::error_code error;
-  std::filesystem::rename(Partial(), path_, error);
-  if (error) return absl::UnknownError(fmt::format("{}: {}", path_.string(), error.message()));
-  file_.close();
-  return absl::OkStatus();
+  return file_->Commit(/*replace=*/true);
 }
 
 }  // namespace motiondb::client

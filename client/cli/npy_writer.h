@@ -4,25 +4,25 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "client/output_file.h"
 
 namespace motiondb::client {
 
 enum class NpyType { kFloat32, kInt32 };
 
-// Not thread-safe. Without Finish the file is removed.
+// Not thread-safe. Without Finish there is no file.
 class NpyWriter {
  public:
   // `shape` has one or two extents. The first error is kept, and is Finish's.
   NpyWriter(std::filesystem::path path, NpyType type, std::vector<int64_t> shape);
   NpyWriter(const NpyWriter&) = delete;
   NpyWriter& operator=(const NpyWriter&) = delete;
-  ~NpyWriter();
 
   // Appends elements that are little-endian already.
   void AppendBytes(std::string_view bytes);
@@ -33,11 +33,11 @@ class NpyWriter {
   absl::Status Finish();
 
  private:
-  std::filesystem::path Partial() const;
+  void Write(std::string_view bytes);
 
   const std::filesystem::path path_;
   int64_t missing_bytes_;
-  std::ofstream file_;
+  absl::StatusOr<OutputFile> file_;  // or the first error
 };
 
 // All that stands in a file before its elements: magic, version, length, and a description padded

@@ -1,26 +1,14 @@
 #include "client/cli/whole_file.h"
 
-#include <fmt/format.h>
-
-#include <fstream>
-#include <system_error>
+#include "client/output_file.h"
 
 namespace motiondb::client {
 
-absl::Status WriteWholeFile(const std::filesystem::path& path, const std::string& bytes) {
-  const std::filesystem::path partial = path.string() + ".partial";
-  std::ofstream file(partial, std::ios::binary | std::ios::trunc);
-  file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  file.close();
-  std::error_code error;
-  if (file) {
-    std::filesystem::rename(partial, path, error);
-    if (!error) return absl::OkStatus();
-  }
-  std::error_code ignored;
-  std::filesystem::remove(partial, ignored);
-  return absl::UnknownError(
-      fmt::format("{}: {}", path.string(), error ? error.message() : "cannot be written"));
+absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes) {
+  auto file = OutputFile::Create(path);
+  if (!file.ok()) return file.status();
+  if (const absl::Status written = file->Append(bytes); !written.ok()) return written;
+  return file->Commit(/*replace=*/true);
 }
 
 }  // namespace motiondb::client

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
+#include <string_view>
 
 #include "absl/status/status.h"
 
@@ -10,6 +10,6 @@ namespace motiondb::client {
 
 // Replaces what lies there. UNKNOWN, naming the file, if it cannot be written: then what lay there
 // still does.
-absl::Status WriteWholeFile(const std::filesystem::path& path, const std::string& bytes);
+absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace motiondb::client

@@ -136,14 +136,15 @@ TEST_CASE("Export: other contents are not replaced, unless asked; the same do no
   CHECK(client.ExportClipToDirectory({}, folder.path()).status().code() ==
         absl::StatusCode::kAlreadyExists);
   CHECK(ReadFile(folder / "07_01.amc") == "old");
-  CHECK(!std::filesystem::exists(folder / "07_01.amc.partial"));
+  CHECK(std::distance(std::filesystem::directory_iterator(folder.path()), {}) == 2);
   CHECK(client.ExportClipToDirectory({}, folder.path(), true).ok());
   CHECK(ReadFile(folder / "07_01.amc") == "new");
 }
 
 TEST_CASE("Export: a name from the server never leaves the folder", "[client]") {
   const TemporaryFolder folder;
-  for (const char* name : {"", ".", "..", "../evil.bvh", "/tmp/evil.bvh", "a/b.bvh"}) {
+  for (const char* name : {"", ".", "..", "../evil.bvh", "/tmp/evil.bvh", "a/b.bvh", ".bashrc",
+                           "-rf.bvh", "a\x1b.bvh"}) {
     FakeServer server;
     server.Answer("ExportClip", Header(name), FileBlock("x"));
     const Client client = ConnectTo(server.address());
@@ -152,6 +153,35 @@ TEST_CASE("Export: a name from the server never leaves the folder", "[client]") 
           absl::StatusCode::kDataLoss);
   }
   CHECK(std::filesystem::is_empty(folder / "inner"));
+}
+
+TEST_CASE("Export: a link in the folder is not followed", "[client]") {
+  FakeServer server;
+  server.Answer("ExportClip", Header("07_01.amc"), FileBlock("new"));
+  const Client client = ConnectTo(server.address());
+  const TemporaryFolder folder;
+  const auto victim = folder.Write("victim", "precious");
+  const auto out = folder / "out";
+  std::filesystem::create_directory(out);
+  std::filesystem::create_symlink(victim, out / "07_01.amc.partial");
+  REQUIRE(client.ExportClipToDirectory({}, out).ok());
+  CHECK(ReadFile(out / "07_01.amc") == "new");
+  std::filesystem::remove(out / "07_01.amc");
+  std::filesystem::create_symlink(victim, out / "07_01.amc");
+  CHECK(absl::IsAlreadyExists(client.ExportClipToDirectory({}, out).status()));
+  CHECK(std::filesystem::is_symlink(out / "07_01.amc"));
+  REQUIRE(client.ExportClipToDirectory({}, out, true).ok());
+  CHECK(!std::filesystem::is_symlink(out / "07_01.amc"));
+  CHECK(ReadFile(victim) == "precious");
+}
+
+TEST_CASE("Export: two files of one name are refused", "[client]") {
+  FakeServer server;
+  server.Answer("ExportClip", Header("a.bvh", "a.bvh"), FileBlock("x"), SkeletonBlock("y"));
+  const TemporaryFolder folder;
+  CHECK(absl::IsDataLoss(
+      ConnectTo(server.address()).ExportClipToDirectory({}, folder.path()).status()));
+  CHECK(std::filesystem::is_empty(folder.path()));
 }
 
 TEST_CASE("Export: a broken stream is DATA_LOSS and leaves no file", "[client]") {

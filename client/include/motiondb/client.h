@@ -87,7 +87,9 @@ class Client {
                                           CallOptions options = {}) const;
   // Writes the ingested files into `directory`, made if absent, under their own names, and returns
   // the header that has them. ALREADY_EXISTS rather than replacing a file of other contents, unless
-  // `overwrite`. On an error no half-written file stays.
+  // `overwrite`; then a symbolic link is replaced, not followed. DATA_LOSS if the server names a
+  // file with a folder, a control character, or '.' or '-' in front. On an error no half-written
+  // file stays.
   absl::StatusOr<v1::ExportClipHeader> ExportClipToDirectory(const v1::ExportClipRequest& request,
                                                              const std::filesystem::path& directory,
                                                              bool overwrite = false,

@@ -1,0 +1,201 @@
+#include "client/output_file.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdint>
+#include <cstdio>
+#include <cstring>
+#include <random>
+#include <utility>
+
+#include "client/display_text.h"
+
+namespace motiondb::client {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostKept = std::size_t{64} << 10;
+constexpr int kTries = 100;  // for a name that is free
+
+fs::path FolderOf(const fs::path& path) {
+  return path.has_parent_path() ? path.parent_path() : fs::path(".");
+}
+
+// In the folder of `path`, and short whatever the length of its name.
+std::string TemporaryName(const fs::path& path) {
+  std::random_device random;
+  const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
+  return (FolderOf(path) / fmt::format(".motiondb-{:016x}", number)).string();
+}
+
+// Calls `take` with names until it returns 0 or fails with anything but EEXIST.
+template <typename Take>
+std::string FirstFreeName(const fs::path& path, const Take& take) {
+  for (int i = 0; i < kTries; ++i) {
+    std::string name = TemporaryName(path);
+    if (take(name.c_str()) == 0) return name;
+    if (errno != EEXIST) break;
+  }
+  return "";
+}
+
+std::string DescriptorLink(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
+
+// A file without a name that can get one; -1 where there are none such.
+int OpenWithoutName(const fs::path& folder, mode_t mode) {
+  const int descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
+  if (descriptor < 0) return -1;
+  if (access(DescriptorLink(descriptor).c_str(), F_OK) == 0) return descriptor;
+  close(descriptor);
+  return -1;
+}
+
+bool WriteAll(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = write(file, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+// Up to `bytes.size()` bytes; nothing at the end or after an error.
+std::string_view ReadAt(int file, off_t offset, std::string& bytes) {
+  const ssize_t got = pread(file, bytes.data(), bytes.size(), offset);
+  return std::string_view(bytes).substr(0, got < 0 ? 0 : static_cast<std::size_t>(got));
+}
+
+bool SameBytes(int one, int other) {
+  struct stat first {
+  }, second{};
+  if (fstat(one, &first) != 0 || fstat(other, &second) != 0) return false;
+  if (!S_ISREG(second.st_mode) || first.st_size != second.st_size) return false;
+  std::string a(kMostKept, '\0'), b(kMostKept, '\0');
+  for (off_t offset = 0; offset < first.st_size;) {
+    const std::string_view read = ReadAt(one, offset, a);
+    if (read.empty() || read != ReadAt(other, offset, b)) return false;
+    offset += static_cast<off_t>(read.size());
+  }
+  return true;
+}
+
+}  // namespace
+
+OutputFile::OutputFile(fs::path path, int descriptor, std::string temporary)
+    : path_(std::move(path)), descriptor_(descriptor), temporary_(std::move(temporary)) {}
+
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      temporary_(std::exchange(other.temporary_, "")),
+      kept_(std::move(other.kept_)) {}
+
+OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
+  std::swap(path_, other.path_);
+  std::swap(descriptor_, other.descriptor_);
+  std::swap(temporary_, other.temporary_);
+  std::swap(kept_, other.kept_);
+  return *this;
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ >= 0) close(descriptor_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+absl::Status OutputFile::Failed() const {
+  return absl::UnknownError(
+      fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
+}
+
+absl::StatusOr<OutputFile> OutputFile::Create(const fs::path& path, mode_t mode) {
+  OutputFile file(path, OpenWithoutName(FolderOf(path), mode), "");
+  if (file.descriptor_ >= 0) return file;
+  file.temporary_ = FirstFreeName(path, [&](const char* name) {
+    file.descriptor_ = open(name, O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, mode);
+    return file.descriptor_ < 0 ? -1 : 0;
+  });
+  if (file.descriptor_ < 0) return file.Failed();
+  return file;
+}
+
+absl::Status OutputFile::Append(std::string_view bytes) {
+  kept_ += bytes;
+  return kept_.size() < kMostKept ? absl::OkStatus() : Flush();
+}
+
+absl::Status OutputFile::Flush(bool to_disk) {
+  if (!WriteAll(descriptor_, kept_)) return Failed();
+  kept_.clear();
+  return to_disk && fsync(descriptor_) != 0 ? Failed() : absl::OkStatus();
+}
+
+absl::StatusOr<bool> OutputFile::IsThereAlready() {
+  if (absl::Status flushed = Flush(); !flushed.ok()) return flushed;
+  const int there = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (there < 0) return false;
+  const bool same = SameBytes(descriptor_, there);
+  close(there);
+  return same;
+}
+
+absl::Status OutputFile::Commit(bool replace) {
+  if (absl::Status flushed = Flush(); !flushed.ok()) return flushed;
+  absl::Status named = replace ? Name() : TakeFreeName();
+  if (!named.ok()) return named;
+  temporary_.clear();
+  // Only now does a network file system tell of a full disk.
+  return close(std::exchange(descriptor_, -1)) == 0 ? absl::OkStatus() : Failed();
+}
+
+absl::Status OutputFile::Name() {
+  struct stat there {};
+  if (lstat(path_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode)) {
+    return absl::FailedPreconditionError(
+        fmt::format("{}: is not a file, and only files and links are replaced", path_.string()));
+  }
+  // What has no name cannot take that of another file in one step.
+  if (temporary_.empty()) {
+    temporary_ = FirstFreeName(path_, [&](const char* name) {
+      return linkat(AT_FDCWD, DescriptorLink(descriptor_).c_str(), AT_FDCWD, name,
+                    AT_SYMLINK_FOLLOW);
+    });
+    if (temporary_.empty()) return Failed();
+  }
+  return rename(temporary_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : Failed();
+}
+
+absl::Status OutputFile::TakeFreeName() {
+  const int taken = temporary_.empty() ? linkat(AT_FDCWD, DescriptorLink(descriptor_).c_str(),
+                                                AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW)
+                                       : renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD,
+                                                   path_.c_str(), RENAME_NOREPLACE);
+  if (taken == 0) return absl::OkStatus();
+  struct stat there {};
+  if (errno == EEXIST || lstat(path_.c_str(), &there) == 0) {
+    return absl::AlreadyExistsError(fmt::format("{}: exists already", path_.string()));
+  }
+  // Not every file system can tell in one step whether the name is free.
+  const bool can_rename = !temporary_.empty() && (errno == EINVAL || errno == ENOSYS);
+  return can_rename ? Name() : Failed();
+}
+
+absl::Status CheckFileNameFromServer(const std::string& name) {
+  const bool hides = name.empty() || name[0] == '.' || name[0] == '-';
+  if (!hides && name.find_first_of("/\\") == std::string::npos && DisplayText(name) == name) {
+    return absl::OkStatus();
+  }
+  return absl::DataLossError(fmt::format(
+      "the server names a file \"{}\"; expected a name without folders and control characters that "
+      "begins with neither '.' nor '-'. Nothing was written",
+      name));
+}
+
+}  // namespace motiondb::client

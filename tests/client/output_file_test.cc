@@ -1,0 +1,127 @@
+#include "client/output_file.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <catch2/catch.hpp>
+#include <set>
+
+#include "client/cli/npy_writer.h"
+#include "client/cli/whole_file.h"
+#include "tests/client/temporary_folder.h"
+#include "tests/support/real_data.h"
+
+namespace motiondb::tests {
+namespace {
+
+using client::OutputFile;
+
+std::set<std::string> Names(const TemporaryFolder& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(folder.path())) {
+    names.insert(entry.path().filename().string());
+  }
+  return names;
+}
+
+TEST_CASE("OutputFile: has its name when it is complete, and no other before", "[client]") {
+  const TemporaryFolder folder;
+  const std::string bytes(300'000, 'x');
+  {
+    auto file = OutputFile::Create(folder / "a");
+    REQUIRE(file.ok());
+    REQUIRE(file->Append(bytes).ok());
+    for (const std::string& name : Names(folder)) CHECK(name.starts_with(".motiondb-"));
+  }
+  CHECK(Names(folder).empty());
+  auto file = OutputFile::Create(folder / "a", 0640);
+  REQUIRE(file.ok());
+  REQUIRE(file->Append(bytes).ok());
+  REQUIRE(file->Append("end").ok());
+  REQUIRE(file->Commit(/*replace=*/false).ok());
+  CHECK(ReadFile(folder / "a") == bytes + "end");
+  CHECK(Names(folder) == std::set<std::string>{"a"});
+  struct stat status {};
+  REQUIRE(stat((folder / "a").c_str(), &status) == 0);
+  CHECK((status.st_mode & 0777U & ~0640U) == 0);
+}
+
+TEST_CASE("OutputFile: replaces a file or a link, never what a link leads to", "[client]") {
+  const TemporaryFolder folder;
+  folder.Write("victim", "precious");
+  folder.Write("plain", "old");
+  std::filesystem::create_symlink("victim", folder / "link");
+  std::filesystem::create_symlink("nowhere", folder / "dangling");
+  for (const char* const name : {"plain", "link", "dangling"}) {
+    CAPTURE(name);
+    auto kept = OutputFile::Create(folder / name);
+    REQUIRE(kept.ok());
+    CHECK(absl::IsAlreadyExists(kept->Commit(/*replace=*/false)));
+    REQUIRE(client::WriteWholeFile(folder / name, "new").ok());
+    CHECK(std::filesystem::is_regular_file(std::filesystem::symlink_status(folder / name)));
+    CHECK(ReadFile(folder / name) == "new");
+  }
+  CHECK(ReadFile(folder / "victim") == "precious");
+  std::filesystem::create_directory(folder / "sub");
+  REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
+  for (const char* const name : {"sub", "fifo"}) {
+    CHECK(absl::IsFailedPrecondition(client::WriteWholeFile(folder / name, "new")));
+  }
+  CHECK(Names(folder) ==
+        std::set<std::string>{"plain", "link", "dangling", "victim", "sub", "fifo"});
+}
+
+TEST_CASE("OutputFile: a file that waits under the name of an earlier version is left alone",
+          "[client]") {
+  const TemporaryFolder folder;
+  folder.Write("victim", "precious");
+  for (const char* const name : {"plan.bvh.partial", "a.npy.partial"}) {
+    std::filesystem::create_symlink("victim", folder / name);
+  }
+  REQUIRE(client::WriteWholeFile(folder / "plan.bvh", "new").ok());
+  client::NpyWriter npy(folder / "a.npy", client::NpyType::kInt32, {1});
+  npy.Append(7);
+  REQUIRE(npy.Finish().ok());
+  CHECK(ReadFile(folder / "victim") == "precious");
+}
+
+TEST_CASE("OutputFile: knows the same bytes", "[client]") {
+  const TemporaryFolder folder;
+  const std::string bytes(200'000, 'x');
+  folder.Write("same", bytes + "y");
+  folder.Write("other", bytes + "z");
+  folder.Write("short", bytes);
+  std::filesystem::create_symlink("same", folder / "link");
+  const auto is_there = [&](const char* name) {
+    auto file = OutputFile::Create(folder / name);
+    REQUIRE((file.ok() && file->Append(bytes + "y").ok()));
+    return *file->IsThereAlready();
+  };
+  CHECK(is_there("same"));
+  for (const char* const name : {"other", "short", "link", "none"}) CHECK_FALSE(is_there(name));
+}
+
+TEST_CASE("OutputFile: what cannot be written is told and leaves nothing", "[client]") {
+  const TemporaryFolder folder;
+  CHECK(absl::IsUnknown(OutputFile::Create(folder / "none" / "a").status()));
+  CHECK(absl::IsUnknown(client::WriteWholeFile(folder / std::string(300, 'x'), "bytes")));
+  CHECK(Names(folder).empty());
+}
+
+TEST_CASE("OutputFile: names that a server may not choose", "[client]") {
+  for (const char* const name : {"walk.bvh", "07_01.amc", "M\xC3\xBCller 2.c3d", "a..b", "a-b"}) {
+    CHECK(client::CheckFileNameFromServer(name).ok());
+  }
+  for (const std::string& name :
+       {std::string(), std::string("."), std::string(".."), std::string(".bashrc"),
+        std::string("-rf.bvh"), std::string("a/b"), std::string("/a"), std::string("..\\a"),
+        std::string("a\nb"), std::string("a\0b", 3), std::string("a\xE2\x80\xAE"),
+        std::string("\xff")}) {
+    CAPTURE(name);
+    CHECK(absl::IsDataLoss(client::CheckFileNameFromServer(name)));
+  }
+}
+
+}  // namespace
+}  // namespace motiondb::tests

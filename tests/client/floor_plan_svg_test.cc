@@ -71,7 +71,7 @@ TEST_CASE("FloorPlanSvg: without a motion there is still a floor", "[client][cli
   auto floor = ElementsInGroups(svg);
   CHECK(floor.count("polyline.path") == 0);
   CHECK(floor["circle.wedge"] == 1);
-  CHECK_THAT(svg, Contains("&lt;too far&gt; &amp; &quot;behind&quot; the  wall"));
+  CHECK_THAT(svg, Contains("&lt;too far&gt; &amp; &quot;behind&quot; the \xEF\xBF\xBD wall"));
 }
 
 TEST_CASE("FloorPlanSvg: what is far away or not a number does no harm", "[client][cli]") {

@@ -128,8 +128,8 @@ absl::StatusOr<JointMatrix> ReadNumbers(TextScanner& scanner, int frames,
                                         const std::vector<ChannelColumn>& columns,
                                         std::vector<std::string>& notes) {
   const std::size_t width = columns.size();
-  // A number takes two bytes at least: a digit and a space. Memory is taken for no more than that.
-  const std::size_t most = (scanner.bytes_left() + 1) / 2 / width;
+  // A file may claim more frames than it has. Memory is taken for as many as it has words.
+  const std::size_t most = CountWords(scanner.rest()) / width;
   const int held = static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(frames)));
   JointMatrix values(held, static_cast<Eigen::Index>(width));
   scanner.AtEnd();
@@ -203,6 +203,12 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
                      .angles = JointMatrix(count, values.cols())};
   for (Eigen::Index i = 0; i < count; ++i) {
     sample.angles.row(i) = values.row(i * values.rows() / count);
+  }
+  // Relative to where the root begins: positions are floats, and files may be far from the origin.
+  const std::vector<Dof>& root = sample.skeleton->joints().front().dofs;
+  for (std::size_t k = 0; k < root.size() && root[k].kind == Dof::Kind::kTranslation; ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    sample.angles.col(column).array() -= values(0, column);
   }
   const FrameMatrix positions = JointPositions(sample);
   std::vector<std::string> names;

@@ -15,7 +15,7 @@ std::vector<std::string_view> AllStrings(const C3dParameters& parameters, const 
   std::vector<std::string_view> all = parameters.Strings("POINT", name);
   for (int n = 2;; ++n) {
     const auto more = parameters.Strings("POINT", fmt::format("{}{}", name, n));
-    if (more.empty()) return all;
+    if (more.empty() || all.size() >= C3dParameters::kMostStrings) return all;
     all.insert(all.end(), more.begin(), more.end());
   }
 }

@@ -8,6 +8,9 @@
 namespace motiondb::core {
 namespace {
 
+// A file has some hundred. Each takes many times its bytes in memory.
+constexpr std::size_t kMostParameters = 10'000;
+
 std::string UpperCase(std::string_view name) {
   std::string upper(name);
   for (char& c : upper) {
@@ -53,6 +56,9 @@ absl::StatusOr<C3dParameters> C3dParameters::Read(const C3dBytes& bytes, std::si
                            Shown(name), distance);
       }
       found.insert_or_assign({number, name}, std::move(parameter));
+      if (found.size() > kMostParameters) {
+        return bytes.Error(next, "expected at most {} parameters, found more", kMostParameters);
+      }
     }
     if (distance == 0) break;
     next = distance_at + distance;
@@ -130,7 +136,7 @@ std::vector<std::string_view> C3dParameters::Strings(const std::string& group,
     return strings;
   }
   const std::size_t length = parameter->dimensions.empty() ? 1 : parameter->dimensions[0];
-  for (std::size_t at = 0; at < parameter->count; at += length) {
+  for (std::size_t at = 0; at < parameter->count && strings.size() < kMostStrings; at += length) {
     strings.push_back(Trimmed(bytes_.Text(parameter->offset + at, length)));
   }
   return strings;

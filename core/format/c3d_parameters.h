@@ -24,7 +24,9 @@ class C3dParameters {
   std::optional<double> Number(const std::string& group, const std::string& name,
                                std::size_t element = 0) const;
 
-  // The strings of a text parameter, trimmed; empty if there is none.
+  // As many strings, and points, as a file can name.
+  static constexpr std::size_t kMostStrings = 65'535;
+  // The strings of a text parameter, trimmed, at most kMostStrings; empty if there is none.
   std::vector<std::string_view> Strings(const std::string& group, const std::string& name) const;
 
  private:

@@ -7,6 +7,7 @@
 #include "core/format/bvh_reader.h"
 #include "core/format/c3d_reader.h"
 #include "core/format/frame_rate.h"
+#include "core/format/joint_limit.h"
 #include "core/format/text_scanner.h"
 #include "core/format/trc_reader.h"
 #include "core/motion/error.h"
@@ -44,6 +45,28 @@ std::string_view Word(UpAxis up) {
       return "-z";
   }
   return "";
+}
+
+// Words of the first lines of a TRC file that are not blank, up to that of its markers' names.
+std::int64_t WordsOfHeader(std::string_view text) {
+  constexpr int kLines = 5;
+  std::int64_t words = 0;
+  for (int lines = 0; lines < kLines && !text.empty();) {
+    const std::size_t end = std::min(text.find_first_of("\r\n"), text.size());
+    const auto on_line = static_cast<std::int64_t>(CountWords(text.substr(0, end)));
+    words += on_line;
+    lines += on_line > 0 ? 1 : 0;
+    text.remove_prefix(std::min(end + 1, text.size()));
+  }
+  return words;
+}
+
+// Points of a C3D file, read in the byte order that makes them more.
+std::int64_t C3dPoints(std::string_view bytes) {
+  if (bytes.size() < 4) return 0;
+  const int low = static_cast<unsigned char>(bytes[2]);
+  const int high = static_cast<unsigned char>(bytes[3]);
+  return std::max(low + 256 * high, high + 256 * low);
 }
 
 absl::Status CheckOptions(const ReadOptions& options) {
@@ -94,6 +117,36 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
       return ReadC3d(file, options);
   }
   return InvalidArgument("{}: expected a known file format", file.name);
+}
+
+std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
+                             std::optional<SourceFile> skeleton) {
+  constexpr std::int64_t kJoint = 2048;  // with its place in the skeletons that are tried
+  constexpr std::int64_t kName = 400;    // with its place in the sets that make names unique
+  constexpr std::int64_t kLeastBoneText = 40;
+  constexpr std::int64_t kC3dParameter = 300;
+  constexpr std::int64_t kMostC3dParameters = 10'000;
+  const auto words = static_cast<std::int64_t>(CountWords(file.bytes));
+  const auto bytes = static_cast<std::int64_t>(file.bytes.size());
+  const auto joints = [](std::int64_t count) {
+    return kJoint * std::min<std::int64_t>(kMostJoints, count);
+  };
+  switch (format) {
+    case FileFormat::kBvh:
+      return 8 * words + joints(std::count(file.bytes.begin(), file.bytes.end(), '{'));
+    case FileFormat::kAmc:
+      // A vector that grows, or the vector and the result.
+      return 24 * words + joints(skeleton ? std::ssize(skeleton->bytes) / kLeastBoneText : 0);
+    case FileFormat::kTrc:
+      // Cells may be empty, so tabs are counted. A vector and the result, of float.
+      return 8 * (words + std::count(file.bytes.begin(), file.bytes.end(), '\t')) +
+             kName * WordsOfHeader(file.bytes);
+    case FileFormat::kC3d:
+      // Three words of 16 bits become three floats; the fourth tells whether they are valid.
+      return 3 * bytes / 2 + kName * std::min(bytes / 8, C3dPoints(file.bytes)) +
+             kC3dParameter * std::min(bytes / 8, kMostC3dParameters);
+  }
+  return 0;
 }
 
 }  // namespace motiondb::core

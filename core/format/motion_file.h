@@ -2,6 +2,7 @@
 // Functions here keep no state and are safe to call from any thread.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -65,5 +66,9 @@ struct SourceFile {
 absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
                                           std::optional<SourceFile> skeleton = std::nullopt,
                                           const ReadOptions& options = {});
+
+// Memory (bytes) that ReadMotionFile takes at most, its result included. O(bytes of the file).
+std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
+                             std::optional<SourceFile> skeleton = std::nullopt);
 
 }  // namespace motiondb::core

@@ -78,6 +78,17 @@ bool IsKeyword(std::string_view token, std::string_view lower_case_keyword) {
                     lower_case_keyword.end(), [](char a, char b) { return Lower(a) == b; });
 }
 
+std::size_t CountWords(std::string_view text) {
+  std::size_t words = 0;
+  bool in_word = false;
+  for (const char c : text) {
+    const bool space = IsSpace(c);
+    words += !space && !in_word ? 1 : 0;
+    in_word = !space;
+  }
+  return words;
+}
+
 std::string Shown(std::string_view text) {
   constexpr std::size_t kMost = 40;
   std::string shown = ToUtf8(text.substr(0, kMost));

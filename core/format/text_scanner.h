@@ -73,6 +73,7 @@ class TextScanner {
 
   // Bytes not read yet: a bound on what the rest of the file can hold.
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - next_); }
+  std::string_view rest() const { return {next_, bytes_left()}; }
   // True if the last byte is part of a token: the file may have been cut short within it.
   bool EndsInToken() const;
 
@@ -97,6 +98,9 @@ class TextScanner {
 
 // `text` for an error message: valid UTF-8, no display controls, at most 40 bytes of it.
 std::string Shown(std::string_view text);
+
+// Words that white space separates: at least as many as the text has numbers.
+std::size_t CountWords(std::string_view text);
 
 // A note for the report if the file's last number may have lost digits, as nothing else can tell.
 std::optional<std::string> NoteOnFileEnd(const TextScanner& scanner);

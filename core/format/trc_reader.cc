@@ -14,6 +14,7 @@
 namespace motiondb::core {
 namespace {
 
+constexpr int kMostFileMarkers = 65'535;  // as in C3D
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 std::string_view Trimmed(std::string_view text) {
@@ -96,7 +97,12 @@ class TrcReader {
     }
     header_.rate_hz = *rate;
     MOTIONDB_RETURN_IF_ERROR(TakeCount("NumFrames", frames, header_.frames));
-    return TakeCount("NumMarkers", markers, header_.markers);
+    MOTIONDB_RETURN_IF_ERROR(TakeCount("NumMarkers", markers, header_.markers));
+    if (header_.markers > kMostFileMarkers) {
+      return scanner_.Error("expected NumMarkers to be at most {}, found {}", kMostFileMarkers,
+                            header_.markers);
+    }
+    return absl::OkStatus();
   }
 
   static std::string Found(std::optional<double> value) {
@@ -121,7 +127,9 @@ class TrcReader {
     const std::string_view second = cells.NextOrEmpty();
     if (!IsKeyword(second, "time")) return scanner_.Expected("'Time'", second);
     UniqueNames unique;
-    for (auto cell = cells.Next(); cell; cell = cells.Next()) {
+    // One name more than there are markers is enough to report that they do not fit.
+    for (auto cell = cells.Next(); cell && std::ssize(names_) <= header_.markers;
+         cell = cells.Next()) {
       if (!cell->empty()) names_.push_back(unique.Add(*cell));
     }
     if (std::string note = unique.Note(); !note.empty()) notes_.push_back(std::move(note));

@@ -141,8 +141,12 @@ MotionPrior MotionSums::Fit(int without_part) const {
   }
   Eigen::MatrixXf gram = sums.features.selfadjointView<Eigen::Lower>();
   gram = gram(moving, moving).eval();
-  gram.diagonal().array() += static_cast<float>(kRidge);
+  // Sums of floats are off by about so much of their trace. Where features are as large as a fast
+  // motion over kilometres, that is more than the ridge, and the solution would be anything.
+  constexpr float kRounding = 1e-5F;
+  gram.diagonal().array() += std::max(static_cast<float>(kRidge), kRounding * gram.trace());
   const Eigen::LLT<Eigen::MatrixXf> solver(gram);
+  if (solver.info() != Eigen::Success) return {};
   const Eigen::MatrixXf solved = solver.solve(sums.products(moving, Eigen::all));
 
   MotionPrior prior;

@@ -1,6 +1,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
+#include "core/motion/floor_origin.h"
 #include "core/motion/forward_kinematics.h"
 #include "core/motion/marker_limits.h"
 #include "core/motion/marker_rules.h"
@@ -15,12 +16,17 @@ std::vector<std::string> PointNames(const Motion& motion) {
   return JointNames(*std::get<JointMotion>(motion).skeleton);
 }
 
-FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix& points) {
+// Relative to `origin`; weights sum to 1.
+FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix& points,
+                         const Eigen::Vector2d& origin) {
+  const Eigen::RowVector3f from = Eigen::RowVector2f(origin.cast<float>().transpose())
+                                      .homogeneous()
+                                      .cwiseProduct(Eigen::RowVector3f(1, 1, 0));
   FrameMatrix sums = FrameMatrix::Zero(points.rows(), static_cast<Eigen::Index>(3 * rules.size()));
   for (std::size_t m = 0; m < rules.size(); ++m) {
     for (const auto& [point, weight] : rules[m].points) {
       sums.middleCols<3>(static_cast<Eigen::Index>(3 * m)) +=
-          static_cast<float>(weight) * points.middleCols<3>(3 * point);
+          static_cast<float>(weight) * (points.middleCols<3>(3 * point).rowwise() - from);
     }
   }
   return sums;
@@ -55,7 +61,9 @@ struct JointMarkers {
 };
 
 absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const JointMotion& motion,
+                                             const Eigen::Vector2d& origin,
                                              const Cancelled& cancelled) {
+  const Eigen::Vector3d from(origin.x(), origin.y(), 0);
   const std::vector<BoundRule>& rules = mapping.rules;
   const std::vector<int> needed = NeededJoints(rules, *motion.skeleton);
   std::vector<Eigen::Isometry3d> world_from_joint(motion.skeleton->joint_count());
@@ -73,7 +81,7 @@ absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const 
       for (const auto& [joint, weight] : rules[m].points) {
         markers.positions_m.row(t).segment<3>(at) +=
             static_cast<float>(weight) *
-            world_from_joint[joint].translation().transpose().cast<float>();
+            (world_from_joint[joint].translation() - from).transpose().cast<float>();
       }
       if (rules[m].offset_joint < 0) continue;
       markers.offsets.row(t).segment<3>(at) =
@@ -111,6 +119,13 @@ absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion) {
 absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motion& motion,
                                          std::optional<double> leg_length_m,
                                          const Cancelled& cancelled) {
+  return ApplySchemeFrom(Eigen::Vector2d::Zero(), scheme, motion, leg_length_m, cancelled);
+}
+
+absl::StatusOr<MarkerMotion> ApplySchemeFrom(const Eigen::Vector2d& origin,
+                                             const MarkerScheme& scheme, const Motion& motion,
+                                             std::optional<double> leg_length_m,
+                                             const Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const BoundMapping mapping, BindMapping(scheme, PointNames(motion)));
 
   MarkerMotion mapped;
@@ -121,12 +136,13 @@ absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motio
                              mapping.name);
     }
     mapped.frame_rate_hz = markers->frame_rate_hz;
-    mapped.positions_m = WeightedSums(mapping.rules, markers->positions_m);
+    mapped.positions_m = WeightedSums(mapping.rules, markers->positions_m, origin);
     return mapped;
   }
   const JointMotion& joints = std::get<JointMotion>(motion);
   mapped.frame_rate_hz = joints.frame_rate_hz;
-  MOTIONDB_ASSIGN_OR_RETURN(JointMarkers markers, MarkersOfJoints(mapping, joints, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(JointMarkers markers,
+                            MarkersOfJoints(mapping, joints, origin, cancelled));
   mapped.positions_m = std::move(markers.positions_m);
   if (mapping.has_offsets) {
     if (!leg_length_m) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/motion/floor_origin.h"
+
 namespace motiondb::core {
 
 StateSequence PastAt(const StateSequence& observation, int frame, int history) {
@@ -16,6 +18,8 @@ StateSequence PastAt(const StateSequence& observation, int frame, int history) {
   StateSequence last_two{observation.frame_rate_hz, observation.leg_length_m,
                          observation.states.middleRows(frame - 1, 2),
                          observation.root_path.middleRows(frame - 1, 2)};
+  const Eigen::Vector2d origin = NearestCorner(last_two.root_path.row(0).head<2>().transpose());
+  last_two.root_path.leftCols<2>().rowwise() -= origin.transpose();
   const FrameMatrix positions = WorldPositions(last_two);
   const double c = std::cos(observation.root_path(frame, 2));
   const double s = std::sin(observation.root_path(frame, 2));

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/motion/error.h"
+#include "core/motion/floor_origin.h"
 #include "core/motion/frame_state.h"
 
 namespace motiondb::core {
@@ -56,11 +57,15 @@ void Interpolate(const std::vector<bool>& valid, RootPath& path) {
   }
 }
 
-absl::Status CheckPositions(const MarkerMotion& motion) {
+// Of a motion relative to `origin`.
+absl::Status CheckPositions(const Eigen::Vector2d& origin, const MarkerMotion& motion) {
+  const Eigen::RowVector3d from(origin.x(), origin.y(), 0);
+  // No position within it can be beyond the limit.
+  const auto near = static_cast<float>(kFurthest_m - from.cwiseAbs().maxCoeff());
   for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
-    if (!(motion.positions_m.row(t).array().abs() > kFurthest_m).any()) continue;
+    if (!(motion.positions_m.row(t).array().abs() > near).any()) continue;
     for (int m = 0; m < static_cast<int>(motion.names.size()); ++m) {
-      const auto at = At(motion, t, m);
+      const Eigen::RowVector3d at = At(motion, t, m).cast<double>() + from;
       if (!(at.array().abs() > kFurthest_m).any()) continue;
       return InvalidArgument(
           "frame {}, marker '{}': expected positions up to {} m, got ({}, {}, {})", t,
@@ -184,9 +189,10 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
     return cancelled && cancelled() ? absl::CancelledError("the motion is no longer wanted")
                                     : absl::OkStatus();
   };
+  const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
-                            ApplyScheme(scheme, motion, leg_length_m, cancelled));
-  MOTIONDB_RETURN_IF_ERROR(CheckPositions(mapped));
+                            ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));
+  MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
   if (gaps == Gaps::kFill) {
     // After the mapping: only markers that are used must be whole.
     MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
@@ -194,8 +200,12 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   }
   MOTIONDB_RETURN_IF_ERROR(go_on());
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
+  mapped = {};
   MOTIONDB_RETURN_IF_ERROR(go_on());
-  return ComputeStates(scheme.set, resampled, leg_length_m);
+  MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
+                            ComputeStates(scheme.set, resampled, leg_length_m));
+  states.root_path.leftCols<2>().rowwise() += origin.transpose();
+  return states;
 }
 
 FrameMatrix WorldPositions(const StateSequence& sequence) {

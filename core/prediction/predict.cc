@@ -10,6 +10,7 @@
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "core/motion/error.h"
+#include "core/motion/floor_origin.h"
 #include "core/motion/past.h"
 #include "core/prediction/forecast.h"
 #include "core/prediction/node_forecast.h"
@@ -70,10 +71,15 @@ absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& sea
                                        const Cancelled& cancelled) {
   StateSequence complete = past;
   if (past.states.hasNaN()) {
+    // Filled frames are positions as floats.
+    const Eigen::Vector2d origin = NearestCorner(past.root_path.row(0).head<2>().transpose());
+    complete.root_path.leftCols<2>().rowwise() -= origin.transpose();
+    const StateSequence near = complete;
     MOTIONDB_ASSIGN_OR_RETURN(
-        const auto filled, FillMissing(model, past, scaled, search.layer,
+        const auto filled, FillMissing(model, near, scaled, search.layer,
                                        search.paths.front().nodes, Fill::kEveryFrame, cancelled));
     PutFilled(filled, complete);
+    complete.root_path = past.root_path;
   }
   return complete;
 }

@@ -86,6 +86,35 @@ struct Step {
   std::int32_t rank = -1;  // which of its paths
 };
 
+// Where steps come from, which is all of a frame that is kept to its end: for each candidate room
+// for as many paths as any of them has, of four bytes.
+class StepOrigins {
+ public:
+  explicit StepOrigins(const std::vector<std::vector<Step>>& steps) {
+    for (const std::vector<Step>& best : steps) width_ = std::max(width_, best.size());
+    packed_.resize(width_ * steps.size());
+    for (std::size_t j = 0; j < steps.size(); ++j) {
+      for (std::size_t rank = 0; rank < steps[j].size(); ++rank) {
+        packed_[j * width_ + rank] = static_cast<std::uint32_t>(steps[j][rank].from) * kRanks +
+                                     static_cast<std::uint32_t>(steps[j][rank].rank);
+      }
+    }
+  }
+  // Candidate of the frame before, and which of its paths.
+  Step Before(const Step& at) const {
+    const std::uint32_t packed =
+        packed_[static_cast<std::size_t>(at.from) * width_ + static_cast<std::size_t>(at.rank)];
+    return {.from = static_cast<std::int32_t>(packed / kRanks),
+            .rank = static_cast<std::int32_t>(packed % kRanks)};
+  }
+
+ private:
+  static constexpr std::uint32_t kRanks = 128;  // a search keeps at most 100 paths
+
+  std::size_t width_ = 0;
+  std::vector<std::uint32_t> packed_;
+};
+
 // Keeps the best `count` steps, best first; of equals those that came first.
 void Insert(std::vector<Step>& best, const Step& step, int count) {
   if (static_cast<int>(best.size()) == count) {
@@ -149,44 +178,46 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
                                 double transition_floor, int count, const Cancelled& cancelled) {
   Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
-  std::vector<std::vector<std::vector<Step>>> steps(lattice.size());  // [frame][candidate][rank]
+  std::vector<std::vector<Step>> before;  // [candidate][rank], of the frame before and of this one
+  std::vector<std::vector<Step>> steps;
+  std::vector<StepOrigins> origins;  // of each frame but the first
+  origins.reserve(lattice.size());
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     const LatticeFrame& frame = lattice[t];
-    steps[t].resize(frame.nodes.size());
+    before.swap(steps);
+    steps.assign(frame.nodes.size(), {});
     if (t == 0) {
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
-        steps[0][j].push_back({.score = frame.log_emission[static_cast<Eigen::Index>(j)]});
+        steps[j].push_back({.score = frame.log_emission[static_cast<Eigen::Index>(j)]});
       }
       continue;
     }
-    for (std::size_t i = 0; i < steps[t - 1].size(); ++i) {
-      if (steps[t - 1][i].empty()) continue;
-      if (patience.IsOver(std::ssize(frame.nodes) * std::ssize(steps[t - 1][i]))) return {};
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (before[i].empty()) continue;
+      if (patience.IsOver(std::ssize(frame.nodes) * std::ssize(before[i]))) return {};
       const Eigen::VectorXd& log_transition =
           log_transitions.From(t - 1, static_cast<Eigen::Index>(i));
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
         const auto at = static_cast<Eigen::Index>(j);
         const double step = log_transition[at] + frame.log_emission[at];
         if (step == kNever) continue;
-        for (std::size_t rank = 0; rank < steps[t - 1][i].size(); ++rank) {
-          Insert(steps[t][j],
-                 {steps[t - 1][i][rank].score + step, static_cast<std::int32_t>(i),
+        for (std::size_t rank = 0; rank < before[i].size(); ++rank) {
+          Insert(steps[j],
+                 {before[i][rank].score + step, static_cast<std::int32_t>(i),
                   static_cast<std::int32_t>(rank)},
                  count);
         }
       }
     }
+    origins.emplace_back(steps);
   }
 
   std::vector<Step> ends;
-  if (!lattice.empty()) {
-    for (std::size_t j = 0; j < steps.back().size(); ++j) {
-      for (std::size_t rank = 0; rank < steps.back()[j].size(); ++rank) {
-        Insert(ends,
-               {steps.back()[j][rank].score, static_cast<std::int32_t>(j),
-                static_cast<std::int32_t>(rank)},
-               count);
-      }
+  for (std::size_t j = 0; j < steps.size(); ++j) {
+    for (std::size_t rank = 0; rank < steps[j].size(); ++rank) {
+      Insert(ends,
+             {steps[j][rank].score, static_cast<std::int32_t>(j), static_cast<std::int32_t>(rank)},
+             count);
     }
   }
   std::vector<NodePath> paths;
@@ -197,7 +228,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
     path.nodes.resize(lattice.size());
     for (std::size_t t = lattice.size(); t-- > 0;) {
       path.nodes[t] = lattice[t].nodes[at.from];
-      at = steps[t][at.from][at.rank];
+      if (t > 0) at = origins[t - 1].Before(at);
     }
   }
   return paths;

@@ -3,6 +3,7 @@
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/grpc.h>
 #include <grpc/support/log.h>
+#include <malloc.h>
 #include <spdlog/spdlog.h>
 #include <sys/stat.h>
 
@@ -48,8 +49,10 @@ void LogGrpc() {
       });
 }
 
-// Whatever it makes is its owner's alone, and who reads what it prints may go away.
+// Whatever it makes is its owner's alone, and who reads what it prints may go away. Large arrays of
+// calls go back to the system when they are freed; by default glibc keeps ever larger ones.
 void SetUpProcess() {
+  mallopt(M_MMAP_THRESHOLD, 256 << 10);
   RaiseDescriptorLimit();
   SaveAddressSpace();
   umask(0077);

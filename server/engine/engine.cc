@@ -147,18 +147,17 @@ absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> Engine::BeginIngest(
 }
 
 absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
-                                        IngestFile file, const core::Cancelled& cancelled) {
+                                        IngestFile file, const WorkTerms& terms) {
   Ingested ingested;
   const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
                  clip.frame_count, clip.source_report);
     extender_.Request(database);
-    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database, cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database, terms.cancelled));
     return absl::OkStatus();
   };
-  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
-                            IngestClip(*store_, *database, std::move(file), options_,
-                                       workers_.request_parallel(), cancelled, stored));
+  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip, IngestClip(*store_, *database, std::move(file), options_,
+                                                      workers_.request_parallel(), terms, stored));
   return ingested;
 }
 

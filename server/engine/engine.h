@@ -86,7 +86,7 @@ class Engine {
   // See IngestClip; with the rebuild that will make the clip known. CANCELLED also, here and of
   // DeleteClip, where the change was made but the rebuild not yet asked for: it will be.
   absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database, IngestFile file,
-                                  const core::Cancelled& cancelled);
+                                  const WorkTerms& terms);
   // Returns the rebuild that takes the clip out of the model. NOT_FOUND, UNAVAILABLE (here and of
   // CancelOperation: the database is being deleted).
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,

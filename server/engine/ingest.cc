@@ -94,9 +94,13 @@ absl::StatusOr<storage::ClipRecord> AddWithin(const DatabaseQuota& quota,
 
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
-    const EngineOptions& options, const core::ParallelFor& parallel,
-    const core::Cancelled& cancelled,
+    const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MostBytesToRead(
+      file.format, {file.file_name, file.file_bytes},
+      file.skeleton_file_name.empty()
+          ? std::nullopt
+          : std::optional(core::SourceFile{file.skeleton_file_name, file.skeleton_bytes}))));
   absl::StatusOr<core::MotionFile> source;
   std::uint64_t content_hash = 0;
   // The hash takes a byte after the other, a third as long as reading does.
@@ -113,7 +117,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   std::unique_lock first_clip(database.first_clip_mutex(), std::defer_lock);
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
-    MOTIONDB_RETURN_IF_ERROR(storage::Lock(first_clip, cancelled));
+    MOTIONDB_RETURN_IF_ERROR(storage::Lock(first_clip, terms.cancelled));
     MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
     if (scheme != nullptr) first_clip.unlock();
   }
@@ -124,8 +128,9 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   }
 
   std::vector<std::string> notes;
-  const RepresentationLimits limits{
-      database.settings().frame_rate_hz, options.max_frames, {Allowed::kAllWork, cancelled}};
+  const RepresentationLimits limits{database.settings().frame_rate_hz,
+                                    options.max_frames,
+                                    {Allowed::kAllWork, terms.cancelled, terms.reserve}};
   auto states = RepresentWithin(limits, *scheme, source->motion, core::Gaps::kFill,
                                 file.leg_length_m, &notes);
   if (const absl::Status& status = states.status();
@@ -142,7 +147,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
 
   storage::NewClip clip = MakeClip(database, std::move(file), *source, *std::move(states), notes);
   clip.record.content_hash = content_hash;
-  clip.cancelled = cancelled;
+  clip.cancelled = terms.cancelled;
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
 
   clip.record.byte_count = ByteCount(clip);

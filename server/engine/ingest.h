@@ -7,9 +7,9 @@
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
-#include "core/motion/cancellation.h"
 #include "core/tree/parallel.h"
 #include "server/engine/live_database.h"
+#include "server/engine/representation.h"
 #include "storage/motion_store.h"
 
 namespace motiondb::server {
@@ -32,13 +32,12 @@ struct IngestFile {
 // Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns
 // the clip when it is durable; on any error but one of `stored` nothing has changed. Codes:
 // INVALID_ARGUMENT (file, line and what was expected), ALREADY_EXISTS, NOT_FOUND (the database was
-// deleted), RESOURCE_EXHAUSTED (the clip is too long, or the database may not hold so much),
-// CANCELLED (asked before anything is stored: the end of a stream whose sender died looks like the
-// end of the file), and those of the store. Thread-safe.
+// deleted), RESOURCE_EXHAUSTED (the clip is too long, takes too much memory, or the database
+// may not hold so much), CANCELLED (asked before anything is stored: the end of a stream whose
+// sender died looks like the end of the file), and those of the store. Thread-safe.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
-    const EngineOptions& options, const core::ParallelFor& parallel,
-    const core::Cancelled& cancelled,
+    const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored);
 
 }  // namespace motiondb::server

@@ -7,11 +7,13 @@
 
 namespace motiondb::server {
 
-void Lane::Post(std::function<void()> work) {
+void Lane::Post(const std::string& client, std::function<void()> work) {
   {
     const std::lock_guard lock(mutex_);
     if (free_ == 0) {
-      waiting_.push_back(std::move(work));
+      Queue& queue = waiting_[client];
+      if (queue.empty()) turns_.push_back(client);
+      queue.push_back(std::move(work));
       return;
     }
     --free_;
@@ -36,12 +38,20 @@ void Lane::Next() {
   std::function<void()> work;
   {
     const std::lock_guard lock(mutex_);
-    if (waiting_.empty()) {
+    if (turns_.empty()) {
       ++free_;
       return;
     }
-    work = std::move(waiting_.front());
-    waiting_.pop_front();
+    std::string client = std::move(turns_.front());
+    turns_.pop_front();
+    const auto queue = waiting_.find(client);
+    work = std::move(queue->second.front());
+    queue->second.pop_front();
+    if (queue->second.empty()) {
+      waiting_.erase(queue);
+    } else {
+      turns_.push_back(std::move(client));
+    }
   }
   Start(std::move(work));
 }

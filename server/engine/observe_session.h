@@ -45,6 +45,9 @@ class ObserveSession {
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const core::FrameMatrix& positions_m,
                                    const core::Cancelled& cancelled);
 
+  // That judges the frames now.
+  const core::Model& model() const { return snapshot_->model; }
+
  private:
   ObserveSession(Engine& engine, std::shared_ptr<LiveDatabase> database,
                  std::shared_ptr<const core::MarkerScheme> scheme,

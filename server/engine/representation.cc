@@ -37,7 +37,27 @@ double FrameCount(const core::Motion& motion) {
   return static_cast<double>(std::get<core::MarkerMotion>(motion).positions_m.rows());
 }
 
+// The motion, the database's markers at its own rate (with the offsets of links, which are double)
+// and at the database's, their states, and what sizes and gaps are measured with.
+std::int64_t BytesToRepresent(const core::Motion& motion, std::int64_t frames, int marker_count) {
+  constexpr std::int64_t kMeasures = 64;  // a frame
+  const auto own_frames = static_cast<std::int64_t>(FrameCount(motion));
+  const std::int64_t mapped = own_frames * marker_count * 12;
+  if (const auto* joints = std::get_if<core::JointMotion>(&motion)) {
+    const std::int64_t offsets = 2 * mapped;
+    const std::int64_t later =
+        frames * (kMeasures + marker_count * 12) + BytesOfStates(frames, marker_count);
+    return joints->angles.size() * 8 + mapped + std::max(offsets, later);
+  }
+  return std::get<core::MarkerMotion>(motion).positions_m.size() * 4 + mapped +
+         frames * (kMeasures + marker_count * 12) + BytesOfStates(frames, marker_count);
+}
+
 }  // namespace
+
+std::int64_t BytesOfStates(std::int64_t frames, int marker_count) {
+  return frames * (marker_count * 24 + 24);
+}
 
 double FrameRate(const core::Motion& motion) {
   return std::visit([](const auto& form) { return form.frame_rate_hz; }, motion);
@@ -50,6 +70,13 @@ bool IsHeavyWork(const absl::Status& status) {
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion) {
   const double own_frames = FrameCount(motion);
+  if (FrameRate(motion) * kMostFramesForOne < limits.frame_rate_hz) {
+    return core::InvalidArgument(
+        "the frame rate is {:g} Hz (Frame Time: {:g}); expected at least {:g} Hz, 1/{:g} of the "
+        "database's {:g} Hz: check its unit",
+        FrameRate(motion), 1 / FrameRate(motion), limits.frame_rate_hz / kMostFramesForOne,
+        kMostFramesForOne, limits.frame_rate_hz);
+  }
   if (own_frames > limits.max_frames) {
     return TooLong(
         fmt::format("has {} frames; at most {} are taken", own_frames, limits.max_frames));
@@ -75,7 +102,9 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                                  own_frames, joints->skeleton->joint_count());
   }
   const bool light = std::max(points, placings) <= kMostLightPoints;
-  return light || limits.terms.allowed == Allowed::kAllWork ? absl::OkStatus() : HeavyWork();
+  if (!light && limits.terms.allowed == Allowed::kLightWork) return HeavyWork();
+  return limits.terms.Reserve(
+      BytesToRepresent(motion, static_cast<std::int64_t>(frames) + 1, marker_count));
 }
 
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,

@@ -2,6 +2,8 @@
 // call from any thread.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -16,11 +18,23 @@ namespace motiondb::server {
 // allow.
 enum class Allowed { kLightWork, kAllWork };
 
-// How much may be done, and until when.
+// How much may be done, until when and with how much memory.
 struct WorkTerms {
   Allowed allowed = Allowed::kAllWork;
   core::Cancelled cancelled;
+  // Reserves the memory (bytes) that the work may take from here on, in place of what was reserved
+  // for it before. Empty: there is no limit.
+  std::function<absl::Status(std::int64_t)> reserve = {};
+
+  // RESOURCE_EXHAUSTED.
+  absl::Status Reserve(std::int64_t bytes) const {
+    return reserve ? reserve(bytes) : absl::OkStatus();
+  }
 };
+
+// An observation or clip has at least one frame for so many of the database's. Between frames that
+// are further apart there is nothing but interpolation, and a few bytes would become hours.
+inline constexpr double kMostFramesForOne = 32;
 
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
@@ -32,19 +46,23 @@ struct RepresentationLimits {
 // Whether a motion was not represented because that is heavy work, which was not allowed.
 bool IsHeavyWork(const absl::Status& status);
 
-// As core::Represent. RESOURCE_EXHAUSTED for a motion that lasts too long: a file of a few bytes
-// can claim to last a century. CANCELLED.
+// As core::Represent, within the memory that the terms give. RESOURCE_EXHAUSTED for a motion that
+// lasts too long or takes too much memory; INVALID_ARGUMENT for a frame rate too low. CANCELLED.
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
                                                     const core::Motion& motion, core::Gaps gaps,
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes = nullptr);
 
-// Before a motion becomes the markers of a set, at the limits' frame rate. RESOURCE_EXHAUSTED for
-// one that lasts too long, INVALID_ARGUMENT for one that has more joints in its frames than can be
+// Before a motion becomes the markers of a set, at the limits' frame rate; reserves the memory for
+// that. RESOURCE_EXHAUSTED for a motion that lasts too long or takes too much memory,
+// INVALID_ARGUMENT for one with a frame rate too low or with more joints in its frames than can be
 // placed; IsHeavyWork.
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion);
+
+// Memory (bytes) of states with their root path.
+std::int64_t BytesOfStates(std::int64_t frames, int marker_count);
 
 // Frame rate of the motion's own frames.
 double FrameRate(const core::Motion& motion);

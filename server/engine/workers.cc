@@ -65,8 +65,8 @@ void Workers::Post(std::function<void()> work) {
   boost::asio::post(requests_.executor(), Counted(queued_requests_, std::move(work)));
 }
 
-void Workers::PostHeavy(std::function<void()> work) {
-  heavy_requests_.Post(Counted(queued_heavy_, std::move(work)));
+void Workers::PostHeavy(const std::string& client, std::function<void()> work) {
+  heavy_requests_.Post(client, Counted(queued_heavy_, std::move(work)));
 }
 
 void Workers::PostChange(std::function<void()> work) {

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <functional>
+#include <string>
 
 #include "core/tree/parallel.h"
 #include "server/engine/lane.h"
@@ -36,8 +37,9 @@ class Workers {
 
   // Runs a piece of work, which must not throw, on a request thread.
   void Post(std::function<void()> work);
-  // The same of work that takes long: some request threads always stay with the rest.
-  void PostHeavy(std::function<void()> work);
+  // The same of work that takes long: some request threads always stay with the rest, and clients
+  // take turns.
+  void PostHeavy(const std::string& client, std::function<void()> work);
   // The same of changes of the store, which takes one at a time: on a thread of their own, for
   // while a large model is written they wait, and queries must not.
   void PostChange(std::function<void()> work);

@@ -6,6 +6,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <utility>
 
@@ -29,7 +30,10 @@ struct Call {
   CallEntry& entry;                                // who asks
   Monitor& monitor;                                // how the server is doing
 
-  WorkTerms terms() const { return {entry.allowed(), cancelled}; }
+  WorkTerms terms() const {
+    return {entry.allowed(), cancelled,
+            [&entry = entry](std::int64_t bytes) { return entry.ReserveWork(bytes); }};
+  }
 };
 
 // Owned by gRPC: deletes itself when the call is over.
@@ -62,7 +66,8 @@ void Work(CallHost& host, const Request& request, Response& response, UnaryReact
     is_heavy = IsHeavyWork(handled);
     if (!handled.ok()) return handled;
     bytes = response.ByteSizeLong();
-    return entry.HoldAnswer(bytes);
+    MOTIONDB_RETURN_IF_ERROR(entry.ReserveWork(0));
+    return entry.ReserveResponse(response, bytes);
   });
   if (!is_heavy) return reactor.End(std::move(answered), bytes);
   entry.BeginHeavy([&](grpc::Status entered) {

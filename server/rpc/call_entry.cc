@@ -23,10 +23,12 @@ namespace {
 constexpr std::size_t kResourceLimit = 256;
 // Of requests and answers; 40 s of 34 markers at 60 Hz.
 constexpr std::size_t kLarge = 1 << 20;
-constexpr std::size_t kSmall = 64 << 10;  // of which there may be as many as there are calls
+constexpr std::int64_t kSmall = 64 << 10;  // of which there may be as many as there are calls
 constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
 using TimePoint = std::chrono::system_clock::time_point;
+
+double Mebibytes(std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
@@ -80,8 +82,11 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       deadline_(Deadline(host, client_deadline_, method)),
       client_may_give_up_(Earliest(client_deadline_)),
       place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
-      request_memory_(host.memory),
-      memory_(host.memory),
+      client_(SourceOf(AddressOf(peer_))),
+      request_memory_(host.memory, client_),
+      response_memory_(host.memory, client_),
+      file_memory_(host.memory, client_),
+      work_memory_(host.memory, client_),
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
 void CallEntry::Weigh(std::size_t request_bytes) {
@@ -95,7 +100,9 @@ grpc::Status CallEntry::Admission() const {
 
 void CallEntry::Begin(const google::protobuf::Message& request,
                       std::function<void(grpc::Status)> work) {
-  if (const absl::Status held = HoldRequest(request); !held.ok()) return work(ToGrpcStatus(held));
+  if (const absl::Status held = ReserveRequest(request); !held.ok()) {
+    return work(ToGrpcStatus(held));
+  }
   host_.engine.workers().Post([this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
@@ -108,30 +115,60 @@ void CallEntry::Begin(const google::protobuf::Message& request,
 
 void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
   weight_ = CallWeight::kHeavy;
-  const absl::Status entered = EnterOwnPlace(*caller_);
+  const absl::Status entered = EnterOwnPlace();
   if (!entered.ok()) return work(ToGrpcStatus(entered));
   Post([work = std::move(work)] { work(grpc::Status::OK); });
 }
 
-absl::Status CallEntry::HoldRequest(const google::protobuf::Message& request) {
-  const std::size_t bytes = request.ByteSizeLong() <= kSmall ? 0 : request.SpaceUsedLong();
-  return request_memory_.Hold(static_cast<std::int64_t>(bytes));
+absl::Status CallEntry::ReserveRequest(const google::protobuf::Message& request) {
+  request_size_ = static_cast<std::int64_t>(request.ByteSizeLong());
+  const bool counts = request_size_ > kSmall;
+  return Resize(request_memory_, counts ? static_cast<std::int64_t>(request.SpaceUsedLong()) : 0);
 }
 
-absl::Status CallEntry::HoldAnswer(std::size_t bytes) {
-  // Twice: as a message, and as the bytes that it is sent as.
-  return bytes <= kSmall ? absl::OkStatus() : memory_.Hold(2 * static_cast<std::int64_t>(bytes));
+absl::Status CallEntry::ReserveResponse(const google::protobuf::Message& response,
+                                        std::size_t bytes) {
+  if (bytes <= std::size_t{kSmall}) return absl::OkStatus();
+  // As a message, and as the bytes that it is sent as.
+  return Resize(response_memory_, static_cast<std::int64_t>(response.SpaceUsedLong() + bytes));
 }
 
-absl::Status CallEntry::HoldFile(std::size_t bytes) {
-  return bytes <= kSmall ? absl::OkStatus() : memory_.Hold(static_cast<std::int64_t>(bytes));
+absl::Status CallEntry::ReserveFile(std::size_t bytes) {
+  file_size_ = static_cast<std::int64_t>(bytes);
+  return Resize(file_memory_, file_size_ <= kSmall ? 0 : file_size_);
+}
+
+absl::Status CallEntry::ReserveWork(std::int64_t bytes) {
+  return Resize(work_memory_, bytes <= kSmall ? 0 : bytes);
+}
+
+absl::Status CallEntry::Resize(CallMemory::Reservation& reservation, std::int64_t bytes) {
+  const std::int64_t all = request_memory_.bytes() + response_memory_.bytes() +
+                           file_memory_.bytes() + work_memory_.bytes() - reservation.bytes() +
+                           bytes;
+  const std::int64_t most = MostOfOneCall(request_size_ + file_size_);
+  if (bytes > reservation.bytes() && all > most) {
+    return absl::ResourceExhaustedError(fmt::format(
+        "the call needs {:.1f} MiB of memory; one that sends and names {:.1f} MiB may take {:.1f} "
+        "MiB: send it in parts or ask for less",
+        Mebibytes(all), Mebibytes(request_size_ + file_size_), Mebibytes(most)));
+  }
+  return reservation.Resize(bytes);
+}
+
+void CallEntry::SetClient(const std::string& client) {
+  client_ = client;
+  for (CallMemory::Reservation* const reservation :
+       {&request_memory_, &response_memory_, &file_memory_, &work_memory_}) {
+    reservation->SetClient(client);
+  }
 }
 
 void CallEntry::Post(std::function<void()> work) {
   Workers& workers = host_.engine.workers();
   switch (weight_) {
     case CallWeight::kHeavy:
-      return workers.PostHeavy(std::move(work));
+      return workers.PostHeavy(client_, std::move(work));
     case CallWeight::kUpkeep:
       return workers.PostUpkeep(std::move(work));
     case CallWeight::kChange:
@@ -167,15 +204,14 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   } else {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
-  if (CallLimits::HasOwnLimit(weight_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace(caller));
+  if (caller.principal != kAnonymous) SetClient(caller.principal);
+  if (CallLimits::HasOwnLimit(weight_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace());
   caller_ = std::move(caller);
   return absl::OkStatus();
 }
 
-absl::Status CallEntry::EnterOwnPlace(const Caller& caller) {
-  const std::string client =
-      caller.principal == kAnonymous ? SourceOf(AddressOf(peer_)) : caller.principal;
-  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client));
+absl::Status CallEntry::EnterOwnPlace() {
+  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client_));
   return absl::OkStatus();
 }
 

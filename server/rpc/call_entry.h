@@ -11,6 +11,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -72,13 +73,18 @@ class CallEntry {
   // message or after another, or took nothing: DEADLINE_EXCEEDED.
   grpc::Status Silent() const;
 
-  // A message came in, in place of the one before it; read, it may take many times its bytes. Begin
-  // asks for the first. RESOURCE_EXHAUSTED.
-  absl::Status HoldRequest(const google::protobuf::Message& request);
-  // An answer of so many bytes waits for the client from here on, a file for the rest of it. Small
-  // ones are not counted. RESOURCE_EXHAUSTED.
-  absl::Status HoldAnswer(std::size_t bytes);
-  absl::Status HoldFile(std::size_t bytes);
+  // What follows reserves memory before it is allocated, in place of what was reserved for the same
+  // purpose before. RESOURCE_EXHAUSTED where it does not fit into what there is for all calls, for
+  // this client, or for a call of this size (call_memory.h). Little memory is not counted.
+
+  // For a message as it is read, which may take many times its bytes. Begin does it for the first.
+  absl::Status ReserveRequest(const google::protobuf::Message& request);
+  // For a response that waits for the client from here on.
+  absl::Status ReserveResponse(const google::protobuf::Message& response, std::size_t bytes);
+  // For a file that is sent, or a stored one that the call names; it adds to the call's size.
+  absl::Status ReserveFile(std::size_t bytes);
+  // For what the work itself takes.
+  absl::Status ReserveWork(std::int64_t bytes);
 
   // To be called once, with the status that the call ends with, before it is sent: returns it with
   // the request's id, and keeps what the role table says in the record of changes. From then on the
@@ -105,7 +111,9 @@ class CallEntry {
 
  private:
   absl::StatusOr<Caller> Authenticate();
-  absl::Status EnterOwnPlace(const Caller& caller);
+  absl::Status Resize(CallMemory::Reservation& reservation, std::int64_t bytes);
+  void SetClient(const std::string& client);
+  absl::Status EnterOwnPlace();
   // What a call that nobody waits for any more ends with where that is for lack of time:
   // DEADLINE_EXCEEDED, with whose limit it was. OK: it was not.
   grpc::Status TimeIsUp() const;
@@ -125,8 +133,13 @@ class CallEntry {
   const std::chrono::system_clock::time_point client_may_give_up_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
   CallLimits::Slot own_place_;                    // among those of its weight
-  MessageMemory::Share request_memory_;
-  MessageMemory::Share memory_;
+  std::string client_;  // whose limits the call counts for: an address until the caller is known
+  std::int64_t request_size_ = 0;  // bytes of the last message
+  std::int64_t file_size_ = 0;
+  CallMemory::Reservation request_memory_;
+  CallMemory::Reservation response_memory_;
+  CallMemory::Reservation file_memory_;
+  CallMemory::Reservation work_memory_;
   bool checked_ = false;
   bool recorded_ = false;
   bool changed_ = true;

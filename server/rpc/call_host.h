@@ -5,16 +5,19 @@
 #include "server/observability/monitor.h"
 #include "server/rpc/call_gate.h"
 #include "server/rpc/call_limits.h"
-#include "server/rpc/message_memory.h"
+#include "server/rpc/call_memory.h"
 #include "server/security/access_control.h"
 
 namespace motiondb::server {
+
+// The former name, which server.cc still has.
+using MessageMemory = CallMemory;
 
 struct CallHost {
   Engine& engine;
   AccessControl access;
   CallLimits limits;
-  MessageMemory memory;
+  CallMemory memory;
   CallGate gate;
   Monitor& monitor;
 };

@@ -34,9 +34,8 @@ struct CallLimitOptions {
   std::chrono::milliseconds longest_first_silence{10'000};
   int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
   // That gRPC may keep of messages which come in, whole ones and those that are half sent; beyond
-  // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down. As much again may be held
-  // of requests as they were read, of files that were sent in part, and of answers that are not
-  // taken (MessageMemory).
+  // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down. As much again is for what
+  // calls allocate (CallMemory).
   std::int64_t message_memory_bytes = 512 << 20;
 };
 

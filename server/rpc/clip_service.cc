@@ -99,7 +99,7 @@ absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(
   MOTIONDB_ASSIGN_OR_RETURN(auto record, call.engine.store().GetClip(id.database, id.id));
   MOTIONDB_ASSIGN_OR_RETURN(auto source, call.engine.store().ReadClipSource(id.database, id.id));
   MOTIONDB_RETURN_IF_ERROR(
-      call.entry.HoldFile(source.file_bytes.size() + source.skeleton_bytes.size()));
+      call.entry.ReserveFile(source.file_bytes.size() + source.skeleton_bytes.size()));
   struct State {
     storage::ClipRecord record;
     storage::ClipSource source;

@@ -27,7 +27,7 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
  private:
   absl::Status Take(v1::IngestClipRequest& message) override {
     MOTIONDB_RETURN_IF_ERROR(stream_.Take(std::move(message)));
-    MOTIONDB_RETURN_IF_ERROR(entry().HoldFile(stream_.byte_count()));
+    MOTIONDB_RETURN_IF_ERROR(entry().ReserveFile(stream_.byte_count()));
     if (database_ != nullptr) return absl::OkStatus();
     MOTIONDB_ASSIGN_OR_RETURN(database_, engine_.FindDatabase(stream_.database()));
     MOTIONDB_ASSIGN_OR_RETURN(in_flight_, engine_.BeginIngest(database_));
@@ -39,7 +39,10 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
     file.audit = [this](const storage::ClipRecord& clip) {
       return entry().RecordWithChange(ClipName(clip.database, clip.id));
     };
-    auto ingested = engine_.Ingest(database_, std::move(file), entry().cancelled());
+    auto ingested =
+        engine_.Ingest(database_, std::move(file),
+                       {Allowed::kAllWork, entry().cancelled(),
+                        [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
     SetOperation(ingested->operation, *response_.mutable_operation());

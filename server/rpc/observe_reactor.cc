@@ -6,6 +6,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
+#include "server/engine/query_memory.h"
 #include "server/rpc/query_subject.h"
 #include "server/rpc/silence_limit.h"
 #include "server/translate/field_violation.h"
@@ -32,7 +33,7 @@ class ObserveReactor final
 
   void OnReadDone(bool ok) override {
     Do(Turn::kServer, [this, ok] {
-      const absl::Status held = ok ? entry_.HoldRequest(request_) : absl::OkStatus();
+      const absl::Status held = ok ? entry_.ReserveRequest(request_) : absl::OkStatus();
       entry_.Post([this, ok, held] { ok ? Work(held) : Close(); });
     });
   }
@@ -147,6 +148,8 @@ class ObserveReactor final
     MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup,
                               SetupFrom(start, subject.snapshot->model, scheme->set));
     marker_names_ = setup.marker_names;
+    options_ = setup.options;
+    MOTIONDB_RETURN_IF_ERROR(Reserve(subject.snapshot->model));
     top_count_ = start.top_count();
     auto session = ObserveSession::Open(engine_, std::move(subject.database),
                                         std::move(subject.snapshot), std::move(setup));
@@ -155,12 +158,21 @@ class ObserveReactor final
     return absl::OkStatus();
   }
 
+  // What the stream keeps, under a model.
+  absl::Status Reserve(const core::Model& model) {
+    memory_ = BytesToObserve(model, options_);
+    return entry_.ReserveWork(memory_.kept);
+  }
+
   absl::Status Answer() {
     if (session_ == nullptr) return FieldViolation("part", "expected a start first");
     const v1::ObservedFrames& frames = request_.frames();
     MOTIONDB_ASSIGN_OR_RETURN(const core::FrameMatrix positions, FramesFrom(frames, marker_names_));
+    MOTIONDB_RETURN_IF_ERROR(entry_.ReserveWork(memory_.kept + memory_.answer));
     auto step = session_->Take(frames.first_frame(), positions, entry_.cancelled());
     if (!step.ok()) return AtField("frames", step.status());
+    MOTIONDB_RETURN_IF_ERROR(step->model_replaced ? Reserve(session_->model())
+                                                  : entry_.ReserveWork(memory_.kept));
     response_.Clear();
     SetStep(*step, top_count_, response_);
     return absl::OkStatus();
@@ -171,6 +183,8 @@ class ObserveReactor final
   v1::ObserveResponse response_;
   std::vector<std::string> marker_names_;
   int top_count_ = 0;
+  core::ObserverOptions options_;
+  ObserveMemory memory_;
   std::unique_ptr<ObserveSession> session_;
   std::atomic<bool> stopping_ = false;
   std::mutex mutex_;

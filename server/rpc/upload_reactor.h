@@ -71,7 +71,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     return RunHandler(entry_.cancelled(), [this, ok]() -> absl::Status {
       const LogFields fields{{"request_id", entry_.request_id()}};
       MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
-      if (ok) MOTIONDB_RETURN_IF_ERROR(entry_.HoldRequest(message_));
+      if (ok) MOTIONDB_RETURN_IF_ERROR(entry_.ReserveRequest(message_));
       return ok ? Take(message_) : Answer();
     });
   }

@@ -33,8 +33,8 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddMebibytes(
       app, "--message-memory-mib", calls.message_memory_bytes,
-      "Memory for requests that come in, whole or half sent; and as much for requests that were "
-      "read, files that come in and answers that nobody takes",
+      "Memory for requests that come in, whole or half sent; and as much for calls: requests as "
+      "read, files, motion, states, results and responses, half of it for one client",
       1 << 20)
       ->group("Limits");
   AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,

@@ -21,8 +21,8 @@ std::string Below(std::string_view field, std::string_view name) {
   return fmt::format("{}.{}", field, name);
 }
 
-absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
-                                          const v1::FileObservation& file) {
+absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field, const v1::FileObservation& file,
+                                          const WorkTerms& terms) {
   if (file.file_name().empty()) return FieldViolation(Below(field, "file_name"), "is missing");
   MOTIONDB_ASSIGN_OR_RETURN(const core::FileFormat format,
                             FileFormatFrom(field, file.format(), file.file_name()));
@@ -33,6 +33,8 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
   if (!file.skeleton_file_name().empty()) {
     skeleton = core::SourceFile{file.skeleton_file_name(), file.skeleton_data()};
   }
+  MOTIONDB_RETURN_IF_ERROR(
+      terms.Reserve(core::MostBytesToRead(format, {file.file_name(), file.data()}, skeleton)));
   auto read =
       core::ReadMotionFile(format, {file.file_name(), file.data()}, skeleton, conventions.read);
   if (!read.ok()) return AtField(Below(field, "data"), read.status());
@@ -41,7 +43,12 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
 
 absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
                                           const v1::MarkerObservation& markers,
-                                          const core::MarkerSet& set) {
+                                          const core::MarkerSet& set, const WorkTerms& terms) {
+  // Names are copied, and looked at in a set.
+  constexpr std::int64_t kName = 160;
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(
+      static_cast<std::int64_t>(markers.positions().size()) + kName * markers.marker_names_size() +
+      static_cast<std::int64_t>(markers.marker_names().SpaceUsedExcludingSelfLong())));
   core::MarkerMotion motion;
   motion.names.assign(markers.marker_names().begin(), markers.marker_names().end());
   if (motion.names.empty()) motion.names = set.markers;
@@ -60,7 +67,10 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
 
 absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
                                           const v1::JointObservation& joints,
-                                          SkeletonCache& skeletons, const std::string& database) {
+                                          SkeletonCache& skeletons, const std::string& database,
+                                          const WorkTerms& terms) {
+  // As float, then as double.
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(3 * static_cast<std::int64_t>(joints.angles().size())));
   const std::string skeleton_field = Below(field, "skeleton");
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id,
                             ParseSkeletonName(skeleton_field, joints.skeleton()));
@@ -82,21 +92,22 @@ absl::StatusOr<ObservedMotion> MotionFrom(const std::string& field,
 
 absl::StatusOr<ObservedMotion> Read(std::string_view field, const v1::Observation& observation,
                                     Engine& engine, const LiveDatabase& database,
-                                    const core::MarkerSet& set) {
+                                    const core::MarkerSet& set, const WorkTerms& terms) {
   std::string form_field;
   absl::StatusOr<ObservedMotion> observed;
   switch (observation.form_case()) {
     case v1::Observation::kFile:
       form_field = Below(field, "file");
-      observed = MotionFrom(form_field, observation.file());
+      observed = MotionFrom(form_field, observation.file(), terms);
       break;
     case v1::Observation::kMarkers:
       form_field = Below(field, "markers");
-      observed = MotionFrom(form_field, observation.markers(), set);
+      observed = MotionFrom(form_field, observation.markers(), set, terms);
       break;
     case v1::Observation::kJoints:
       form_field = Below(field, "joints");
-      observed = MotionFrom(form_field, observation.joints(), engine.skeletons(), database.name());
+      observed =
+          MotionFrom(form_field, observation.joints(), engine.skeletons(), database.name(), terms);
       break;
     case v1::Observation::FORM_NOT_SET:
       return FieldViolation(field, "expected one of file, markers, joints");
@@ -113,7 +124,7 @@ absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
                                                const WorkTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
-                            Read(field, observation, engine, database, scheme->set));
+                            Read(field, observation, engine, database, scheme->set, terms));
   const RepresentationLimits limits{database.settings().frame_rate_hz, engine.options().max_frames,
                                     terms};
   auto states =
@@ -128,7 +139,7 @@ absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
                                                const WorkTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const ObservedMotion observed,
-                            Read(field, observation, engine, database, scheme->set));
+                            Read(field, observation, engine, database, scheme->set, terms));
   const RepresentationLimits limits{FrameRate(observed.motion), engine.options().max_frames, terms};
   MOTIONDB_RETURN_IF_ERROR(
       AtField(observed.form_field, CheckSize(limits, scheme->set.marker_count(), observed.motion)));

@@ -121,8 +121,7 @@ absl::StatusOr<std::vector<std::string>> LabelsFrom(const v1::PlanRequest& reque
 }
 
 absl::StatusOr<core::PlanStart> StartFrom(const v1::PlanRequest& request, Engine& engine,
-                                          const LiveDatabase& database,
-                                          const core::Cancelled& cancelled) {
+                                          const LiveDatabase& database, const WorkTerms& terms) {
   core::PlanStart start;
   if (request.has_clip_start()) {
     const v1::ClipMoment& moment = request.clip_start();
@@ -138,7 +137,7 @@ absl::StatusOr<core::PlanStart> StartFrom(const v1::PlanRequest& request, Engine
     MOTIONDB_ASSIGN_OR_RETURN(
         start.observation,
         StatesFrom("observation_start", request.observation_start(), engine, database,
-                   {Allowed::kAllWork, cancelled}));  // a plan is heavy itself
+                   {Allowed::kAllWork, terms.cancelled, terms.reserve}));  // a plan is heavy itself
   }
   return start;
 }
@@ -155,14 +154,14 @@ absl::Status AtStart(const core::PlanStart& start, const absl::Status& status) {
 
 absl::StatusOr<PlanOptions> OptionsFrom(const v1::PlanRequest& request, const core::Model& model,
                                         Engine& engine, const LiveDatabase& database,
-                                        const core::Cancelled& cancelled) {
+                                        const WorkTerms& terms) {
   PlanOptions options;
   core::PlanProblem& problem = options.problem;
   MOTIONDB_RETURN_IF_ERROR(SetNumbers(request, model, options));
   MOTIONDB_ASSIGN_OR_RETURN(problem.method, MethodFrom(request.method()));
   MOTIONDB_ASSIGN_OR_RETURN(problem.labels, LabelsFrom(request, model));
   MOTIONDB_ASSIGN_OR_RETURN(problem.obstacles, ObstaclesFrom("obstacles", request.obstacles()));
-  MOTIONDB_ASSIGN_OR_RETURN(problem.start, StartFrom(request, engine, database, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(problem.start, StartFrom(request, engine, database, terms));
   const auto origins = core::FindOrigins(model, problem.start, problem.labels);
   if (!origins.ok()) return AtStart(problem.start, origins.status());
   options.start_clip = problem.start.clip

@@ -27,6 +27,6 @@ struct PlanOptions {
 // but NOT_FOUND for the skeleton of an observation's joints, and CANCELLED.
 absl::StatusOr<PlanOptions> OptionsFrom(const v1::PlanRequest& request, const core::Model& model,
                                         Engine& engine, const LiveDatabase& database,
-                                        const core::Cancelled& cancelled = {});
+                                        const WorkTerms& terms = {});
 
 }  // namespace motiondb::server

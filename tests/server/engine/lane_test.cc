@@ -5,7 +5,10 @@
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <condition_variable>
+#include <functional>
+#include <future>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "server/engine/workers.h"
@@ -22,7 +25,7 @@ TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[
     std::vector<int> order;
     Lane lane(pool, width);
     for (int i = 0; i < 200; ++i) {
-      lane.Post([&, i] {
+      lane.Post("", [&, i] {
         const int now = ++running;
         for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
         }
@@ -40,6 +43,42 @@ TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[
   }
 }
 
+TEST_CASE("Lane: clients take turns, however much one of them has waiting", "[server]") {
+  boost::asio::thread_pool pool(1);
+  Lane lane(pool, 1);
+  std::string order;
+  std::promise<void> all_posted;
+  lane.Post("a", [&] { all_posted.get_future().wait(); });
+  for (int i = 0; i < 100; ++i) lane.Post("a", [&] { order += 'a'; });
+  for (int i = 0; i < 2; ++i) lane.Post("b", [&] { order += 'b'; });
+  lane.Post("c", [&] { order += 'c'; });
+  all_posted.set_value();
+  pool.join();
+  CHECK(order.size() == 103);
+  CHECK(order.substr(0, 6) == "abcaba");
+}
+
+TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server]") {
+  boost::asio::thread_pool pool(1);
+  Lane lane(pool, 1);
+  std::string order;
+  int left = 50;
+  std::promise<void> other_posted;
+  std::function<void()> piece = [&] {
+    order += 'a';
+    if (--left > 0) lane.Post("a", piece);
+  };
+  lane.Post("a", [&] {
+    other_posted.get_future().wait();
+    piece();
+  });
+  lane.Post("b", [&] { order += 'b'; });
+  other_posted.set_value();
+  pool.join();
+  CHECK(order.size() == 51);
+  CHECK(order.find('b') <= 2);
+}
+
 TEST_CASE("Workers: light work goes on beside as much heavy work as there is", "[server]") {
   EngineOptions options;
   options.query_threads = 2;
@@ -49,7 +88,7 @@ TEST_CASE("Workers: light work goes on beside as much heavy work as there is", "
   bool light_is_done = false;
   // Each would wait for ever, were it to keep the light work from running.
   for (int i = 0; i < 8; ++i) {
-    workers.PostHeavy([&] {
+    workers.PostHeavy("", [&] {
       std::unique_lock lock(mutex);
       changed.wait(lock, [&] { return light_is_done; });
     });

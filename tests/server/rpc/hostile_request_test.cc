@@ -158,7 +158,8 @@ TEST_CASE("Hostile request: more frames than the server takes are refused at any
   // And two frames that claim to last for ages.
   for (const double rate : {1e-9, 1e-300, 5e-324}) {
     *recognize.mutable_observation() = victim.Markers(2, rate);
-    CheckTooLong(Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status);
+    CheckRefused(Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status,
+                 "observation.markers");
   }
 }
 
@@ -171,8 +172,8 @@ TEST_CASE("Hostile request: counts are held to what memory is given for",
   estimate.set_max_candidates(0);
   estimate.set_path_count(100);
   const auto many_paths = Ask(victim.query(), &v1::QueryService::Stub::Estimate, estimate).status;
-  CHECK(many_paths.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
-  CHECK_THAT(many_paths.error_message(), Contains("path_count: "));
+  CHECK(many_paths.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK_THAT(many_paths.error_message(), Contains("MiB of memory"));
 
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
@@ -182,8 +183,8 @@ TEST_CASE("Hostile request: counts are held to what memory is given for",
   recognize.set_generation(v1::GENERATION_TOP_PATHS);
   recognize.set_path_count(100);
   const auto all_paths = Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status;
-  CHECK(all_paths.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
-  CHECK_THAT(all_paths.error_message(), Contains("path_count: "));
+  CHECK(all_paths.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
+  CHECK_THAT(all_paths.error_message(), Contains("MiB of memory"));
 
   v1::PlanRequest plan;
   plan.set_database("databases/db");
@@ -252,7 +253,7 @@ TEST_CASE("Hostile request: who asks for a series and takes nothing of it is sen
   Victim victim(options);
   v1::PredictSeriesRequest series;
   series.mutable_prediction()->set_database("databases/db");
-  *series.mutable_prediction()->mutable_observation() = victim.Markers(20'000);
+  *series.mutable_prediction()->mutable_observation() = victim.Markers(2'500);
   series.set_every_seconds(1.0 / 60);
   // Large answers: flow control has room for few.
   for (int h = 1; h <= 100; ++h) series.mutable_prediction()->add_horizon_seconds(0.01 * h);

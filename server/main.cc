@@ -78,12 +78,14 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
 
 // Opens the store, which upgrades one of an older version: that is told, for an older server
 // refuses it from then on.
-absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const std::string& path,
-                                                                std::int64_t reserve_bytes) {
+absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& settings) {
+  const std::string& path = settings.store_path;
   // What is wrong with it is for Open to say.
-  const int former = storage::ReadStoreVersion(path).value_or(0);
-  MOTIONDB_ASSIGN_OR_RETURN(
-      auto store, storage::SqliteMotionStore::Open(path, {.reserve_bytes = reserve_bytes}));
+  const int former = settings.read_only ? 0 : storage::ReadStoreVersion(path).value_or(0);
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(
+                                            path, {.reserve_bytes = settings.disk_reserve_bytes,
+                                                   .read_only = settings.read_only}));
+  if (settings.read_only) spdlog::info("store {} is open read-only: changes are refused", path);
   const auto latest = static_cast<int>(storage::Migrations().size());
   if (former > 0 && former < latest) {
     spdlog::info("store {} upgraded from version {} to {}: older servers refuse it now", path,
@@ -120,8 +122,7 @@ absl::Status Serve(const Settings& settings) {
   }
   // Before the store is opened, which makes or upgrades it: not for a server that cannot serve.
   MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
-  MOTIONDB_ASSIGN_OR_RETURN(auto store,
-                            OpenStore(settings.store_path, settings.disk_reserve_bytes));
+  MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings));
   // Held to the end of the process: at its shutdown gRPC waits for all of its threads, also for one
   // that it could not start for lack of memory, and the store would not be closed.
   grpc_init();

@@ -70,6 +70,11 @@ class StoreRestore {
 class StoreUpkeep {
  public:
   virtual ~StoreUpkeep() = default;
+  // FAILED_PRECONDITION, as from each change, if the store is open read-only.
+  virtual absl::Status CheckIsWritable() const = 0;
+  // What was found corrupt when the store was opened, and nothing shows any more since. Every
+  // verification reports it too.
+  virtual std::vector<Damage> FoundAtOpening() const = 0;
   // Whether what is changed would stay: UNAVAILABLE, as from each change, once the store's file was
   // taken away or replaced. Takes as long as looking at a folder does.
   virtual absl::Status CheckFile() = 0;

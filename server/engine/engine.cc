@@ -138,6 +138,7 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveD
 
 absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> Engine::BeginIngest(
     const std::shared_ptr<LiveDatabase>& database) {
+  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
   std::unique_ptr<Rebuilder::Ingest> ingest;
   MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&] {
     ingest = std::make_unique<Rebuilder::Ingest>(rebuilder_, database);
@@ -210,6 +211,7 @@ std::vector<storage::Damage> Engine::damages() {
 
 absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operation,
                                                      const core::Cancelled& cancelled) {
+  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
   bool is_first = false;
   const auto database = FindDatabase(record.database);

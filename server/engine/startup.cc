@@ -23,8 +23,7 @@ std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
   auto newest = store.ListModels(database, 0, 1);
   const absl::Status status = model.ok() ? newest.status() : model.status();
   if (!status.ok() || newest->empty()) {
-    spdlog::error("database '{}': its model cannot be read and is built anew: {}", database,
-                  status.ToString());
+    spdlog::error("database '{}': its model cannot be read: {}", database, status.ToString());
     if (absl::IsDataLoss(status)) {
       const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
       damages.Note({fmt::format("databases/{}/models/{}", database, version),
@@ -40,20 +39,24 @@ std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
 absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::MotionStore> store,
                                                      const EngineOptions& options) {
   std::unique_ptr<Engine> engine(new Engine(std::move(store), options));
+  for (const storage::Damage& damage : engine->store_->upkeep().FoundAtOpening()) {
+    engine->damages_.Note(damage);
+  }
   MOTIONDB_RETURN_IF_ERROR(engine->Load().status());
   return engine;
 }
 
 absl::StatusOr<StoreAmount> Engine::Load() {
+  const bool read_only = !store_->upkeep().CheckIsWritable().ok();
   LiveDatabases databases;
   absl::Status status = ReadDatabases(databases);
-  if (status.ok()) status = ResumeOperations(databases);
+  if (status.ok() && !read_only) status = ResumeOperations(databases);
   // A history that cannot be read is no reason not to serve: models that lack clips are found next.
   if (absl::IsDataLoss(status)) {
     damages_.Note({"", fmt::format("operations: {}", std::string(status.message()))});
     status = absl::OkStatus();
   }
-  if (status.ok()) status = RebuildWhereNeeded(databases);
+  if (status.ok() && !read_only) status = RebuildWhereNeeded(databases);
   StoreAmount amount;
   amount.database_count = static_cast<std::int32_t>(databases.size());
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
@@ -63,7 +66,7 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   databases_.merge(databases);
   if (!status.ok()) return status;
   // A former server, or the one that a backup is of, may have stopped before it did.
-  FreeDeletedDatabases();
+  if (!read_only) FreeDeletedDatabases();
   return amount;
 }
 
@@ -94,7 +97,7 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   }
   live.set_scheme(std::move(scheme));
   // A former server may have stopped before it did.
-  PurgeDeletedClips(*store_, record.name);
+  if (store_->upkeep().CheckIsWritable().ok()) PurgeDeletedClips(*store_, record.name);
   // Queries are answered by the model alone, also where the list of clips is damaged.
   live.set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));

@@ -18,6 +18,7 @@ struct LogSettings {
 
 struct Settings {
   std::string store_path;  // required
+  bool read_only = false;  // as SqliteOptions::read_only
   // As SqliteOptions::reserve_bytes.
   std::int64_t disk_reserve_bytes = std::int64_t{64} << 20;
   LogSettings log;

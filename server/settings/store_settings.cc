@@ -15,6 +15,9 @@ void AddStoreSettings(CLI::App& app, Settings& settings) {
                  "The file that holds the databases; made if absent")
       ->type_name("FILE")
       ->group("Store");
+  app.add_flag("--read-only", settings.read_only,
+               "Serve queries and refuse every change; the store may be on a read-only file system")
+      ->group("Store");
   AddMebibytes(app, "--disk-reserve-mib", settings.disk_reserve_bytes,
                "What clips, models and restores leave free on the store's disk, so that it can be "
                "emptied when it is full; 0: nothing",
@@ -25,8 +28,8 @@ void AddStoreSettings(CLI::App& app, Settings& settings) {
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems) {
   namespace fs = std::filesystem;
   if (settings.store_path.empty()) return;  // reported where settings are read
-  const auto require = [&](const fs::path& path, const char* purpose) {
-    if (access(path.c_str(), R_OK | W_OK) == 0) return;
+  const auto require = [&](const fs::path& path, const char* purpose, int rights) {
+    if (access(path.c_str(), rights) == 0) return;
     problems.push_back(absl::FailedPreconditionError(
         fmt::format("store: {} {}: {}", purpose, path.string(), std::strerror(errno))));
   };
@@ -37,9 +40,11 @@ void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& pro
         fmt::format("store: {} is a folder; expected a file's path", store.string())));
     return;
   }
+  if (settings.read_only) return require(store, "cannot read", R_OK);
   // SQLite writes its log beside the file.
-  require(store.has_parent_path() ? store.parent_path() : fs::path("."), "cannot write to folder");
-  if (fs::exists(store, ignored)) require(store, "cannot read and write");
+  require(store.has_parent_path() ? store.parent_path() : fs::path("."), "cannot write to folder",
+          R_OK | W_OK);
+  if (fs::exists(store, ignored)) require(store, "cannot read and write", R_OK | W_OK);
 }
 
 }  // namespace motiondb::server

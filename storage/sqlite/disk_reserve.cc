@@ -28,7 +28,7 @@ absl::StatusOr<DiskReserve::Room> DiskReserve::Look(Connection& writer) const {
   // What is kept for the superuser is not counted as free.
   Room room{.free = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize)};
   std::error_code error;
-  const auto log = std::filesystem::file_size(path_ + "-wal", error);
+  const auto log = std::filesystem::file_size(LogPath(path_), error);
   if (!error) room.log = static_cast<std::int64_t>(log);
   MOTIONDB_ASSIGN_OR_RETURN(const auto pages, writer.QueryInteger("PRAGMA freelist_count"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, writer.QueryInteger("PRAGMA page_size"));

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "storage/sqlite/store_file.h"
-
 namespace motiondb::storage {
 
-ReaderPool::ReaderPool(std::string path, FileIdentity file, std::string vfs, int limit)
+ReaderPool::ReaderPool(std::string path, FileIdentity file, Open open, int limit)
     : path_(std::move(path)),
       file_(file),
-      vfs_(std::move(vfs)),
+      open_(std::move(open)),
       left_to_open_(std::max(limit, 1)) {}
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire() {
@@ -39,7 +37,7 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
 }
 
 absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
-  auto opened = OpenReader(path_, vfs_);
+  auto opened = open_();
   if (opened.ok()) {
     if (absl::Status same = CheckIsFile(path_, file_); !same.ok()) opened = std::move(same);
   }

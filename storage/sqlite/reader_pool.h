@@ -2,6 +2,7 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <string>
@@ -15,9 +16,11 @@ namespace motiondb::storage {
 
 class ReaderPool {
  public:
-  // Opens connections when they are first needed, at most `limit`, and none to another file than
-  // `file`, whatever is at `path` by then: UNAVAILABLE.
-  ReaderPool(std::string path, FileIdentity file, std::string vfs, int limit);
+  using Open = std::function<absl::StatusOr<std::unique_ptr<Connection>>()>;
+
+  // Opens connections to `path` with `open` when they are first needed, at most `limit`, and none
+  // to another file than `file`, whatever is at `path` by then: UNAVAILABLE.
+  ReaderPool(std::string path, FileIdentity file, Open open, int limit);
 
   // A connection, given back when this is destroyed, which must be before the pool is.
   class Lease {
@@ -50,7 +53,7 @@ class ReaderPool {
 
   const std::string path_;
   const FileIdentity file_;
-  const std::string vfs_;
+  const Open open_;
   std::mutex mutex_;
   std::condition_variable given_back_;
   std::vector<std::unique_ptr<Connection>> idle_;

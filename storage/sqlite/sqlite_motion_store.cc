@@ -1,7 +1,5 @@
 #include "storage/sqlite/sqlite_motion_store.h"
 
-#include <chrono>
-#include <filesystem>
 #include <type_traits>
 #include <utility>
 
@@ -24,60 +22,6 @@
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
-namespace {
-
-std::int64_t SystemMicroseconds() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
-
-}  // namespace
-
-absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
-                                                                           SqliteOptions options) {
-  if (path.empty()) return core::InvalidArgument("the path of the store is empty");
-  if (!options.now_us) options.now_us = SystemMicroseconds;
-  std::optional<StoreLock> lock;
-  std::unique_ptr<ReaderPool> readers;
-  std::string file = path;
-  if (path != ":memory:") {
-    // One file, one lock, by whatever links it was reached. Absolute first: what is not there yet
-    // would stay relative, and SQLite takes a name that begins with "file:" for a URI.
-    std::error_code error;
-    const std::filesystem::path absolute = std::filesystem::absolute(path, error);
-    if (!error) file = std::filesystem::weakly_canonical(absolute, error).string();
-    if (error) return core::InvalidArgument("cannot open '{}': {}", path, error.message());
-    MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
-    MOTIONDB_ASSIGN_OR_RETURN(lock, StoreLock::Acquire(file));
-    RemoveLeftCopies(file);
-  }
-  MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
-  FileIdentity identity;
-  if (lock) {
-    MOTIONDB_ASSIGN_OR_RETURN(identity, IdentityOf(file));
-    readers = std::make_unique<ReaderPool>(file, identity, options.vfs, options.reader_count);
-  } else {
-    file.clear();
-    options.reserve_bytes = 0;
-  }
-  return std::unique_ptr<SqliteMotionStore>(
-      new SqliteMotionStore(std::move(file), identity, std::move(lock), std::move(writer),
-                            std::move(readers), std::move(options)));
-}
-
-SqliteMotionStore::SqliteMotionStore(std::string path, FileIdentity file,
-                                     std::optional<StoreLock> lock,
-                                     std::unique_ptr<Connection> writer,
-                                     std::unique_ptr<ReaderPool> readers, SqliteOptions options)
-    : path_(std::move(path)),
-      file_(file),
-      reserve_(path_, options.reserve_bytes),
-      lock_(std::move(lock)),
-      writer_(std::move(writer)),
-      readers_(std::move(readers)),
-      now_us_(std::move(options.now_us)) {}
-
 template <typename Work>
 auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled, Added added) {
   using Result = std::invoke_result_t<Work, Connection&>;
@@ -310,13 +254,35 @@ absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std
 }
 
 absl::Status SqliteMotionStore::CheckFile() {
-  if (path_.empty()) return absl::OkStatus();
-  const absl::Status same = CheckIsFile(path_, file_);
-  if (same.ok()) return same;
-  return absl::UnavailableError(fmt::format(
-      "the store's file {}: nothing is changed any more, since it would be lost; put the file "
-      "back, or stop the server and restore a backup",
-      std::string(same.message())));
+  if (path_.empty() || read_only_) return absl::OkStatus();
+  const absl::Status store = CheckIsFile(path_, files_.store);
+  if (!store.ok()) {
+    return absl::UnavailableError(fmt::format(
+        "the store's file {}: nothing is changed any more, since it would be lost; put the file "
+        "back, or stop the server and restore a backup",
+        std::string(store.message())));
+  }
+  const absl::Status log = CheckIsFile(LogPath(path_), files_.log);
+  if (!log.ok()) {
+    return absl::UnavailableError(fmt::format(
+        "the store's log {}: changes are refused because they would be lost; put the file back, or "
+        "restart the server with SIGTERM, which saves what the log held",
+        std::string(log.message())));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SqliteMotionStore::CheckIsWritable() const {
+  if (!read_only_) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "the store is open read-only: restart motiondbd without --read-only to change it");
+}
+
+absl::Status SqliteMotionStore::CheckMayWrite() {
+  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
+  absl::Status file = CheckFile();
+  if (!file.ok()) EmptyLog(*writer_);
+  return file;
 }
 
 absl::Status SqliteMotionStore::CheckWrites() {
@@ -342,7 +308,8 @@ absl::Status SqliteMotionStore::TryWriting() {
 absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
     core::Cancelled cancelled) {
   return std::make_unique<SqliteVerifier>(
-      [this](const SqliteVerifier::Look& look) { return Read(look); }, std::move(cancelled));
+      [this](const SqliteVerifier::Look& look) { return Read(look); }, found_at_opening_,
+      std::move(cancelled));
 }
 
 absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
@@ -355,6 +322,7 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
 
 absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
   if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
+  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
   MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
   return SqliteRestore::Make(path_, [this](Connection& backup, const core::Cancelled& cancelled) {
     return TakeOver(backup, cancelled);
@@ -364,7 +332,7 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
   std::unique_lock lock(writer_mutex_, std::defer_lock);
   MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
-  MOTIONDB_RETURN_IF_ERROR(CheckFile());
+  MOTIONDB_RETURN_IF_ERROR(CheckMayWrite());
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
   MOTIONDB_ASSIGN_OR_RETURN(const auto pages, backup.QueryInteger("PRAGMA page_count"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, backup.QueryInteger("PRAGMA page_size"));

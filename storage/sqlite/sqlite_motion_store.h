@@ -36,6 +36,9 @@ struct SqliteOptions {
   // What additions leave free on the store's disk, so that it can be emptied; 0: they do not look.
   // Not for a store in memory.
   std::int64_t reserve_bytes = 0;
+  // Every change is refused (FAILED_PRECONDITION) and no file of the store is written, so that they
+  // may be on a read-only file system. The store has to be there, of the current version.
+  bool read_only = false;
   // Name of a registered SQLite VFS; empty for the default one. Tests put faults there.
   std::string vfs;
 };
@@ -106,6 +109,8 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
                                                             int limit) override;
 
   StoreUpkeep& upkeep() override { return *this; }
+  absl::Status CheckIsWritable() const override;
+  std::vector<Damage> FoundAtOpening() const override { return found_at_opening_; }
   absl::Status CheckFile() override;
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
   // Both FAILED_PRECONDITION for a store in memory.
@@ -114,9 +119,18 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
 
  private:
-  SqliteMotionStore(std::string path, FileIdentity file, std::optional<StoreLock> lock,
+  struct Files {
+    FileIdentity store;
+    FileIdentity log;  // not of a store that is open read-only
+  };
+  SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
                     std::unique_ptr<Connection> writer, std::unique_ptr<ReaderPool> readers,
-                    SqliteOptions options);
+                    std::vector<Damage> found_at_opening, SqliteOptions options);
+  // Both after the checks of Open; `file` is absolute.
+  static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenToWrite(std::string file,
+                                                                        SqliteOptions options);
+  static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenReadOnly(std::string file,
+                                                                         SqliteOptions options);
 
   // The bytes that a change adds, as far as they are known; none: it is no addition, and need not
   // leave the reserve.
@@ -126,7 +140,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // happens, or after an error none. REQUIRES: writer_mutex_ is held.
   template <typename Work>
   auto WriteHolding(const Work& work, Added added) -> std::invoke_result_t<Work, Connection&> {
-    MOTIONDB_RETURN_IF_ERROR(CheckFile());
+    MOTIONDB_RETURN_IF_ERROR(CheckMayWrite());
     if (added) {
       MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, *added));
     } else {
@@ -145,6 +159,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   auto WriteAndFree(const ChangeTerms& terms, const Work& work, Added added = {});
   template <typename Work>
   auto Read(const Work& work);
+
+  // OK if a change that is committed now will last. Otherwise moves what the log holds into the
+  // store's file as far as it can, because the log may be lost. REQUIRES: writer_mutex_ is held.
+  // FAILED_PRECONDITION if the store is open read-only.
+  absl::Status CheckMayWrite();
 
   // A clip that waits to be written, and what became of it.
   struct Addition {
@@ -169,13 +188,15 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   // Makes the checked store of a backup this store's own.
   absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
 
-  const std::string path_;   // empty for a store in memory
-  const FileIdentity file_;  // that `path_` led to when it was opened
+  const std::string path_;  // empty for a store in memory
+  const Files files_;       // that were opened under `path_`
+  const bool read_only_;
+  const std::vector<Damage> found_at_opening_;
   const DiskReserve reserve_;
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;  // none for a store in memory
   std::timed_mutex writer_mutex_;
-  std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_
+  std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_; null if read-only
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
   std::function<std::int64_t()> now_us_;
   WriteHealth write_health_;

@@ -42,7 +42,7 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
                                   Transaction::Begin(connection, Transaction::Kind::kRead));
         return look(connection);
       },
-      cancelled);
+      {}, cancelled);
   std::vector<Damage> found;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool more, verifier.Step(found));

@@ -20,9 +20,12 @@ class SqliteVerifier final : public StoreVerifier {
   using Look = std::function<absl::Status(Connection&)>;
   using Read = std::function<absl::Status(const Look&)>;
 
-  // `read` is called by Step alone and must stay good as long as the verifier.
-  SqliteVerifier(Read read, core::Cancelled cancelled)
-      : read_(std::move(read)), cancelled_(std::move(cancelled)) {}
+  // `read` is called by Step alone and must stay good as long as the verifier. `known` is reported
+  // first.
+  SqliteVerifier(Read read, std::vector<Damage> known, core::Cancelled cancelled)
+      : read_(std::move(read)), cancelled_(std::move(cancelled)), found_(std::move(known)) {
+    totals_.damage_count = static_cast<std::int32_t>(found_.size());
+  }
 
   absl::StatusOr<bool> Step(std::vector<Damage>& found) override;
   double progress() const override;

@@ -1,6 +1,7 @@
 #include "storage/sqlite/store_file.h"
 
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cstdint>
 #include <cstring>
@@ -9,6 +10,7 @@
 #include <string_view>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/big_endian.h"
 #include "storage/sqlite/clip_bytes.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store_lock.h"
@@ -50,14 +52,6 @@ absl::Status NotAStore(std::string_view path, std::string_view what) {
                                   path, what);
 }
 
-std::uint32_t BigEndian(std::string_view header, std::size_t place) {
-  std::uint32_t value = 0;
-  for (std::size_t i = place; i < place + 4; ++i) {
-    value = value << 8 | static_cast<unsigned char>(header[i]);
-  }
-  return value;
-}
-
 std::string_view AsText(const Header& header) { return {header.data(), header.size()}; }
 
 // What a shorter file lacks is zero.
@@ -97,6 +91,16 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
   return core::FailedPrecondition(
       "'{}' cannot have a write-ahead log (journal mode '{}'): is it on a network file system?",
       path, mode.Text(0));
+}
+
+// `path` as a URI that tells SQLite that nobody changes the file.
+std::string ImmutableUri(const std::string& path) {
+  std::string uri = "file:";
+  for (const char c : path) {
+    const bool is_plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '/' || c == '.';
+    uri += is_plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return uri + "?immutable=1";
 }
 
 absl::Status SetUp(Connection& connection) {
@@ -185,6 +189,37 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
   MOTIONDB_RETURN_IF_ERROR(SetUp(*connection));
   MOTIONDB_RETURN_IF_ERROR(connection->Execute(kReaderSetup));
   return connection;
+}
+
+absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& path, bool is_short) {
+  absl::StatusOr<std::unique_ptr<Connection>> opened;
+  std::error_code error;
+  if (std::filesystem::exists(LogPath(path), error)) {
+    // Alone on the files, without locks, SQLite keeps the index of the log in memory.
+    MOTIONDB_ASSIGN_OR_RETURN(opened, Connection::Open(path, SQLITE_OPEN_READONLY, "unix-none"));
+    MOTIONDB_RETURN_IF_ERROR((*opened)->Execute("PRAGMA locking_mode = EXCLUSIVE"));
+  } else {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        opened, Connection::Open(ImmutableUri(path), SQLITE_OPEN_READONLY | SQLITE_OPEN_URI, ""));
+  }
+  Connection& connection = **opened;
+  sqlite3_db_config(connection.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
+  MOTIONDB_RETURN_IF_ERROR(SetUp(connection));
+  MOTIONDB_RETURN_IF_ERROR(connection.Execute(kReaderSetup));
+  // So SQLite accepts a page count that is larger than the file.
+  if (is_short) MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA writable_schema = ON"));
+  return opened;
+}
+
+absl::Status CheckIsOfThisVersion(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto version, connection.QueryInteger("PRAGMA user_version"));
+  const auto latest = static_cast<std::int64_t>(Migrations().size());
+  if (version == latest) return absl::OkStatus();
+  return core::FailedPrecondition(
+      "the store is of version {}; expected {}: open it once without --read-only, which upgrades "
+      "an "
+      "older version",
+      version, latest);
 }
 
 void EmptyLog(Connection& writer) {

@@ -18,6 +18,9 @@ inline constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 // As many bytes tell what a SQLite file is.
 inline constexpr std::size_t kStoreHeaderBytes = 100;
 
+// Of SQLite's write-ahead log of the store at `store_path`.
+inline std::string LogPath(const std::string& store_path) { return store_path + "-wal"; }
+
 // Whether a file that begins so is a store's. REQUIRES: at least kStoreHeaderBytes.
 bool IsStoreHeader(std::string_view header);
 
@@ -40,6 +43,14 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::stri
 // A connection that can only read, and never checkpoints.
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
                                                        const std::string& vfs);
+
+// A connection that reads a store that nobody changes meanwhile, its log included. It writes
+// nothing, so that it may be on a file system that is read-only. `is_short`: the file ends before
+// its last page.
+absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& path, bool is_short);
+
+// FAILED_PRECONDITION unless the store is of the version that migrations lead to.
+absl::Status CheckIsOfThisVersion(Connection& connection);
 
 // Moves what the log holds into the file, as far as no reader is in the way, and if all of it,
 // gives the log's room back; waits for nobody. REQUIRES: `writer` is in no transaction.

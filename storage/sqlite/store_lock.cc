@@ -32,25 +32,31 @@ absl::Status CheckHasOneName(const std::string& store_path) {
 
 }  // namespace
 
-absl::StatusOr<StoreLock> StoreLock::Acquire(const std::string& store_path) {
+absl::StatusOr<StoreLock> StoreLock::Acquire(const std::string& store_path, Kind kind) {
   MOTIONDB_RETURN_IF_ERROR(CheckHasOneName(store_path));
   const std::string path = store_path + "-lock";
-  const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  const bool shared = kind == Kind::kShared;
+  int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
+  if (file < 0 && shared) {
+    const bool can_be_written = errno != EROFS && errno != EACCES;
+    file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (file < 0 && errno == ENOENT && !can_be_written) return StoreLock(-1);
+  }
   if (file < 0) {
     return absl::UnavailableError(
         fmt::format("cannot open the lock file '{}': {}", path, std::strerror(errno)));
   }
   StoreLock lock(file);
-  if (flock(file, LOCK_EX | LOCK_NB) != 0) {
+  if (flock(file, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) {
       return core::FailedPrecondition(
-          "'{}' is in use{}: only one process at a time may open a store", store_path,
-          HolderOf(file));
+          "'{}' is in use{}: only one process at a time may open a store, or several read-only",
+          store_path, HolderOf(file));
     }
     return absl::UnavailableError(fmt::format("cannot lock '{}': {}", path, std::strerror(errno)));
   }
-  // For the message above alone, so that a failure does not matter.
-  const std::string holder = fmt::format("{}", getpid());
+  // For the message above alone, so that a failure does not matter. Those who share have no name.
+  const std::string holder = shared ? "" : fmt::format("{}", getpid());
   if (ftruncate(file, 0) == 0) static_cast<void>(!pwrite(file, holder.data(), holder.size(), 0));
   return lock;
 }

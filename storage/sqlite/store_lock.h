@@ -19,10 +19,15 @@ namespace motiondb::storage {
 
 class StoreLock {
  public:
+  // Any number may hold kShared together; who holds kAlone holds it alone.
+  enum class Kind { kAlone, kShared };
+
   // The store need not be there. FAILED_PRECONDITION, naming the process, if another holds it, or,
   // putting nothing beside it, if the store has several names; UNAVAILABLE if the lock file cannot
   // be made.
-  static absl::StatusOr<StoreLock> Acquire(const std::string& store_path);
+  // kShared changes nothing: where the lock file is not there and cannot be made, on a read-only
+  // file system, nobody can write, and the lock is held without a file.
+  static absl::StatusOr<StoreLock> Acquire(const std::string& store_path, Kind kind = Kind::kAlone);
   StoreLock(StoreLock&& other) noexcept;
   StoreLock& operator=(StoreLock&& other) noexcept;
   ~StoreLock();
@@ -30,7 +35,7 @@ class StoreLock {
  private:
   explicit StoreLock(int file) : file_(file) {}
 
-  int file_;  // descriptor; -1 once moved from
+  int file_;  // descriptor; -1: none, or moved from
 };
 
 }  // namespace motiondb::storage

@@ -18,6 +18,8 @@ namespace motiondb::tests {
 // There is nothing to check or copy.
 class NoUpkeep final : public storage::StoreUpkeep {
  public:
+  absl::Status CheckIsWritable() const override { return absl::OkStatus(); }
+  std::vector<storage::Damage> FoundAtOpening() const override { return {}; }
   absl::Status CheckFile() override { return absl::OkStatus(); }
   absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(core::Cancelled) override {
     return absl::UnimplementedError("kept in memory");

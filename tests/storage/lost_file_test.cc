@@ -1,5 +1,5 @@
-// A store whose file is taken away or replaced under it: what is there is read on, and nothing is
-// acknowledged that would be lost.
+// A store whose file or log is taken away or replaced under it: what is there is read on, and
+// nothing is acknowledged that would be lost.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
@@ -21,13 +21,18 @@ class LosableStore {
   storage::SqliteMotionStore* operator->() const { return store_.get(); }
   const StoreFile& file() const { return file_; }
 
-  void TakeAway() const { std::filesystem::rename(file_.path(), aside()); }
-  // By a copy of itself, which is what looks most like it.
-  void Replace() const {
-    TakeAway();
-    std::filesystem::copy_file(aside(), file_.path());
+  // `suffix`: "" for the store's file, "-wal" for its log.
+  void TakeAway(const std::string& suffix = "") const {
+    std::filesystem::rename(file_.path() + suffix, aside());
   }
-  void PutBack() const { std::filesystem::rename(aside(), file_.path()); }
+  // By a copy of itself, which is what looks most like it.
+  void Replace(const std::string& suffix = "") const {
+    TakeAway(suffix);
+    std::filesystem::copy_file(aside(), file_.path() + suffix);
+  }
+  void PutBack(const std::string& suffix = "") const {
+    std::filesystem::rename(aside(), file_.path() + suffix);
+  }
 
  private:
   std::filesystem::path aside() const { return file_.folder() / "aside.db"; }
@@ -72,6 +77,43 @@ TEST_CASE("SqliteMotionStore: without its file nothing is changed until it is ba
   REQUIRE_OK(store->upkeep().CheckFile());
   REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
   REQUIRE(Findings(*store).empty());
+}
+
+TEST_CASE("SqliteMotionStore: without its log nothing is changed, and what the log held is saved",
+          "[storage][lost]") {
+  const LosableStore store;
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+  const std::string before = Dump(*store);
+  std::string why = "the store's log '" + store.file().path() + "-wal' is ";
+  SECTION("taken away") {
+    store.TakeAway("-wal");
+    why += "gone (No such file or directory): changes are refused";
+  }
+  SECTION("replaced") {
+    store.Replace("-wal");
+    why += "not the file that it was: changes are refused";
+  }
+  RequireUnchangeable(*store, why);
+  REQUIRE(Dump(*store) == before);
+  // A kill leaves the store's file alone.
+  const StoreFile killed;
+  std::filesystem::copy_file(store.file().path(), killed.path());
+  REQUIRE(Dump(*killed.Open()) == before);
+  store.PutBack("-wal");
+  REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
+  REQUIRE(Findings(*store).empty());
+}
+
+TEST_CASE("SqliteMotionStore: closed without its log, it has all that was acknowledged",
+          "[storage][lost]") {
+  const StoreFile file;
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+    std::filesystem::remove(file.path() + "-wal");
+  }
+  REQUIRE_OK(file.Open()->GetDatabase("d"));
 }
 
 TEST_CASE("SqliteMotionStore: no connection is opened to the file in its place",

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "storage/sqlite/store_file.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/store_file.h"
 
@@ -10,7 +11,9 @@ namespace motiondb::tests {
 TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
-  storage::ReaderPool pool(file.path(), Require(storage::IdentityOf(file.path())), "", 4);
+  storage::ReaderPool pool(
+      file.path(), Require(storage::IdentityOf(file.path())),
+      [&] { return storage::OpenReader(file.path(), ""); }, 4);
   {
     const auto first = pool.Acquire();
     REQUIRE_OK(first);

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+#include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {
@@ -38,6 +39,30 @@ TEST_CASE("Startup: reads the stored model and builds nothing", "[server][startu
   CHECK(live->stored().clip_count == 1);
   CHECK((*live->scheme())->set.markers == before->model.marker_set().markers);
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
+}
+
+TEST_CASE("Startup: read-only it serves the stored model and refuses changes",
+          "[server][startup]") {
+  TestEngine engine;
+  engine.Create("db");
+  engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
+  REQUIRE(engine->store().PutOperation({.id = "waiting", .database = "db"}).ok());
+  engine.Stop();
+  auto opened = storage::SqliteMotionStore::Open(engine.store_path(), {.read_only = true});
+  REQUIRE(opened.ok());
+  auto started = server::Engine::Open(*std::move(opened), TestEngine::QuickOptions());
+  REQUIRE(started.ok());
+  server::Engine& read_only = **started;
+  const auto live = *read_only.FindDatabase("db");
+  REQUIRE(live->snapshot() != nullptr);
+  CHECK(live->snapshot()->record.version == 1);
+  CHECK(live->operation().empty());  // what waits is not taken up
+  CHECK(absl::IsFailedPrecondition(read_only.BeginIngest(live).status()));
+  CHECK(absl::IsFailedPrecondition(read_only.DeleteClip("db", "a").status()));
+  CHECK(absl::IsFailedPrecondition(read_only.CancelOperation("waiting").status()));
+  CHECK(absl::IsFailedPrecondition(read_only.DeleteDatabase("db")));
+  CHECK((*read_only.FindDatabase("db"))->snapshot() != nullptr);
+  CHECK(read_only.damages().empty());
 }
 
 TEST_CASE("Startup: an operation that was waiting goes on", "[server][startup]") {

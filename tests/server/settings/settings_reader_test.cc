@@ -336,6 +336,9 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   REQUIRE(check(directory / "none" + "/a.db").size() == 1);
   std::filesystem::create_directory(directory / "folder");
   REQUIRE(check(directory / "folder").size() == 1);
+  SettingsReader absent;
+  REQUIRE(Read(absent, {"--store", directory / "new.db", "--read-only"}).empty());
+  REQUIRE(absent.Check().size() == 1);  // it would have to be made
   SettingsReader delays;
   REQUIRE(Read(delays, {"--store", directory / "a.db", "--rebuild-delay", "20"}).empty());
   CHECK(delays.Check().size() == 1);

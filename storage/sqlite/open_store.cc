@@ -1,0 +1,96 @@
+// SqliteMotionStore's opening of a file: to write, or read-only.
+#include <chrono>
+#include <filesystem>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/copy_file.h"
+#include "storage/sqlite/opening_check.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "storage/sqlite/store_file.h"
+
+namespace motiondb::storage {
+namespace {
+
+std::int64_t SystemMicroseconds() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+}  // namespace
+
+absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
+                                                                           SqliteOptions options) {
+  if (path.empty()) return core::InvalidArgument("the path of the store is empty");
+  if (!options.now_us) options.now_us = SystemMicroseconds;
+  if (path == ":memory:") {
+    if (options.read_only) return core::InvalidArgument("a store in memory cannot be read-only");
+    options.reserve_bytes = 0;
+    MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(path, options.vfs));
+    return std::unique_ptr<SqliteMotionStore>(new SqliteMotionStore(
+        "", {}, std::nullopt, std::move(writer), nullptr, {}, std::move(options)));
+  }
+  // One file, one lock, by whatever links it was reached. Absolute first: what is not there yet
+  // would stay relative, and SQLite takes a name that begins with "file:" for a URI.
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(path, error);
+  std::string file;
+  if (!error) file = std::filesystem::weakly_canonical(absolute, error).string();
+  if (error) return core::InvalidArgument("cannot open '{}': {}", path, error.message());
+  MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
+  return options.read_only ? OpenReadOnly(std::move(file), std::move(options))
+                           : OpenToWrite(std::move(file), std::move(options));
+}
+
+absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrite(
+    std::string file, SqliteOptions options) {
+  MOTIONDB_ASSIGN_OR_RETURN(StoreLock lock, StoreLock::Acquire(file));
+  RemoveLeftCopies(file);
+  OpeningCheck check = CheckBeforeOpening(file, /*read_only=*/false);
+  MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
+  if (check.log_is_corrupt) EmptyLog(*writer);
+  Files files;
+  MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
+  // SQLite makes the log when the writer first reads, and keeps it until the writer is closed.
+  MOTIONDB_ASSIGN_OR_RETURN(files.log, IdentityOf(LogPath(file)));
+  auto readers = std::make_unique<ReaderPool>(
+      file, files.store, [file, vfs = options.vfs] { return OpenReader(file, vfs); },
+      options.reader_count);
+  return std::unique_ptr<SqliteMotionStore>(
+      new SqliteMotionStore(std::move(file), files, std::move(lock), std::move(writer),
+                            std::move(readers), std::move(check.found), std::move(options)));
+}
+
+absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenReadOnly(
+    std::string file, SqliteOptions options) {
+  Files files;
+  MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
+  MOTIONDB_ASSIGN_OR_RETURN(StoreLock lock, StoreLock::Acquire(file, StoreLock::Kind::kShared));
+  OpeningCheck check = CheckBeforeOpening(file, /*read_only=*/true);
+  const auto open = [file, is_short = check.is_short] { return OpenUnchanging(file, is_short); };
+  {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto reader, open());
+    MOTIONDB_RETURN_IF_ERROR(CheckIsOfThisVersion(*reader));
+  }
+  auto readers = std::make_unique<ReaderPool>(file, files.store, open, options.reader_count);
+  return std::unique_ptr<SqliteMotionStore>(
+      new SqliteMotionStore(std::move(file), files, std::move(lock), nullptr, std::move(readers),
+                            std::move(check.found), std::move(options)));
+}
+
+SqliteMotionStore::SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
+                                     std::unique_ptr<Connection> writer,
+                                     std::unique_ptr<ReaderPool> readers,
+                                     std::vector<Damage> found_at_opening, SqliteOptions options)
+    : path_(std::move(path)),
+      files_(files),
+      read_only_(options.read_only),
+      found_at_opening_(std::move(found_at_opening)),
+      reserve_(path_, options.reserve_bytes),
+      lock_(std::move(lock)),
+      writer_(std::move(writer)),
+      readers_(std::move(readers)),
+      now_us_(std::move(options.now_us)) {}
+
+}  // namespace motiondb::storage

@@ -58,16 +58,20 @@ class ReadOnly(WithServer):
         os.mkdir(disk)
         if subprocess.run(["mount", "-t", "tmpfs", "none", disk], capture_output=True).returncode != 0:
             self.skipTest("a tmpfs cannot be mounted here")
-        self.addCleanup(subprocess.run, ["umount", disk])
-        for suffix in ("", "-wal"):
-            shutil.copy(self.store + suffix, os.path.join(disk, "motion.db" + suffix))
-        # Without its log, as after an orderly stop.
-        Server(self.store).stop()
-        shutil.copy(self.store, os.path.join(disk, "alone.db"))
-        subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
-        for name in ("motion.db", "alone.db"):
-            self.server = Server(os.path.join(disk, name), "--read-only")
-            self.require_read_only(before)
+        try:
+            for suffix in ("", "-wal"):
+                shutil.copy(self.store + suffix, os.path.join(disk, "motion.db" + suffix))
+            # Without its log, as after an orderly stop.
+            Server(self.store).stop()
+            shutil.copy(self.store, os.path.join(disk, "alone.db"))
+            subprocess.run(["mount", "-o", "remount,ro", disk], check=True)
+            for name in ("motion.db", "alone.db"):
+                self.server = Server(os.path.join(disk, name), "--read-only")
+                self.require_read_only(before)
+        finally:
+            if self.server.process.poll() is None:
+                self.server.stop()
+            subprocess.run(["umount", disk], check=True)
 
 
 main()

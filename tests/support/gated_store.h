@@ -34,6 +34,33 @@ class Gate {
   int waiting_ = 0;
 };
 
+// Who verifies, backs up or restores passes `gate` first.
+class GatedUpkeep final : public storage::StoreUpkeep {
+ public:
+  GatedUpkeep(storage::StoreUpkeep& upkeep, Gate& gate) : upkeep_(upkeep), gate_(gate) {}
+  absl::Status CheckIsWritable() const override { return upkeep_.CheckIsWritable(); }
+  std::vector<storage::Damage> FoundAtOpening() const override { return upkeep_.FoundAtOpening(); }
+  absl::Status CheckFile() override { return upkeep_.CheckFile(); }
+  absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(
+      core::Cancelled cancelled) override {
+    gate_.Pass();
+    return upkeep_.BeginVerify(std::move(cancelled));
+  }
+  absl::StatusOr<std::unique_ptr<storage::StoreBackup>> BeginBackup(
+      const core::Cancelled& cancelled) override {
+    gate_.Pass();
+    return upkeep_.BeginBackup(cancelled);
+  }
+  absl::StatusOr<std::unique_ptr<storage::StoreRestore>> BeginRestore() override {
+    gate_.Pass();
+    return upkeep_.BeginRestore();
+  }
+
+ private:
+  storage::StoreUpkeep& upkeep_;
+  Gate& gate_;
+};
+
 class GatedStore : public storage::MotionStore {
  public:
   // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
@@ -163,10 +190,7 @@ class GatedStore : public storage::MotionStore {
   }
   storage::WriteFailures write_failures() const override { return store_->write_failures(); }
   storage::AccessStore& access() override { return store_->access(); }
-  storage::StoreUpkeep& upkeep() override {
-    gate_->Pass();
-    return store_->upkeep();
-  }
+  storage::StoreUpkeep& upkeep() override { return upkeep_; }
 
  private:
   const std::unique_ptr<storage::MotionStore> store_;
@@ -174,6 +198,7 @@ class GatedStore : public storage::MotionStore {
   const std::shared_ptr<Gate> model_gate_;
   const std::shared_ptr<const FullDisk> disk_;
   const std::shared_ptr<Gate> reading_gate_;
+  GatedUpkeep upkeep_{store_->upkeep(), *gate_};
   absl::Status model_fault_;
 };
 

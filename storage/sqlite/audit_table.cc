@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 
@@ -14,10 +15,10 @@ absl::Status InsertAuditRecord(Connection& connection, const AuditRecord& record
                  record.time_us, record.principal, record.peer, record.method, record.resource,
                  record.code, record.request_id)
           .Run());
+  const std::int64_t sequence = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "audit", sequence));
   // Sequence numbers have no gaps, so that this keeps as many rows as it says.
-  return connection
-      .Query("DELETE FROM audit WHERE sequence <= ?", connection.last_insert_key() - kAuditLimit)
-      .Run();
+  return connection.Query("DELETE FROM audit WHERE sequence <= ?", sequence - kAuditLimit).Run();
 }
 
 absl::StatusOr<std::vector<AuditRecord>> SelectAuditRecords(Connection& connection,

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
@@ -34,12 +35,14 @@ absl::Status CountEach(Connection& connection, const std::vector<std::int64_t>& 
 }  // namespace
 
 absl::Status CountBytes(Connection& connection, std::int64_t clip_key) {
-  return connection
-      .Query(
-          "UPDATE clip SET byte_count = (SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk "
-          "WHERE clip_chunk.clip_key = clip.clip_key) WHERE clip_key = ?",
-          clip_key)
-      .Run();
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query(
+              "UPDATE clip SET byte_count = (SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk "
+              "WHERE clip_chunk.clip_key = clip.clip_key) WHERE clip_key = ?",
+              clip_key)
+          .Run());
+  return SetRowChecksum(connection, "clip", clip_key);
 }
 
 void CountUncountedBytes(Connection& connection) {
@@ -53,9 +56,11 @@ void CountUncountedBytes(Connection& connection) {
     // After such an error SQLite does nothing more in that transaction.
     for (const std::int64_t key : *keys) {
       if (!absl::IsDataLoss(CountEach(connection, {key}))) continue;
-      connection.Query("UPDATE clip SET byte_count = 0 WHERE clip_key = ?", key)
-          .Run()
-          .IgnoreError();
+      InTransaction(connection, Transaction::Kind::kWrite, [&](Connection&) -> absl::Status {
+        MOTIONDB_RETURN_IF_ERROR(
+            connection.Query("UPDATE clip SET byte_count = 0 WHERE clip_key = ?", key).Run());
+        return SetRowChecksum(connection, "clip", key);
+      }).IgnoreError();
     }
   }
 }

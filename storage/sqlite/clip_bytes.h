@@ -8,7 +8,8 @@
 
 namespace motiondb::storage {
 
-// Counts it for a clip whose blobs are there, in the transaction of the caller.
+// Counts it for a clip whose blobs are there, and sets the checksum of the clip's row, in the
+// transaction of the caller.
 absl::Status CountBytes(Connection& connection, std::int64_t clip_key);
 
 // Counts it for all clips of versions that did not: in transactions of its own, a thousand clips in

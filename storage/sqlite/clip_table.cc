@@ -9,6 +9,7 @@
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/enum_text.h"
 #include "storage/sqlite/free_id.h"
+#include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/skeleton_table.h"
 
 namespace motiondb::storage {
@@ -205,6 +206,7 @@ absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string&
   MOTIONDB_RETURN_IF_ERROR(
       connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
           .Run());
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "clip", key));
   if (remains == Remains::kFree) {
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));

@@ -4,6 +4,7 @@
 
 #include "core/motion/error.h"
 #include "storage/sqlite/enum_text.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 namespace {
@@ -47,7 +48,8 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
   if (absl::IsAlreadyExists(inserted)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
   }
-  return inserted;
+  MOTIONDB_RETURN_IF_ERROR(inserted);
+  return SetRowChecksum(connection, "database", connection.last_insert_key());
 }
 
 absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name) {
@@ -70,14 +72,15 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
 }
 
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, name));
   // The name is free for another; no database has one with a slash.
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("UPDATE database SET deleted = 1, name = 'deleted/' || database_key "
-                 "WHERE name = ? AND deleted = 0",
-                 name)
+                 "WHERE database_key = ?",
+                 key)
           .Run());
-  return connection.changes() == 0 ? NoDatabase(name) : absl::OkStatus();
+  return SetRowChecksum(connection, "database", key);
 }
 
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name) {
@@ -107,7 +110,7 @@ absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
   if (connection.changes() == 0) {
     return core::FailedPrecondition("the database has another marker set already");
   }
-  return absl::OkStatus();
+  return SetRowChecksum(connection, "database", database_key);
 }
 
 }  // namespace motiondb::storage

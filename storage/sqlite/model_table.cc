@@ -12,6 +12,7 @@
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/model_states.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 namespace {
@@ -60,6 +61,7 @@ absl::StatusOr<int> NextVersion(Connection& connection, std::int64_t database_ke
   MOTIONDB_RETURN_IF_ERROR(row.Step().status());
   const int version = row.Integer<int>(0);
   MOTIONDB_RETURN_IF_ERROR(row.Run());
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "database", database_key));
   return version;
 }
 
@@ -82,7 +84,8 @@ absl::Status InsertLayers(Connection& connection, std::int64_t model_key, const 
   for (int layer = 1; layer <= tree.layer_count(); ++layer) {
     MOTIONDB_RETURN_IF_ERROR(
         connection
-            .Query("INSERT INTO model_layer (model_key, layer, node_count) VALUES (?, ?, ?)",
+            .Query("INSERT INTO model_layer (model_key, layer, node_count, row_crc) "
+                   "VALUES (?1, ?2, ?3, motiondb_crc(?1, ?2, ?3))",
                    model_key, layer, tree.node_count(layer))
             .Run());
   }
@@ -102,6 +105,7 @@ absl::StatusOr<std::int64_t> InsertFigures(Connection& connection, std::int64_t 
                  model.clips().size(), model.states().cols())
           .Run());
   const std::int64_t model_key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key));
   MOTIONDB_RETURN_IF_ERROR(InsertLayers(connection, model_key, model.tree()));
   return model_key;
 }
@@ -162,7 +166,8 @@ absl::Status InsertClips(Connection& connection, std::int64_t built_key, std::in
   for (std::size_t i = 0; i < clip_keys.size(); ++i) {
     MOTIONDB_RETURN_IF_ERROR(
         connection
-            .Query("INSERT INTO model_clip (model_key, position, clip_key) VALUES (?, ?, ?)",
+            .Query("INSERT INTO model_clip (model_key, position, clip_key, row_crc) "
+                   "VALUES (?1, ?2, ?3, motiondb_crc(?1, ?2, ?3))",
                    built_key, first + static_cast<std::int64_t>(i), clip_keys[i])
             .Run());
   }
@@ -235,6 +240,12 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
   return model;
 }
 
+absl::Status Supersede(Connection& connection, std::int64_t model_key) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE model SET current = 0 WHERE model_key = ?", model_key).Run());
+  return SetRowChecksum(connection, "model", model_key);
+}
+
 // The current model, if there is one, is current no more; its clips may be purged.
 absl::Status Retire(Connection& connection, std::int64_t database_key, Remains remains) {
   for (const char* table : {"model_chunk", "model_clip"}) {
@@ -247,9 +258,13 @@ absl::Status Retire(Connection& connection, std::int64_t database_key, Remains r
                    database_key)
             .Run());
   }
-  return connection
-      .Query("UPDATE model SET current = 0 WHERE database_key = ? AND current = 1", database_key)
-      .Run();
+  Statement current = connection.Query(
+      "SELECT model_key FROM model WHERE database_key = ? AND current = 1", database_key);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, current.Step());
+  if (!found) return absl::OkStatus();
+  const std::int64_t key = current.Integer(0);
+  current.Reset();
+  return Supersede(connection, key);
 }
 
 }  // namespace
@@ -294,9 +309,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
       const auto clip_keys,
       FindModelClips(connection, database_key, model, current->clip_count, Deleted::kNot));
   MOTIONDB_ASSIGN_OR_RETURN(const int version, NextVersion(connection, database_key));
-  MOTIONDB_RETURN_IF_ERROR(
-      connection.Query("UPDATE model SET current = 0 WHERE model_key = ?", current->model_key)
-          .Run());
+  MOTIONDB_RETURN_IF_ERROR(Supersede(connection, current->model_key));
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::int64_t model_key,
       InsertFigures(connection, database_key, version, model, create_time_us));
@@ -307,6 +320,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
                  current->built_key, std::ssize(model.clips()) - model.built_clip_count(),
                  model.frame_count() - model.built_frame_count(), stale_share, model_key)
           .Run());
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key));
   MOTIONDB_RETURN_IF_ERROR(
       InsertClips(connection, current->built_key, current->clip_count, clip_keys));
   MOTIONDB_RETURN_IF_ERROR(ForgetOldFigures(connection, database_key, version));

@@ -6,6 +6,7 @@
 #include "core/motion/error.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/enum_text.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 namespace {
@@ -68,21 +69,23 @@ absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::strin
 absl::Status UpsertOperation(Connection& connection, const OperationRecord& record) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, record.database));
-  const absl::Status put =
+  MOTIONDB_RETURN_IF_ERROR(
       connection
-          .Query(
-              "INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
-              "error_code, error_message, create_time_us, update_time_us) "
-              "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
-              "(database_key, state, progress, stage, model_version, error_code, error_message, "
-              "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
-              "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
-              "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
-              record.id, database_key, ToText(record.state), record.progress, record.stage,
-              record.model_version, record.error_code, record.error_message, record.create_time_us,
-              record.update_time_us)
-          .Run();
-  if (!put.ok() || record.state != OperationState::kPending) return put;
+          .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
+                 "error_code, error_message, create_time_us, update_time_us) "
+                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
+                 "(database_key, state, progress, stage, model_version, error_code, error_message, "
+                 "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
+                 "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
+                 "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
+                 record.id, database_key, ToText(record.state), record.progress, record.stage,
+                 record.model_version, record.error_code, record.error_message,
+                 record.create_time_us, record.update_time_us)
+          .Run());
+  // A RETURNING clause would cost a statement journal.
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t sequence, SequenceOf(connection, record.id));
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "operation", sequence));
+  if (record.state != OperationState::kPending) return absl::OkStatus();
   return ForgetOldOperations(connection, database_key);
 }
 

@@ -179,7 +179,38 @@ constexpr char kClipBytes[] = R"sql(
 ALTER TABLE clip ADD COLUMN byte_count INTEGER;  -- NULL: a former version's, not counted yet
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst, kExtensions, kAccess, kDeletion, kClipBytes};
+// Each row has a checksum (row_checksum.h), so that a change that SQLite did not make is found.
+constexpr char kRowChecksums[] = R"sql(
+ALTER TABLE database ADD COLUMN row_crc INTEGER;
+ALTER TABLE skeleton ADD COLUMN row_crc INTEGER;
+ALTER TABLE clip ADD COLUMN row_crc INTEGER;
+ALTER TABLE model ADD COLUMN row_crc INTEGER;
+ALTER TABLE model_layer ADD COLUMN row_crc INTEGER;
+ALTER TABLE model_clip ADD COLUMN row_crc INTEGER;
+ALTER TABLE operation ADD COLUMN row_crc INTEGER;
+ALTER TABLE token ADD COLUMN row_crc INTEGER;
+ALTER TABLE audit ADD COLUMN row_crc INTEGER;
+UPDATE database SET row_crc = motiondb_crc(database_key, name, frame_rate_hz, min_frames, scaling,
+  marker_set, marker_set_text, last_model_version, create_time_us, deleted);
+UPDATE skeleton SET row_crc = motiondb_crc(skeleton_key, database_key, id, encoded_crc);
+UPDATE clip SET row_crc = motiondb_crc(clip_key, database_key, id, label, subject, file_name,
+  skeleton_file_name, format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m,
+  skeleton_key, source_report, content_hash, root_path_crc, create_time_us, deleted, byte_count);
+UPDATE model SET row_crc = motiondb_crc(model_key, database_key, version, current, create_time_us,
+  build_seconds, frame_count, clip_count, dimension_count, base_key, added_clip_count,
+  added_frame_count, stale_share);
+UPDATE model_layer SET row_crc = motiondb_crc(model_key, layer, node_count);
+UPDATE model_clip SET row_crc = motiondb_crc(model_key, position, clip_key);
+UPDATE operation SET row_crc = motiondb_crc(sequence, id, database_key, state, progress, stage,
+  model_version, error_code, error_message, create_time_us, update_time_us);
+UPDATE token SET row_crc = motiondb_crc(sequence, id, role, database, description, salt,
+  secret_hash, create_time_us, expire_time_us, revoke_time_us);
+UPDATE audit SET row_crc = motiondb_crc(sequence, time_us, principal, peer, method, resource, code,
+  request_id);
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst,    kExtensions, kAccess,
+                                       kDeletion, kClipBytes,  kRowChecksums};
 
 // What makes each table, index, trigger and view, by its kind and name. Without the statistics that
 // ANALYZE leaves. From the last kind to the first: tables before their indices.

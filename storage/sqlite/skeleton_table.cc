@@ -9,6 +9,7 @@
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/free_id.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 namespace {
@@ -78,6 +79,7 @@ absl::StatusOr<std::int64_t> FindOrInsertSkeleton(Connection& connection, std::i
                  database_key, id, crc)
           .Run());
   const std::int64_t key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "skeleton", key));
   MOTIONDB_RETURN_IF_ERROR(WriteBlob(connection, Owner(key), BlobKind::kSkeleton, encoded.bytes()));
   return key;
 }

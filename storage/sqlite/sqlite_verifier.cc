@@ -15,6 +15,7 @@
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/operation_table.h"
+#include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/token_table.h"
 
@@ -106,6 +107,11 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
     }
     if (phase == Phase::kFile) return CheckFile(connection);
     if (phase == Phase::kRecords) return CheckRecords(connection);
+    if (phase == Phase::kRows) {
+      const absl::Status checked = CheckRows(connection);
+      row_is_damaged = !found_.empty();
+      return checked;
+    }
     for (int row = 0; row < kStepRows && totals_.byte_count - bytes_before < kStepBytes; ++row) {
       if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
       absl::StatusOr<bool> more = false;
@@ -281,6 +287,21 @@ absl::Status SqliteVerifier::CheckRecords(Connection& connection) {
     last = tokens->back().id;
   }
   Advance();
+  return absl::OkStatus();
+}
+
+absl::Status SqliteVerifier::CheckRows(Connection& connection) {
+  const Interruptible interruptible(connection, cancelled_);
+  const std::string_view table = CheckedTables()[static_cast<std::size_t>(last_key_)];
+  if (++last_key_ == std::ssize(CheckedTables())) Advance();
+  const auto rows = FindChangedRows(connection, table);
+  if (!rows.ok()) {
+    return Note("", In(fmt::format("checksums of table {}", table), rows.status()));
+  }
+  for (const ChangedRow& row : *rows) {
+    MOTIONDB_RETURN_IF_ERROR(
+        Note(row.resource, core::DataLoss("{}: its checksum does not match", row.row)));
+  }
   return absl::OkStatus();
 }
 

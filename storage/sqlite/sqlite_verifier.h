@@ -32,7 +32,7 @@ class SqliteVerifier final : public StoreVerifier {
   const VerifyTotals& totals() const override { return totals_; }
 
  private:
-  enum class Phase { kSchema, kFile, kClips, kSkeletons, kModels, kRecords, kDone };
+  enum class Phase { kSchema, kFile, kClips, kSkeletons, kModels, kRecords, kRows, kDone };
 
   absl::Status CheckFile(Connection& connection);
   // Each checks one row, the one after `last_key_`. False if there is none.
@@ -40,6 +40,8 @@ class SqliteVerifier final : public StoreVerifier {
   absl::StatusOr<bool> CheckSkeleton(Connection& connection);
   absl::StatusOr<bool> CheckModel(Connection& connection);
   absl::Status CheckRecords(Connection& connection);
+  // The checksums of the rows of one table, the one after `last_key_` tables.
+  absl::Status CheckRows(Connection& connection);
 
   // Checks every chunk of a blob, and that the bytes are all there.
   absl::Status CheckBytes(Connection& connection, const BlobOwner& owner, BlobKind kind);

@@ -4,6 +4,7 @@
 
 #include "core/motion/error.h"
 #include "storage/sqlite/enum_text.h"
+#include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
 namespace {
@@ -54,7 +55,8 @@ absl::Status InsertToken(Connection& connection, const TokenRecord& record) {
   if (absl::IsAlreadyExists(inserted)) {
     return absl::AlreadyExistsError(fmt::format("token '{}' exists already", record.id));
   }
-  return inserted;
+  MOTIONDB_RETURN_IF_ERROR(inserted);
+  return SetRowChecksum(connection, "token", connection.last_insert_key());
 }
 
 absl::StatusOr<TokenRecord> SelectToken(Connection& connection, const std::string& id) {
@@ -85,11 +87,15 @@ absl::StatusOr<std::vector<TokenRecord>> SelectTokens(Connection& connection,
 
 absl::StatusOr<TokenRecord> MarkTokenRevoked(Connection& connection, const std::string& id,
                                              std::int64_t time_us) {
-  MOTIONDB_RETURN_IF_ERROR(
-      connection
-          .Query("UPDATE token SET revoke_time_us = ? WHERE id = ? AND revoke_time_us = 0", time_us,
-                 id)
-          .Run());
+  Statement revoke = connection.Query(
+      "UPDATE token SET revoke_time_us = ? WHERE id = ? AND revoke_time_us = 0 RETURNING sequence",
+      time_us, id);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool revoked, revoke.Step());
+  if (revoked) {
+    const std::int64_t sequence = revoke.Integer(0);
+    MOTIONDB_RETURN_IF_ERROR(revoke.Run());
+    MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "token", sequence));
+  }
   return SelectToken(connection, id);
 }
 

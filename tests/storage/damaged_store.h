@@ -5,6 +5,7 @@
 
 #include <catch2/catch.hpp>
 #include <fstream>
+#include <iterator>
 #include <string>
 
 namespace motiondb::tests {
@@ -42,6 +43,19 @@ inline std::string ChunksOf(const std::string& clip, int kind) {
 // A script that gives the first page of a table or an index.
 inline std::string RootPageOf(const std::string& name) {
   return "SELECT rootpage FROM sqlite_schema WHERE name = '" + name + "'";
+}
+
+// Writes other bytes of the same length wherever some are in a file that is closed.
+inline void ReplaceBytes(const std::string& path, const std::string& from, const std::string& to) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes((std::istreambuf_iterator<char>(in)), {});
+  std::size_t count = 0;
+  for (std::size_t at = bytes.find(from); at != std::string::npos; at = bytes.find(from, at + 1)) {
+    bytes.replace(at, from.size(), to);
+    ++count;
+  }
+  REQUIRE(count > 0);
+  std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
 // Writes over the beginning of a page of a store that is closed.

@@ -14,7 +14,7 @@ namespace motiondb::tests {
 
 TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3, 4);
+  const int version = GENERATE(1, 2, 3, 4, 5);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
@@ -44,6 +44,7 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
     // It can be written to, with what the schema has had since.
     REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
     REQUIRE_OK(store->DeleteClip("walks", "squat"));
+    REQUIRE(Findings(*store).empty());
   }
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(storage::Migrations().size()));
   REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");

@@ -1,0 +1,145 @@
+#include "storage/sqlite/row_checksum.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstring>
+
+#include "core/motion/error.h"
+#include "storage/blob/crc32.h"
+
+namespace motiondb::storage {
+namespace {
+
+struct CheckedTable {
+  std::string_view name;
+  std::string_view key;
+  std::string_view columns;  // all but row_crc
+  std::string_view id;       // the column that names a row; empty: none does
+  bool is_in_database = false;
+};
+
+// With the columns that the last migration to set row_crc has (schema.cc).
+constexpr std::array kTables = {
+    CheckedTable{"database", "database_key",
+                 "database_key, name, frame_rate_hz, min_frames, scaling, marker_set, "
+                 "marker_set_text, last_model_version, create_time_us, deleted",
+                 "name"},
+    CheckedTable{"clip", "clip_key",
+                 "clip_key, database_key, id, label, subject, file_name, skeleton_file_name, "
+                 "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
+                 "skeleton_key, source_report, content_hash, root_path_crc, create_time_us, "
+                 "deleted, byte_count",
+                 "id", true},
+    CheckedTable{"skeleton", "skeleton_key", "skeleton_key, database_key, id, encoded_crc", "id",
+                 true},
+    CheckedTable{"model", "model_key",
+                 "model_key, database_key, version, current, create_time_us, build_seconds, "
+                 "frame_count, clip_count, dimension_count, base_key, added_clip_count, "
+                 "added_frame_count, stale_share",
+                 "version", true},
+    CheckedTable{"model_layer", "model_key", "model_key, layer, node_count", ""},
+    CheckedTable{"model_clip", "model_key", "model_key, position, clip_key", ""},
+    CheckedTable{"operation", "sequence",
+                 "sequence, id, database_key, state, progress, stage, model_version, error_code, "
+                 "error_message, create_time_us, update_time_us",
+                 "id"},
+    CheckedTable{"token", "sequence",
+                 "sequence, id, role, database, description, salt, secret_hash, create_time_us, "
+                 "expire_time_us, revoke_time_us",
+                 "id"},
+    CheckedTable{"audit", "sequence",
+                 "sequence, time_us, principal, peer, method, resource, code, request_id", ""},
+};
+
+// The name of a row's resource, in SQL.
+std::string ResourceOf(const CheckedTable& table) {
+  if (table.id.empty()) return "''";
+  const std::string name = fmt::format("'{}s/' || {}.{}", table.name, table.name, table.id);
+  if (!table.is_in_database) return name;
+  return fmt::format(
+      "(SELECT 'databases/' || database.name || '/' FROM database WHERE database.database_key = "
+      "{}.database_key) || {}",
+      table.name, name);
+}
+
+std::ptrdiff_t IndexOf(std::string_view table) {
+  return std::ranges::find(kTables, table, &CheckedTable::name) - kTables.begin();
+}
+
+// Of each table, in their order.
+std::array<std::string, kTables.size()> MakeUpdates() {
+  std::array<std::string, kTables.size()> updates;
+  std::ranges::transform(kTables, updates.begin(), [](const CheckedTable& table) {
+    return fmt::format("UPDATE {} SET row_crc = motiondb_crc({}) WHERE {} = ?", table.name,
+                       table.columns, table.key);
+  });
+  return updates;
+}
+
+template <typename Number>
+std::uint32_t CrcOf(Number number, std::uint32_t crc) {
+  std::array<std::byte, sizeof(number)> bytes;
+  std::memcpy(bytes.data(), &number, sizeof(number));
+  return Crc32(bytes, crc);
+}
+
+// Type and length are part of it, so that no value can pass for another or for two.
+void Checksum(sqlite3_context* context, int count, sqlite3_value** values) {
+  std::uint32_t crc = 0;
+  for (sqlite3_value* const value : std::span(values, static_cast<std::size_t>(count))) {
+    const int type = sqlite3_value_type(value);
+    crc = CrcOf(static_cast<std::uint8_t>(type), crc);
+    if (type == SQLITE_INTEGER) {
+      crc = CrcOf(static_cast<std::int64_t>(sqlite3_value_int64(value)), crc);
+    } else if (type == SQLITE_FLOAT) {
+      crc = CrcOf(sqlite3_value_double(value), crc);
+    } else if (type != SQLITE_NULL) {
+      const auto* const bytes = static_cast<const std::byte*>(sqlite3_value_blob(value));
+      const int size = sqlite3_value_bytes(value);
+      crc = Crc32(std::span(bytes, static_cast<std::size_t>(size)),
+                  CrcOf(static_cast<std::uint32_t>(size), crc));
+    }
+  }
+  sqlite3_result_int64(context, crc);
+}
+
+}  // namespace
+
+int AddChecksumFunction(sqlite3* database) {
+  return sqlite3_create_function(database, "motiondb_crc", -1,
+                                 SQLITE_UTF8 | SQLITE_DETERMINISTIC | SQLITE_INNOCUOUS, nullptr,
+                                 Checksum, nullptr, nullptr);
+}
+
+absl::Status SetRowChecksum(Connection& connection, std::string_view table, std::int64_t key) {
+  static const auto kUpdates = MakeUpdates();
+  return connection.Query(kUpdates[static_cast<std::size_t>(IndexOf(table))], key).Run();
+}
+
+std::span<const std::string_view> CheckedTables() {
+  static const auto kNames = [] {
+    std::array<std::string_view, kTables.size()> names;
+    std::ranges::transform(kTables, names.begin(), &CheckedTable::name);
+    return names;
+  }();
+  return kNames;
+}
+
+absl::StatusOr<std::vector<ChangedRow>> FindChangedRows(Connection& connection,
+                                                        std::string_view table) {
+  const CheckedTable& checked = kTables[static_cast<std::size_t>(IndexOf(table))];
+  Statement row = connection.Query(
+      fmt::format("SELECT {}, {} FROM {} WHERE row_crc IS NOT motiondb_crc({}) LIMIT 100",
+                  checked.key, ResourceOf(checked), checked.name, checked.columns));
+  std::vector<ChangedRow> changed;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (!found) return changed;
+    changed.push_back({row.Text(1), fmt::format("row {} of table {}", row.Integer(0), table)});
+  }
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,134 @@
+// Each column of each row is under a checksum: verify finds a change that no store made.
+#include "storage/sqlite/row_checksum.h"
+
+#include <catch2/catch.hpp>
+#include <string>
+
+#include "storage/sqlite/store_file.h"
+#include "tests/storage/damaged_store.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_dump.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests {
+namespace {
+
+using Catch::Contains;
+
+// A row in every table that has checksums.
+void Fill(const StoreFile& file) {
+  const auto store = file.Open();
+  const storage::AuditRecord entry{.time_us = 1, .principal = "p", .method = "m"};
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d"), {.audit = &entry}));
+  REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
+  REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "walk", 1)})));
+  REQUIRE_OK(store->PutOperation(SampleOperation("d", "op")));
+  REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
+}
+
+std::string FindingsAfter(const std::string& change) {
+  const StoreFile file;
+  Fill(file);
+  file.Sql(change);
+  return Findings(*file.Open());
+}
+
+}  // namespace
+
+TEST_CASE("Verify: a changed file name, the one thing about a clip that nothing else tells",
+          "[storage][verify]") {
+  REQUIRE(FindingsAfter("UPDATE clip SET file_name = 'run.bvh'") ==
+          "databases/d/clips/walk: row 1 of table clip: its checksum does not match\n");
+}
+
+TEST_CASE("Verify: a changed byte of a clip's row in the file itself", "[storage][verify]") {
+  const StoreFile file;
+  Fill(file);
+  const std::string name = file.Sql("SELECT file_name FROM clip");
+  REQUIRE(name.size() > 3);
+  ReplaceBytes(file.path(), name, "x" + name.substr(1));
+  const auto store = file.Open();
+  REQUIRE(Require(store->GetClip("d", "walk")).file_name == "x" + name.substr(1));
+  REQUIRE_THAT(Findings(*store), Contains("databases/d/clips/walk: row 1 of table clip"));
+}
+
+TEST_CASE("Verify: names the row of every table that was changed", "[storage][verify]") {
+  const auto [change, found] = GENERATE(table<std::string, std::string>({
+      {"UPDATE database SET marker_set = 'x'", "databases/d: row 1 of table database"},
+      {"UPDATE database SET last_model_version = 7", "databases/d: row 1 of table database"},
+      {"UPDATE skeleton SET encoded_crc = encoded_crc + 1",
+       "databases/d/skeletons/human: row 1 of table skeleton"},
+      {"UPDATE model SET build_seconds = 9", "databases/d/models/1: row 1 of table model"},
+      {"UPDATE model_layer SET node_count = 99", ": row 1 of table model_layer"},
+      {"UPDATE model_clip SET row_crc = NULL", ": row 1 of table model_clip"},
+      {"UPDATE operation SET stage = 'x'", "operations/op: row 1 of table operation"},
+      {"UPDATE token SET role = 'admin'", "tokens/t: row 1 of table token"},
+      {"UPDATE token SET expire_time_us = 0 + (expire_time_us = 0)",
+       "tokens/t: row 1 of table token"},
+      {"UPDATE audit SET principal = 'q'", ": row 1 of table audit"},
+  }));
+  REQUIRE_THAT(FindingsAfter(change), Contains(found + ": its checksum does not match\n"));
+}
+
+TEST_CASE("Row checksums: are of all columns, in every table but those of chunks",
+          "[storage][verify]") {
+  const StoreFile file;
+  Fill(file);
+  const auto store = file.Open();
+  const auto connection = Require(storage::OpenReader(file.path(), ""));
+  for (const std::string_view table : storage::CheckedTables()) {
+    INFO(table);
+    REQUIRE(Require(connection->QueryInteger("SELECT count(*) FROM " + std::string(table))) > 0);
+    REQUIRE(Require(storage::FindChangedRows(*connection, table)).empty());
+  }
+  REQUIRE(static_cast<std::size_t>(Require(connection->QueryInteger(
+              "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND name NOT LIKE "
+              "'sqlite_%' AND name NOT LIKE '%_chunk'"))) == storage::CheckedTables().size());
+  // Each column by itself: of each table, the row is changed in that column and found.
+  for (const std::string_view table : storage::CheckedTables()) {
+    auto column = connection->Query("SELECT name, type FROM pragma_table_info(?)", table);
+    while (Require(column.Step())) {
+      const std::string name = column.Text(0);
+      if (name == "row_crc") continue;
+      INFO(table << "." << name);
+      const auto copy = Require(
+          storage::Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
+      // Without constraints, so that any column may have any value.
+      REQUIRE_OK(copy->Execute("ATTACH '" + file.path() + "' AS store; CREATE TABLE " +
+                               std::string(table) + " AS SELECT * FROM store." +
+                               std::string(table) +
+                               "; CREATE TABLE IF NOT EXISTS database AS "
+                               "SELECT * FROM store.database; DETACH store"));
+      REQUIRE(Require(storage::FindChangedRows(*copy, table)).empty());
+      REQUIRE_OK(copy->Execute("UPDATE " + std::string(table) + " SET " + name + " = " +
+                               (column.Text(1) == "TEXT" ? "'other'" : "12345")));
+      REQUIRE_FALSE(Require(storage::FindChangedRows(*copy, table)).empty());
+    }
+  }
+}
+
+TEST_CASE("Row checksums: hold after every kind of change", "[storage][verify]") {
+  const StoreFile file;
+  Fill(file);
+  const auto store = file.Open();
+  REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
+  REQUIRE_OK(
+      store->PutModel("d", SampleModel({SampleClip("d", "walk", 1), SampleClip("d", "run", 2)})));
+  REQUIRE_OK(store->DeleteClip("d", "run"));
+  auto operation = SampleOperation("d", "op");
+  operation.state = storage::OperationState::kFailed;
+  REQUIRE_OK(store->PutOperation(operation));
+  REQUIRE_OK(store->access().RevokeToken("t", 5));
+  REQUIRE_OK(store->access().RevokeToken("t", 6));
+  REQUIRE(Findings(*store).empty());
+  REQUIRE_OK(store->DropModel("d"));
+  REQUIRE_OK(store->PurgeDeletedClips("d"));
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
+  REQUIRE_OK(store->DeleteDatabase("e"));
+  REQUIRE(Findings(*store).empty());
+  REQUIRE_OK(store->PurgeDeletedDatabases({}));
+  REQUIRE(Findings(*store).empty());
+}
+
+}  // namespace motiondb::tests

@@ -9,23 +9,32 @@
 
 namespace motiondb::storage {
 
+#ifdef __SANITIZE_THREAD__
+using WaitClock = std::chrono::system_clock;  // of waits by the steady one GCC 12's knows nothing
+#else
+using WaitClock = std::chrono::steady_clock;
+#endif
+
+// When a waiting thread next asks whether it is cancelled.
+inline WaitClock::time_point NextQuestion() {
+  return WaitClock::now() + std::chrono::milliseconds(20);
+}
+
+inline absl::Status NotWanted() {
+  return absl::CancelledError("what was asked for was no longer wanted when its turn came");
+}
+
 // CANCELLED, without the mutex, soon after `cancelled` says so.
 inline absl::Status Lock(std::unique_lock<std::timed_mutex>& lock,
                          const core::Cancelled& cancelled) {
-  constexpr std::chrono::milliseconds kBetweenQuestions{20};
   if (!cancelled) {
     lock.lock();
     return absl::OkStatus();
   }
-#ifdef __SANITIZE_THREAD__
-  using Clock = std::chrono::system_clock;  // of waits by the steady one GCC 12's knows nothing
-#else
-  using Clock = std::chrono::steady_clock;
-#endif
   while (!cancelled()) {
-    if (lock.try_lock_until(Clock::now() + kBetweenQuestions)) return absl::OkStatus();
+    if (lock.try_lock_until(NextQuestion())) return absl::OkStatus();
   }
-  return absl::CancelledError("what was asked for was no longer wanted when its turn came");
+  return NotWanted();
 }
 
 }  // namespace motiondb::storage

@@ -9,6 +9,7 @@
 #include "server/engine/extend.h"
 #include "server/engine/purge.h"
 #include "storage/cancellable_lock.h"
+#include "storage/read_scope.h"
 
 namespace motiondb::server {
 namespace {
@@ -168,6 +169,9 @@ absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
   std::unique_lock naming(naming_mutex_, std::defer_lock);
   MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, cancelled));
   MOTIONDB_RETURN_IF_ERROR(restore.Finish(cancelled));
+  // All of it is stored, and is served whether or not the caller still waits.
+  const core::Cancelled never;
+  const storage::ReadScope scope(never);
   skeletons_.Clear();
   MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount amount, Load());
   spdlog::info("restored a backup: {} databases, {} clips", amount.database_count,

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <utility>
 
+#include "server/rpc/call_evidence.h"
+#include "server/security/attempt_limit.h"
 #include "server/security/caller.h"
 #include "server/translate/status_mapping.h"
 
@@ -46,7 +48,11 @@ ssize_t ReadAnswer(nghttp2_session*, std::int32_t, std::uint8_t* into, std::size
 
 CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id,
                        bool exempt)
-    : bridge_(bridge), host_(std::move(host)), id_(id), exempt_(exempt), memory_(bridge.memory) {}
+    : bridge_(bridge),
+      host_(std::move(host)),
+      id_(id),
+      exempt_(exempt),
+      memory_(bridge.memory, SourceOf(AddressOf(host_->peer()))) {}
 
 bool CallStream::AddHeader(std::string_view name, std::string_view value) {
   header_bytes_ += name.size() + value.size() + kHeaderCost;
@@ -81,7 +87,8 @@ void CallStream::Begin() {
                           "compressed messages are not accepted; send them as they are"));
   }
   if (!exempt_) {
-    if (const absl::Status held = Hold(kCallBytes); !held.ok()) return Refuse(ToGrpcStatus(held));
+    if (const absl::Status held = Reserve(kCallBytes); !held.ok())
+      return Refuse(ToGrpcStatus(held));
   }
   if (const auto timeout = ParseTimeout(timeout_)) {
     context_.set_deadline(
@@ -140,7 +147,7 @@ void CallStream::TakePrefix() {
                                       "(--max-message-mib)",
                                       length, bridge_.max_message_bytes)));
   }
-  if (const absl::Status held = Hold(kMessageBytes + length); !held.ok()) {
+  if (const absl::Status held = Reserve(kMessageBytes + length); !held.ok()) {
     return Refuse(ToGrpcStatus(held));
   }
   message_ = grpc_slice_malloc(length);
@@ -210,7 +217,7 @@ void CallStream::LetGo() {
 
 void CallStream::Answer() {
   const auto bytes = static_cast<std::int64_t>(incoming_.Length());
-  if (const absl::Status held = Hold(bytes); !held.ok()) return Refuse(ToGrpcStatus(held));
+  if (const absl::Status held = Reserve(bytes); !held.ok()) return Refuse(ToGrpcStatus(held));
   answer_bytes_ = bytes;
   const MessagePrefix prefix = PrefixOf(static_cast<std::uint32_t>(bytes));
   answer_.emplace_back(prefix.data(), prefix.size());
@@ -299,7 +306,7 @@ void CallStream::Detach() {
   Cancel();
   answer_.clear();
   grpc_slice_unref(std::exchange(message_, grpc_empty_slice()));
-  Release(held_);
+  Release(memory_.bytes());
 }
 
 void CallStream::Cancel() {
@@ -313,15 +320,12 @@ void CallStream::Tick(Clock::time_point now) {
   nghttp2_submit_rst_stream(host_->session(), NGHTTP2_FLAG_NONE, id_, NGHTTP2_CANCEL);
 }
 
-absl::Status CallStream::Hold(std::int64_t more) {
-  absl::Status held = memory_.Hold(held_ + more);
-  if (held.ok()) held_ += more;
-  return held;
+absl::Status CallStream::Reserve(std::int64_t more) {
+  return memory_.Resize(memory_.bytes() + more);
 }
 
 void CallStream::Release(std::int64_t bytes) {
-  held_ -= std::min(held_, bytes);
-  memory_.Hold(held_).IgnoreError();
+  memory_.Resize(std::max<std::int64_t>(0, memory_.bytes() - bytes)).IgnoreError();
 }
 
 }  // namespace motiondb::server

@@ -21,14 +21,14 @@
 
 #include "server/http2/grpc_wire.h"
 #include "server/rpc/call_limits.h"
-#include "server/rpc/message_memory.h"
+#include "server/rpc/call_memory.h"
 
 namespace motiondb::server {
 
 // What streams work with. Outlives them.
 struct CallBridge {
   grpc::GenericStub calls;  // of the server in this process
-  MessageMemory& memory;
+  CallMemory& memory;
   const CallLimits& limits;
   std::uint32_t max_message_bytes = 0;
 };
@@ -80,7 +80,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   void Submit(const HeaderList& headers, bool end);
   void End(const grpc::Status& status);
   void Answer();
-  absl::Status Hold(std::int64_t more);
+  absl::Status Reserve(std::int64_t more);
   void Release(std::int64_t bytes);
   void TakePrefix();
   void TakeMessage();
@@ -100,8 +100,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   std::string method_, path_, content_type_, timeout_, encoding_, authorization_, request_id_;
 
   // Memory of messages on their way in and out.
-  MessageMemory::Share memory_;
-  std::int64_t held_ = 0;
+  CallMemory::Reservation memory_;
 
   // The call. gRPC uses it from Begin to OnDone, which keeps the stream alive meanwhile.
   grpc::ClientContext context_;

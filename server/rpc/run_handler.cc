@@ -5,6 +5,7 @@
 
 #include "server/engine/memory_reserve.h"
 #include "server/translate/status_mapping.h"
+#include "storage/read_scope.h"
 
 namespace motiondb::server {
 namespace {
@@ -27,6 +28,7 @@ grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler) {
   if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
   if (const absl::Status memory = RefillMemoryReserve(); !memory.ok()) return ToGrpcStatus(memory);
+  const storage::ReadScope scope(cancelled);
   return ToGrpcStatus(WithoutExceptions(handler));
 }
 

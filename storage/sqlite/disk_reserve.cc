@@ -19,14 +19,19 @@ std::string Mebibytes(std::int64_t bytes) {
 
 }  // namespace
 
-absl::StatusOr<DiskReserve::Room> DiskReserve::Look(Connection& writer) const {
+absl::StatusOr<std::int64_t> DiskReserve::FreeBytes() const {
   struct statvfs disk {};
   if (statvfs(path_.c_str(), &disk) != 0) {
     return absl::UnavailableError(
         fmt::format("cannot look at the disk of '{}': {}", path_, std::strerror(errno)));
   }
   // What is kept for the superuser is not counted as free.
-  Room room{.free = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize)};
+  return static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
+}
+
+absl::StatusOr<DiskReserve::Room> DiskReserve::Look(Connection& writer) const {
+  Room room;
+  MOTIONDB_ASSIGN_OR_RETURN(room.free, FreeBytes());
   std::error_code error;
   const auto log = std::filesystem::file_size(LogPath(path_), error);
   if (!error) room.log = static_cast<std::int64_t>(log);
@@ -50,11 +55,21 @@ absl::Status DiskReserve::Check(Connection& writer, std::int64_t added_bytes) co
   }
   const std::int64_t needed = Needed(room, added_bytes);
   if (room.free >= needed) return absl::OkStatus();
+  return Refuse(room.free, needed - bytes_);
+}
+
+absl::Status DiskReserve::CheckBeside(std::int64_t added_bytes) const {
+  if (is_off()) return absl::OkStatus();
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t free, FreeBytes());
+  return free >= added_bytes + bytes_ ? absl::OkStatus() : Refuse(free, added_bytes);
+}
+
+absl::Status DiskReserve::Refuse(std::int64_t free, std::int64_t added_bytes) const {
   return absl::ResourceExhaustedError(fmt::format(
       "{} are free on the disk of '{}', and {} have to be: {} for the log and what is to be "
-      "stored, "
-      "and {} that stay free for deleting (--disk-reserve-mib); free room there, or delete clips",
-      Mebibytes(room.free), path_, Mebibytes(needed), Mebibytes(needed - bytes_),
+      "stored, and {} that stay free for deleting (--disk-reserve-mib); free room there, or delete "
+      "clips",
+      Mebibytes(free), path_, Mebibytes(added_bytes + bytes_), Mebibytes(added_bytes),
       Mebibytes(bytes_)));
 }
 

@@ -25,6 +25,8 @@ class DiskReserve {
   // Whether the disk has more room than the reserve: if not, every addition is refused. Looks at
   // the disk alone, so any thread may call it. True if that cannot be seen.
   bool IsLeft() const;
+  // Whether there is room for so many more bytes of a file beside the store. RESOURCE_EXHAUSTED.
+  absl::Status CheckBeside(std::int64_t added_bytes) const;
 
   // Empties the log where less is free than the reserve, so that what deletions take of that is
   // given back by the next one. REQUIRES: as above.
@@ -36,7 +38,9 @@ class DiskReserve {
     std::int64_t log = 0;    // bytes of the log, which are still to be moved into the file
     std::int64_t freed = 0;  // bytes of the file that nothing uses: additions take these first
   };
+  absl::StatusOr<std::int64_t> FreeBytes() const;
   absl::StatusOr<Room> Look(Connection& writer) const;
+  absl::Status Refuse(std::int64_t free, std::int64_t added_bytes) const;
   std::int64_t Needed(const Room& room, std::int64_t added_bytes) const;
 
   const std::string path_;

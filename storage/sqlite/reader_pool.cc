@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/motion/error.h"
+#include "storage/cancellable_lock.h"
+
 namespace motiondb::storage {
 
 ReaderPool::ReaderPool(std::string path, FileIdentity file, Open open, int limit)
@@ -11,8 +14,9 @@ ReaderPool::ReaderPool(std::string path, FileIdentity file, Open open, int limit
       open_(std::move(open)),
       left_to_open_(std::max(limit, 1)) {}
 
-absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire() {
-  if (auto idle = TakeIdle()) return Lease(*this, std::move(idle));
+absl::StatusOr<ReaderPool::Lease> ReaderPool::Acquire(const core::Cancelled& cancelled) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto idle, TakeIdle(cancelled));
+  if (idle != nullptr) return Lease(*this, std::move(idle));
   return OpenPromised();
 }
 
@@ -50,9 +54,17 @@ absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
   return Lease(*this, *std::move(opened));
 }
 
-std::unique_ptr<Connection> ReaderPool::TakeIdle() {
+absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Cancelled& cancelled) {
   std::unique_lock lock(mutex_);
-  given_back_.wait(lock, [this] { return !idle_.empty() || left_to_open_ > 0; });
+  while (idle_.empty() && left_to_open_ <= 0) {
+    if (!cancelled) {
+      given_back_.wait(lock);
+    } else if (cancelled()) {
+      return NotWanted();  // nothing is idle, so no notification is lost
+    } else {
+      given_back_.wait_until(lock, NextQuestion());
+    }
+  }
   if (idle_.empty()) {
     --left_to_open_;
     return nullptr;

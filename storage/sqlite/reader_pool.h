@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/motion/cancellation.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/file_identity.h"
 
@@ -39,15 +40,15 @@ class ReaderPool {
     std::unique_ptr<Connection> connection_;
   };
 
-  // Waits for a connection if all are lent.
-  absl::StatusOr<Lease> Acquire();
+  // Waits for a connection if all are lent. CANCELLED, soon after `cancelled` says so.
+  absl::StatusOr<Lease> Acquire(const core::Cancelled& cancelled = {});
   // Those that are to be had without waiting, to help one that was acquired; but one stays for
   // whoever asks next. May be none.
   std::vector<Lease> AcquireIdle();
 
  private:
-  // Null if there is none idle and one may be opened.
-  std::unique_ptr<Connection> TakeIdle();
+  // Null if there is none idle and one may be opened. CANCELLED.
+  absl::StatusOr<std::unique_ptr<Connection>> TakeIdle(const core::Cancelled& cancelled);
   absl::StatusOr<Lease> OpenPromised();
   void GiveBack(std::unique_ptr<Connection> connection);
 

@@ -5,6 +5,7 @@
 
 #include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
+#include "storage/read_scope.h"
 #include "storage/sqlite/added_bytes.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
@@ -22,6 +23,15 @@
 #include "storage/sqlite/transaction.h"
 
 namespace motiondb::storage {
+namespace {
+
+absl::StatusOr<std::int64_t> StoreBytes(Connection& connection) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, connection.QueryInteger("PRAGMA page_count"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, connection.QueryInteger("PRAGMA page_size"));
+  return pages * page_bytes;
+}
+
+}  // namespace
 template <typename Work>
 auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled, Added added) {
   using Result = std::invoke_result_t<Work, Connection&>;
@@ -57,10 +67,12 @@ template <typename Work>
 auto SqliteMotionStore::Read(const Work& work) {
   using Result = std::invoke_result_t<Work, Connection&>;
   if (readers_ == nullptr) {
-    const std::lock_guard lock(writer_mutex_);
+    std::unique_lock lock(writer_mutex_, std::defer_lock);
+    absl::Status turn = Lock(lock, ReadScope::cancelled());
+    if (!turn.ok()) return Result(std::move(turn));
     return InTransaction(*writer_, Transaction::Kind::kRead, work);
   }
-  const auto reader = readers_->Acquire();
+  const auto reader = readers_->Acquire(ReadScope::cancelled());
   if (!reader.ok()) return Result(reader.status());
   return InTransaction(reader->connection(), Transaction::Kind::kRead, work);
 }
@@ -316,6 +328,8 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
     const core::Cancelled& cancelled) {
   if (path_.empty()) return core::FailedPrecondition("a store in memory is not backed up");
   return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(reader));
+    MOTIONDB_RETURN_IF_ERROR(reserve_.CheckBeside(bytes));
     return SqliteBackup::Make(reader, path_, cancelled);
   });
 }
@@ -324,9 +338,10 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
   if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
   MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
-  return SqliteRestore::Make(path_, [this](Connection& backup, const core::Cancelled& cancelled) {
-    return TakeOver(backup, cancelled);
-  });
+  return SqliteRestore::Make(path_, reserve_,
+                             [this](Connection& backup, const core::Cancelled& cancelled) {
+                               return TakeOver(backup, cancelled);
+                             });
 }
 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
@@ -334,9 +349,8 @@ absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancell
   MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
   MOTIONDB_RETURN_IF_ERROR(CheckMayWrite());
   MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto pages, backup.QueryInteger("PRAGMA page_count"));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto page_bytes, backup.QueryInteger("PRAGMA page_size"));
-  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, pages * page_bytes));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
+  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, bytes));
   MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
   MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));
   // The log has the whole store now; if readers are in the way, a later write moves it.

@@ -61,8 +61,10 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::string& store_path,
+                                                                   const DiskReserve& reserve,
                                                                    TakeOver take_over) {
-  std::unique_ptr<SqliteRestore> restore(new SqliteRestore(store_path, std::move(take_over)));
+  std::unique_ptr<SqliteRestore> restore(
+      new SqliteRestore(store_path, reserve, std::move(take_over)));
   restore->stream_.open(restore->file_.path(), std::ios::binary | std::ios::trunc);
   if (!restore->stream_) {
     return absl::UnavailableError(
@@ -87,6 +89,7 @@ absl::Status SqliteRestore::Append(std::string_view bytes) {
 }
 
 absl::Status SqliteRestore::Write(std::string_view bytes) {
+  MOTIONDB_RETURN_IF_ERROR(reserve_.CheckBeside(static_cast<std::int64_t>(bytes.size())));
   digest_.Update(bytes);
   errno = 0;
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

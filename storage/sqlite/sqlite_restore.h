@@ -11,6 +11,7 @@
 #include "storage/blob/sha256.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
+#include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
 #include "storage/store_upkeep.h"
 
@@ -18,10 +19,12 @@ namespace motiondb::storage {
 
 class SqliteRestore final : public StoreRestore {
  public:
-  // `take_over` copies from a connection to the backup's store, which has passed all checks.
+  // What comes in leaves `reserve` free. `take_over` copies from a connection to the backup's
+  // store, which has passed all checks.
   using TakeOver =
       std::function<absl::Status(Connection& backup, const core::Cancelled& cancelled)>;
   static absl::StatusOr<std::unique_ptr<SqliteRestore>> Make(const std::string& store_path,
+                                                             const DiskReserve& reserve,
                                                              TakeOver take_over);
 
   absl::Status Append(std::string_view bytes) override;
@@ -29,13 +32,14 @@ class SqliteRestore final : public StoreRestore {
   absl::Status Finish(const core::Cancelled& cancelled) override;
 
  private:
-  SqliteRestore(const std::string& store_path, TakeOver take_over)
-      : file_(store_path, "restore"), take_over_(std::move(take_over)) {}
+  SqliteRestore(const std::string& store_path, const DiskReserve& reserve, TakeOver take_over)
+      : reserve_(reserve), file_(store_path, "restore"), take_over_(std::move(take_over)) {}
   absl::Status Write(std::string_view bytes);
   absl::Status CheckSum();
   // Whether the file that was written is where it was: UNAVAILABLE.
   absl::Status CheckIsThere() const;
 
+  const DiskReserve reserve_;
   CopyFile file_;
   std::ofstream stream_;
   FileIdentity opened_;

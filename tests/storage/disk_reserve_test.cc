@@ -60,6 +60,16 @@ TEST_CASE("Restore: leaves the reserve", "[storage][reserve]") {
   const auto target = to.Open(MoreThanThereIs());
   REQUIRE_ERROR(Restore(*target, Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
   REQUIRE(Require(target->ListDatabases({})).empty());
+  // Already where the backup is gathered.
+  const auto restore = Require(target->upkeep().BeginRestore());
+  REQUIRE_ERROR(restore->Append(Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
+}
+
+TEST_CASE("Backup: its copy leaves the reserve", "[storage][reserve]") {
+  const StoreFile file;
+  REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
+  const auto store = file.Open(MoreThanThereIs());
+  REQUIRE_ERROR(store->upkeep().BeginBackup({}), StatusCode::kResourceExhausted, kRefusal);
 }
 
 TEST_CASE("SqliteMotionStore: a store in memory has no disk to look at", "[storage][reserve]") {

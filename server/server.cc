@@ -97,7 +97,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
       host_(new CallHost{*engine_,
                          {engine_->store().access(), access},
                          CallLimits(calls),
-                         MessageMemory(calls.message_memory_bytes),
+                         CallMemory(calls.message_memory_bytes),
                          {},
                          *monitor_}) {
   untaken_ = WatchUntaken(*host_);

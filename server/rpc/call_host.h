@@ -10,9 +10,6 @@
 
 namespace motiondb::server {
 
-// The former name, which server.cc still has.
-using MessageMemory = CallMemory;
-
 struct CallHost {
   Engine& engine;
   AccessControl access;

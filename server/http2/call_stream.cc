@@ -6,6 +6,7 @@
 #include <cstring>
 #include <utility>
 
+#include "server/http2/parsed_size.h"
 #include "server/rpc/call_evidence.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/caller.h"
@@ -17,6 +18,7 @@ namespace {
 // What gRPC and this keep of a call, beside its messages, and of each message in a queue.
 constexpr std::int64_t kCallBytes = 24 << 10;
 constexpr std::int64_t kMessageBytes = 256;
+constexpr std::size_t kSmallMessage = 4 << 10;  // what it is read as needs no look
 // Of headers beyond those that a call may have: what HTTP/2 and gRPC add of their own.
 constexpr std::size_t kOwnHeaderBytes = 16 << 10;
 constexpr int kHeaderLimits = 4;            // times the limit, and the connection ends
@@ -147,9 +149,8 @@ void CallStream::TakePrefix() {
                                       "(--max-message-mib)",
                                       length, bridge_.max_message_bytes)));
   }
-  if (const absl::Status held = Reserve(kMessageBytes + length); !held.ok()) {
-    return Refuse(ToGrpcStatus(held));
-  }
+  message_reserved_ = 0;
+  if (!ReserveForMessage(kMessageBytes + length)) return;
   message_ = grpc_slice_malloc(length);
   message_bytes_ = 0;
   if (length == 0) TakeMessage();
@@ -159,7 +160,13 @@ void CallStream::TakeMessage() {
   const grpc::Slice slice(message_, grpc::Slice::STEAL_REF);
   message_ = grpc_empty_slice();
   prefix_bytes_ = 0;
-  queue_.emplace_back(&slice, 1);
+  if (slice.size() > kSmallMessage) {
+    const auto* const type = RequestTypeOf(path_);
+    if (type != nullptr && !ReserveForMessage(ParsedSize(*type, {slice.begin(), slice.size()}))) {
+      return;
+    }
+  }
+  queue_.push_back({grpc::ByteBuffer(&slice, 1), message_reserved_});
   WriteNext();
 }
 
@@ -167,7 +174,7 @@ void CallStream::WriteNext() {
   if (writing_ || refused_ || !holding_) return;
   if (!queue_.empty()) {
     writing_ = true;
-    StartWrite(&queue_.front());
+    StartWrite(&queue_.front().bytes);
   } else if (request_ended_ && !std::exchange(writes_done_, true)) {
     StartWritesDone();
   }
@@ -185,7 +192,7 @@ void CallStream::EndRequest() {
 void CallStream::OnWriteDone(bool /*ok*/) {
   host_->Post([self = shared_from_this()] {
     self->writing_ = false;
-    self->Release(kMessageBytes + static_cast<std::int64_t>(self->queue_.front().Length()));
+    self->Release(self->queue_.front().reserved);
     self->queue_.pop_front();
     if (self->queue_.size() < kQueuedMessages) self->Credit(std::exchange(self->uncredited_, 0));
     self->WriteNext();
@@ -318,6 +325,14 @@ void CallStream::Cancel() {
 void CallStream::Tick(Clock::time_point now) {
   if (now < answer_latest_) return;
   nghttp2_submit_rst_stream(host_->session(), NGHTTP2_FLAG_NONE, id_, NGHTTP2_CANCEL);
+}
+
+// False: the call was refused.
+bool CallStream::ReserveForMessage(std::int64_t bytes) {
+  const absl::Status reserved = Reserve(bytes);
+  if (!reserved.ok()) Refuse(ToGrpcStatus(reserved));
+  message_reserved_ += bytes;
+  return reserved.ok();
 }
 
 absl::Status CallStream::Reserve(std::int64_t more) {

@@ -80,6 +80,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   void Submit(const HeaderList& headers, bool end);
   void End(const grpc::Status& status);
   void Answer();
+  bool ReserveForMessage(std::int64_t bytes);
   absl::Status Reserve(std::int64_t more);
   void Release(std::int64_t bytes);
   void TakePrefix();
@@ -116,7 +117,12 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   std::size_t prefix_bytes_ = 0;
   grpc_slice message_ = grpc_empty_slice();
   std::size_t message_bytes_ = 0;
-  std::deque<grpc::ByteBuffer> queue_;  // the first is being written while `writing_`
+  struct Message {
+    grpc::ByteBuffer bytes;
+    std::int64_t reserved = 0;
+  };
+  std::deque<Message> queue_;  // the first is being written while `writing_`
+  std::int64_t message_reserved_ = 0;
   bool writing_ = false;
   bool request_ended_ = false;
   bool writes_done_ = false;

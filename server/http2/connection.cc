@@ -28,7 +28,7 @@ constexpr std::int32_t kConnectionWindow = 4 << 20;
 
 // Calls that a client may reset: so many in a burst, and so many a second.
 constexpr std::uint64_t kResetBurst = 1000;
-constexpr std::uint64_t kResetsPerSecond = 100;
+constexpr std::uint64_t kResetsPerSecond = 1000;
 // Frames that carry nothing of a call, such as PING: as many as these allow together.
 constexpr std::int64_t kIdleFrames = 10'000;
 constexpr std::int64_t kIdleFramesPerSecond = 100;

@@ -33,9 +33,7 @@ struct CallLimitOptions {
   // That it may before its first message, if that is less: nobody knows yet who it is.
   std::chrono::milliseconds longest_first_silence{10'000};
   int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
-  // That gRPC may keep of messages which come in, whole ones and those that are half sent; beyond
-  // it some call is refused (RESOURCE_EXHAUSTED) and reading slows down. As much again is for what
-  // calls allocate (CallMemory).
+  // That calls may reserve (CallMemory).
   std::int64_t message_memory_bytes = 512 << 20;
 };
 

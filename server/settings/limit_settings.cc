@@ -1,9 +1,16 @@
+#include <algorithm>
+
 #include "server/settings/groups.h"
+#include "server/settings/memory_limit.h"
 #include "server/settings/options.h"
 
 namespace motiondb::server {
 
 namespace {
+
+// Of the server's memory, what calls may reserve: one part in so many, but not less than this.
+constexpr std::int64_t kMemoryShare = 4;
+constexpr std::int64_t kLeastCallMemory = std::int64_t{80} << 20;
 
 template <typename Count>
 void AddLimit(CLI::App& app, const std::string& name, Count& limit, int least, int most,
@@ -26,6 +33,10 @@ void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit, cons
 void AddLimitSettings(CLI::App& app, Settings& settings) {
   EngineOptions& engine = settings.server.engine;
   CallLimitOptions& calls = settings.server.calls;
+  // A small container must survive clients that use all they may.
+  const std::int64_t share = (MemoryLimit() / kMemoryShare) >> 20 << 20;
+  calls.message_memory_bytes =
+      std::clamp(share, kLeastCallMemory, std::int64_t{calls.message_memory_bytes});
   AddMebibytes(app, "--max-file-mib", settings.server.engine.max_file_bytes,
                "Largest motion file taken, with its skeleton")
       ->group("Limits");
@@ -33,8 +44,9 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       ->group("Limits");
   AddMebibytes(
       app, "--message-memory-mib", calls.message_memory_bytes,
-      "Memory for requests that come in, whole or half sent; and as much for calls: requests as "
-      "read, files, motion, states, results and responses, half of it for one client",
+      "Memory for calls: requests as they come in and as read, files, motion, states, results and "
+      "responses, half of it for one client. If not set, a quarter of the memory that the machine "
+      "and its control groups give the server, from 80 to 512",
       1 << 20)
       ->group("Limits");
   AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,

@@ -1,0 +1,74 @@
+#include "server/http2/parsed_size.h"
+
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/message.h>
+#include <google/protobuf/wire_format_lite.h>
+
+#include <algorithm>
+#include <string>
+
+namespace motiondb::server {
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::DescriptorPool;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::MessageFactory;
+using google::protobuf::io::CodedInputStream;
+using Wire = google::protobuf::internal::WireFormatLite;
+
+// What an allocation costs beyond its bytes, a pointer to it, and what a growing array has to
+// spare.
+constexpr std::int64_t kAllocation = 48;
+constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by doubling
+constexpr int kDeepest = 100;                               // as protobuf itself allows
+
+std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) {
+  const auto* const prototype = MessageFactory::generated_factory()->GetPrototype(&type);
+  std::int64_t size =
+      prototype == nullptr ? 0 : static_cast<std::int64_t>(prototype->SpaceUsedLong());
+  while (const std::uint32_t tag = input.ReadTag()) {
+    const FieldDescriptor* const field = type.FindFieldByNumber(Wire::GetTagFieldNumber(tag));
+    size += field == nullptr ? kAllocation : kScalar;
+    if (Wire::GetTagWireType(tag) != Wire::WIRETYPE_LENGTH_DELIMITED) {
+      if (!Wire::SkipField(&input, tag)) return size;
+      continue;
+    }
+    std::uint32_t length = 0;
+    if (!input.ReadVarint32(&length)) return size;
+    const std::int64_t left = std::max(0, input.BytesUntilLimit());
+    const auto present = static_cast<int>(std::min<std::int64_t>(length, left));
+    const bool is_known = field != nullptr;
+    if (is_known && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && depth < kDeepest) {
+      const CodedInputStream::Limit outer = input.PushLimit(present);
+      size += kAllocation + SizeIn(*field->message_type(), input, depth + 1);
+      input.Skip(std::max(0, input.BytesUntilLimit()));
+      input.PopLimit(outer);
+      continue;
+    }
+    // A packed number takes at least a byte.
+    const bool is_packed = is_known && field->cpp_type() != FieldDescriptor::CPPTYPE_STRING;
+    size += kAllocation + (is_packed ? kScalar * present : present);
+    if (!input.Skip(present)) return size;
+  }
+  return size;
+}
+
+}  // namespace
+
+const Descriptor* RequestTypeOf(std::string_view path) {
+  std::string name(path.substr(std::min<std::size_t>(1, path.size())));
+  std::ranges::replace(name, '/', '.');
+  const auto* const method = DescriptorPool::generated_pool()->FindMethodByName(name);
+  return method == nullptr ? nullptr : method->input_type();
+}
+
+std::int64_t ParsedSize(const Descriptor& type, std::span<const std::uint8_t> bytes) {
+  CodedInputStream input(bytes.data(), static_cast<int>(bytes.size()));
+  const CodedInputStream::Limit whole = input.PushLimit(static_cast<int>(bytes.size()));
+  const std::int64_t size = SizeIn(type, input, 0);
+  input.PopLimit(whole);
+  return size;
+}
+
+}  // namespace motiondb::server

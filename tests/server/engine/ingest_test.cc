@@ -86,7 +86,8 @@ TEST_CASE("Ingest: a bad file changes nothing", "[server][ingest]") {
 TEST_CASE("Ingest: nothing is stored for a client that went away", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
-  const auto ingested = engine->Ingest(live, File("walk.bvh", Walk()), [] { return true; });
+  const auto ingested =
+      engine->Ingest(live, File("walk.bvh", Walk()), {.cancelled = [] { return true; }});
   CHECK(absl::IsCancelled(ingested.status()));
   CHECK(engine->store().ListClips("db", {})->empty());
 }

@@ -44,7 +44,7 @@ TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[
 }
 
 TEST_CASE("Lane: clients take turns, however much one of them has waiting", "[server]") {
-  boost::asio::thread_pool pool(1);
+  ThreadPool pool(1);
   Lane lane(pool, 1);
   std::string order;
   std::promise<void> all_posted;
@@ -53,13 +53,13 @@ TEST_CASE("Lane: clients take turns, however much one of them has waiting", "[se
   for (int i = 0; i < 2; ++i) lane.Post("b", [&] { order += 'b'; });
   lane.Post("c", [&] { order += 'c'; });
   all_posted.set_value();
-  pool.join();
+  pool.Join();
   CHECK(order.size() == 103);
   CHECK(order.substr(0, 6) == "abcaba");
 }
 
 TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server]") {
-  boost::asio::thread_pool pool(1);
+  ThreadPool pool(1);
   Lane lane(pool, 1);
   std::string order;
   int left = 50;
@@ -74,7 +74,7 @@ TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server
   });
   lane.Post("b", [&] { order += 'b'; });
   other_posted.set_value();
-  pool.join();
+  pool.Join();
   CHECK(order.size() == 51);
   CHECK(order.find('b') <= 2);
 }

@@ -86,7 +86,8 @@ class SlowEngine {
     server::IngestFile file;
     file.file_name = "walk.bvh";
     file.file_bytes = WriteBvh(Walk(0));
-    return engine_->Ingest(*engine_->FindDatabase(database), std::move(file), cancelled);
+    return engine_->Ingest(*engine_->FindDatabase(database), std::move(file),
+                           {.cancelled = cancelled});
   }
 
  private:

@@ -51,8 +51,8 @@ TEST_CASE("Lane: work that throws gives its place back", "[server]") {
   Lane lane(pool, 1);
   std::atomic<int> done = 0;
   for (int i = 0; i < 5; ++i) {
-    lane.Post([] { throw std::bad_alloc(); });
-    lane.Post([&] { ++done; });
+    lane.Post("", [] { throw std::bad_alloc(); });
+    lane.Post("", [&] { ++done; });
   }
   pool.Join();
   CHECK(done == 5);

@@ -25,6 +25,7 @@ constexpr std::pair<const char*, ConnectFailure> kWords[] = {
     {"http1.x server", ConnectFailure::kNotGrpc},
     {"empty address list", ConnectFailure::kUnusableTlsFiles},
     {"Socket closed", ConnectFailure::kClosed},
+    {"Endpoint read failed", ConnectFailure::kClosed},
     {"Connection reset by peer", ConnectFailure::kClosed},
     {"Broken pipe", ConnectFailure::kClosed},
     {"Handshake read failed", ConnectFailure::kClosed},

@@ -69,6 +69,8 @@ ByteStream::Result ByteStream::TlsResult(int returned) {
   }
 }
 
+bool ByteStream::HasPending() const { return tls_ != nullptr && SSL_pending(tls_.get()) > 0; }
+
 std::string ByteStream::CommonName() const {
   if (tls_ == nullptr) return "";
   const X509* const certificate = SSL_get0_peer_certificate(tls_.get());
@@ -85,12 +87,17 @@ std::string ByteStream::CommonName() const {
   return name;
 }
 
-void ByteStream::Close() {
+void ByteStream::EndWriting() {
   if (tls_ != nullptr && SSL_is_init_finished(tls_.get())) {
     ERR_clear_error();
     SSL_shutdown(tls_.get());
     ERR_clear_error();
   }
+  boost::system::error_code ignored;
+  socket_.shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+}
+
+void ByteStream::Close() {
   boost::system::error_code ignored;
   socket_.close(ignored);
 }

@@ -33,12 +33,15 @@ class ByteStream {
   Result Read(std::span<std::uint8_t> into);
   Result Write(std::span<const std::uint8_t> from);
 
+  // Whether a read would move bytes although the socket has none.
+  bool HasPending() const;
   // For waits until it is readable or writable.
   boost::asio::ip::tcp::socket& socket() { return socket_; }
   // The common name of the peer's certificate, which was verified; empty if there is none. Known
   // after the first read that moved bytes.
   std::string CommonName() const;
-  // Tells the peer, where TLS does, and closes the socket.
+  // Tells the peer that nothing more comes.
+  void EndWriting();
   void Close();
 
  private:

@@ -1,8 +1,11 @@
 #include "server/http2/connection.h"
 
+#include <sys/socket.h>
+
 #include <algorithm>
 #include <array>
 #include <boost/asio/post.hpp>
+#include <cerrno>
 #include <new>
 #include <utility>
 
@@ -18,9 +21,13 @@ using Callbacks =
 constexpr seconds kGreetingTime{20};      // for the TLS handshake and the first frame
 constexpr seconds kSilenceToPing{60};     // after which the client is asked whether it is there
 constexpr seconds kPingTime{20};          // for its answer
-constexpr std::size_t kChunk = 64 << 10;  // read or written at a time
-constexpr int kChunksInTurn = 4;          // before other connections have theirs
-constexpr int kExemptCalls = 4;           // see CallStream
+constexpr std::size_t kChunk = 64 << 10;  // read or written at a time, at most
+// Read at a time where calls begin: at most some 200 of them before other connections have a turn.
+constexpr std::size_t kSmallChunk = 4 << 10;
+constexpr int kChunksInTurn = 4;
+constexpr seconds kLeavingTime{1};  // for a client to close, once it was told to
+constexpr std::int64_t kMostDropped = 4 << 20;
+constexpr int kExemptCalls = 4;  // see CallStream
 
 // The windows for what a client sends: of a stream, and of all of a connection.
 constexpr std::uint32_t kStreamWindow = 256 << 10;
@@ -28,7 +35,7 @@ constexpr std::int32_t kConnectionWindow = 4 << 20;
 
 // Calls that a client may reset: so many in a burst, and so many a second.
 constexpr std::uint64_t kResetBurst = 1000;
-constexpr std::uint64_t kResetsPerSecond = 1000;
+constexpr std::uint64_t kResetsPerSecond = 500;
 // Frames that carry nothing of a call, such as PING: as many as these allow together.
 constexpr std::int64_t kIdleFrames = 10'000;
 constexpr std::int64_t kIdleFramesPerSecond = 100;
@@ -61,6 +68,7 @@ struct SessionCallbacks {
           id, std::make_shared<CallStream>(connection.bridge_, connection.shared_from_this(), id,
                                            exempt));
       connection.calls_ = static_cast<int>(connection.streams_.size());
+      ++connection.calls_begun_;
       return true;
     });
   }
@@ -225,7 +233,9 @@ void Connection::End(const char* reason) {
 }
 
 void Connection::Serve() {
-  if (closed_ || std::exchange(serving_, true)) return;
+  if (closed_ || serving_) return;
+  if (leaving_.has_value()) return DropInput();
+  serving_ = true;
   const auto self = shared_from_this();
   bool open = true;
   try {
@@ -237,14 +247,37 @@ void Connection::Serve() {
   serving_ = false;
   const bool over = nghttp2_session_want_read(session_.get()) == 0 &&
                     nghttp2_session_want_write(session_.get()) == 0 && unsent_.empty();
-  if (!open || over) return Close();
+  if (!open || over) Leave();
+  if (!closed_) Await();
+}
+
+// No more is sent. What still comes is read and dropped until the client closes, too: closing a
+// socket with unread bytes could take from the client what it was told last.
+void Connection::Leave() {
+  if (closed_ || leaving_.has_value()) return;
+  leaving_ = Clock::now();
+  for (const auto& [id, stream] : streams_) stream->Detach();
+  streams_.clear();
+  calls_ = 0;
+  unsent_.clear();
+  bytes_.EndWriting();
+}
+
+void Connection::DropInput() {
+  for (int i = 0; i < kChunksInTurn; ++i) {
+    const ssize_t size = recv(bytes_.socket().native_handle(), Buffer().data(), kChunk, 0);
+    const bool is_open = size > 0 || (size < 0 && (errno == EAGAIN || errno == EINTR));
+    dropped_ += std::max<ssize_t>(size, 0);
+    if (!is_open || dropped_ > kMostDropped) return Close();
+    if (size < 0) break;
+  }
   Await();
 }
 
 // False: the connection is over. Reads what has come, within its turn.
 bool Connection::ReadSome() {
   for (int i = 0; i < kChunksInTurn && unsent_.empty(); ++i) {
-    const std::span<std::uint8_t> buffer = Buffer();
+    const std::span<std::uint8_t> buffer = Buffer().first(chunk_);
     const ByteStream::Result read = bytes_.Read(buffer);
     wants_write_ = read.outcome == ByteStream::Outcome::kWantsWrite;
     if (read.outcome == ByteStream::Outcome::kClosed) return false;
@@ -252,13 +285,17 @@ bool Connection::ReadSome() {
     if (!greeted_ && common_name_.empty()) common_name_ = bytes_.CommonName();
     heard_ = Clock::now();
     pinged_ = false;
+    const std::int64_t begun = calls_begun_;
     const ssize_t taken = nghttp2_session_mem_recv(session_.get(), buffer.data(), read.bytes);
     if (taken < 0) {
       if (reason_[0] == '\0' && greeted_) reason_ = nghttp2_strerror(static_cast<int>(taken));
       WriteSome();  // tells the client why, if it still listens
       return false;
     }
-    if (read.bytes < buffer.size() / 4 || !WriteSome()) return !closed_;
+    const bool is_bulk = read.bytes >= kSmallChunk && calls_begun_ == begun;
+    chunk_ = is_bulk ? kChunk : kSmallChunk;
+    if (!is_bulk) return true;
+    if (!WriteSome()) return false;
   }
   return true;
 }
@@ -306,7 +343,9 @@ bool Connection::WriteSome() {
 void Connection::Await() {
   using Socket = boost::asio::ip::tcp::socket;
   // Nothing more is read from a client that takes nothing.
-  if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
+  if (unsent_.empty() && bytes_.HasPending()) {
+    Post([] {});
+  } else if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
     bytes_.socket().async_wait(Socket::wait_read, [self = shared_from_this()](auto) {
       self->awaiting_read_ = false;
       self->Serve();
@@ -322,6 +361,10 @@ void Connection::Await() {
 
 void Connection::Tick(Clock::time_point now) {
   if (closed_) return;
+  if (leaving_.has_value()) {
+    if (now - *leaving_ > kLeavingTime) Close();
+    return;
+  }
   if (!greeted_ && now - began_ > kGreetingTime) return Close();
   if (now - heard_ > kSilenceToPing + kPingTime) return Close();
   if (now - heard_ > kSilenceToPing && greeted_ && !std::exchange(pinged_, true)) {
@@ -332,7 +375,7 @@ void Connection::Tick(Clock::time_point now) {
 }
 
 void Connection::Drain() {
-  if (closed_) return;
+  if (closed_ || leaving_.has_value()) return;
   nghttp2_submit_goaway(session_.get(), NGHTTP2_FLAG_NONE,
                         nghttp2_session_get_last_proc_stream_id(session_.get()), NGHTTP2_NO_ERROR,
                         nullptr, 0);

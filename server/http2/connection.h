@@ -16,6 +16,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -57,6 +58,8 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   friend struct SessionCallbacks;
 
   void Serve();
+  void Leave();
+  void DropInput();
   bool ReadSome();
   bool WriteSome();
   void Await();
@@ -82,7 +85,9 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool awaiting_write_ = false;
   bool serving_ = false;
   bool closed_ = false;
-  const char* reason_ = "";  // why it has to end
+  std::optional<Clock::time_point> leaving_;  // since when nothing is sent any more
+  std::int64_t dropped_ = 0;                  // bytes that came since
+  const char* reason_ = "";                   // why it has to end
 
   const Clock::time_point began_ = Clock::now();
   Clock::time_point heard_ = began_;  // when bytes last went either way
@@ -90,6 +95,8 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool greeted_ = false;              // the client has begun to speak HTTP/2
   std::int64_t idle_frames_ = 0;      // that carry nothing of a call
   std::int64_t call_frames_ = 0;
+  std::int64_t calls_begun_ = 0;
+  std::size_t chunk_ = 4096;  // to read next
 };
 
 }  // namespace motiondb::server

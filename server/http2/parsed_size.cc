@@ -19,7 +19,9 @@ using Wire = google::protobuf::internal::WireFormatLite;
 
 // What an allocation costs beyond its bytes, a pointer to it, and what a growing array has to
 // spare.
-constexpr std::int64_t kAllocation = 48;
+constexpr std::int64_t kAllocation = 64;
+constexpr std::int64_t kOfAnyMessage = 512;  // what it keeps of fields that are wrong or cut off
+constexpr std::int64_t kUnknownByte = 32;    // of a group: it may hold many small fields
 constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by doubling
 constexpr int kDeepest = 100;                               // as protobuf itself allows
 
@@ -31,7 +33,12 @@ std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) 
     const FieldDescriptor* const field = type.FindFieldByNumber(Wire::GetTagFieldNumber(tag));
     size += field == nullptr ? kAllocation : kScalar;
     if (Wire::GetTagWireType(tag) != Wire::WIRETYPE_LENGTH_DELIMITED) {
-      if (!Wire::SkipField(&input, tag)) return size;
+      const int before = input.CurrentPosition();
+      const bool is_whole = Wire::SkipField(&input, tag);
+      if (Wire::GetTagWireType(tag) == Wire::WIRETYPE_START_GROUP) {
+        size += kUnknownByte * (input.CurrentPosition() - before);
+      }
+      if (!is_whole) return size;
       continue;
     }
     std::uint32_t length = 0;
@@ -66,7 +73,7 @@ const Descriptor* RequestTypeOf(std::string_view path) {
 std::int64_t ParsedSize(const Descriptor& type, std::span<const std::uint8_t> bytes) {
   CodedInputStream input(bytes.data(), static_cast<int>(bytes.size()));
   const CodedInputStream::Limit whole = input.PushLimit(static_cast<int>(bytes.size()));
-  const std::int64_t size = SizeIn(type, input, 0);
+  const std::int64_t size = kOfAnyMessage + SizeIn(type, input, 0);
   input.PopLimit(whole);
   return size;
 }

@@ -116,19 +116,28 @@ class Running(unittest.TestCase):
                     file.write(text.replace(b"\n0 80 0 ", b"\n0 80.%d 0 " % (i + 1), 1))
             for mebibytes in (900, 700):
                 server = Server(f"{folder}/{mebibytes}.db", "--http-listen", "none",
+                                "--max-frames", "1000000", "--message-memory-mib", "4096",
                                 address_space=mebibytes * MIB)
                 self.addCleanup(lambda server=server: server.process.poll() is not None
                                 or server.stop())
                 failed += self.ingest_together(server, large)
                 self.assertIsNone(server.process.poll(), "the server has ended")
                 latest = time.monotonic() + 30 * programs.SLOWNESS
-                while (result := server.run("ingest", "walks", small)).returncode != 0:
-                    self.assertLess(time.monotonic(), latest, result.stderr)
-                self.assertTrue(server.ask("recognize", "walks", small))
+                # A database of its own: that of the large clips may stay too large to be built.
+                number = 0
+                while not self.serves(server, f"small{number}", small):
+                    number += 1
+                    self.assertLess(time.monotonic(), latest, "it does not recover")
                 self.assertEqual(server.stop(), 0)
         self.assertTrue(failed, "memory did not run out")
         for error in failed:
             self.assertIn("memory", error)
+
+    @staticmethod
+    def serves(server, database, file):
+        create = ["create", database, "--marker-set", "source", "--min-frames", "4"]
+        return all(server.run(*command).returncode == 0 for command in (
+            create, ["ingest", database, file], ["recognize", database, file]))
 
     def ingest_together(self, server, files):
         """The errors of those ingests that failed."""

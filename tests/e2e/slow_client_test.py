@@ -149,7 +149,7 @@ class SlowClients(unittest.TestCase):
         self.assertLess(held, 600)
         self.assertGreater(over, 0)
 
-    def test_an_answer_that_nobody_takes_is_given_up_and_is_not_free_meanwhile(self):
+    def test_an_answer_that_is_not_taken_is_given_up(self):
         self.serve("--silence-limit", "3", "--max-heavy-calls", "1", "--max-heavy-calls-per-client",
                    "1")
         self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
@@ -165,19 +165,17 @@ class SlowClients(unittest.TestCase):
             call.go_on()
         while not self.answered("ObserveService.Represent"):
             call.go_on()
-        refusals = 0
         begin = time.monotonic()
         while not call.over and time.monotonic() - begin < 60 * programs.SLOWNESS:
             call.go_on()
-            refusals += "--max-heavy-calls" in self.server.run(*export).stderr
+            # Its place among the heavy calls is free: what it still takes is memory of the budget.
+            self.assertEqual(self.server.run(*export).returncode, 0)
         self.assertTrue(call.over)
-        self.assertGreater(refusals, 0)
-        self.assertEqual(self.server.run(*export).returncode, 0)
         call.close()
 
-    def test_answers_that_nobody_takes_take_the_memory_that_they_may(self):
+    def test_answers_that_are_not_taken_are_bounded(self):
         many = ["--max-heavy-calls", "1000", "--max-heavy-calls-per-client", "1000"]
-        self.serve("--max-file-mib", "16", "--message-memory-mib", "32", *many)
+        self.serve("--max-file-mib", "16", "--message-memory-mib", "64", *many)
         self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
         write_bvh(self.path("walk.bvh"), 0)
         self.server.ask("ingest", "walks", self.path("walk.bvh"), "--label", "walk")
@@ -187,24 +185,24 @@ class SlowClients(unittest.TestCase):
         message = field(1, b"databases/walks") + field(2, observation)
         before = self.memory()
         calls = []
-        for _ in range(40):
+        for _ in range(60):
             call = Call(self.server.address, "ObserveService/Represent", message, window=0)
-            while call.rest:
+            while call.rest and not call.over:
                 call.go_on()
             calls.append(call)
-        while self.ended("ObserveService.Represent") < len(calls):
-            for call in calls:
-                call.go_on()
+        idle_since = time.monotonic()
+        while time.monotonic() - idle_since < 2 * programs.SLOWNESS:
+            if any([call.go_on() for call in calls]):
+                idle_since = time.monotonic()
         held = self.memory() - before
-        refused = [method for method in self.server.ask_one("status")["methods"]
-                   if method["method"] == "ObserveService.Represent"][0]["errors"]
+        refused = sum(call.over for call in calls)
         for call in calls:
             call.close()
-        print(f"\n{len(calls)} answers of 1 MiB that nobody takes: {held:.0f} MiB, where 32 may be "
-              f"held; refused: {refused}")
-        self.assertEqual([error["code"] for error in refused], ["RESOURCE_EXHAUSTED"])
-        self.assertGreaterEqual(int(refused[0]["call_count"]), 24)  # each counts twice
-        # And 32 of requests, and what works at the moment; a sanitizer keeps what was freed for a while.
+        print(f"\n{len(calls)} answers of 1 MiB that are not taken: {held:.0f} MiB, where one client may "
+              f"hold 32; {refused} were refused")
+        self.assertGreater(refused, 10)
+        self.assertLess(refused, len(calls))
+        # And what works at the moment; a sanitizer keeps what was freed for a while.
         self.assertLess(held, 600 if programs.SLOWNESS > 1 else 120)
 
 

@@ -10,6 +10,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <fstream>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -64,7 +65,10 @@ TEST_CASE("Lane: work that throws gives its place back", "[server]") {
 int InLittleMemory(int (*work)()) {
   const pid_t child = fork();
   if (child == 0) {
-    const rlimit limit{std::size_t{512} << 20, std::size_t{512} << 20};
+    std::size_t pages = 0;  // that the process has already
+    std::ifstream("/proc/self/statm") >> pages;
+    const std::size_t most = pages * static_cast<std::size_t>(getpagesize()) + (512U << 20);
+    const rlimit limit{most, most};
     if (setrlimit(RLIMIT_AS, &limit) != 0 || !InstallMemoryReserve().ok()) _exit(100);
     _exit(work());
   }
@@ -104,11 +108,14 @@ TEST_CASE("MemoryReserve: who cannot fail waits for others once it is used up", 
   CHECK(InLittleMemory([]() -> int {
           std::vector<std::unique_ptr<char[]>> taken;
           taken.reserve(1024);
-          TakeAll(taken);
-          std::thread freeing([&] {
+          std::atomic<bool> all_taken = false;
+          std::thread freeing([&] {  // started while there is memory for its stack
+            while (!all_taken) std::this_thread::yield();
             std::this_thread::sleep_for(std::chrono::milliseconds(200));
             taken.clear();
           });
+          TakeAll(taken);
+          all_taken = true;
           const auto large = std::make_unique<char[]>(std::size_t{100} << 20);
           freeing.join();
           return large == nullptr ? 1 : 0;

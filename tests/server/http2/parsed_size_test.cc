@@ -25,7 +25,7 @@ void CheckEstimate(const std::string& bytes) {
   const auto taken = static_cast<std::int64_t>(message.SpaceUsedLong());
   const std::int64_t estimate = Estimate(message, bytes);
   CHECK(estimate >= taken);
-  CHECK(estimate <= 4 * taken + 16 * static_cast<std::int64_t>(bytes.size()) + 1024);
+  CHECK(estimate <= 4 * taken + 32 * static_cast<std::int64_t>(bytes.size()) + 1024);
 }
 
 TEST_CASE("ParsedSize: the type of a request by its path", "[server][http2]") {

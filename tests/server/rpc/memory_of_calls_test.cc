@@ -56,7 +56,7 @@ TEST_CASE("Memory: six frames do not become hours", "[server][limits]") {
   const grpc::Status slow = Recognize(server, SixFrames(0.00144));
   INFO(slow.error_message());
   CHECK(slow.error_code() == StatusCode::INVALID_ARGUMENT);
-  CHECK(Says(slow, "observation.file"));
+  CHECK(slow.error_details().find("observation.file") != std::string::npos);
   CHECK(Says(slow, "Frame Time: 694"));
   CHECK(Recognize(server, SixFrames(0.00125)).error_code() == StatusCode::INVALID_ARGUMENT);
   CHECK(Recognize(server, SixFrames(2)).ok());

@@ -48,6 +48,12 @@ std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
 // How long clients have to close their connections before they are cut.
 constexpr milliseconds kFarewell{100};
 
+// Of calls on their way in and out, of all clients; one may have half of it.
+std::int64_t TransportMemory(const CallLimitOptions& calls) {
+  constexpr std::int64_t kMost = 192 << 20;
+  return std::min(calls.message_memory_bytes, kMost);
+}
+
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
     "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
@@ -125,9 +131,9 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
     return absl::InternalError("gRPC does not start; --log-level debug shows more");
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(-1);  // of answers, which the server bounds itself
-  auto bridge = std::make_unique<CallBridge>(
-      CallBridge{grpc::GenericStub(grpc_->InProcessChannel(arguments)), host_->memory,
-                 host_->limits, static_cast<std::uint32_t>(options.max_message_bytes)});
+  auto bridge = std::make_unique<CallBridge>(grpc::GenericStub(grpc_->InProcessChannel(arguments)),
+                                             TransportMemory(options.calls), host_->limits,
+                                             static_cast<std::uint32_t>(options.max_message_bytes));
   MOTIONDB_ASSIGN_OR_RETURN(listener_,
                             Listener::Start(options.listen, tls_.get(), std::move(bridge)));
   address_ =

@@ -17,6 +17,7 @@ namespace {
 
 // What gRPC and this keep of a call, beside its messages, and of each message in a queue.
 constexpr std::int64_t kCallBytes = 24 << 10;
+constexpr std::int64_t kHeaderCopies = 6;  // here, in gRPC's two ends of the call, in its handler
 constexpr std::int64_t kMessageBytes = 256;
 constexpr std::size_t kSmallMessage = 4 << 10;  // what it is read as needs no look
 // Of headers beyond those that a call may have: what HTTP/2 and gRPC add of their own.
@@ -79,6 +80,7 @@ bool CallStream::AddHeader(std::string_view name, std::string_view value) {
 }
 
 void CallStream::Begin() {
+  if (detached_ || refused_) return;
   if (method_ != "POST") return RespondHttp(405);
   if (!content_type_.starts_with("application/grpc")) return RespondHttp(415);
   if (const absl::Status metadata = bridge_.limits.CheckMetadata(header_bytes_); !metadata.ok()) {
@@ -88,9 +90,9 @@ void CallStream::Begin() {
     return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
                           "compressed messages are not accepted; send them as they are"));
   }
-  if (!exempt_) {
-    if (const absl::Status held = Reserve(kCallBytes); !held.ok())
-      return Refuse(ToGrpcStatus(held));
+  const auto headers = kHeaderCopies * static_cast<std::int64_t>(header_bytes_);
+  if (const absl::Status reserved = Reserve(headers + (exempt_ ? 0 : kCallBytes)); !reserved.ok()) {
+    return Refuse(ToGrpcStatus(reserved));
   }
   if (const auto timeout = ParseTimeout(timeout_)) {
     context_.set_deadline(
@@ -113,6 +115,7 @@ void CallStream::Begin() {
   holding_ = reading_ = true;
   StartRead(&incoming_);
   StartCall();
+  WriteNext();
 }
 
 void CallStream::Receive(std::span<const std::uint8_t> data) {

@@ -27,10 +27,17 @@ namespace motiondb::server {
 
 // What streams work with. Outlives them.
 struct CallBridge {
+  CallBridge(grpc::GenericStub stub, std::int64_t memory_bytes, const CallLimits& call_limits,
+             std::uint32_t most_message_bytes)
+      : calls(std::move(stub)),
+        memory(memory_bytes),
+        limits(call_limits),
+        max_message_bytes(most_message_bytes) {}
+
   grpc::GenericStub calls;  // of the server in this process
-  CallMemory& memory;
+  CallMemory memory;        // of calls on their way in and out, apart from the work on them
   const CallLimits& limits;
-  std::uint32_t max_message_bytes = 0;
+  const std::uint32_t max_message_bytes;
 };
 
 // The connection of a stream.
@@ -52,13 +59,15 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `exempt`: the stream itself costs no memory of the budget, so that a client that shares an
-  // address with others always has a few calls. Messages always do.
+  // `exempt`: the call itself costs no memory of the budget, so that a client that shares an
+  // address with others always has a few calls. Headers and messages
+  // always do.
   CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id, bool exempt);
 
   // False: the headers are far too large, and the connection is to end.
   bool AddHeader(std::string_view name, std::string_view value);
-  // The headers are complete.
+  // The headers are complete, and what came with them is taken: a call that was reset meanwhile is
+  // never begun.
   void Begin();
   void Receive(std::span<const std::uint8_t> data);
   // The client has sent all.

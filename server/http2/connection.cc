@@ -98,7 +98,9 @@ struct SessionCallbacks {
     return Guarded([&] {
       CallStream* const stream = connection.Find(frame->hd.stream_id);
       if (stream == nullptr) return true;
-      if (is_headers && frame->headers.cat == NGHTTP2_HCAT_REQUEST) stream->Begin();
+      if (is_headers && frame->headers.cat == NGHTTP2_HCAT_REQUEST) {
+        connection.beginning_.push_back(stream->shared_from_this());
+      }
       if ((frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0) stream->EndRequest();
       return true;
     });
@@ -199,7 +201,17 @@ void Connection::Start() {
 void Connection::Post(std::function<void()> work) {
   boost::asio::post(context_, [self = shared_from_this(), work = std::move(work)] {
     work();
-    self->Serve();
+    self->FlushSoon();
+  });
+}
+
+// Sends what this and further pieces of work have to send, in one go. Does not read: else a client
+// whose calls end quickly would have more turns than others.
+void Connection::FlushSoon() {
+  if (closed_ || std::exchange(flushing_, true)) return;
+  boost::asio::post(context_, [self = shared_from_this()] {
+    self->flushing_ = false;
+    self->Serve(Turn::kWrite);
   });
 }
 
@@ -232,14 +244,14 @@ void Connection::End(const char* reason) {
   nghttp2_session_terminate_session(session_.get(), NGHTTP2_ENHANCE_YOUR_CALM);
 }
 
-void Connection::Serve() {
+void Connection::Serve(Turn turn) {
   if (closed_ || serving_) return;
   if (leaving_.has_value()) return DropInput();
   serving_ = true;
   const auto self = shared_from_this();
   bool open = true;
   try {
-    open = WriteSome() && ReadSome() && WriteSome();
+    open = WriteSome() && (turn == Turn::kWrite || (ReadSome() && WriteSome()));
   } catch (const std::bad_alloc&) {
     reason_ = "out of memory";
     open = false;
@@ -292,6 +304,8 @@ bool Connection::ReadSome() {
       WriteSome();  // tells the client why, if it still listens
       return false;
     }
+    const auto beginning = std::exchange(beginning_, {});
+    for (const auto& stream : beginning) stream->Begin();
     const bool is_bulk = read.bytes >= kSmallChunk && calls_begun_ == begun;
     chunk_ = is_bulk ? kChunk : kSmallChunk;
     if (!is_bulk) return true;
@@ -344,7 +358,7 @@ void Connection::Await() {
   using Socket = boost::asio::ip::tcp::socket;
   // Nothing more is read from a client that takes nothing.
   if (unsent_.empty() && bytes_.HasPending()) {
-    Post([] {});
+    boost::asio::post(context_, [self = shared_from_this()] { self->Serve(); });
   } else if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
     bytes_.socket().async_wait(Socket::wait_read, [self = shared_from_this()](auto) {
       self->awaiting_read_ = false;

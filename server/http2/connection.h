@@ -57,7 +57,9 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
  private:
   friend struct SessionCallbacks;
 
-  void Serve();
+  enum class Turn { kReadAndWrite, kWrite };
+  void Serve(Turn turn = Turn::kReadAndWrite);
+  void FlushSoon();
   void Leave();
   void DropInput();
   bool ReadSome();
@@ -77,6 +79,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   const OnClosed on_closed_;
   std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)> session_;
   std::map<std::int32_t, std::shared_ptr<CallStream>> streams_;
+  std::vector<std::shared_ptr<CallStream>> beginning_;  // at the end of the present turn
   std::atomic<int> calls_ = 0;
 
   std::vector<std::uint8_t> unsent_;  // what the socket has not taken yet
@@ -84,6 +87,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool awaiting_read_ = false;
   bool awaiting_write_ = false;
   bool serving_ = false;
+  bool flushing_ = false;  // soon
   bool closed_ = false;
   std::optional<Clock::time_point> leaving_;  // since when nothing is sent any more
   std::int64_t dropped_ = 0;                  // bytes that came since

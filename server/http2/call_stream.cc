@@ -102,6 +102,24 @@ void CallStream::Begin() {
     return Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT,
                           "grpc-timeout: expected at most eight digits and a unit, such as 250m"));
   }
+  const auto* const rpc = FindRpc(path_);
+  streams_ = rpc != nullptr && rpc->client_streaming();
+  checked_ = true;
+  request_latest_ = Clock::now() + bridge_.limits.options().longest_silence;
+  BeginCall();
+}
+
+// Once it is time. A call that takes one message is not begun without it: it would cost nothing but
+// memory, and gRPC 1.51 never frees such a call if the message does not come.
+void CallStream::BeginCall() {
+  if (!checked_ || self_ != nullptr || refused_ || ended_ || detached_) return;
+  if (!streams_ && queue_.empty()) {
+    if (request_ended_) {
+      Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT, "the request holds no message"));
+    }
+    return;
+  }
+  request_latest_ = Clock::time_point::max();
   context_.AddMetadata(kPeerMetadata, host_->peer());
   if (!host_->common_name().empty()) {
     context_.AddMetadata(kCommonNameMetadata, host_->common_name());
@@ -164,20 +182,31 @@ void CallStream::TakeMessage() {
   message_ = grpc_empty_slice();
   prefix_bytes_ = 0;
   if (slice.size() > kSmallMessage) {
-    const auto* const type = RequestTypeOf(path_);
-    if (type != nullptr && !ReserveForMessage(ParsedSize(*type, {slice.begin(), slice.size()}))) {
+    const auto* const rpc = FindRpc(path_);
+    if (rpc != nullptr &&
+        !ReserveForMessage(ParsedSize(*rpc->input_type(), {slice.begin(), slice.size()}))) {
       return;
     }
   }
   queue_.push_back({grpc::ByteBuffer(&slice, 1), message_reserved_});
+  BeginCall();
   WriteNext();
 }
 
 void CallStream::WriteNext() {
-  if (writing_ || refused_ || !holding_) return;
+  if (writing_ || !holding_) return;
+  if (read_ended_) {
+    // gRPC 1.51 keeps calls within a process for good if the client's end was never closed.
+    if (!std::exchange(writes_done_, true)) StartWritesDone();
+    return LetGo();
+  }
+  if (refused_ || writes_done_) return;
   if (!queue_.empty()) {
     writing_ = true;
-    StartWrite(&queue_.front().bytes);
+    writes_done_ = !streams_;
+    grpc::WriteOptions options;
+    if (!streams_) options.set_last_message();
+    StartWrite(&queue_.front().bytes, options);
   } else if (request_ended_ && !std::exchange(writes_done_, true)) {
     StartWritesDone();
   }
@@ -189,6 +218,7 @@ void CallStream::EndRequest() {
     return Refuse(
         Refusal(grpc::StatusCode::INVALID_ARGUMENT, "the request ended within a message"));
   }
+  BeginCall();
   WriteNext();
 }
 
@@ -215,9 +245,14 @@ void CallStream::ReadNext() {
 void CallStream::OnReadDone(bool ok) {
   host_->Post([self = shared_from_this(), ok] {
     self->reading_ = false;
-    if (!ok || self->refused_ || self->detached_) return self->LetGo();
+    if (!ok || self->refused_ || self->detached_) return self->EndReading();
     self->Answer();
   });
+}
+
+void CallStream::EndReading() {
+  read_ended_ = true;
+  WriteNext();
 }
 
 // No operation is started from here on, so that OnDone can follow.
@@ -322,10 +357,16 @@ void CallStream::Detach() {
 void CallStream::Cancel() {
   if (self_ == nullptr) return;
   context_.TryCancel();
-  if (!reading_) LetGo();  // else when the read ends
+  if (!reading_) EndReading();  // else when the read ends
 }
 
 void CallStream::Tick(Clock::time_point now) {
+  if (now >= request_latest_) {
+    request_latest_ = Clock::time_point::max();
+    Refuse(Refusal(grpc::StatusCode::DEADLINE_EXCEEDED,
+                   "the request did not come within the time that a client may be silent "
+                   "(--silence-limit)"));
+  }
   if (now < answer_latest_) return;
   nghttp2_submit_rst_stream(host_->session(), NGHTTP2_FLAG_NONE, id_, NGHTTP2_CANCEL);
 }

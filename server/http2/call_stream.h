@@ -96,6 +96,8 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   void TakeMessage();
   void WriteNext();
   void ReadNext();
+  void BeginCall();
+  void EndReading();
   void LetGo();
   void Cancel();
   void Credit(std::size_t bytes);
@@ -116,7 +118,11 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   grpc::ClientContext context_;
   std::shared_ptr<CallStream> self_;
   grpc::ByteBuffer incoming_;
+  bool checked_ = false;                                         // the headers are in order
+  bool streams_ = false;                                         // the request has many messages
+  Clock::time_point request_latest_ = Clock::time_point::max();  // for its one message
   bool reading_ = false;
+  bool read_ended_ = false;
   bool holding_ = false;  // gRPC waits for further operations: without, none may be started
   bool refused_ = false;  // nothing of the request is looked at any more
   bool detached_ = false;

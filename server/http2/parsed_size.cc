@@ -63,11 +63,10 @@ std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) 
 
 }  // namespace
 
-const Descriptor* RequestTypeOf(std::string_view path) {
+const google::protobuf::MethodDescriptor* FindRpc(std::string_view path) {
   std::string name(path.substr(std::min<std::size_t>(1, path.size())));
   std::ranges::replace(name, '/', '.');
-  const auto* const method = DescriptorPool::generated_pool()->FindMethodByName(name);
-  return method == nullptr ? nullptr : method->input_type();
+  return DescriptorPool::generated_pool()->FindMethodByName(name);
 }
 
 std::int64_t ParsedSize(const Descriptor& type, std::span<const std::uint8_t> bytes) {

@@ -10,9 +10,9 @@
 
 namespace motiondb::server {
 
-// The request type of a call by its HTTP/2 path, "/motiondb.v1.QueryService/Recognize"; null for
-// one that this program does not know.
-const google::protobuf::Descriptor* RequestTypeOf(std::string_view path);
+// The call by its HTTP/2 path, "/motiondb.v1.QueryService/Recognize"; null for one that this
+// program does not know.
+const google::protobuf::MethodDescriptor* FindRpc(std::string_view path);
 
 // Of a message of the type, which need not be valid; from above. O(bytes).
 std::int64_t ParsedSize(const google::protobuf::Descriptor& type,

@@ -28,12 +28,12 @@ void CheckEstimate(const std::string& bytes) {
   CHECK(estimate <= 4 * taken + 32 * static_cast<std::int64_t>(bytes.size()) + 1024);
 }
 
-TEST_CASE("ParsedSize: the type of a request by its path", "[server][http2]") {
-  const auto* const type = server::RequestTypeOf("/motiondb.v1.QueryService/Recognize");
-  REQUIRE(type != nullptr);
-  CHECK(type == v1::RecognizeRequest::descriptor());
+TEST_CASE("FindRpc: a call by its path", "[server][http2]") {
+  const auto* const recognize = server::FindRpc("/motiondb.v1.QueryService/Recognize");
+  REQUIRE(recognize != nullptr);
+  CHECK(recognize->input_type() == v1::RecognizeRequest::descriptor());
   for (const char* const unknown : {"", "/", "/motiondb.v1.QueryService", "/no.such/Method", "x"}) {
-    CHECK(server::RequestTypeOf(unknown) == nullptr);
+    CHECK(server::FindRpc(unknown) == nullptr);
   }
 }
 

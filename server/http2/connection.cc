@@ -30,7 +30,7 @@ constexpr std::int64_t kMostDropped = 4 << 20;
 constexpr int kExemptCalls = 4;  // see CallStream
 
 // The windows for what a client sends: of a stream, and of all of a connection.
-constexpr std::uint32_t kStreamWindow = 256 << 10;
+constexpr std::uint32_t kStreamWindow = 1 << 20;
 constexpr std::int32_t kConnectionWindow = 4 << 20;
 
 // Calls that a client may reset: so many in a burst, and so many a second.

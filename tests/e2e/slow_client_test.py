@@ -86,7 +86,7 @@ class Call:
             self.connection_window += int.from_bytes(payload, "big")
         elif kind == WINDOW_UPDATE:
             self.window += int.from_bytes(payload, "big")
-        elif kind == RESET:
+        elif kind == RESET or kind == HEADERS and flags & END_STREAM:
             self.over = True
         elif kind == PING and not flags & ACK:
             self.socket.sendall(frame(PING, ACK, 0, payload))

@@ -9,7 +9,7 @@ namespace motiondb::server {
 namespace {
 
 // Of the server's memory, what calls may reserve: one part in so many, but not less than this.
-constexpr std::int64_t kMemoryShare = 4;
+constexpr std::int64_t kMemoryShare = 5;
 constexpr std::int64_t kLeastCallMemory = std::int64_t{80} << 20;
 
 template <typename Count>
@@ -45,7 +45,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
   AddMebibytes(
       app, "--message-memory-mib", calls.message_memory_bytes,
       "Memory for calls: requests as they come in and as read, files, motion, states, results and "
-      "responses, half of it for one client. If not set, a quarter of the memory that the machine "
+      "responses, half of it for one client. If not set, a fifth of the memory that the machine "
       "and its control groups give the server, from 80 to 512",
       1 << 20)
       ->group("Limits");

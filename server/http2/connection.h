@@ -23,6 +23,7 @@
 
 #include "server/http2/byte_stream.h"
 #include "server/http2/call_stream.h"
+#include "server/http2/session.h"
 
 namespace motiondb::server {
 
@@ -77,7 +78,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   const std::string peer_;
   std::string common_name_;
   const OnClosed on_closed_;
-  std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)> session_;
+  Session session_;
   std::map<std::int32_t, std::shared_ptr<CallStream>> streams_;
   std::vector<std::shared_ptr<CallStream>> beginning_;  // at the end of the present turn
   std::atomic<int> calls_ = 0;

@@ -60,8 +60,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   using Clock = std::chrono::steady_clock;
 
   // `exempt`: the call itself costs no memory of the budget, so that a client that shares an
-  // address with others always has a few calls. Headers and messages
-  // always do.
+  // address with others always has a few calls. Headers and messages always do.
   CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id, bool exempt);
 
   // False: the headers are far too large, and the connection is to end.

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -50,6 +51,18 @@ tcp::endpoint Plain(const tcp::endpoint& client) {
           client.port()};
 }
 
+// Until there is no more to do. What a handler throws, for lack of memory, costs what it did alone.
+void Run(boost::asio::io_context& context) {
+  while (true) {
+    try {
+      context.run();
+      return;
+    } catch (const std::exception& error) {
+      spdlog::error("listener: handler failed: error='{}'", error.what());
+    }
+  }
+}
+
 // As gRPC names a peer.
 std::string PeerOf(const tcp::endpoint& client) {
   const std::string address = client.address().to_string();
@@ -73,7 +86,7 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& lis
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
   for (const auto& loop : listener->loops_) {
     listener->Tick(*loop);
-    loop->thread = std::thread([&context = loop->context] { context.run(); });
+    loop->thread = std::thread([&context = loop->context] { Run(context); });
   }
   return listener;
 }

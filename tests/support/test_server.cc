@@ -1,5 +1,6 @@
 #include "tests/support/test_server.h"
 
+#include <grpc/grpc.h>
 #include <grpcpp/create_channel.h>
 #include <spdlog/spdlog.h>
 
@@ -28,6 +29,9 @@ server::ServerOptions QuickOptions() {
 TestServer::TestServer() : TestServer(QuickOptions()) {}
 
 TestServer::TestServer(const server::ServerOptions& options) : options_(options) {
+  // As motiondbd does: gRPC is not shut down and begun again between tests.
+  static const bool kHeld = (grpc_init(), true);
+  (void)kHeld;
   options_.listen = "127.0.0.1:0";
   spdlog::set_level(spdlog::level::off);
   Start();

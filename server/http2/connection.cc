@@ -137,6 +137,7 @@ void Connection::Leave() {
   leaving_ = Clock::now();
   for (const auto& [id, stream] : streams_) stream->Detach();
   streams_.clear();
+  beginning_.clear();  // they keep the connection, too
   calls_ = 0;
   unsent_.clear();
   bytes_.EndWriting();
@@ -224,7 +225,7 @@ bool Connection::WriteSome() {
 void Connection::Await() {
   using Socket = boost::asio::ip::tcp::socket;
   // Nothing more is read from a client that takes nothing.
-  if (unsent_.empty() && bytes_.HasPending()) {
+  if (unsent_.empty() && !leaving_.has_value() && bytes_.HasPending()) {
     boost::asio::post(context_, [self = shared_from_this()] { self->Serve(); });
   } else if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
     bytes_.socket().async_wait(Socket::wait_read, [self = shared_from_this()](auto) {
@@ -267,6 +268,7 @@ void Connection::Close() {
   if (std::exchange(closed_, true)) return;
   for (const auto& [id, stream] : streams_) stream->Detach();
   streams_.clear();
+  beginning_.clear();  // they keep the connection, too
   calls_ = 0;
   bytes_.Close();
   on_closed_(shared_from_this(), reason_);

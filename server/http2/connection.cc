@@ -28,11 +28,6 @@ constexpr std::int64_t kMostDropped = 4 << 20;
 constexpr std::uint32_t kStreamWindow = 1 << 20;
 constexpr std::int32_t kConnectionWindow = 4 << 20;
 
-// Frames that carry nothing of a call, such as PING: as many as these allow together.
-constexpr std::int64_t kIdleFrames = 10'000;
-constexpr std::int64_t kIdleFramesPerSecond = 100;
-constexpr std::int64_t kIdleFramesPerCallFrame = 8;
-
 std::span<std::uint8_t> Buffer() {
   static thread_local std::array<std::uint8_t, kChunk> buffer;
   return buffer;
@@ -85,24 +80,6 @@ void Connection::FlushSoon() {
 CallStream* Connection::Find(std::int32_t id) {
   const auto found = streams_.find(id);
   return found == streams_.end() ? nullptr : found->second.get();
-}
-
-bool Connection::CountFrame(const nghttp2_frame_hd& frame) {
-  const bool of_call = frame.type == NGHTTP2_HEADERS ||
-                       (frame.type == NGHTTP2_DATA &&
-                        (frame.length > 0 || (frame.flags & NGHTTP2_FLAG_END_STREAM) != 0));
-  if (of_call) {
-    ++call_frames_;
-    return true;
-  }
-  if (++idle_frames_ <= kIdleFrames + kIdleFramesPerCallFrame * call_frames_) return true;
-  const auto age = std::chrono::duration_cast<seconds>(Clock::now() - began_).count();
-  if (idle_frames_ <=
-      kIdleFrames + kIdleFramesPerCallFrame * call_frames_ + kIdleFramesPerSecond * age) {
-    return true;
-  }
-  End("too many frames without a call");
-  return false;
 }
 
 // Tells the client to go; the caller closes the connection then.
@@ -158,17 +135,25 @@ void Connection::DropInput() {
 bool Connection::ReadSome() {
   for (int i = 0; i < kChunksInTurn && unsent_.empty(); ++i) {
     const std::span<std::uint8_t> buffer = Buffer().first(chunk_);
-    const ByteStream::Result read = bytes_.Read(buffer);
+    const std::size_t kept = frames_.Resume(buffer);
+    const ByteStream::Result read = bytes_.Read(buffer.subspan(kept));
     wants_write_ = read.outcome == ByteStream::Outcome::kWantsWrite;
     if (read.outcome == ByteStream::Outcome::kClosed) return false;
     if (read.outcome != ByteStream::Outcome::kDone) return true;
     if (!greeted_ && common_name_.empty()) common_name_ = bytes_.CommonName();
     heard_ = Clock::now();
     pinged_ = false;
+    const std::size_t passed = frames_.Pass(buffer.first(kept + read.bytes));
     const std::int64_t begun = calls_begun_;
-    const ssize_t taken = nghttp2_session_mem_recv(session_.get(), buffer.data(), read.bytes);
+    ssize_t taken = 0;
+    if (frames_.TooMany(heard_)) {
+      End("too many frames without a call");
+      taken = NGHTTP2_ERR_FLOODED;
+    } else {
+      taken = nghttp2_session_mem_recv(session_.get(), buffer.data(), passed);
+    }
     if (taken < 0) {
-      if (reason_[0] == '\0' && greeted_) reason_ = nghttp2_strerror(static_cast<int>(taken));
+      if (reason_.empty() && greeted_) reason_ = nghttp2_strerror(static_cast<int>(taken));
       WriteSome();  // tells the client why, if it still listens
       return false;
     }

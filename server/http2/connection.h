@@ -23,6 +23,7 @@
 
 #include "server/http2/byte_stream.h"
 #include "server/http2/call_stream.h"
+#include "server/http2/frame_guard.h"
 #include "server/http2/session.h"
 
 namespace motiondb::server {
@@ -33,7 +34,8 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
 
   // Told when a connection has ended, on its thread, and what its client did that it had to; empty
   // where the client left.
-  using OnClosed = std::function<void(const std::shared_ptr<Connection>&, const char* reason)>;
+  using OnClosed =
+      std::function<void(const std::shared_ptr<Connection>&, const std::string& reason)>;
 
   Connection(CallBridge& bridge, boost::asio::io_context& context, ByteStream bytes,
              std::string peer, OnClosed on_closed);
@@ -67,7 +69,6 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool WriteSome();
   void Await();
   void End(const char* reason);
-  bool CountFrame(const nghttp2_frame_hd& frame);
   CallStream* Find(std::int32_t id);
 
   CallBridge& bridge_;
@@ -92,14 +93,13 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool closed_ = false;
   std::optional<Clock::time_point> leaving_;  // since when nothing is sent any more
   std::int64_t dropped_ = 0;                  // bytes that came since
-  const char* reason_ = "";                   // why it has to end
+  std::string reason_;                        // why it has to end
 
   const Clock::time_point began_ = Clock::now();
   Clock::time_point heard_ = began_;  // when bytes last went either way
   bool pinged_ = false;               // and nothing was heard since
   bool greeted_ = false;              // the client has begun to speak HTTP/2
-  std::int64_t idle_frames_ = 0;      // that carry nothing of a call
-  std::int64_t call_frames_ = 0;
+  FrameGuard frames_{began_};
   std::int64_t calls_begun_ = 0;
   std::size_t chunk_ = 4096;  // to read next
 };

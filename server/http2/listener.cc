@@ -210,7 +210,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
     const auto context = tls_ == nullptr ? nullptr : tls_->context();
     connection = std::make_shared<Connection>(
         *bridge_, loop.context, ByteStream(std::move(socket), context.get()), PeerOf(client),
-        [this, &loop, address](const auto& closed, const char* reason) {
+        [this, &loop, address](const auto& closed, const std::string& reason) {
           Forget(loop, closed, address, reason);
         });
   } catch (const std::bad_alloc&) {
@@ -227,7 +227,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
 }
 
 void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
-                      const std::string& address, const char* reason) {
+                      const std::string& address, const std::string& reason) {
   if (connection != nullptr) loop.connections.erase(connection);
   if (closing_ && loop.connections.empty()) loop.ticks.cancel();
   {
@@ -238,7 +238,7 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
     if (one != found->second.end()) found->second.erase(one);
     if (found->second.empty()) by_address_.erase(found);
   }
-  if (reason[0] != '\0' && warnings_.Count(address + reason)) {
+  if (!reason.empty() && warnings_.Count(address + reason)) {
     spdlog::warn("connection closed: reason='{}' peer={}", reason, address);
   }
 }

@@ -66,7 +66,7 @@ class Listener {
   void Begin(Loop& loop, int descriptor, const boost::asio::ip::tcp::endpoint& client);
   bool MakeRoom(const std::string& address);
   void Forget(Loop& loop, const std::shared_ptr<Connection>& connection, const std::string& address,
-              const char* reason);
+              const std::string& reason);
   void Tick(Loop& loop);
 
   const Tls* const tls_;

@@ -31,10 +31,6 @@ struct SessionCallbacks {
     }
   }
 
-  static int OnBeginFrame(nghttp2_session*, const nghttp2_frame_hd* frame, void* user) {
-    return static_cast<Connection*>(user)->CountFrame(*frame) ? 0 : NGHTTP2_ERR_CALLBACK_FAILURE;
-  }
-
   static int OnBeginHeaders(nghttp2_session*, const nghttp2_frame* frame, void* user) {
     auto& connection = *static_cast<Connection*>(user);
     if (frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
@@ -93,8 +89,18 @@ struct SessionCallbacks {
     });
   }
 
-  // A stream that was answered to its end while the client still sends: it need not go on.
-  static int OnSent(nghttp2_session* session, const nghttp2_frame* frame, void*) {
+  // A stream that was answered to its end while the client still sends: it need not go on. A client
+  // that was told to go: the log is to say why.
+  static int OnSent(nghttp2_session* session, const nghttp2_frame* frame, void* user) {
+    if (frame->hd.type == NGHTTP2_GOAWAY && frame->goaway.error_code != NGHTTP2_NO_ERROR) {
+      return Guarded([&] {
+        auto& connection = *static_cast<Connection*>(user);
+        const nghttp2_goaway& goaway = frame->goaway;
+        if (!connection.greeted_ || !connection.reason_.empty()) return true;
+        connection.reason_.assign(goaway.opaque_data, goaway.opaque_data + goaway.opaque_data_len);
+        return true;
+      });
+    }
     const bool ends =
         frame->hd.type == NGHTTP2_HEADERS && (frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0;
     const std::int32_t id = frame->hd.stream_id;
@@ -121,7 +127,6 @@ Session NewSession(Connection& connection) {
   if (nghttp2_session_callbacks_new(&made) != 0) throw std::bad_alloc();
   const Callbacks callbacks(made, nghttp2_session_callbacks_del);
   using Calls = SessionCallbacks;
-  nghttp2_session_callbacks_set_on_begin_frame_callback(made, Calls::OnBeginFrame);
   nghttp2_session_callbacks_set_on_begin_headers_callback(made, Calls::OnBeginHeaders);
   nghttp2_session_callbacks_set_on_header_callback(made, Calls::OnHeader);
   nghttp2_session_callbacks_set_on_frame_recv_callback(made, Calls::OnFrame);

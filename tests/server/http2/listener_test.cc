@@ -5,11 +5,13 @@
 
 #include <boost/asio/connect.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/read_until.hpp>
 #include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
 #include <string>
 
 #include "motiondb/v1/database.grpc.pb.h"
+#include "tests/server/http2/http2_frame.h"
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
@@ -18,9 +20,6 @@ namespace {
 
 namespace asio = boost::asio;
 using asio::ip::tcp;
-
-constexpr char kPreface[] = "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n";
-const std::string kSettings("\0\0\0\4\0\0\0\0\0", 9);
 
 class Client {
  public:
@@ -41,27 +40,30 @@ class Client {
     return all;
   }
 
+  // All until `text`, or until the server closes the connection.
+  std::string ReadUntil(const std::string& text) {
+    std::string all;
+    boost::system::error_code error;
+    asio::read_until(socket_, asio::dynamic_buffer(all), text, error);
+    return all;
+  }
+
  private:
   asio::io_context context_;
   tcp::socket socket_{context_};
 };
 
-std::string Frame(char type, char flags, int stream, const std::string& payload) {
-  const auto byte = [](std::size_t number, int shift) {
-    return static_cast<char>(number >> shift & 0xff);
+// HPACK: POST, http, an authority, the path, and the content type. Fields are literals without
+// indexing.
+std::string CallHeaders(const std::string& path) {
+  const auto literal = [](const std::string& text) {
+    return std::string(1, static_cast<char>(text.size())) + text;
   };
-  const auto id = static_cast<std::size_t>(stream);
-  const std::string head = {byte(payload.size(), 16),
-                            byte(payload.size(), 8),
-                            byte(payload.size(), 0),
-                            type,
-                            flags,
-                            byte(id, 24),
-                            byte(id, 16),
-                            byte(id, 8),
-                            byte(id, 0)};
-  return head + payload;
+  return "\x83\x86\x01" + literal("motiondb") + std::string("\x04") + literal(path) +
+         std::string("\x0f\x10") + literal("application/grpc");
 }
+
+constexpr char kListDatabases[] = "/motiondb.v1.DatabaseService/ListDatabases";
 
 TEST_CASE("Listener: an address that another has is reported", "[server][http2]") {
   TestServer server;
@@ -85,8 +87,8 @@ TEST_CASE("Listener: what is not HTTP/2 is closed", "[server][http2]") {
 TEST_CASE("Listener: headers that never end cost the connection", "[server][http2]") {
   TestServer server;
   Client client(server.server().address());
-  client.Send(kPreface + kSettings + Frame(1, 0, 1, std::string(1000, '\x82')));
-  for (int i = 0; i < 100; ++i) client.Send(Frame(9, 0, 1, std::string(16'000, '\x82')));
+  client.Send(kHttp2Preface + kHttp2Settings + Http2Frame(1, 0, 1, std::string(1000, '\x82')));
+  for (int i = 0; i < 100; ++i) client.Send(Http2Frame(9, 0, 1, std::string(16'000, '\x82')));
   client.ReadAll();  // ends
   server.CreateDatabase("db");
 }
@@ -94,17 +96,44 @@ TEST_CASE("Listener: headers that never end cost the connection", "[server][http
 TEST_CASE("Listener: frames without a call end the connection in the end", "[server][http2]") {
   TestServer server;
   Client client(server.server().address());
-  client.Send(kPreface + kSettings);
+  client.Send(kHttp2Preface + kHttp2Settings);
   std::string windows;
-  for (int i = 0; i < 1000; ++i) windows += Frame(8, 0, 0, std::string("\0\0\0\0", 4));
+  for (int i = 0; i < 1000; ++i) windows += Http2Frame(8, 0, 0, std::string("\0\0\0\0", 4));
   client.Send(windows);  // an increment of 0 is an error of the connection
   client.ReadAll();
   Client patient(server.server().address());
-  patient.Send(kPreface + kSettings);
+  patient.Send(kHttp2Preface + kHttp2Settings);
   std::string priorities;
-  for (int i = 0; i < 1000; ++i) priorities += Frame(2, 0, 1, std::string("\0\0\0\3\1", 5));
+  for (int i = 0; i < 1000; ++i) priorities += Http2Frame(2, 0, 1, std::string("\0\0\0\3\1", 5));
   for (int i = 0; i < 30; ++i) patient.Send(priorities);
   patient.ReadAll();
+  server.CreateDatabase("db");
+}
+
+// As gRPC's own clients do where a call is cancelled just as it begins.
+TEST_CASE("Listener: a reset of a stream that was never opened costs no other call",
+          "[server][http2]") {
+  TestServer server;
+  Client client(server.server().address());
+  const std::string reset = Http2Frame(3, 0, 1, std::string("\0\0\0\x8", 4));
+  const std::string call =
+      Http2Frame(1, 4, 3, CallHeaders(kListDatabases)) + Http2Frame(0, 1, 3, std::string(5, '\0'));
+  client.Send(kHttp2Preface + kHttp2Settings + reset + call);
+  const std::string trailers = std::string("\1\5\0\0\0\3", 6);  // the end of a head
+  CHECK_THAT(client.ReadUntil(trailers), Catch::Matchers::Contains(trailers));
+}
+
+// A connection that ended in the turn in which a call began was kept, and the server never ended.
+TEST_CASE("Listener: a connection that fails as its calls begin is let go", "[server][http2]") {
+  TestServer server;
+  const std::string call =
+      Http2Frame(1, 4, 1, CallHeaders(kListDatabases)) + Http2Frame(0, 1, 1, std::string(5, '\0'));
+  const std::string wrong = Http2Frame(0, 0, 0, "data of no stream");
+  for (int i = 0; i < 20; ++i) {
+    Client client(server.server().address());
+    client.Send(kHttp2Preface + kHttp2Settings + call + wrong);
+    CHECK_THAT(client.ReadAll(), Catch::Matchers::Contains("DATA: stream_id == 0"));
+  }
   server.CreateDatabase("db");
 }
 
@@ -113,7 +142,7 @@ TEST_CASE("Listener: a call of a method that nobody has, and none of gRPC", "[se
   const grpc::Status unknown = RawCall(server.channel(), "/no.such/Method", "").status;
   CHECK(unknown.error_code() == grpc::StatusCode::UNIMPLEMENTED);
   // Metadata that gRPC itself would end the process for.
-  const auto status = RawCall(server.channel(), "/motiondb.v1.DatabaseService/ListDatabases", "",
+  const auto status = RawCall(server.channel(), kListDatabases, "",
                               {{"x-request-id", "plain"}, {"motiondb-peer", "ipv4:192.0.2.7:1"}})
                           .status;
   CHECK(status.ok());

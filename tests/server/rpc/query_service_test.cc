@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
+#include <sstream>
 #include <thread>
 
 #include "motiondb/v1/clip.grpc.pb.h"
@@ -111,6 +113,60 @@ TEST_CASE("QueryService: predicts, and a series is as many predictions", "[serve
     request.set_at_seconds(0.4 + 0.1 * static_cast<double>(i));
     const auto single = Ask(*stub, &Stub::Predict, request);
     CHECK(single.response.SerializeAsString() == moments[i].SerializeAsString());
+  }
+}
+
+// A BVH file whose root stands elsewhere: `metres` along the first axis of the file.
+std::string Moved(const std::string& bvh, double metres) {
+  std::istringstream lines(bvh);
+  std::string moved;
+  bool in_frames = false;
+  for (std::string line; std::getline(lines, line); moved += '\n') {
+    if (!in_frames) {
+      moved += line;
+      in_frames = line.starts_with("Frame Time:");
+      continue;
+    }
+    std::size_t read = 0;
+    const double centimetres = std::stod(line, &read) + 100 * metres;
+    moved += std::to_string(centimetres) + line.substr(read);
+  }
+  return moved;
+}
+
+// Such a prediction was wrong by 1e8 m.
+TEST_CASE("QueryService: a motion 90 km away has the future of the motion here", "[server][rpc]") {
+  const auto stub = Trained().NewStub<v1::QueryService>();
+  auto request = About<v1::PredictRequest>("db");
+  for (const v1::Method method : {v1::BEST, v1::PAPER}) {
+    request.set_method(method);
+    std::string& file = *request.mutable_observation()->mutable_file()->mutable_data();
+    file = Moved(file, 0);
+    const auto here = Ask(*stub, &Stub::Predict, request);
+    file = Moved(file, 90'000);
+    const auto there = Ask(*stub, &Stub::Predict, request);
+    INFO(there.status.error_message());
+    REQUIRE(here.status.ok());
+    REQUIRE(there.status.ok());
+    REQUIRE(there.response.horizons_size() == here.response.horizons_size());
+    for (int h = 0; h < here.response.horizons_size(); ++h) {
+      const auto& near = here.response.horizons(h).marker_positions();
+      const auto& far = there.response.horizons(h).marker_positions();
+      REQUIRE(near.size() > 0);
+      REQUIRE(far.size() == near.size());
+      double worst = 0;  // of the three axes: how far they moved, all markers alike
+      double distance = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const double step = far[axis] - near[axis];
+        distance += step * step;
+        for (int i = axis; i < near.size(); i += 3) {
+          worst = std::max(worst, std::abs(far[i] - near[i] - step));
+        }
+      }
+      CHECK(std::sqrt(distance) == Approx(90'000).margin(0.05));
+      CHECK(worst < 0.05);  // a float has steps of 8 mm there
+    }
+    file = Moved(file, -90'000);
   }
 }
 

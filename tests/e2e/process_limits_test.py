@@ -21,6 +21,9 @@ from programs import MOTIONDBD, Server
 MIB = 1 << 20
 LONE_USER = 61234  # a user of whom no process runs
 
+needs_address_space = unittest.skipIf(
+    programs.SLOWNESS > 1, "a sanitizer takes more address space than these limits leave")
+
 
 class Starting(unittest.TestCase):
     def setUp(self):
@@ -83,6 +86,7 @@ class Starting(unittest.TestCase):
             self.assertEqual(os.listdir(self.folder_of_store), [])
         self.assertEqual(self.start({resource.RLIMIT_NPROC: 200}, LONE_USER)[0], "serves")
 
+    @needs_address_space
     def test_with_any_memory_it_serves_or_says_why_not(self):
         ended = {}
         for mebibytes in range(250, 1001, 125):
@@ -101,6 +105,7 @@ class Starting(unittest.TestCase):
 
 
 class Running(unittest.TestCase):
+    @needs_address_space
     def test_calls_fail_for_lack_of_memory_and_the_server_goes_on(self):
         failed = []
         with tempfile.TemporaryDirectory() as folder:

@@ -134,8 +134,8 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   auto bridge = std::make_unique<CallBridge>(grpc::GenericStub(grpc_->InProcessChannel(arguments)),
                                              TransportMemory(options.calls), host_->limits,
                                              static_cast<std::uint32_t>(options.max_message_bytes));
-  MOTIONDB_ASSIGN_OR_RETURN(listener_,
-                            Listener::Start(options.listen, tls_.get(), std::move(bridge)));
+  MOTIONDB_ASSIGN_OR_RETURN(listener_, Listener::Start(options.listen, tls_.get(),
+                                                       std::move(bridge), monitor_->connections()));
   address_ =
       fmt::format("{}:{}", options.listen.substr(0, options.listen.rfind(':')), listener_->port());
   for (const char* const name : kServiceNames) {

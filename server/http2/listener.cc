@@ -80,8 +80,9 @@ void RaiseDescriptorLimit() {
 }
 
 absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen, const Tls* tls,
-                                                          std::unique_ptr<CallBridge> bridge) {
-  std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge)));
+                                                          std::unique_ptr<CallBridge> bridge,
+                                                          ConnectionMeter& meter) {
+  std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge), meter));
   MOTIONDB_RETURN_IF_ERROR(listener->Listen(listen));
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
   for (const auto& loop : listener->loops_) {
@@ -91,9 +92,10 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& lis
   return listener;
 }
 
-Listener::Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge)
+Listener::Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge, ConnectionMeter& meter)
     : tls_(tls),
       bridge_(std::move(bridge)),
+      meter_(meter),
       most_descriptors_(MostDescriptors()),
       loops_(MakeLoops()),
       rest_(loops_.front()->context),
@@ -167,6 +169,7 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
   if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections of its address";
   if (refusal != nullptr) {
     close(descriptor);
+    ++meter_.refused;
     if (!warnings_.Count(refusal)) return;
     return spdlog::warn(
         "connections are refused: reason='{}' peer={} descriptors={} connections_per_address={}; "
@@ -217,6 +220,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
     return Forget(loop, nullptr, address, "out of memory");
   }
   loop.connections.insert(connection);
+  ++meter_.open;
   {
     const std::lock_guard lock(mutex_);
     auto& connections = by_address_[address];
@@ -228,7 +232,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
 
 void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
                       const std::string& address, const std::string& reason) {
-  if (connection != nullptr) loop.connections.erase(connection);
+  meter_.open -= static_cast<int>(loop.connections.erase(connection));
   if (closing_ && loop.connections.empty()) loop.ticks.cancel();
   {
     const std::lock_guard lock(mutex_);
@@ -238,7 +242,9 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
     if (one != found->second.end()) found->second.erase(one);
     if (found->second.empty()) by_address_.erase(found);
   }
-  if (!reason.empty() && warnings_.Count(address + reason)) {
+  if (reason.empty()) return;
+  ++meter_.ended;
+  if (warnings_.Count(address + reason)) {
     spdlog::warn("connection closed: reason='{}' peer={}", reason, address);
   }
 }

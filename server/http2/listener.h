@@ -24,6 +24,7 @@
 #include "absl/status/statusor.h"
 #include "server/http2/call_stream.h"
 #include "server/http2/connection.h"
+#include "server/observability/call_meter.h"
 #include "server/security/attempt_limit.h"
 
 namespace motiondb::server {
@@ -37,9 +38,10 @@ void RaiseDescriptorLimit();
 class Listener {
  public:
   // Listens at HOST:PORT, at each address that the host has; port 0 is one that is free. `tls` is
-  // null for plain text, and outlives the listener. The codes of ListenOn.
+  // null for plain text, and outlives the listener as `meter` does. The codes of ListenOn.
   static absl::StatusOr<std::unique_ptr<Listener>> Start(const std::string& listen, const Tls* tls,
-                                                         std::unique_ptr<CallBridge> bridge);
+                                                         std::unique_ptr<CallBridge> bridge,
+                                                         ConnectionMeter& meter);
   // Waits for the calls that gRPC still has: they must have been ended.
   ~Listener();
 
@@ -57,7 +59,7 @@ class Listener {
     std::thread thread;
   };
 
-  Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge);
+  Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge, ConnectionMeter& meter);
   static std::vector<std::unique_ptr<Loop>> MakeLoops();
   absl::Status Listen(const std::string& listen);
   void Await(Acceptor& acceptor);
@@ -71,6 +73,7 @@ class Listener {
 
   const Tls* const tls_;
   const std::unique_ptr<CallBridge> bridge_;
+  ConnectionMeter& meter_;
   const int most_descriptors_;
   std::vector<std::unique_ptr<Loop>> loops_;
   std::vector<Acceptor> acceptors_;  // on the first loop

@@ -1,6 +1,6 @@
-// Counts calls and how long they took, by method and code, and those under way. Thread-safe; a call
-// costs two atomic additions and the short lock that prometheus-cpp puts around a histogram, which
-// calls of one method share.
+// Counts calls and how long they took, by method and code, and those under way, and connections.
+// Thread-safe; a call costs two atomic additions and the short lock that prometheus-cpp puts around
+// a histogram, which calls of one method share.
 #pragma once
 
 #include <prometheus/registry.h>
@@ -99,6 +99,14 @@ class CallMeter {
   std::map<std::string, std::unique_ptr<Method>, std::less<>> methods_;  // constant after the start
   std::atomic<int> open_{0};
   std::atomic<int> open_streams_{0};
+};
+
+// Counts clients' connections.
+struct ConnectionMeter {
+  std::atomic<int> open = 0;
+  std::atomic<std::int64_t> refused =
+      0;                                // for lack of descriptors, or as one too many of an address
+  std::atomic<std::int64_t> ended = 0;  // by the server, for what the client sent
 };
 
 }  // namespace motiondb::server

@@ -77,6 +77,14 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_serving",
                "1 while the server takes calls; 0 while it starts or drains.",
                figures.phase == Phase::kServing ? 1 : 0);
+  families.Add(MetricType::Gauge, "motiondb_open_connections", "Connections of clients.",
+               figures.open_connections);
+  families.Add(MetricType::Counter, "motiondb_refused_connections_total",
+               "Connections refused: no descriptor, or too many of one address.",
+               static_cast<double>(figures.refused_connections));
+  families.Add(MetricType::Counter, "motiondb_ended_connections_total",
+               "Connections that the server ended for what the client sent.",
+               static_cast<double>(figures.ended_connections));
   families.Add(MetricType::Gauge, "motiondb_open_requests", "Calls under way, streams among them.",
                figures.open_calls);
   families.Add(MetricType::Gauge, "motiondb_open_streams", "Streams of frames under way.",

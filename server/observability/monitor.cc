@@ -76,6 +76,9 @@ ServerFigures Monitor::Figures() const {
                         .failed_calls = calls_.failed(),
                         .methods = calls_.Methods(),
                         .authentication_failures = calls_.authentication_failures(),
+                        .open_connections = connections_.open,
+                        .refused_connections = connections_.refused,
+                        .ended_connections = connections_.ended,
                         .open_calls = calls_.open(),
                         .open_streams = calls_.open_streams(),
                         .process = ReadProcessFigures()};

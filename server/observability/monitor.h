@@ -35,6 +35,7 @@ class Monitor {
   explicit Monitor(MonitorOptions options);
 
   CallMeter& calls() { return calls_; }
+  ConnectionMeter& connections() { return connections_; }
   std::chrono::milliseconds slow_call() const { return options_.slow_call; }
 
   // How clients reach the server; said once, before it serves.
@@ -67,6 +68,7 @@ class Monitor {
   const std::int64_t start_time_us_;
   prometheus::Registry registry_;
   CallMeter calls_;
+  ConnectionMeter connections_;
   std::atomic<Phase> phase_ = Phase::kStarting;
   std::atomic<bool> encrypted_ = false;
   std::atomic<bool> authenticated_ = false;

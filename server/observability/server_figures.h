@@ -44,6 +44,9 @@ struct ServerFigures {
   std::int64_t failed_calls = 0;       // by the server's own fault
   std::vector<MethodFigures> methods;  // of which calls have ended, in order of name
   std::int64_t authentication_failures = 0;
+  int open_connections = 0;
+  std::int64_t refused_connections = 0;  // see ConnectionMeter
+  std::int64_t ended_connections = 0;
   int open_calls = 0;
   int open_streams = 0;
   QueueLengths queued;

@@ -67,9 +67,10 @@ constexpr char kListDatabases[] = "/motiondb.v1.DatabaseService/ListDatabases";
 
 TEST_CASE("Listener: an address that another has is reported", "[server][http2]") {
   TestServer server;
-  const auto again = server::Listener::Start(server.server().address(), nullptr, nullptr);
+  server::ConnectionMeter meter;
+  const auto again = server::Listener::Start(server.server().address(), nullptr, nullptr, meter);
   CHECK(absl::IsUnavailable(again.status()));
-  CHECK(absl::IsNotFound(server::Listener::Start("192.0.2.1:0", nullptr, nullptr).status()));
+  CHECK(absl::IsNotFound(server::Listener::Start("192.0.2.1:0", nullptr, nullptr, meter).status()));
 }
 
 TEST_CASE("Listener: what is not HTTP/2 is closed", "[server][http2]") {
@@ -129,12 +130,16 @@ TEST_CASE("Listener: a connection that fails as its calls begin is let go", "[se
   const std::string call =
       Http2Frame(1, 4, 1, CallHeaders(kListDatabases)) + Http2Frame(0, 1, 1, std::string(5, '\0'));
   const std::string wrong = Http2Frame(0, 0, 0, "data of no stream");
+  const auto figures = [&] { return server.server().monitor().Figures(); };
+  CHECK(figures().open_connections == 0);
   for (int i = 0; i < 20; ++i) {
     Client client(server.server().address());
     client.Send(kHttp2Preface + kHttp2Settings + call + wrong);
     CHECK_THAT(client.ReadAll(), Catch::Matchers::Contains("DATA: stream_id == 0"));
   }
   server.CreateDatabase("db");
+  CHECK(figures().ended_connections == 20);
+  CHECK(figures().open_connections == 1);
 }
 
 TEST_CASE("Listener: a call of a method that nobody has, and none of gRPC", "[server][http2]") {

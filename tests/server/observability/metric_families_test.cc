@@ -59,13 +59,19 @@ TEST_CASE("MetricFamilies: failed writes by reason, and heavy calls", "[server][
   CHECK_THAT(Text({}), Contains("motiondb_store_failed_writes_total{reason=\"no_space\"} 0\n") &&
                            Contains("motiondb_running_heavy_calls 0\n"));
   const std::string text =
-      Text({.running_heavy_calls = 2,
+      Text({.open_connections = 3,
+            .refused_connections = 5,
+            .ended_connections = 7,
+            .running_heavy_calls = 2,
             .write_failures = {.no_space = 4, .io_error = 3, .corruption = 2, .other = 1}});
   CHECK_THAT(text, Contains("motiondb_store_failed_writes_total{reason=\"no_space\"} 4\n") &&
                        Contains("motiondb_store_failed_writes_total{reason=\"io_error\"} 3\n") &&
                        Contains("motiondb_store_failed_writes_total{reason=\"corruption\"} 2\n") &&
                        Contains("motiondb_store_failed_writes_total{reason=\"other\"} 1\n") &&
-                       Contains("motiondb_running_heavy_calls 2\n"));
+                       Contains("motiondb_running_heavy_calls 2\n") &&
+                       Contains("motiondb_open_connections 3\n") &&
+                       Contains("motiondb_refused_connections_total 5\n") &&
+                       Contains("motiondb_ended_connections_total 7\n"));
 }
 
 TEST_CASE("MetricFamilies: the end of the certificate, 0 without one", "[server][metrics]") {

@@ -119,8 +119,10 @@ class HeldClip {
     thread_ = std::jthread([&] { added_ = store.AddClip(clip_).ok(); });
   }
   void AwaitHeld() { held_.get_future().wait(); }
-  void LetGo() {
-    go_.set_value();
+  void LetGo() { go_.set_value(); }
+  // Once no other clip is held: whose clip another thread wrote has its answer when the writer is
+  // free.
+  void Join() {
     thread_.join();
     CHECK(added_);
   }
@@ -145,7 +147,7 @@ TEST_CASE("SqliteMotionStore: whoever gave up waits for who took up its clip, an
   clip.cancelled = [&] { return given_up.load(); };
   std::future<absl::Status> told;
   WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
-    // In the order in which they come: `taker` takes up `clip`, which is after it.
+    // As a rule in the order in which they come: `taker` takes up `clip`, which is after it.
     taker.Add(*store);
     std::this_thread::sleep_for(std::chrono::milliseconds(50));
     told = std::async(std::launch::async, [&] { return store->AddClip(clip).status(); });
@@ -160,6 +162,8 @@ TEST_CASE("SqliteMotionStore: whoever gave up waits for who took up its clip, an
   next.AwaitHeld();
   CHECK(told.wait_for(std::chrono::seconds(20)) == std::future_status::ready);
   next.LetGo();
+  taker.Join();
+  next.Join();
   const absl::Status status = told.get();
   CHECK(store->GetClip("d", "clip").ok() == status.ok());
 }

@@ -50,9 +50,11 @@ void LogGrpc() {
 }
 
 // Whatever it makes is its owner's alone, and who reads what it prints may go away. Large arrays of
-// calls go back to the system when they are freed; by default glibc keeps ever larger ones.
+// calls go back to the system when they are freed; by default glibc keeps ever larger ones. Arrays
+// of a usual ingest are reused: to give them back takes a tenth of its time.
 void SetUpProcess() {
-  mallopt(M_MMAP_THRESHOLD, 256 << 10);
+  mallopt(M_MMAP_THRESHOLD, 2 << 20);
+  mallopt(M_TRIM_THRESHOLD, 4 << 20);
   RaiseDescriptorLimit();
   SaveAddressSpace();
   umask(0077);

@@ -3,6 +3,8 @@
 #include <catch2/catch.hpp>
 #include <charconv>
 #include <random>
+#include <sstream>
+#include <string>
 
 #include "core/format/text_encoding.h"
 #include "core/format/unique_names.h"
@@ -13,6 +15,24 @@ using core::IsKeyword;
 using core::ParseNumber;
 using core::TextScanner;
 using core::ToUtf8;
+
+TEST_CASE("CountWords: as a stream reads them", "[core][format]") {
+  std::mt19937 random(5);
+  const std::string letters = "ab7.-# \t\n\r\v\f\x1f\x80\xff";
+  for (int round = 0; round < 300; ++round) {
+    std::string text(random() % 1200, ' ');
+    // Long words, long gaps, and both alike.
+    const std::size_t first = round % 3 == 0 ? 6 : 0;
+    const std::size_t count = round % 3 == 1 ? 7 : letters.size() - first;
+    for (char& c : text) c = letters[first + random() % count];
+    std::istringstream stream(text);
+    std::size_t words = 0;
+    for (std::string word; stream >> word;) ++words;
+    CAPTURE(text);
+    REQUIRE(core::CountWords(text) == words);
+  }
+  CHECK(core::CountWords("a " + std::string(1000, ' ') + "b") == 2);
+}
 
 TEST_CASE("ParseNumber: every form that motion files write", "[core][format]") {
   CHECK(ParseNumber("0") == 0.0);

@@ -18,7 +18,11 @@ constexpr std::array<double, 16> kPowersOfTen = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool IsLineEnd(char c) { return c == '\n' || c == '\r'; }
-bool IsSpace(char c) { return IsBlank(c) || IsLineEnd(c); }
+// IsBlank or IsLineEnd, without a branch: compilers make vectors of loops over it.
+bool IsSpace(char c) {
+  const auto from_tab = static_cast<unsigned char>(c - '\t');
+  return (static_cast<int>(c == ' ') | static_cast<int>(from_tab <= '\r' - '\t')) != 0;
+}
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -80,20 +84,14 @@ bool IsKeyword(std::string_view token, std::string_view lower_case_keyword) {
 
 std::size_t CountWords(std::string_view text) {
   if (text.empty()) return 0;
-  // Without branches, and counted in bytes for a block at a time: compilers make vectors of it.
-  const auto is_space = [](char c) {  // as IsSpace
-    return static_cast<unsigned>(c == ' ') |
-           static_cast<unsigned>(static_cast<unsigned char>(c - '\t') <= '\r' - '\t');
-  };
-  constexpr std::size_t kBlock = 255;
-  std::size_t words = 1 - is_space(text.front());
+  constexpr std::size_t kBlock = 255;  // whose words a byte can count: vectors hold more bytes
+  std::size_t words = IsSpace(text.front()) ? 0 : 1;
   for (std::size_t begin = 1; begin < text.size(); begin += kBlock) {
     const std::size_t size = std::min(kBlock, text.size() - begin);
     const char* const here = text.data() + begin;
     std::uint8_t starts = 0;
     for (std::size_t i = 0; i < size; ++i) {
-      starts =
-          static_cast<std::uint8_t>(starts + (is_space(here[i - 1]) & ~is_space(here[i]) & 1U));
+      starts += static_cast<std::uint8_t>(IsSpace(here[i - 1]) > IsSpace(here[i]));
     }
     words += starts;
   }

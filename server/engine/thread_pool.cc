@@ -6,21 +6,10 @@
 
 namespace motiondb::server {
 
-ThreadPool::ThreadPool(int threads) {
-  try {
-    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { Run(); });
-  } catch (...) {
-    Stop();
-    throw;
-  }
-}
-
-ThreadPool::~ThreadPool() { Stop(); }
-
-void ThreadPool::Run() {
+void RunHandlers(boost::asio::io_context& context) {
   while (true) {
     try {
-      context_.run();
+      context.run();
       return;
     } catch (const std::exception& error) {
       // Work that can fail catches what it throws: this is the last resort, so that one handler
@@ -29,6 +18,17 @@ void ThreadPool::Run() {
     }
   }
 }
+
+ThreadPool::ThreadPool(int threads) {
+  try {
+    for (int i = 0; i < threads; ++i) threads_.emplace_back([this] { RunHandlers(context_); });
+  } catch (...) {
+    Stop();
+    throw;
+  }
+}
+
+ThreadPool::~ThreadPool() { Stop(); }
 
 void ThreadPool::Join() {
   has_work_.reset();

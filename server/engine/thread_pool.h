@@ -9,6 +9,10 @@
 
 namespace motiondb::server {
 
+// Runs handlers on the calling thread until the context has no more work or is stopped. What a
+// handler throws is logged, and costs what it did alone.
+void RunHandlers(boost::asio::io_context& context);
+
 class ThreadPool {
  public:
   using Executor = boost::asio::io_context::executor_type;
@@ -29,8 +33,6 @@ class ThreadPool {
   void Stop();
 
  private:
-  void Run();
-
   boost::asio::io_context context_;
   boost::asio::executor_work_guard<Executor> has_work_{context_.get_executor()};
   std::vector<std::thread> threads_;

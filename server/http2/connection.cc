@@ -112,12 +112,16 @@ void Connection::Serve(Turn turn) {
 void Connection::Leave() {
   if (closed_ || leaving_.has_value()) return;
   leaving_ = Clock::now();
+  LetGoOfStreams();
+  unsent_.clear();
+  bytes_.EndWriting();
+}
+
+void Connection::LetGoOfStreams() {
   for (const auto& [id, stream] : streams_) stream->Detach();
   streams_.clear();
   beginning_.clear();  // they keep the connection, too
   calls_ = 0;
-  unsent_.clear();
-  bytes_.EndWriting();
 }
 
 void Connection::DropInput() {
@@ -251,10 +255,7 @@ void Connection::Drain() {
 
 void Connection::Close() {
   if (std::exchange(closed_, true)) return;
-  for (const auto& [id, stream] : streams_) stream->Detach();
-  streams_.clear();
-  beginning_.clear();  // they keep the connection, too
-  calls_ = 0;
+  LetGoOfStreams();
   bytes_.Close();
   on_closed_(shared_from_this(), reason_);
 }

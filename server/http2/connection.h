@@ -24,9 +24,10 @@
 #include "server/http2/byte_stream.h"
 #include "server/http2/call_stream.h"
 #include "server/http2/frame_guard.h"
-#include "server/http2/session.h"
 
 namespace motiondb::server {
+
+using Session = std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)>;
 
 class Connection final : public StreamHost, public std::enable_shared_from_this<Connection> {
  public:
@@ -64,6 +65,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   void Serve(Turn turn = Turn::kReadAndWrite);
   void FlushSoon();
   void Leave();
+  void LetGoOfStreams();
   void DropInput();
   bool ReadSome();
   bool WriteSome();
@@ -103,5 +105,10 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   std::int64_t calls_begun_ = 0;
   std::size_t chunk_ = 4096;  // to read next
 };
+
+// The HTTP/2 session of a connection, of a server: libnghttp2 with its options and its callbacks,
+// which hand headers and data to the connection's streams (session.cc). What it took is
+// acknowledged by nghttp2_session_consume. The connection outlives it. Throws std::bad_alloc.
+Session NewSession(Connection& connection);
 
 }  // namespace motiondb::server

@@ -9,11 +9,11 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
-#include <exception>
 #include <new>
 #include <utility>
 
 #include "core/motion/error.h"
+#include "server/engine/thread_pool.h"
 #include "server/observability/listen_on.h"
 #include "server/security/tls.h"
 
@@ -51,18 +51,6 @@ tcp::endpoint Plain(const tcp::endpoint& client) {
           client.port()};
 }
 
-// Until there is no more to do. What a handler throws, for lack of memory, costs what it did alone.
-void Run(boost::asio::io_context& context) {
-  while (true) {
-    try {
-      context.run();
-      return;
-    } catch (const std::exception& error) {
-      spdlog::error("listener: handler failed: error='{}'", error.what());
-    }
-  }
-}
-
 // As gRPC names a peer.
 std::string PeerOf(const tcp::endpoint& client) {
   const std::string address = client.address().to_string();
@@ -87,7 +75,7 @@ absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& lis
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
   for (const auto& loop : listener->loops_) {
     listener->Tick(*loop);
-    loop->thread = std::thread([&context = loop->context] { Run(context); });
+    loop->thread = std::thread([&context = loop->context] { RunHandlers(context); });
   }
   return listener;
 }

@@ -1,5 +1,4 @@
-#include "server/http2/session.h"
-
+// How libnghttp2 hands a client's headers and data to the streams of its connection.
 #include <new>
 #include <utility>
 

@@ -105,8 +105,9 @@ class CallMeter {
 struct ConnectionMeter {
   std::atomic<int> open = 0;
   std::atomic<std::int64_t> refused =
-      0;                                // for lack of descriptors, or as one too many of an address
-  std::atomic<std::int64_t> ended = 0;  // by the server, for what the client sent
+      0;  // for lack of descriptors, or as one too many of an address
+  std::atomic<std::int64_t> ended =
+      0;  // by the server, for what a client sent or for lack of memory
 };
 
 }  // namespace motiondb::server

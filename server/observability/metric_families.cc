@@ -83,7 +83,7 @@ void AddServer(const ServerFigures& figures, Families& families) {
                "Connections refused: no descriptor, or too many of one address.",
                static_cast<double>(figures.refused_connections));
   families.Add(MetricType::Counter, "motiondb_ended_connections_total",
-               "Connections that the server ended for what the client sent.",
+               "Connections that the server ended: a fault of the client, or no memory.",
                static_cast<double>(figures.ended_connections));
   families.Add(MetricType::Gauge, "motiondb_open_requests", "Calls under way, streams among them.",
                figures.open_calls);

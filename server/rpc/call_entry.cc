@@ -7,6 +7,7 @@
 #include "server/engine/clock.h"
 #include "server/observability/log_fields.h"
 #include "server/rpc/call_evidence.h"
+#include "server/rpc/call_memory.h"
 #include "server/rpc/run_handler.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
@@ -27,8 +28,6 @@ constexpr std::int64_t kSmall = 64 << 10;  // of which there may be as many as t
 constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
 using TimePoint = std::chrono::system_clock::time_point;
-
-double Mebibytes(std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 

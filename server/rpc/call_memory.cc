@@ -7,11 +7,6 @@
 #include "server/translate/retry_info.h"
 
 namespace motiondb::server {
-namespace {
-
-double Mebibytes(std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
-
-}  // namespace
 
 CallMemory::Reservation::~Reservation() { Resize(0).IgnoreError(); }
 

@@ -13,6 +13,9 @@
 
 namespace motiondb::server {
 
+// As messages show it.
+inline double Mebibytes(std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
+
 class CallMemory {
  public:
   // Memory of one call and client; released when it is destroyed. Used by one thread at a time.

@@ -19,25 +19,25 @@ if(MOTIONDB_SANITIZE)
 endif()
 
 # Headers that most files include and that take the compiler longest, compiled once for all libraries
-# and once for all tests. Those compile with their targets' options: a precompiled header holds for
-# files with the same.
+# and once for all tests. A precompiled header needs the same options in every target that uses it,
+# so each of them links the libraries of these headers.
+set(MOTIONDB_PRECOMPILED_DEPENDS PkgConfig::Eigen3 absl::status absl::statusor fmt::fmt)
 function(motiondb_precompiled_headers name)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cc)
   file(CONFIGURE OUTPUT ${source} CONTENT "// A target needs a source.\n")
-  cmake_parse_arguments(arg "" "" "HEADERS;DEPENDS" ${ARGN})
   add_library(${name} OBJECT ${source})
-  target_link_libraries(${name} PRIVATE ${arg_DEPENDS})
+  target_link_libraries(${name} PRIVATE ${MOTIONDB_PRECOMPILED_DEPENDS})
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
-  target_precompile_headers(${name} PRIVATE ${arg_HEADERS})
+  target_precompile_headers(${name} PRIVATE ${ARGN})
 endfunction()
 
-# GLUE, of a library, a program or a test: what it does with gRPC, protobuf, Asio or CLI11 takes a
-# compiler a fraction of the time that their headers take. So it is compiled twelve files at a time, and for a
-# sanitizer, which makes every line of the headers dearer, not optimised. Other targets have the
-# precompiled headers.
+# GLUE marks a library, a program or a test that uses gRPC, protobuf, Asio or CLI11. The headers of
+# these libraries take most of its compile time. So it is compiled twelve files at a time, and under a
+# sanitizer without optimisation. Other targets use the precompiled headers.
 function(motiondb_compile name glue precompiled)
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
   if(NOT glue)
+    target_link_libraries(${name} PRIVATE ${MOTIONDB_PRECOMPILED_DEPENDS})
     target_precompile_headers(${name} REUSE_FROM ${precompiled})
     return()
   endif()

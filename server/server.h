@@ -10,8 +10,7 @@
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
 #include "server/observability/monitor.h"
-#include "server/rpc/call_limits.h"
-#include "server/security/security_options.h"
+#include "server/server_options.h"
 
 namespace grpc {
 class Server;
@@ -26,14 +25,6 @@ class HealthWatch;
 class Listener;
 class SilenceLimit;
 class Tls;
-
-struct ServerOptions {
-  std::string listen = "127.0.0.1:50051";  // port 0: a free one
-  int max_message_bytes = 16 << 20;        // largest request taken; a query may carry a whole file
-  CallLimitOptions calls;
-  SecurityOptions security;
-  EngineOptions engine;
-};
 
 // Thread-safe. Owns the store, all threads and the socket.
 class Server {

@@ -22,6 +22,10 @@
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
 
+namespace motiondb::core {
+class Model;
+}
+
 namespace motiondb::storage {
 
 // One page of a list, in ascending order of a key: those after `after` (empty: from the start), at

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "core/format/motion_file.h"
-#include "core/model/model.h"
+#include "core/format/file_format.h"
+#include "core/model/build_settings.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/skeleton.h"
 #include "core/motion/states.h"

@@ -3,11 +3,12 @@
 #pragma once
 
 #include "absl/status/status.h"
-#include "core/model/model.h"
 #include "core/model/model_builder.h"
 #include "core/tree/parallel.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Calibrates a model that was built and is not yet shared. Bounded work: at most some hundred
 // stored clips are asked about. The same model for any number of threads. CANCELLED if `progress`

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 
 std::vector<bool> LeftOutWith(const Model& model, int held_out) {

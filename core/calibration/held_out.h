@@ -4,10 +4,11 @@
 
 #include <vector>
 
-#include "core/model/model.h"
 #include "core/motion/states.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Which clips are left out with a stored clip: all that its subject did, where the subject is known
 // and others did the same, so that labels are not known by who moves; else the clip alone.

@@ -2,10 +2,11 @@
 // Pure functions; safe to call from any thread.
 #pragma once
 
-#include "core/model/model.h"
 #include "core/tree/parallel.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct ModelDifference {
   int bottom_nodes_before = 0;

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/model/model_builder.h"
 #include "core/tree/parallel.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Predicts at some two hundred moments at most, spread evenly over the clips, each without the clip
 // it is of, and at some of them again without the second around them alone, for motion is often

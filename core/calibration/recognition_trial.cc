@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "core/calibration/held_out.h"
 #include "core/calibration/trials.h"
 #include "core/model/even_spread.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/past.h"
 #include "core/recognition/label_evidence.h"
@@ -24,6 +26,11 @@ constexpr double kWindowSeconds = 0.4;
 constexpr double kApart = 0.2;  // s from window to window: what overlaps more says little more
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
+
+// The most comparisons of a frame of a beginning with a frame of the model. The alignment compares
+// every pair, so the cost of a beginning is proportional to its length times the size of the model.
+constexpr double kMostComparisons = 2.5e11;
+constexpr int kFewestWhole = 8;
 
 // What held-out observations gave.
 struct Judged {
@@ -90,6 +97,13 @@ void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& ca
 
 }  // namespace
 
+int ClipsTriedWhole(int clips, double frames) {
+  const double shares = std::accumulate(std::begin(kBeginnings), std::end(kBeginnings), 0.0);
+  const double comparisons_of_clip = shares * (frames / clips) * frames;
+  const double affordable = kMostComparisons / comparisons_of_clip;
+  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostClips));
+}
+
 absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
                                                             const ParallelFor& parallel,
                                                             const BuildProgress& progress) {
@@ -101,7 +115,8 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   const int windows_each = std::max(1, kMostWindows / count);
   const double rate = model.settings().frame_rate_hz;
   const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
-
+  const std::vector<int> whole_clips = SpreadEvenly(
+      count, ClipsTriedWhole(static_cast<int>(model.clips().size()), model.frame_count()));
   std::vector<Judged> windows(clips.size());
   std::vector<Judged> whole(clips.size());
   const auto judge = [&](int i) {
@@ -114,6 +129,8 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     windows[i] = held_out.Windows(model.states().middleRows(clip.first_frame, frames),
                                   SpreadEvenly(frames - width + 1, std::min(windows_each, apart)),
                                   width, false);
+
+    if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
     for (const double share : kBeginnings) {
       const int seen =
           std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/inference/observation.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

@@ -6,10 +6,12 @@
 #include "absl/status/statusor.h"
 #include "core/estimation/missing_markers.h"
 #include "core/inference/node_path.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/states.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct EstimateOptions {
   NodePathOptions search;

@@ -8,6 +8,7 @@
 
 #include "core/estimation/local_regression.h"
 #include "core/inference/exemplars.h"
+#include "core/model/model.h"
 
 namespace motiondb::core {
 namespace {

@@ -7,10 +7,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/states.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // A frame of which markers were missing.
 struct FilledFrame {

@@ -9,14 +9,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/format/file_format.h"
 #include "core/motion/motion.h"
 
 namespace motiondb::core {
-
-enum class FileFormat { kBvh, kAmc, kTrc, kC3d };
-
-// The format that a file's extension names (any case). INVALID_ARGUMENT lists those known.
-absl::StatusOr<FileFormat> FormatOfPath(std::string_view path);
 
 enum class UpAxis { kX, kY, kZ, kMinusX, kMinusY, kMinusZ };
 

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 namespace {
 

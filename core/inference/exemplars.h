@@ -4,9 +4,10 @@
 #include <vector>
 
 #include "core/inference/lattice.h"
-#include "core/model/model.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Stored frames [first, end).
 struct FrameRange {

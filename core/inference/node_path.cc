@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/patience.h"
 

@@ -6,10 +6,12 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/lattice.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/matrix.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct NodePathOptions {
   int layer = 0;  // where to stop; 0 is the bottom layer

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

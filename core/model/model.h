@@ -9,6 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/graph/transition_graph.h"
+#include "core/model/build_settings.h"
 #include "core/model/clip_index.h"
 #include "core/model/familiarity.h"
 #include "core/model/metric_frames.h"
@@ -25,13 +26,6 @@
 #include "core/tree/tree.h"
 
 namespace motiondb::core {
-
-// How a database's models are built. Fixed when the database is created.
-struct BuildSettings {
-  double frame_rate_hz = 60;
-  int min_frames = 16;  // fewest frames of a node (section III-B)
-  Scaling scaling = Scaling::kKind;
-};
 
 // A clip as the model knows it: a run of frames.
 struct ModelClip {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/model/model.h"
 #include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {

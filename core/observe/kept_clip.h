@@ -7,12 +7,13 @@
 #include <span>
 #include <vector>
 
-#include "core/model/model.h"
 #include "core/observe/metric_window.h"
 #include "core/recognition/clip_alignment.h"
 #include "core/recognition/path_sum.h"
 
 namespace motiondb::core {
+
+class Model;
 
 class KeptClip {
  public:

@@ -1,5 +1,6 @@
 #include "core/observe/metric_window.h"
 
+#include "core/model/model.h"
 #include "core/recognition/unseen_dimensions.h"
 #include "core/tree/row_kernels.h"
 

@@ -6,11 +6,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/model.h"
 #include "core/observe/observed_states.h"
 #include "core/recognition/shortlist.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct MetricFrame {
   // Of what it was made: it is made anew once the frame is finished.

@@ -6,6 +6,8 @@
 #include <limits>
 #include <span>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 namespace {
 

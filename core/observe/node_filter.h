@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "core/inference/lattice.h"
-#include "core/model/model.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // alpha_t(j) = e_t(j) sum_i alpha_{t-1}(i) P(i -> j), made to sum to 1. The candidates j of a frame
 // are found as DescendTree finds them (core/inference/node_path.h), except that it is the frame's

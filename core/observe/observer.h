@@ -16,7 +16,6 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/inference/lattice.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/matrix.h"
@@ -28,6 +27,8 @@
 #include "core/recognition/recognize.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct ObserverOptions {
   double window_seconds = 0.4;          // labels and familiarity

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
 #include "core/observe/kept_clip.h"
 #include "core/observe/metric_window.h"
@@ -17,6 +16,8 @@
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // A frame is brought into the metric and compared with the index's nodes and the shortlisted clips
 // once, when an answer first needs it, and once more when it is finished. What is left for an

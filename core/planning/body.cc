@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

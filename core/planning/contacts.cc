@@ -6,6 +6,8 @@
 #include <numeric>
 #include <optional>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 namespace {
 

@@ -5,9 +5,11 @@
 #include <array>
 #include <vector>
 
-#include "core/model/model.h"
+#include "core/motion/matrix.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // One foot: its leg, and the markers of the set that move with it.
 struct Foot {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/model.h"
 #include "core/planning/foot_hold.h"
 #include "core/planning/smoothing.h"
 

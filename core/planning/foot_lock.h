@@ -2,6 +2,7 @@
 // Safe to call from any thread.
 #pragma once
 
+#include "core/motion/matrix.h"
 #include "core/planning/contacts.h"
 
 namespace motiondb::core {

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/model.h"
-
 namespace motiondb::core {
+
+class Model;
 
 class Jolts {
  public:

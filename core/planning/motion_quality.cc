@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/model/model.h"
 #include "core/motion/forward_kinematics.h"
 
 namespace motiondb::core {

@@ -7,6 +7,7 @@
 
 #include "core/kinematics/inverse_kinematics.h"
 #include "core/kinematics/joint_limits.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/root_correction.h"
 

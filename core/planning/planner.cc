@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/inference/node_path.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/body.h"
 #include "core/planning/performance.h"

@@ -2,11 +2,12 @@
 #pragma once
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/motion/marker_set.h"
 #include "core/planning/plan.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Searches for stored motion from the start to the goal, and makes one motion of it: segments
 // blended at their joins, the end corrected by at most 5 % of the length, feet kept where they

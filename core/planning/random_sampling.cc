@@ -7,6 +7,7 @@
 
 #include "core/inference/node_path.h"
 #include "core/kinematics/root_velocity.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/root_correction.h"
 #include "core/planning/seeded.h"

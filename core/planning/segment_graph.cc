@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 namespace {
 

@@ -10,11 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "core/model/model.h"
 #include "core/planning/jolts.h"
 #include "core/planning/splice.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Frames of one clip in one node of the coarse layer, at most a quarter of a second of them.
 struct Run {

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/kinematics/rigid_fit.h"
+#include "core/model/model.h"
 
 namespace motiondb::core {
 namespace {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/inference/observation.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

@@ -5,10 +5,11 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/planning/plan.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // A stored frame to go on from, and the state that the motion really begins in, which fades into
 // it.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/model.h"
+
 namespace motiondb::core {
 
 StoredFloor::StoredFloor(const Model& model, double leg_length_m)

@@ -5,10 +5,11 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "core/model/model.h"
 #include "core/planning/floor_pose.h"
 
 namespace motiondb::core {
+
+class Model;
 
 class StoredFloor {
  public:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/model.h"
 #include "core/planning/ease.h"
 #include "core/planning/foot_lock.h"
 

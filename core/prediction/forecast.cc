@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/inference/observation.h"
+#include "core/model/model.h"
 #include "core/model/pose_history.h"
 #include "core/motion/error.h"
 #include "core/motion/mirror.h"

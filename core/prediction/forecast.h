@@ -9,11 +9,15 @@
 #include "absl/status/statusor.h"
 #include "core/inference/exemplars.h"
 #include "core/inference/node_path.h"
-#include "core/model/model.h"
+#include "core/model/motion_prior.h"
+#include "core/model/prediction_confidence.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/states.h"
 #include "core/prediction/exemplar_process.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // A moment of stored motion, as it was or in a mirror.
 struct StoredMoment {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/model/model.h"
 #include "core/motion/patience.h"
 
 namespace motiondb::core {

@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "core/inference/lattice.h"
-#include "core/model/model.h"
 
 namespace motiondb::core {
+
+class Model;
 
 class NodeForecaster {
  public:

@@ -9,6 +9,7 @@
 #include "core/estimation/missing_markers.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
 #include "core/motion/past.h"

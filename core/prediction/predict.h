@@ -8,10 +8,12 @@
 #include "core/estimation/estimate.h"
 #include "core/inference/exemplars.h"
 #include "core/inference/method.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/states.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct PredictOptions {
   Method method = Method::kBest;

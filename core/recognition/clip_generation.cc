@@ -6,6 +6,7 @@
 #include "core/graph/generation.h"
 #include "core/inference/lattice.h"
 #include "core/inference/log_sum.h"
+#include "core/model/model.h"
 
 namespace motiondb::core {
 namespace {

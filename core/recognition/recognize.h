@@ -7,10 +7,12 @@
 
 #include "absl/status/statusor.h"
 #include "core/inference/method.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/states.h"
 
 namespace motiondb::core {
+
+class Model;
 
 enum class Generation { kExact, kTopPaths };
 

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/model/even_spread.h"
+#include "core/model/model.h"
 #include "core/model/squared_distances.h"
 
 namespace motiondb::core {

@@ -5,9 +5,13 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/model/model.h"
+#include "core/model/clip_index.h"
+#include "core/model/motion_metric.h"
+#include "core/motion/matrix.h"
 
 namespace motiondb::core {
+
+class Model;
 
 // Clips on a list at most.
 inline constexpr std::size_t kMostShortlisted = 64;

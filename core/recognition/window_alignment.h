@@ -4,11 +4,12 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
 #include "core/motion/cancellation.h"
 #include "core/recognition/metric_observation.h"
 
 namespace motiondb::core {
+
+class Model;
 
 struct ClipEvidence {
   int clip = 0;             // index into Model::clips()

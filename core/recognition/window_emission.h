@@ -4,9 +4,11 @@
 #pragma once
 
 #include "core/graph/generation.h"
-#include "core/model/model.h"
+#include "core/motion/matrix.h"
 
 namespace motiondb::core {
+
+class Model;
 
 class WindowEmission {
  public:

@@ -6,6 +6,7 @@
 
 #include "core/model/extend_model.h"
 #include "core/motion/error.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::server {
 

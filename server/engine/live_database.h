@@ -13,18 +13,15 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "core/model/model.h"
+#include "core/model/build_settings.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
 #include "server/engine/options.h"
 #include "storage/records.h"
 
 namespace motiondb::server {
 
-// A model with its version and figures. Immutable; queries share it and hold on to it.
-struct Snapshot {
-  storage::ModelRecord record;
-  core::Model model;
-};
+struct Snapshot;
 
 // How much is stored, in the model or not; or how much more or less.
 struct StoredAmount {

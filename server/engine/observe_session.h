@@ -9,6 +9,7 @@
 #include "absl/status/statusor.h"
 #include "core/observe/observer.h"
 #include "server/engine/engine.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::server {
 

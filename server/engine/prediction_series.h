@@ -8,6 +8,7 @@
 #include "absl/status/statusor.h"
 #include "core/prediction/predict.h"
 #include "server/engine/live_database.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::server {
 

@@ -8,6 +8,7 @@
 #include "server/engine/engine.h"
 #include "server/engine/extend.h"
 #include "server/engine/purge.h"
+#include "server/engine/snapshot.h"
 #include "storage/cancellable_lock.h"
 #include "storage/read_scope.h"
 

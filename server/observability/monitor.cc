@@ -10,6 +10,7 @@
 
 #include "server/engine/clock.h"
 #include "server/engine/engine.h"
+#include "server/engine/snapshot.h"
 #include "server/observability/metric_families.h"
 
 namespace motiondb::server {

@@ -4,6 +4,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/model.grpc.pb.h"
+#include "server/engine/snapshot.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"

@@ -5,6 +5,7 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/database.pb.h"
+#include "server/engine/snapshot.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/plain_text.h"
 #include "server/translate/resource_name.h"

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 
+#include "core/model/model.h"
 #include "motiondb/v1/model.pb.h"
+#include "server/engine/snapshot.h"
 #include "server/translate/packed_floats.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/scaling.h"

@@ -4,9 +4,12 @@
 #include <string>
 
 #include "absl/status/status.h"
-#include "core/model/model.h"
 #include "core/planning/plan.h"
 #include "server/translate/plan_body.h"
+
+namespace motiondb::core {
+class Model;
+}
 
 namespace motiondb::v1 {
 class PlanResponse;

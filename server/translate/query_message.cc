@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "core/model/model.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/resource_name.h"

@@ -4,8 +4,11 @@
 
 #include <cstdint>
 
-#include "core/model/model.h"
 #include "storage/records.h"
+
+namespace motiondb::core {
+class Model;
+}
 
 namespace motiondb::storage {
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
+#include "core/model/model.h"
 #include "storage/motion_store.h"
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/connection.h"

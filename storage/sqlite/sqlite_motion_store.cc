@@ -3,6 +3,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
 #include "storage/read_scope.h"

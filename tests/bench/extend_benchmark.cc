@@ -18,6 +18,7 @@
 #include "core/motion/error.h"
 #include "server/engine/clip_list.h"
 #include "server/engine/extend.h"
+#include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/large_store.h"

@@ -24,6 +24,7 @@
 #include "core/prediction/predict.h"
 #include "core/recognition/recognize.h"
 #include "server/engine/engine.h"
+#include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/large_store.h"

@@ -4,6 +4,7 @@
 #include <set>
 #include <span>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "tests/storage/samples.h"
 

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/model/model.h"
 #include "storage/motion_store.h"
 #include "tests/storage/in_memory_access_store.h"
 

@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/model/model.h"
 #include "tests/storage/motion_store_conformance.h"
 
 namespace motiondb::tests {

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/model/model.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/store_file.h"
 #include "tests/storage/old_store.h"

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/model/model.h"
 #include "storage/records.h"
 
 namespace motiondb::tests {

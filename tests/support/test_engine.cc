@@ -6,6 +6,7 @@
 #include <future>
 
 #include "server/engine/operation_wait.h"
+#include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 
 namespace motiondb::tests {

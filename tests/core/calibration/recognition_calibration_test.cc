@@ -6,6 +6,7 @@
 
 #include "core/calibration/calibrate.h"
 #include "core/calibration/held_out.h"
+#include "core/calibration/recognition_trial.h"
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
@@ -155,6 +156,16 @@ TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][c
   REQUIRE(core::Calibrate(two, core::Serially, {}).ok());
   CHECK_FALSE(two.recognition().window.familiarity.empty());
   CHECK(two.recognition().whole.weight.power == core::RecognitionCalibration{}.whole.weight.power);
+}
+
+TEST_CASE("ClipsTriedWhole: fewer of clips so long that all would take hours",
+          "[core][calibration]") {
+  CHECK(core::ClipsTriedWhole(1, 1) == 128);
+  CHECK(core::ClipsTriedWhole(344, 119'685) == 128);
+  CHECK(core::ClipsTriedWhole(2'000, 1e6) == 128);
+  CHECK(core::ClipsTriedWhole(500, 1e6) == 40);
+  CHECK(core::ClipsTriedWhole(100, 1e6) == 8);
+  CHECK(core::ClipsTriedWhole(1, 1e9) == 8);
 }
 
 TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][calibration]") {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/model/model.h"
+
 namespace motiondb::tests {
 namespace {
 

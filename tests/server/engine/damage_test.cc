@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "server/engine/snapshot.h"
 #include "tests/storage/damaged_store.h"
 #include "tests/support/test_engine.h"
 

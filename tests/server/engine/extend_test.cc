@@ -7,6 +7,7 @@
 
 #include "core/calibration/held_out.h"
 #include "core/recognition/recognize.h"
+#include "server/engine/snapshot.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {

@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "core/model/model.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/gated_store.h"
 

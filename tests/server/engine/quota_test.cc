@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "core/model/model.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/gated_store.h"
 #include "tests/support/test_engine.h"

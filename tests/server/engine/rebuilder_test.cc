@@ -5,6 +5,7 @@
 #include <thread>
 #include <vector>
 
+#include "server/engine/snapshot.h"
 #include "tests/support/captured_log.h"
 #include "tests/support/slow_store.h"
 #include "tests/support/test_engine.h"

@@ -5,6 +5,7 @@
 #include <string>
 #include <thread>
 
+#include "server/engine/snapshot.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests {

@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
+#include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/test_engine.h"
 

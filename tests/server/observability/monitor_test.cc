@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "core/model/model.h"
 #include "server/observability/call_watch.h"
 #include "tests/support/slow_store.h"
 #include "tests/support/temporary_directory.h"

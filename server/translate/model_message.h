@@ -6,6 +6,10 @@
 #include "core/graph/transition_graph.h"
 #include "server/engine/live_database.h"
 
+namespace motiondb::core {
+class Model;
+}  // namespace motiondb::core
+
 namespace motiondb::v1 {
 class Model;
 class Node;

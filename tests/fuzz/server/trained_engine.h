@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "server/engine/engine.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::tests {
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "core/model/model.h"
 #include "core/motion/error.h"
 #include "storage/motion_store.h"
 #include "tests/support/full_disk.h"

@@ -4,6 +4,7 @@
 #include <memory>
 #include <utility>
 
+#include "core/model/model.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/gated_store.h"
 

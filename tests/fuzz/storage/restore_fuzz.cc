@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "core/model/model.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/storage/changed_backup.h"

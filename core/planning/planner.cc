@@ -155,15 +155,14 @@ class Planner {
       answer_.missing = "the obstacles leave no way to the goal";
       return absl::OkStatus();
     }
-    SegmentGraph graph(model_, floor_, layer_, problem_.labels);
-    const SearchSettings settings = Settings();
     FoundPaths found;
-    MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(graph, field, settings, found));
+    MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
+        SegmentGraph(model_, floor_, layer_, problem_.labels, Likeness::kAlike), field, found));
     if (!found.reached && !time_up_) {
       // Nodes of a layer half way up hold more that is roughly alike.
-      SegmentGraph rough(model_, floor_, (layer_ + 1) / 2, problem_.labels,
-                         Likeness::kRoughlyAlike);
-      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(rough, field, settings, found));
+      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
+          SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.labels, Likeness::kRoughlyAlike),
+          field, found));
     }
     if (control_.search_over) control_.search_over();
     for (const FoundPath& path : found.paths) {
@@ -176,8 +175,8 @@ class Planner {
 
   // From one origin after the other until one leads to the goal. `best` becomes what does, or comes
   // nearer than it did.
-  absl::Status SearchFromOrigins(SegmentGraph& graph, const FloorField& field,
-                                 const SearchSettings& settings, FoundPaths& best) {
+  absl::Status SearchFromOrigins(SegmentGraph graph, const FloorField& field, FoundPaths& best) {
+    const SearchSettings settings = Settings();
     answer_.effort.complete = true;
     for (std::size_t i = 0; i < origins_.size() && !best.reached && !time_up_; ++i) {
       MOTIONDB_ASSIGN_OR_RETURN(FoundPaths found,

@@ -32,7 +32,6 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
       floor_(floor),
       jolts_(model),
       largest_distance_(likeness == Likeness::kAlike ? kAlike : kRoughlyAlike),
-      run_of_frame_(static_cast<std::size_t>(model.frame_count()), -1),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
   const int longest = std::max(2, static_cast<int>(std::lround(kLongestRunSeconds * rate)));
@@ -50,25 +49,30 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
              model.tree().node_of_frame(layer, last + 1) == node) {
         ++last;
       }
-      const auto run = static_cast<std::int32_t>(runs_.size());
-      std::fill(run_of_frame_.begin() + first, run_of_frame_.begin() + last + 1, run);
-      runs_of_node_[node].push_back(run);
+      runs_of_node_[node].push_back(static_cast<std::int32_t>(runs_.size()));
       runs_.push_back({first, last, node, last + 1 < end});
       clip_of_run_.push_back(static_cast<std::int32_t>(c));
       first = last + 1;
     }
   }
-  joins_.resize(runs_.size());
 }
+
+int SegmentGraph::run_of_frame(int frame) const {
+  const auto after = std::upper_bound(runs_.begin(), runs_.end(), frame,
+                                      [](int f, const Run& run) { return f < run.first; });
+  if (after == runs_.begin() || std::prev(after)->last < frame) return -1;
+  return static_cast<int>(after - runs_.begin()) - 1;
+}
+
+const ModelClip& SegmentGraph::ClipOf(int run) const { return model_.clips()[clip_of_run_[run]]; }
 
 double SegmentGraph::StateDistance(int a, int b) const {
   return static_cast<double>((model_.states().row(a) - model_.states().row(b)).squaredNorm() /
                              static_cast<float>(model_.states().cols()));
 }
 
-int SegmentGraph::HalfWindowAt(int leave, int enter) const {
-  const ModelClip& from = model_.clips()[clip_of_run_[run_of_frame_[leave]]];
-  const ModelClip& to = model_.clips()[clip_of_run_[run_of_frame_[enter]]];
+int SegmentGraph::HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to,
+                               int enter) const {
   return std::min({half_window_, leave - from.first_frame,
                    from.first_frame + from.frame_count - 1 - leave, enter - to.first_frame,
                    to.first_frame + to.frame_count - 1 - enter});
@@ -77,12 +81,14 @@ int SegmentGraph::HalfWindowAt(int leave, int enter) const {
 std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
   const Run& a = runs_[from];
   const Run& b = runs_[to];
+  const ModelClip& leaving = ClipOf(from);
+  const ModelClip& entering = ClipOf(to);
   RunJoin best;
   best.distance = largest_distance_;
   bool found = false;
   const auto least_window = static_cast<int>(std::ceil(kLeastHalfWindowShare * half_window_));
   const auto consider = [&](int leave, int enter) {
-    const int window = HalfWindowAt(leave, enter);
+    const int window = HalfWindowAt(leaving, leave, entering, enter);
     if (window < least_window) return;
     const double distance = StateDistance(leave, enter);
     if (distance >= best.distance) return;
@@ -113,9 +119,9 @@ std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
 }
 
 const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
-  std::optional<std::vector<RunJoin>>& known = joins_[run];
-  if (known) return *known;
-  known.emplace();
+  const auto [known, is_new] = joins_.try_emplace(run);
+  if (!is_new) return known->second;
+  std::vector<RunJoin> joins;
   const std::vector<std::int32_t>& alike = runs_of_node_[runs_[run].node];
   // Evenly over the node where it has more runs than are looked at.
   const std::size_t looked_at = std::min(alike.size(), kMostCandidates);
@@ -125,16 +131,16 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
     const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
                            std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
     if (neighbour || !Plays(to)) continue;
-    if (auto join = BestJoin(run, to)) known->push_back(*join);
+    if (auto join = BestJoin(run, to)) joins.push_back(*join);
   }
-  std::stable_sort(known->begin(), known->end(),
+  std::stable_sort(joins.begin(), joins.end(),
                    [](const RunJoin& a, const RunJoin& b) { return a.distance < b.distance; });
-  *known = LeadingApart(std::move(*known));
-  return *known;
+  return known->second = LeadingApart(std::move(joins));
 }
 
-FloorPose SegmentGraph::Future(int frame) const {
-  const ModelClip& clip = model_.clips()[clip_of_run_[run_of_frame_[frame]]];
+FloorPose SegmentGraph::Future(const RunJoin& join) const {
+  const int frame = join.join.enter;
+  const ModelClip& clip = ClipOf(join.to);
   const int end = clip.first_frame + clip.frame_count - 1;
   const auto ahead = static_cast<int>(kFutureSeconds * model_.settings().frame_rate_hz);
   return floor_.Between(frame, std::min(end, frame + ahead));
@@ -144,7 +150,7 @@ std::vector<RunJoin> SegmentGraph::LeadingApart(std::vector<RunJoin> joins) cons
   std::vector<RunJoin> kept;
   std::vector<FloorPose> futures;
   for (const RunJoin& join : joins) {
-    const FloorPose future = Future(join.join.enter);
+    const FloorPose future = Future(join);
     const bool known = std::any_of(futures.begin(), futures.end(), [&](const FloorPose& other) {
       return std::hypot((future.x - other.x) / floor_.leg_length_m(),
                         (future.y - other.y) / floor_.leg_length_m(),

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "core/planning/jolts.h"
@@ -16,6 +17,7 @@
 namespace motiondb::core {
 
 class Model;
+struct ModelClip;
 
 // Frames of one clip in one node of the coarse layer, at most a quarter of a second of them.
 struct Run {
@@ -44,7 +46,8 @@ class SegmentGraph {
 
   const std::vector<Run>& runs() const { return runs_; }
   // Index of the run that holds a frame; -1 where the frame is of no clip that may be played.
-  int run_of_frame(int frame) const { return run_of_frame_[frame]; }
+  // O(log runs).
+  int run_of_frame(int frame) const;
   // Frames on each side of a join that both clips have, at most.
   int half_window() const { return half_window_; }
   // Whether a run plays without a jolt of its recording. Joins lead to no other.
@@ -55,12 +58,14 @@ class SegmentGraph {
  private:
   // The best join between two runs, if there is one that is good enough.
   std::optional<RunJoin> BestJoin(int from, int to);
-  // Where a frame leads in a second.
-  FloorPose Future(int frame) const;
+  // Where the frame that a join enters leads in a second.
+  FloorPose Future(const RunJoin& join) const;
   // The best of the joins among those that lead to the same place.
   std::vector<RunJoin> LeadingApart(std::vector<RunJoin> joins) const;
   double StateDistance(int a, int b) const;
-  int HalfWindowAt(int leave, int enter) const;
+  // At most half_window(), where two runs' clips have fewer frames about a join.
+  int HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to, int enter) const;
+  const ModelClip& ClipOf(int run) const;
 
   const Model& model_;
   const StoredFloor& floor_;
@@ -68,10 +73,9 @@ class SegmentGraph {
   const double largest_distance_;
   int half_window_ = 0;
   std::vector<Run> runs_;
-  std::vector<std::int32_t> run_of_frame_;
   std::vector<std::int32_t> clip_of_run_;
   std::vector<std::vector<std::int32_t>> runs_of_node_;
-  std::vector<std::optional<std::vector<RunJoin>>> joins_;
+  std::unordered_map<std::int32_t, std::vector<RunJoin>> joins_;  // of the runs asked about
 };
 
 }  // namespace motiondb::core

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <limits>
 #include <queue>
 #include <unordered_map>
@@ -376,7 +377,7 @@ class Search {
   const std::int32_t most_frames_;
 
   Sweep sweep_{};
-  std::vector<Arrival> arrivals_;
+  std::deque<Arrival> arrivals_;  // many: a vector would hold them twice as it grows
   std::priority_queue<std::pair<double, std::int32_t>, std::vector<std::pair<double, std::int32_t>>,
                       std::greater<>>
       open_;

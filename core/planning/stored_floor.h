@@ -5,11 +5,10 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "core/model/model.h"
 #include "core/planning/floor_pose.h"
 
 namespace motiondb::core {
-
-class Model;
 
 class StoredFloor {
  public:
@@ -19,12 +18,12 @@ class StoredFloor {
   double leg_length_m() const { return leg_length_m_; }
   // The reference frame of frame `to` as seen from that of frame `from`, both of one clip.
   FloorPose Between(int from, int to) const {
-    const FloorPose& a = poses_[from];
-    const FloorPose& b = poses_[to];
-    const double c = facings_[from].x();
-    const double s = facings_[from].y();
-    return {c * (b.x - a.x) + s * (b.y - a.y), c * (b.y - a.y) - s * (b.x - a.x),
-            b.heading - a.heading};
+    const RootPath& path = model_.root_path();
+    const double dx = path(to, 0) - path(from, 0);
+    const double dy = path(to, 1) - path(from, 1);
+    const double c = axes_[from].x();
+    const double s = axes_[from].y();
+    return {c * dx + s * dy, c * dy - s * dx, path(to, 2) - path(from, 2)};
   }
   // Length (m) of the root's path between two frames of one clip, from <= to.
   double Length(int from, int to) const { return lengths_[to] - lengths_[from]; }
@@ -34,10 +33,10 @@ class StoredFloor {
   double top_turn_rad_s() const { return top_turn_rad_s_; }
 
  private:
+  const Model& model_;
   double leg_length_m_ = 0;
-  std::vector<FloorPose> poses_;          // in the clip's world
-  std::vector<Eigen::Vector2d> facings_;  // cosine and sine of their headings
-  std::vector<double> lengths_;           // from the model's first frame on
+  std::vector<Eigen::Vector2d> axes_;  // cosine and sine of each heading times the clip's scale
+  std::vector<double> lengths_;        // from the model's first frame on
   double top_speed_m_s_ = 0;
   double top_turn_rad_s_ = 0;
 };

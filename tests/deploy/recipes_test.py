@@ -78,6 +78,8 @@ Test Passed.
 Test Passed.
 """
 
+CTEST_COSTS = "storage 1 3.2\nplan 1 12.5\n---\nplan\n"
+
 
 class DecidingRunTest(unittest.TestCase):
     """.ci/run, with programs in the place of its steps."""
@@ -90,7 +92,10 @@ class DecidingRunTest(unittest.TestCase):
                                ("tests/deploy/image_test.sh", "#!/bin/sh\n" + image),
                                ("build/release/Testing/Temporary/LastTest.log", CTEST_LOG),
                                ("build/asan/Testing/Temporary/LastTest.log", ""),
-                               ("build/tsan/Testing/Temporary/LastTest.log", "")):
+                               ("build/tsan/Testing/Temporary/LastTest.log", ""),
+                               ("build/release/Testing/Temporary/CTestCostData.txt", CTEST_COSTS),
+                               ("build/asan/Testing/Temporary/CTestCostData.txt", "---\n"),
+                               ("build/tsan/Testing/Temporary/CTestCostData.txt", "---\n")):
                 path = os.path.join(folder, name)
                 os.makedirs(os.path.dirname(path), exist_ok=True)
                 with open(path, "w", encoding="utf-8") as file:
@@ -105,6 +110,12 @@ class DecidingRunTest(unittest.TestCase):
                          ["4", "release: plan: test_a (x) ... skipped 'no data'",
                           "release: plan: test_b (x) ... skipped 'no data'",
                           "release: storage: skipped: no tmpfs", "package: skipped: needs root"])
+
+    def test_it_says_where_time_went(self):
+        table = self.run_it("exit 0\n", "exit 0\n").stdout.partition("== minutes")[2].splitlines()
+        steps = ["packages", "release", "asan", "tsan", "fuzz", "package", "image", "all"]
+        self.assertEqual([line.split()[0] for line in table[1:9]], steps)
+        self.assertEqual(table[9:11], ["release plan 12 s", "release storage 3 s"])
 
     def test_a_step_that_fails_ends_it(self):
         for steps in (("exit 3\n", "exit 0\n"), ("exit 0\n", "exit 3\n")):

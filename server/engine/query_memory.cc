@@ -198,6 +198,7 @@ std::int64_t BytesOfClipNames(const core::Prediction& prediction) {
 
 std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& problem) {
   constexpr Bytes kSearch = 12 << 20;
+  constexpr Bytes kStoredFrame = 32;      // axis, path length, jolt, run
   constexpr Bytes kFrameOfOne = 2 << 10;  // while a motion is made
   const double rate =
       problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model.settings().frame_rate_hz;
@@ -207,7 +208,7 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
       problem.start.observation
           ? BytesOfStates(problem.start.observation->frame_count(), MarkerCount(model))
           : 0;
-  return start + kSearch + frames * kFrameOfOne +
+  return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameOfOne +
          frames * problem.plan_count * (24 + 8 * dofs + 12 * MarkerCount(model));
 }
 

@@ -94,7 +94,7 @@ class TextTest(programs.WithServer):
                 self.assertEqual(result.returncode, 1)
                 self.assertIn(option.strip("-"), result.stderr)
                 self.assert_harmless(result.stderr)
-                self.assertNotIn("ccc", result.stderr)
+                self.assertNotIn("c" * 8, result.stderr)
         for name in ("a\u009b.bvh", ".a.bvh", "-rf.bvh"):
             write_bvh(self.path(name), seed=4)
             result = self.server.run("ingest", "d", "--", self.path(name))
@@ -141,16 +141,16 @@ class TextTest(programs.WithServer):
                             ["plan", "d", "--goal", "1,1,0", "--start", TOKEN + "@1"]):
                 result = self.server.run(*command)
                 self.assertEqual(result.returncode, 1, command)
-                self.assertNotIn("ccc", result.stdout + result.stderr, command)
-            self.assertNotIn("ccc", self.server.run("--json", "audit").stdout)
+                self.assertNotIn("c" * 8, result.stdout + result.stderr, command)
+            self.assertNotIn("c" * 8, self.server.run("--json", "audit").stdout)
             self.assertEqual(self.server.stop(), 0)
             log.seek(0)
             text = log.read()
         self.assertIn("mdb_0123456789ab_...", text)
-        self.assertNotIn("ccc", text)
+        self.assertNotIn("c" * 8, text)
         self.assert_harmless(text)
         with open(self.store, "rb") as store:
-            self.assertNotIn(b"ccc", store.read())
+            self.assertNotIn(b"c" * 8, store.read())
 
     def test_export_writes_no_other_file(self):
         self.make_database()

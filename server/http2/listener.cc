@@ -27,6 +27,7 @@ constexpr int kForOthers = 64;  // descriptors: files of the store, threads' wak
 constexpr std::size_t kPerAddress = 1024;
 constexpr unsigned kMostLoops = 4;
 constexpr std::chrono::milliseconds kRest{100};  // when no connection can be taken
+constexpr int kMostAcceptedAtOnce = 256;
 constexpr std::chrono::seconds kTick{1};
 constexpr std::chrono::minutes kBetweenWarnings{1};
 
@@ -131,23 +132,33 @@ void Listener::Await(Acceptor& acceptor) {
 }
 
 void Listener::Accept(Acceptor& acceptor) {
-  sockaddr_storage address{};
-  socklen_t size = sizeof(address);
-  const int descriptor = accept4(acceptor.native_handle(), reinterpret_cast<sockaddr*>(&address),
-                                 &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
-  if (descriptor >= 0) {
+  if (AcceptWaiting(acceptor)) return Await(acceptor);
+  rest_.expires_after(kRest);
+  rest_.async_wait([this, &acceptor](const auto&) {  // also if another rests, too
+    if (!closing_) Await(acceptor);
+  });
+}
+
+// Takes the clients in the queue, many between two rounds of the loop: a busy loop must not keep
+// them there. False if a resource is exhausted.
+bool Listener::AcceptWaiting(Acceptor& acceptor) {
+  for (int taken = 0; taken < kMostAcceptedAtOnce; ++taken) {
+    sockaddr_storage address{};
+    socklen_t size = sizeof(address);
+    const int descriptor = accept4(acceptor.native_handle(), reinterpret_cast<sockaddr*>(&address),
+                                   &size, SOCK_NONBLOCK | SOCK_CLOEXEC);
+    if (descriptor < 0) {
+      if (errno == EAGAIN || errno == EWOULDBLOCK) return true;
+      if (LacksResources(errno)) return false;
+      continue;
+    }
     tcp::endpoint client;
     std::copy_n(reinterpret_cast<const char*>(&address), size,
                 reinterpret_cast<char*>(client.data()));
     client.resize(size);
     Admit(descriptor, Plain(client));
-  } else if (LacksResources(errno)) {
-    rest_.expires_after(kRest);
-    return rest_.async_wait([this, &acceptor](const auto&) {  // also if another rests, too
-      if (!closing_) Await(acceptor);
-    });
   }
-  Await(acceptor);
+  return true;
 }
 
 void Listener::Admit(int descriptor, const tcp::endpoint& client) {

@@ -25,6 +25,7 @@ using asio::ip::tcp;
 
 // How long to wait where a connection cannot be taken, as where no descriptor is left.
 constexpr std::chrono::milliseconds kRest{100};
+constexpr int kMostAcceptedAtOnce = 1024;
 
 class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   using Take = std::function<void(HttpAnswer)>;
@@ -45,6 +46,7 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     is_loopback_ = acceptor_.local_endpoint().address().is_loopback();
     address_ = fmt::format("{}:{}", listen.substr(0, listen.rfind(':')),
                            acceptor_.local_endpoint().port());
+    acceptor_.non_blocking(true);
     Accept();
     return absl::OkStatus();
   }
@@ -79,21 +81,37 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     return true;
   }
 
-  void OnClosed(HttpConnection& connection) override { connections_.erase(&connection); }
+  void OnClosed(HttpConnection& connection) override {
+    if (connections_.erase(&connection) == 0) return;  // no memory was left to admit it
+    const auto of_address = count_by_address_.find(connection.address());
+    if (--of_address->second == 0) count_by_address_.erase(of_address);
+  }
 
  private:
   void Accept() {
-    acceptor_.async_accept([this](const boost::system::error_code& error, tcp::socket socket) {
-      if (error) {
-        rest_.expires_after(kRest);
-        rest_.async_wait([this](const boost::system::error_code& stopped) {
-          if (!stopped) Accept();
-        });
-        return;
-      }
-      Accept();
+    acceptor_.async_wait(tcp::acceptor::wait_read,
+                         [this](const boost::system::error_code& stopped) {
+                           if (stopped) return;
+                           if (AcceptWaiting()) return Accept();
+                           rest_.expires_after(kRest);
+                           rest_.async_wait([this](const boost::system::error_code& cancelled) {
+                             if (!cancelled) Accept();
+                           });
+                         });
+  }
+
+  // Takes the clients in the queue, many between two rounds of answers: a flood that is answered
+  // slowly must not keep the others in the queue. False if a resource is exhausted.
+  bool AcceptWaiting() {
+    for (int taken = 0; taken < kMostAcceptedAtOnce; ++taken) {
+      boost::system::error_code error;
+      tcp::socket socket = acceptor_.accept(error);
+      if (error == asio::error::would_block) return true;
+      if (error == asio::error::connection_aborted) continue;
+      if (error) return false;
       Admit(std::move(socket));
-    });
+    }
+    return true;
   }
 
   // Gives all who asked for a page while it was made what came of it.
@@ -110,15 +128,15 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   void Admit(tcp::socket socket) {
     if (static_cast<int>(connections_.size()) >= limits_.connections && !MakeRoom()) return;
     const auto connection = std::make_shared<HttpConnection>(*this, std::move(socket));
+    int& count = count_by_address_[connection->address()];
     connections_.insert(connection.get());
+    ++count;
     connection->Start();
   }
 
   // Closes the connection that has kept us waiting longest, of the address that has most
   // connections: a client at an address of its own keeps its place. False where each waits for us.
   bool MakeRoom() {
-    std::map<asio::ip::address, int> counts;
-    for (const HttpConnection* const connection : connections_) ++counts[connection->address()];
     HttpConnection* slowest = nullptr;
     for (HttpConnection* const connection : connections_) {
       if (!connection->waiting_since()) continue;
@@ -126,8 +144,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
         slowest = connection;
         continue;
       }
-      const int count = counts[connection->address()];
-      const int most = counts[slowest->address()];
+      const int count = count_by_address_[connection->address()];
+      const int most = count_by_address_[slowest->address()];
       const bool is_slower = *connection->waiting_since() < *slowest->waiting_since();
       if (count > most || (count == most && is_slower)) slowest = connection;
     }
@@ -142,6 +160,7 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   bool is_loopback_ = false;
   // Each is kept by what it waits for. Before the threads, which end what they wait for.
   std::unordered_set<HttpConnection*> connections_;
+  std::map<asio::ip::address, int> count_by_address_;
   ThreadPool talker_{1};
   struct Taker {
     asio::ip::address address;

@@ -15,7 +15,7 @@ class Livez:
     def __init__(self, address):
         self.address, self.over = address, threading.Event()
         self.ms, self.failures = [], 0
-        self.thread = threading.Thread(target=self.run)
+        self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
     def run(self):

@@ -127,7 +127,7 @@ absl::Status Listener::Listen(const std::string& listen) {
 
 void Listener::Await(Acceptor& acceptor) {
   acceptor.async_wait(Acceptor::wait_read, [this, &acceptor](const auto& error) {
-    if (!error) Accept(acceptor);
+    if (!error && !closing_) Accept(acceptor);  // the wait may have ended before it was cancelled
   });
 }
 
@@ -251,7 +251,7 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
 void Listener::Tick(Loop& loop) {
   loop.ticks.expires_after(kTick);
   loop.ticks.async_wait([this, &loop](const auto& error) {
-    if (error) return;
+    if (error || closing_) return;  // Close needs the timer, also if this tick came first
     const auto now = Connection::Clock::now();
     const auto connections = loop.connections;  // a tick may end one
     for (const auto& connection : connections) connection->Tick(now);

@@ -9,8 +9,11 @@
 #include <boost/asio/write.hpp>
 #include <catch2/catch.hpp>
 #include <chrono>
+#include <memory>
 #include <string>
 #include <thread>
+#include <utility>
+#include <vector>
 
 #include "motiondb/v1/database.grpc.pb.h"
 #include "tests/server/http2/http2_frame.h"
@@ -73,6 +76,24 @@ TEST_CASE("Listener: an address that another has is reported", "[server][http2]"
   const auto again = server::Listener::Start(server.server().address(), nullptr, nullptr, meter);
   CHECK(absl::IsUnavailable(again.status()));
   CHECK(absl::IsNotFound(server::Listener::Start("192.0.2.1:0", nullptr, nullptr, meter).status()));
+}
+
+TEST_CASE("Listener: closing while its timers expire ends all threads", "[server][http2]") {
+  using std::chrono::microseconds;
+  server::ConnectionMeter meter;
+  std::vector<std::pair<std::unique_ptr<server::Listener>, std::chrono::steady_clock::time_point>>
+      listeners;
+  for (int i = 0; i < 100; ++i) {
+    auto listener = server::Listener::Start("127.0.0.1:0", nullptr, nullptr, meter);
+    REQUIRE(listener.ok());
+    listeners.emplace_back(*std::move(listener), std::chrono::steady_clock::now());
+  }
+  for (std::size_t i = 0; i < listeners.size(); ++i) {
+    const auto& [listener, started] = listeners[i];
+    std::this_thread::sleep_until(started + microseconds(999'900 + 4 * i));  // a tick is 1 s
+    listener->Close(std::chrono::milliseconds(0));
+  }
+  listeners.clear();  // ends
 }
 
 TEST_CASE("Listener: what is not HTTP/2 is closed", "[server][http2]") {

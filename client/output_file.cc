@@ -13,7 +13,7 @@
 #include <random>
 #include <utility>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -189,7 +189,7 @@ absl::Status OutputFile::TakeFreeName() {
 
 absl::Status CheckFileNameFromServer(const std::string& name) {
   const bool hides = name.empty() || name[0] == '.' || name[0] == '-';
-  if (!hides && name.find_first_of("/\\") == std::string::npos && DisplayText(name) == name) {
+  if (!hides && name.find_first_of("/\\") == std::string::npos && text::DisplayText(name) == name) {
     return absl::OkStatus();
   }
   return absl::DataLossError(fmt::format(

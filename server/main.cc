@@ -27,13 +27,13 @@
 #include "server/observability/log.h"
 #include "server/process_limits.h"
 #include "server/rpc/method.h"
-#include "server/security/shown_text.h"
 #include "server/server.h"
 #include "server/settings/settings_reader.h"
 #include "server/systemd_notify.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/store_file.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -162,7 +162,7 @@ constexpr int kWrongSettings = 2;
 
 int PrintProblems(const std::vector<absl::Status>& problems) {
   for (const absl::Status& problem : problems) {
-    fmt::print(stderr, "motiondbd: {}\n", ShownText(std::string(problem.message())));
+    fmt::print(stderr, "motiondbd: {}\n", text::SafeText(std::string(problem.message())));
   }
   return kWrongSettings;
 }
@@ -171,7 +171,7 @@ int PrintProblems(const std::vector<absl::Status>& problems) {
 int CheckConfig(const SettingsReader& reader) {
   for (const EffectiveSetting& setting : reader.Effective()) {
     const std::string line = fmt::format("{} = {}", setting.key, setting.value);
-    fmt::print("{}\n", ShownText(fmt::format("{:<48}# {}", line, setting.source)));
+    fmt::print("{}\n", text::SafeText(fmt::format("{:<48}# {}", line, setting.source)));
   }
   const std::vector<absl::Status> problems = reader.Check();
   if (!problems.empty()) return PrintProblems(problems);
@@ -180,7 +180,7 @@ int CheckConfig(const SettingsReader& reader) {
   const auto plan = PlanSecurity(settings.server.security, settings.server.listen);
   if (!plan.ok()) return PrintProblems({plan.status()});
   for (const std::string& warning : plan->warnings) {
-    fmt::print(stderr, "motiondbd: {}\n", ShownText(warning));
+    fmt::print(stderr, "motiondbd: {}\n", text::SafeText(warning));
   }
   return 0;
 }

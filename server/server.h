@@ -10,7 +10,7 @@
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
 #include "server/observability/monitor.h"
-#include "server/server_options.h"
+#include "server/settings/server_options.h"
 
 namespace grpc {
 class Server;

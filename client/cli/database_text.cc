@@ -10,7 +10,7 @@
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -32,7 +32,7 @@ std::string TimeText(const google::protobuf::Timestamp& time) {
 }
 
 std::string LabelWord(const std::string& label) {
-  return label.empty() ? "(no label)" : DisplayText(label);
+  return label.empty() ? "(no label)" : text::DisplayText(label);
 }
 
 std::string StateWord(const v1::Operation& operation) {
@@ -94,11 +94,11 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
-  std::string text =
-      fmt::format("{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
-                  DisplayText(ShortName(clip.name())), LabelWord(clip.label()),
-                  CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
-                  clip.leg_length_m(), DisplayText(clip.file_name()), clip.source_frame_rate_hz());
+  std::string text = fmt::format("{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
+                                 text::DisplayText(ShortName(clip.name())), LabelWord(clip.label()),
+                                 CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
+                                 clip.leg_length_m(), text::DisplayText(clip.file_name()),
+                                 clip.source_frame_rate_hz());
   // The report may have several lines; all are set in under their clip.
   std::string report = clip.source_report();
   while (!report.empty()) {

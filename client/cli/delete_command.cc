@@ -12,7 +12,7 @@
 #include "client/cli/print.h"
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -35,7 +35,7 @@ void Declare(CLI::App& command, DeleteOptions& options) {
 absl::Status Confirm(const std::string& name) {
   if (isatty(STDIN_FILENO) != 1) return absl::OkStatus();
   fmt::print(stderr,
-             "This deletes all clips and models of {0}. Type {0} to go on: ", ErrorText(name));
+             "This deletes all clips and models of {0}. Type {0} to go on: ", text::SafeText(name));
   std::fflush(stderr);
   std::string typed;
   std::getline(std::cin, typed);

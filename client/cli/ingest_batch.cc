@@ -10,8 +10,8 @@
 #include "client/cli/progress_bar.h"
 #include "client/cli/rebuild.h"
 #include "client/cli/resource_name.h"
-#include "client/display_text.h"
 #include "client/grpc_status.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -60,7 +60,7 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
   const std::pair<const char*, std::string> texts[] = {
       {"label", clip.label}, {"subject", clip.subject}, {"name", clip.path.filename().string()}};
   for (const auto& [what, text] : texts) {
-    if (IsUtf8(text)) continue;
+    if (text::IsUtf8(text)) continue;
     return absl::InvalidArgumentError(fmt::format("its {} is not UTF-8 text", what));
   }
   v1::IngestClipHeader header;

@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -19,7 +19,7 @@ std::string Json(const google::protobuf::Message& message, bool indented) {
   std::string json;
   // Fails only on an Any of a type that is not linked in: OperationJson leaves those out.
   (void)google::protobuf::util::MessageToJsonString(message, &json, options);
-  return EscapedJson(json);
+  return text::EscapedJson(json);
 }
 
 }  // namespace

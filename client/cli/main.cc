@@ -9,7 +9,7 @@
 #include "client/cli/command.h"
 #include "client/cli/exit_code.h"
 #include "client/cli/print.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -27,7 +27,7 @@ std::string UsageError(const CLI::App* app, const CLI::Error& error) {
   const std::string what = unknown.empty() || error.get_name() != "RequiredError"
                                ? error.what()
                                : fmt::format("no such command: {}", unknown.front());
-  return fmt::format("motiondb: {}\nTry `{} --help`.\n", ErrorText(what), name);
+  return fmt::format("motiondb: {}\nTry `{} --help`.\n", text::SafeText(what), name);
 }
 
 // gRPC writes what it meets to standard error; what matters of it is in the errors of calls. Who

@@ -13,7 +13,7 @@
 #include "client/cli/observe_text.h"
 #include "client/cli/print.h"
 #include "client/cli/query_options.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -81,7 +81,7 @@ class LiveLine {
   void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
     if (terminal_) {
-      fmt::print("\r\033[K{}", DisplayText(ObservedLine(answer, seconds)));
+      fmt::print("\r\033[K{}", text::DisplayText(ObservedLine(answer, seconds)));
       std::fflush(stdout);
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
       PrintLineText(ObservedLine(answer, seconds));

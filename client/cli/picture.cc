@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "client/cli/svg.h"
+#include "text/utf8.h"
 
 namespace motiondb::client {
 namespace {
@@ -44,9 +45,7 @@ std::string FittingText(const std::string& text, double width) {
   const auto most = static_cast<std::size_t>(std::max(0.0, width) / kCharacterWidth);
   if (text.size() <= most) return text;
   if (most <= kCut.size()) return "";
-  std::size_t cut = most - kCut.size();
-  while (cut > 0 && (text[cut] & 0xC0) == 0x80) --cut;  // not within a character
-  return text.substr(0, cut) + std::string(kCut);
+  return std::string(text::CutAt(text, most - kCut.size())).append(kCut);
 }
 
 std::string HeadingSvg(double left, double width, const std::string& title,

@@ -8,7 +8,7 @@
 #include "client/cli/count_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -21,7 +21,7 @@ std::string SegmentsText(const v1::PlannedMotion& motion) {
   for (int i = 0; i < std::min(motion.segments_size(), kShownSegments); ++i) {
     const v1::PlayedSegment& segment = motion.segments(i);
     text += fmt::format("{}{} {:.2f}-{:.2f} s", i > 0 ? ", " : "",
-                        DisplayText(ShortName(segment.clip())), segment.start_seconds(),
+                        text::DisplayText(ShortName(segment.clip())), segment.start_seconds(),
                         segment.end_seconds());
   }
   if (motion.segments_size() > kShownSegments) {
@@ -123,7 +123,7 @@ std::string PlanFigures(const v1::PlanQuality& quality) {
 
 std::string PlanText(const v1::PlanResponse& response) {
   std::string text = OutcomeText(response.outcome());
-  if (!response.missing().empty()) text += ": " + DisplayText(response.missing());
+  if (!response.missing().empty()) text += ": " + text::DisplayText(response.missing());
   text += "\n";
   if (response.has_motion()) {
     text += SegmentsText(response.motion());

@@ -7,7 +7,7 @@
 
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -18,7 +18,7 @@ constexpr int kShownClips = 4;
 std::string ClipsOf(const v1::NextNode& node) {
   std::string text;
   for (int i = 0; i < std::min(node.clips_size(), kShownClips); ++i) {
-    text += (i > 0 ? " " : "") + DisplayText(ShortName(node.clips(i)));
+    text += (i > 0 ? " " : "") + text::DisplayText(ShortName(node.clips(i)));
   }
   if (node.clips_size() > kShownClips) {
     text += fmt::format(" and {} more", node.clips_size() - kShownClips);

@@ -2,14 +2,16 @@
 
 #include <cstdio>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 
-void PrintText(std::string_view text) { fmt::print("{}", DisplayLines(text)); }
+void PrintText(std::string_view text) { fmt::print("{}", text::DisplayLines(text)); }
 
-void PrintLineText(std::string_view line) { fmt::print("{}\n", DisplayText(line)); }
+void PrintLineText(std::string_view line) { fmt::print("{}\n", text::DisplayText(line)); }
 
-void PrintError(std::string_view error) { fmt::print(stderr, "motiondb: {}\n", ErrorText(error)); }
+void PrintError(std::string_view error) {
+  fmt::print(stderr, "motiondb: {}\n", text::SafeText(error));
+}
 
 }  // namespace motiondb::client

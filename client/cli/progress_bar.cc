@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -26,11 +26,8 @@ std::string ProgressLine(double fraction, const std::string& doing, int columns)
   const int filled = static_cast<int>(shown * kBarCells);
   const std::string line =
       fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
-                  std::string(kBarCells - filled, '.'), shown * 100, DisplayText(doing));
-  // Cut between characters.
-  size_t end = std::min(line.size(), static_cast<size_t>(std::max(columns - 1, 0)));
-  while (end > 0 && end < line.size() && (line[end] & 0xC0) == 0x80) --end;
-  return line.substr(0, end);
+                  std::string(kBarCells - filled, '.'), shown * 100, text::DisplayText(doing));
+  return std::string(text::CutAt(line, static_cast<std::size_t>(std::max(columns - 1, 0))));
 }
 
 ProgressBar::ProgressBar() : enabled_(isatty(STDERR_FILENO) == 1) {}

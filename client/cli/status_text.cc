@@ -14,7 +14,7 @@
 #include "client/cli/count_text.h"
 #include "client/cli/resource_name.h"
 #include "client/cli/table.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -194,7 +194,8 @@ std::string DamagesText(const v1::GetServerStatusResponse& status) {
   for (int i = 0; i < std::min(count, kShownDamages); ++i) {
     const v1::Damage& damage = status.damages(i);
     const std::string what = damage.resource().empty() ? "the store's file" : damage.resource();
-    text += fmt::format("  {}: {}\n", DisplayText(what), DisplayText(damage.description()));
+    text +=
+        fmt::format("  {}: {}\n", text::DisplayText(what), text::DisplayText(damage.description()));
   }
   if (count > kShownDamages) text += fmt::format("  and {} more\n", count - kShownDamages);
   return text;

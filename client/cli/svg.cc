@@ -4,13 +4,13 @@
 
 #include <cmath>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 
 std::string SvgText(std::string_view text) {
   std::string escaped;
-  for (const char c : DisplayLines(text)) {
+  for (const char c : text::DisplayLines(text)) {
     if (c == '&') {
       escaped += "&amp;";
     } else if (c == '<') {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -24,7 +24,7 @@ std::string Line(const std::vector<Table::Column>& columns, const std::vector<si
 
 size_t DisplayWidth(const std::string& text) {
   return static_cast<size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return (c & 0xC0) != 0x80; }));
+      std::count_if(text.begin(), text.end(), [](char c) { return !text::ContinuesCharacter(c); }));
 }
 
 std::string PadRight(const std::string& text, size_t width) {
@@ -35,7 +35,7 @@ std::string PadRight(const std::string& text, size_t width) {
 Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
 
 void Table::AddRow(std::vector<std::string> cells) {
-  for (std::string& cell : cells) cell = DisplayText(cell);
+  for (std::string& cell : cells) cell = text::DisplayText(cell);
   cells.resize(columns_.size());
   rows_.push_back(std::move(cells));
 }

@@ -13,7 +13,7 @@
 #include "client/cli/json_output.h"
 #include "client/cli/print.h"
 #include "client/cli/resource_name.h"
-#include "client/display_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::client {
 namespace {
@@ -73,7 +73,7 @@ absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& g
   }
   // The secret alone on standard output, so that it can go straight into a file.
   fmt::print(stderr, "{}. Keep what follows: it is not shown again.\n",
-             DisplayText(TokenText(response->token())));
+             text::DisplayText(TokenText(response->token())));
   PrintLineText(response->secret());
   return absl::OkStatus();
 }

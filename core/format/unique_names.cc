@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "core/format/text_encoding.h"
+#include "text/utf8.h"
 
 namespace motiondb::core {
 
@@ -12,18 +13,10 @@ namespace {
 // sites of a joint.
 constexpr std::size_t kLongest = 255;  // bytes
 
-std::string Shortened(std::string text) {
-  if (text.size() <= kLongest) return text;
-  std::size_t end = kLongest;
-  while ((static_cast<unsigned char>(text[end]) & 0xC0) == 0x80) --end;  // within a character
-  text.resize(end);
-  return text;
-}
-
 }  // namespace
 
 std::string UniqueNames::Add(std::string_view name) {
-  const std::string wanted = Shortened(ToUtf8(name));
+  const std::string wanted = std::string(text::CutAt(ToUtf8(name), kLongest));
   std::string given = wanted;
   // Counts on from where the same name ended before: a file of one name takes no quadratic time.
   while (!taken_.emplace(given, 1).second) {

@@ -20,7 +20,7 @@ endif()
 
 # Headers that most files include and that take the compiler longest, compiled once for all libraries
 # and once for all tests. A precompiled header needs the same options in every target that uses it,
-# so each of them links the libraries of these headers.
+# so each of them links the libraries of these headers; users of an installed library need them not.
 set(MOTIONDB_PRECOMPILED_DEPENDS PkgConfig::Eigen3 absl::status absl::statusor fmt::fmt)
 function(motiondb_precompiled_headers name)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cc)
@@ -37,7 +37,9 @@ endfunction()
 function(motiondb_compile name glue precompiled)
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
   if(NOT glue)
-    target_link_libraries(${name} PRIVATE ${MOTIONDB_PRECOMPILED_DEPENDS})
+    foreach(library ${MOTIONDB_PRECOMPILED_DEPENDS})
+      target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:${library}>)
+    endforeach()
     target_precompile_headers(${name} REUSE_FROM ${precompiled})
     return()
   endif()

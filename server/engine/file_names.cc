@@ -1,6 +1,6 @@
 #include "server/engine/file_names.h"
 
-#include <cstdint>
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -11,9 +11,6 @@ bool BelongsInId(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || c == '.';
 }
-
-// The second and later bytes of a UTF-8 character: the first has stood for all of it.
-bool ContinuesCharacter(char c) { return (static_cast<std::uint8_t>(c) & 0xc0) == 0x80; }
 
 }  // namespace
 
@@ -29,7 +26,7 @@ std::string ClipIdFromFileName(std::string_view file_name) {
     if (id.size() == kLongestId) break;
     if (BelongsInId(c)) {
       id += c;
-    } else if (!ContinuesCharacter(c)) {
+    } else if (!text::ContinuesCharacter(c)) {  // its first byte stood for all of it
       id += '_';
     }
   }

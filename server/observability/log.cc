@@ -6,7 +6,7 @@
 
 #include <cstdio>
 
-#include "server/security/shown_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 
@@ -18,7 +18,7 @@ void StartLog(LogFormat format, const std::string& level) {
 
 void Tell(LogFormat format, const std::string& message) {
   if (format == LogFormat::kText) {
-    std::fputs(fmt::format("motiondbd: {}\n", ShownText(message)).c_str(), stderr);
+    std::fputs(fmt::format("motiondbd: {}\n", text::SafeText(message)).c_str(), stderr);
     return;
   }
   spdlog::memory_buf_t line;

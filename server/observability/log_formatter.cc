@@ -11,9 +11,8 @@
 #include <string_view>
 #include <utility>
 
-#include "core/format/text_encoding.h"
 #include "server/observability/log_fields.h"
-#include "server/security/secret.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -28,8 +27,8 @@ std::string Dump(const Json& value) {
   std::string escaped;
   escaped.reserve(text.size());
   for (std::string_view rest = text; !rest.empty();) {
-    const core::Utf8Character character = core::FirstUtf8Character(rest);
-    if (core::IsDisplayControl(character.code)) {
+    const text::Character character = text::FirstCharacter(rest);
+    if (text::IsDisplayControl(character.code)) {
       escaped += fmt::format("\\u{:04x}", static_cast<std::uint32_t>(character.code));
     } else {
       escaped += rest.substr(0, character.bytes);
@@ -46,7 +45,7 @@ std::string OneLine(const std::string& text) {
 }
 
 std::string MessageOf(const spdlog::details::log_msg& line) {
-  return WithoutSecrets({line.payload.data(), line.payload.size()});
+  return text::WithoutSecrets({line.payload.data(), line.payload.size()});
 }
 
 // A word, or a quoted string where it is none.
@@ -61,7 +60,7 @@ std::string FieldText(const json& value) {
 
 json ToJson(const LogField& field) {
   json value = std::visit([](const auto& held) { return json(held); }, field.second);
-  if (value.is_string()) value = WithoutSecrets(value.get_ref<const std::string&>());
+  if (value.is_string()) value = text::WithoutSecrets(value.get_ref<const std::string&>());
   return value;
 }
 

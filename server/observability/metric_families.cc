@@ -4,7 +4,7 @@
 #include <string>
 #include <utility>
 
-#include "server/security/shown_text.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -43,7 +43,7 @@ class Families {
  private:
   // Names of databases come from stores that earlier versions wrote.
   static Labels Shown(Labels labels) {
-    for (auto& label : labels) label.value = ShownText(label.value);
+    for (auto& label : labels) label.value = text::SafeText(label.value);
     return labels;
   }
 

@@ -5,11 +5,11 @@
 #include "server/engine/clock.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
-#include "server/security/secret.h"
 #include "server/translate/access_message.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -52,7 +52,7 @@ absl::Status ListTokens(const Call& call, const v1::ListTokensRequest& request,
 
 absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request,
                          v1::RevokeTokenResponse& response) {
-  const std::string name = WithoutSecrets(request.name());
+  const std::string name = text::WithoutSecrets(request.name());
   if (name != request.name()) {
     return FieldViolation("name", "expected tokens/{{token}}, the id without the secret, got '{}'",
                           name);

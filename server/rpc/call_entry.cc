@@ -11,12 +11,12 @@
 #include "server/rpc/run_handler.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
-#include "server/security/shown_text.h"
 #include "server/translate/field_text.h"
 #include "server/translate/request_info.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/status_mapping.h"
-#include "server/translate/utf8.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -284,10 +284,10 @@ storage::AuditRecord CallEntry::RecordWithChange(std::string resource) {
 storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
-  record.principal = ShownText(principal_);
+  record.principal = text::SafeText(principal_);
   record.peer = AddressOf(peer_);
   record.method = method_.name;
-  record.resource = ValidUtf8(ShownText(resource_), kResourceLimit);
+  record.resource = text::ValidUtf8(text::SafeText(resource_), kResourceLimit);
   record.code = code;
   record.request_id = request_id_;
   return record;

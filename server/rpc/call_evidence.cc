@@ -6,7 +6,7 @@
 #include <random>
 #include <string_view>
 
-#include "server/security/secret.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -59,7 +59,7 @@ std::string AddressOf(const std::string& peer) {
 std::string RequestIdOf(const grpc::CallbackServerContext& context) {
   std::string given = Header(context, "x-request-id");
   const bool usable = !given.empty() && given.size() <= kLongestRequestId && IsPrintable(given) &&
-                      WithoutSecrets(given) == given;
+                      text::WithoutSecrets(given) == given;
   return usable ? given : NewRequestId();
 }
 

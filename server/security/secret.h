@@ -11,8 +11,6 @@
 
 namespace motiondb::server {
 
-inline constexpr int kTokenIdBytes = 6;  // in a token twice as many hexadecimal digits
-
 // `bytes` bytes of the system's randomness in hexadecimal. INTERNAL where the system gives none.
 absl::StatusOr<std::string> RandomHex(int bytes);
 
@@ -30,9 +28,5 @@ struct BearerToken {
 // Nothing where the text does not have the form. The result points into the text.
 std::optional<BearerToken> SplitToken(std::string_view text);
 std::string JoinToken(std::string_view id, std::string_view secret);
-
-// The text with "..." for whatever follows the id of what looks like a token in it, whole or in
-// part, up to white space, a quote, a bracket, or one of "/,;:@".
-std::string WithoutSecrets(std::string_view text);
 
 }  // namespace motiondb::server

@@ -8,6 +8,7 @@
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
 #include "storage/cancellable_lock.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -63,7 +64,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
                                           const core::Cancelled& cancelled) {
   MadeToken made;
   storage::TokenRecord& record = made.record;
-  MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(kTokenIdBytes));
+  MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(text::kTokenIdBytes));
   MOTIONDB_ASSIGN_OR_RETURN(record.salt, RandomHex(kSaltBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const std::string secret, RandomHex(kSecretBytes));
   record.secret_hash = HashSecret(record.salt, secret);

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "server/observability/log_formatter.h"
-#include "server/server_options.h"
+#include "server/settings/server_options.h"
 
 namespace motiondb::server {
 

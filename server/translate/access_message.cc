@@ -2,11 +2,11 @@
 
 #include "core/motion/error.h"
 #include "motiondb/v1/access.pb.h"
-#include "server/security/shown_text.h"
 #include "server/translate/field_violation.h"
 #include "server/translate/plain_text.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/timestamp.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -85,12 +85,12 @@ void SetToken(const storage::TokenRecord& record, v1::Token& message) {
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message) {
   message.set_sequence(record.sequence);
   SetTimestamp(record.time_us, *message.mutable_time());
-  message.set_principal(ShownText(record.principal));
+  message.set_principal(text::SafeText(record.principal));
   message.set_peer(record.peer);
   message.set_method(record.method);
-  message.set_resource(ShownText(record.resource));
+  message.set_resource(text::SafeText(record.resource));
   message.set_code(record.code);
-  message.set_request_id(ShownText(record.request_id));
+  message.set_request_id(text::SafeText(record.request_id));
 }
 
 }  // namespace motiondb::server

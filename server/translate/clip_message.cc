@@ -4,7 +4,7 @@
 #include "server/translate/file_format.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/timestamp.h"
-#include "server/translate/utf8.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 
@@ -21,7 +21,7 @@ void SetClip(const storage::ClipRecord& record, v1::Clip& message) {
   if (!record.skeleton_id.empty()) {
     message.set_skeleton(SkeletonName(record.database, record.skeleton_id));
   }
-  message.set_source_report(ValidUtf8(record.source_report));
+  message.set_source_report(text::ValidUtf8(record.source_report));
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
 }
 
@@ -31,7 +31,7 @@ void SetSkeleton(const std::string& database, const storage::SkeletonRecord& rec
   message.set_dof_count(record.skeleton.dof_count());
   for (const core::Joint& joint : record.skeleton.joints()) {
     v1::Skeleton::Joint& to = *message.add_joints();
-    to.set_name(ValidUtf8(joint.name));
+    to.set_name(text::ValidUtf8(joint.name));
     to.set_parent(joint.parent);
     to.set_offset_x_m(joint.offset_m.x());
     to.set_offset_y_m(joint.offset_m.y());

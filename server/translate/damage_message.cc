@@ -1,8 +1,8 @@
 #include "server/translate/damage_message.h"
 
 #include "motiondb/v1/store.pb.h"
-#include "server/security/shown_text.h"
-#include "server/translate/utf8.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -12,8 +12,8 @@ constexpr std::size_t kTextLimit = 1024;
 }  // namespace
 
 void SetDamage(const storage::Damage& damage, v1::Damage& message) {
-  message.set_resource(ValidUtf8(ShownText(damage.resource), kTextLimit));
-  message.set_description(ValidUtf8(ShownText(damage.description), kTextLimit));
+  message.set_resource(text::ValidUtf8(text::SafeText(damage.resource), kTextLimit));
+  message.set_description(text::ValidUtf8(text::SafeText(damage.description), kTextLimit));
 }
 
 }  // namespace motiondb::server

@@ -11,7 +11,7 @@
 #include "server/translate/resource_name.h"
 #include "server/translate/scaling.h"
 #include "server/translate/timestamp.h"
-#include "server/translate/utf8.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -70,13 +70,13 @@ void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live
   message.set_frame_rate_hz(record.settings.frame_rate_hz);
   message.set_min_frames(record.settings.min_frames);
   message.set_scaling(ToProto(record.settings.scaling));
-  message.set_marker_set(ValidUtf8(record.marker_set));
+  message.set_marker_set(text::ValidUtf8(record.marker_set));
   const bool own = record.marker_set != kStandardMarkerSet && record.marker_set != kSourceMarkerSet;
-  if (own) message.set_marker_set_file(ValidUtf8(record.marker_set_text));
+  if (own) message.set_marker_set_file(text::ValidUtf8(record.marker_set_text));
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
   if (const auto scheme = live.scheme(); scheme.ok() && *scheme != nullptr) {
     for (const std::string& marker : (*scheme)->set.markers) {
-      message.add_marker_names(ValidUtf8(marker));
+      message.add_marker_names(text::ValidUtf8(marker));
     }
   }
   const StoredAmount stored = live.stored();

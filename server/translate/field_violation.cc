@@ -2,8 +2,8 @@
 
 #include "absl/strings/cord.h"
 #include "motiondb/v1/error.pb.h"
-#include "server/security/shown_text.h"
-#include "server/translate/utf8.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -15,7 +15,7 @@ void SetViolation(std::string_view field, std::string_view description, absl::St
   v1::BadRequest bad_request;
   v1::BadRequest::FieldViolation& violation = *bad_request.add_field_violations();
   violation.set_field(std::string(field));
-  violation.set_description(ValidUtf8(ShownText(description), kDescriptionLimit));
+  violation.set_description(text::ValidUtf8(text::SafeText(description), kDescriptionLimit));
   status.SetPayload(kBadRequestUrl, absl::Cord(bad_request.SerializeAsString()));
 }
 

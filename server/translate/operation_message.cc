@@ -1,9 +1,9 @@
 #include "server/translate/operation_message.h"
 
 #include "motiondb/v1/operation.pb.h"
-#include "server/security/shown_text.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/timestamp.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
@@ -36,7 +36,7 @@ void SetOperation(const storage::OperationRecord& record, v1::Operation& message
   if (record.model_version > 0) message.set_model(ModelName(record.database, record.model_version));
   if (record.error_code != 0) {
     message.mutable_error()->set_code(record.error_code);
-    message.mutable_error()->set_message(ShownText(record.error_message));
+    message.mutable_error()->set_message(text::SafeText(record.error_message));
   }
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
   SetTimestamp(record.update_time_us, *message.mutable_update_time());

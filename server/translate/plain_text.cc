@@ -3,16 +3,15 @@
 #include <algorithm>
 #include <cstdint>
 
-#include "core/format/text_encoding.h"
 #include "core/motion/error.h"
-#include "server/security/secret.h"
 #include "server/translate/field_violation.h"
+#include "text/display_text.h"
 
 namespace motiondb::server {
 namespace {
 
 absl::Status CheckLine(std::string_view field, std::string_view line) {
-  const core::Utf8Character control = core::FindDisplayControl(line);
+  const text::Character control = text::FindDisplayControl(line);
   if (control.bytes == 0) return absl::OkStatus();
   return FieldViolation(
       field, "expected text, got the control or invisible format character U+{:04X}; leave it out",
@@ -22,7 +21,7 @@ absl::Status CheckLine(std::string_view field, std::string_view line) {
 }  // namespace
 
 absl::Status CheckNoToken(std::string_view field, std::string_view text) {
-  if (WithoutSecrets(text) == text) return absl::OkStatus();
+  if (text::WithoutSecrets(text) == text) return absl::OkStatus();
   return FieldViolation(
       field, "expected no access token, which everybody could read here; revoke the one you sent");
 }

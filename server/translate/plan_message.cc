@@ -7,7 +7,7 @@
 #include "server/translate/dof_names.h"
 #include "server/translate/packed_floats.h"
 #include "server/translate/resource_name.h"
-#include "server/translate/utf8.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -64,13 +64,14 @@ void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
     pose.set_y_m(motion.root(frame, 1));
     pose.set_heading_rad(motion.root(frame, 2));
   }
-  for (const std::string& name : motion.markers.names) message.add_marker_names(ValidUtf8(name));
+  for (const std::string& name : motion.markers.names)
+    message.add_marker_names(text::ValidUtf8(name));
   const core::FrameMatrix& positions = motion.markers.positions_m;
   AppendPacked(positions.data(), static_cast<std::size_t>(positions.size()),
                *message.mutable_marker_positions());
   if (!motion.joints) return;
   for (const std::string& name : DofNames(*motion.joints->skeleton)) {
-    message.add_dof_names(ValidUtf8(name));
+    message.add_dof_names(text::ValidUtf8(name));
   }
   const core::FrameMatrix angles = motion.joints->angles.cast<float>();
   AppendPacked(angles.data(), static_cast<std::size_t>(angles.size()),
@@ -97,7 +98,7 @@ absl::Status SetPlan(const core::PlanAnswer& answer, const std::string& database
                      const core::Model& model, const PlanBody& body, bool with_files,
                      const core::Cancelled& cancelled, v1::PlanResponse& message) {
   message.set_outcome(ToProto(answer.outcome));
-  message.set_missing(ValidUtf8(answer.missing));
+  message.set_missing(text::ValidUtf8(answer.missing));
   message.set_leg_length_m(answer.leg_length_m);
   v1::SearchEffort& effort = *message.mutable_effort();
   effort.set_expansions(answer.effort.expansions);
@@ -108,7 +109,7 @@ absl::Status SetPlan(const core::PlanAnswer& answer, const std::string& database
     if (cancelled()) return absl::CancelledError("nobody waits for the plan");
     v1::PlannedMotion& to = ++number == 1 ? *message.mutable_motion() : *message.add_alternatives();
     to.set_outcome(ToProto(motion.outcome));
-    to.set_missing(ValidUtf8(motion.missing));
+    to.set_missing(text::ValidUtf8(motion.missing));
     SetSegments(motion, database, model, to);
     to.set_coarse_layer(motion.coarse_layer);
     to.mutable_coarse_node_ids()->Add(motion.coarse_nodes.begin(), motion.coarse_nodes.end());

@@ -4,8 +4,8 @@
 
 #include "absl/strings/cord.h"
 #include "motiondb/v1/error.pb.h"
-#include "server/security/shown_text.h"
-#include "server/translate/utf8.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::server {
 namespace {
@@ -60,7 +60,8 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   if (status.ok()) return grpc::Status::OK;
   v1::Status details;
   details.set_code(ToGrpcCode(status.code()));
-  details.set_message(ValidUtf8(ShownText(std::string(status.message())), kMessageLimit));
+  details.set_message(
+      text::ValidUtf8(text::SafeText(std::string(status.message())), kMessageLimit));
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
     google::protobuf::Any& detail = *details.add_details();
     detail.set_type_url(std::string(url));

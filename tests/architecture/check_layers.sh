@@ -5,8 +5,9 @@ set -euo pipefail
 cd "$(dirname "$0")/../.."
 
 declare -A may_include=(
+  [text]="text"
   [core/motion]="core/motion"
-  [core/format]="core/format core/motion"
+  [core/format]="core/format core/motion text"
   [core/kinematics]="core/kinematics core/motion"
   [core/tree]="core/tree core/motion"
   [core/graph]="core/graph core/tree core/motion"
@@ -19,8 +20,15 @@ declare -A may_include=(
   [core/calibration]="core/calibration core/prediction core/recognition core/inference core/model core/graph core/tree core/motion"
   [core/planning]="core/planning core/kinematics core/inference core/model core/graph core/tree core/motion"
   [storage]="storage core"
-  [server]="server storage core motiondb/v1"
-  [client]="client motiondb"
+  [server]="server storage core text motiondb/v1"
+  [server/engine]="server/engine storage core text"
+  [server/translate]="server/translate server/engine storage core text motiondb/v1"
+  [server/security]="server/security server/translate server/engine storage core text motiondb/v1"
+  [server/observability]="server/observability server/security server/engine storage core text"
+  [server/rpc]="server/rpc server/observability server/security server/translate server/engine storage core text motiondb/v1"
+  [server/http2]="server/http2 server/rpc server/observability server/security server/translate server/engine core text motiondb/v1"
+  [server/settings]="server/settings server/http2 server/rpc server/observability server/security server/engine storage core text"
+  [client]="client motiondb text"
 )
 
 bad=0
@@ -31,7 +39,7 @@ for folder in "${!may_include[@]}"; do
     for prefix in ${may_include[$folder]}; do
       case "$include" in "$prefix"/*) allowed=1 ;; esac
     done
-    case "$include" in core/*|storage/*|server/*|client/*|tests/*|motiondb/*) ;; *) allowed=1 ;; esac
+    case "$include" in core/*|storage/*|server/*|client/*|tests/*|motiondb/*|text/*) ;; *) allowed=1 ;; esac
     if [ "$allowed" = 0 ]; then
       echo "$file:$line: $folder may not include $include"
       bad=1
@@ -39,7 +47,7 @@ for folder in "${!may_include[@]}"; do
   done < <(grep -rnoE --include='*.h' --include='*.cc' '#include [<"][^">]+' "$folder" |
            sed -E 's/#include [<"]//')
 done
-for folder in core/*/; do
+for folder in core/*/ server/*/; do
   folder=${folder%/}
   if [ -z "${may_include[$folder]:-}" ]; then
     echo "$folder has no place in check_layers.sh"

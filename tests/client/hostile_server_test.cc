@@ -1,6 +1,4 @@
 // What a hostile server or an older store may say, and what of it reaches a terminal or a picture.
-#include "client/display_text.h"
-
 #include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
@@ -17,6 +15,7 @@
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/shown_text_cases.h"
+#include "text/display_text.h"
 
 namespace motiondb::tests {
 namespace {
@@ -31,33 +30,8 @@ const std::string kHostile =
 // Only line feeds of the program's own.
 void CheckHarmless(const std::string& output) {
   CAPTURE(output);
-  CHECK(output == client::DisplayLines(output));
+  CHECK(output == text::DisplayLines(output));
   CHECK_THAT(output, !Contains("A\n"));
-}
-
-TEST_CASE("DisplayText: as the server shows it", "[client]") {
-  for (const auto& [text, shown] : ShownTexts()) {
-    CAPTURE(text);
-    CHECK(client::ErrorText(text) == shown);
-    if (text.find("mdb_") == std::string::npos) CHECK(client::DisplayText(text) == shown);
-  }
-  for (char32_t character = 0; character <= 0x10FFFF; ++character) {
-    if (client::IsDisplayControl(character) != IsListedDisplayControl(character)) {
-      FAIL(static_cast<unsigned>(character));
-    }
-  }
-  CHECK(client::DisplayLines("a\nb\x1b") == "a\nb\xEF\xBF\xBD");
-  CHECK(client::DisplayText(AnyToken()) == AnyToken());
-}
-
-TEST_CASE("Utf8: well-formed text and nothing else", "[client]") {
-  for (const char* good : {"", "walk", "M\xC3\xBCller", "\xE2\x82\xAC", "\xF0\x9F\x8F\x83"}) {
-    CHECK(client::IsUtf8(good));
-  }
-  for (const char* bad : {"M\xFCller", "\xC3", "\xC0\xAF", "\xE0\x80\xAF", "\xED\xA0\x80",
-                          "\xF4\x90\x80\x80", "\xE2\x82", "\x80", "\xC3\xC3"}) {
-    CHECK(!client::IsUtf8(bad));
-  }
 }
 
 TEST_CASE("DisplayText: pictures and progress lines have it", "[client][cli]") {
@@ -66,7 +40,7 @@ TEST_CASE("DisplayText: pictures and progress lines have it", "[client][cli]") {
   CheckHarmless(client::ProgressLine(0.5, kHostile, 80));
   // Cut between characters.
   for (int columns = 35; columns < 50; ++columns) {
-    CHECK(client::IsUtf8(
+    CHECK(text::IsUtf8(
         client::ProgressLine(0.5, "\xC3\xA4\xE2\x82\xAC\xC3\xA4\xE2\x82\xAC", columns)));
   }
 }

@@ -1,4 +1,4 @@
-// What the server and the client, which share no code, must show alike.
+// Texts, and what of them people may see: from the server, the client and the log.
 #pragma once
 
 #include <string>

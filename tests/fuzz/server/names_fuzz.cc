@@ -2,8 +2,8 @@
 #include "server/translate/model_page.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
-#include "server/translate/utf8.h"
 #include "tests/fuzz/support/properties.h"
+#include "text/utf8.h"
 
 using namespace motiondb;
 
@@ -51,8 +51,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string text(tests::AsText(data, size));
   HoldsNames(text);
   HoldsTokens(text);
-  const std::string valid = server::ValidUtf8(text);
-  tests::Holds(server::ValidUtf8(valid) == valid, "valid text stays as it is");
-  tests::Holds(server::ValidUtf8(text, 100).size() <= 100, "text is cut to its limit");
+  const std::string valid = text::ValidUtf8(text);
+  tests::Holds(text::ValidUtf8(valid) == valid, "valid text stays as it is");
+  tests::Holds(text::ValidUtf8(text, 100).size() <= 100, "text is cut to its limit");
   return 0;
 }

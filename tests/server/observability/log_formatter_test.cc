@@ -8,9 +8,9 @@
 #include <string>
 #include <thread>
 
-#include "core/format/text_encoding.h"
 #include "server/observability/log_fields.h"
 #include "tests/support/shown_text_cases.h"
+#include "text/display_text.h"
 
 namespace motiondb::tests {
 namespace {
@@ -85,7 +85,7 @@ TEST_CASE("Log: neither display controls nor secrets, in messages and fields", "
   for (const LogFormat format : {LogFormat::kText, LogFormat::kJson}) {
     const std::string line = Line(format, hostile + "got '" + AnyToken() + "', see");
     CAPTURE(line);
-    CHECK(core::FindDisplayControl(line).code == '\n');
+    CHECK(text::FindDisplayControl(line).code == '\n');
     CHECK(line.find('\n') == line.size() - 1);
     CHECK_THAT(line, Catch::Contains(R"(\u009b2J\u007f\u202e\u2028\ufeff)") &&
                          Catch::Contains("got 'mdb_0123456789ab_...', see") &&

@@ -22,11 +22,10 @@ const NearestFrame& KeptClip::See(const Model& model, std::size_t ring, const Me
   const MetricFrames& stored = model.metric_frames();
   const Eigen::Index first = stored.rows.begin[clip_];
   const Eigen::Index count = stored.rows.count(clip_);
-  const AlignmentLoops& loops = LoopsOfAlignment();
-  loops.distances_of_one(stored.projected.row(first).data(), stored.squared_norms.data() + first,
-                         static_cast<int>(count), static_cast<int>(frame.projected.size()),
-                         frame.projected.data(), frame.squared_norm, distances_.data());
-  const float least = loops.least(distances_.data(), static_cast<int>(count));
+  SquaredDistancesOfOne(stored.projected.row(first).data(), stored.squared_norms.data() + first,
+                        static_cast<int>(count), static_cast<int>(frame.projected.size()),
+                        frame.projected.data(), frame.squared_norm, distances_.data());
+  const float least = Least(distances_.data(), static_cast<int>(count));
   const auto nearest = std::find(distances_.begin(), distances_.end(), least) - distances_.begin();
   nearest_[ring] = {least, stored.rows.frame[first + nearest]};
   PathSum::Roots(distances_, least, roots_.col(static_cast<Eigen::Index>(ring)));

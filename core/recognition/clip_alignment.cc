@@ -34,10 +34,10 @@ int ClipAligner::FramesOf(int block) const {
 }
 
 void ClipAligner::ComputeDistances(const MetricFrames& stored, int first, int count, int block) {
-  LoopsOfAlignment().distances(
-      stored.projected.row(first).data(), stored.squared_norms.data() + first, count,
-      static_cast<int>(stored.projected.cols()), observed_[block].data(),
-      observed_norms_.data() + block * kFrameLanes, FramesOf(block), distances_.data(), count);
+  SquaredDistances(stored.projected.row(first).data(), stored.squared_norms.data() + first, count,
+                   static_cast<int>(stored.projected.cols()), observed_[block].data(),
+                   observed_norms_.data() + block * kFrameLanes, FramesOf(block), distances_.data(),
+                   count);
 }
 
 double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first, int count,
@@ -64,7 +64,7 @@ double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<Near
     ComputeDistances(stored, first, count, block);
     for (int f = 0; f < FramesOf(block); ++f) {
       const auto distances = distances_.col(f);
-      const float least = LoopsOfAlignment().least(distances.data(), count);
+      const float least = Least(distances.data(), count);
       NearestFrame& so_far = nearest[block * kFrameLanes + f];
       if (least < so_far.squared_distance) {
         const auto at = std::find(distances.begin(), distances.end(), least) - distances.begin();

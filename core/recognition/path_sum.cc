@@ -66,8 +66,8 @@ void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float near
   if (begun_) {
     scale_ *= sum_;
     const double unit = 1 / sum_;
-    sum_ = LoopsOfAlignment().advance(ending_.data(), roots.data(), static_cast<int>(count_),
-                                      kStay * unit, kNext * unit, kSkip * unit, next);
+    sum_ = Advance(ending_.data(), roots.data(), static_cast<int>(count_), kStay * unit,
+                   kNext * unit, kSkip * unit, next);
   } else {
     before = arrival_.sum();
     next_.tail(count_) = arrival_ * roots.cast<double>().square().square();
@@ -85,8 +85,8 @@ void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float near
 bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
                     Eigen::Ref<Eigen::ArrayXf> roots) {
   const float greatest =
-      LoopsOfAlignment().roots(squared_distances.data(), static_cast<int>(squared_distances.size()),
-                               nearest, kRootScale, roots.data());
+      core::Roots(squared_distances.data(), static_cast<int>(squared_distances.size()), nearest,
+                  kRootScale, roots.data());
   return (nearest - greatest) * kRootScale < kLeastLogRoot;
 }
 

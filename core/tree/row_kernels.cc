@@ -4,20 +4,15 @@
 #include <cstddef>
 #include <vector>
 
-#include "core/tree/row_loops.h"
-#include "core/tree/wide_vectors.h"
+#include "core/tree/vectors.h"
 
 namespace motiondb::core {
 namespace {
 
 constexpr int kBlockRows = 16;  // of a few hundred dimensions: they stay in the first-level cache
-
-const RowLoops& Loops() {
-#if defined(__x86_64__)
-  if (WideVectors()) return kAvx2RowLoops;
-#endif
-  return kPortableRowLoops;
-}
+constexpr int kVectors = kRowLanes / kFloats;  // in a step
+constexpr int kTogether = 8;                   // rows that are added at a time
+constexpr int kDots = 4;  // rows whose products are taken at a time: 16 registers hold their lanes
 
 // Calls body(rows, count) for blocks of rows.
 template <typename Body>
@@ -27,46 +22,226 @@ void InBlocks(const float* rows, int count, int stride, const Body& body) {
   }
 }
 
+template <int kRows>
+void AddFew(const float* rows, int dimensions, float* sums) {
+  int d = 0;
+  for (; d + kFloats <= dimensions; d += kFloats) {
+    Floats sum = Load(sums + d);
+#pragma GCC unroll 8
+    for (int r = 0; r < kRows; ++r) sum += Load(rows + r * dimensions + d);
+    Store(sum, sums + d);
+  }
+  for (; d < dimensions; ++d) {
+    for (int r = 0; r < kRows; ++r) sums[d] += rows[r * dimensions + d];
+  }
+}
+
+// sums (dimensions) += each row, one after the other.
+MOTIONDB_WIDEST_VECTORS
+void Add(const float* rows, int count, int dimensions, float* sums) {
+  int r = 0;
+  for (; r + kTogether <= count; r += kTogether)
+    AddFew<kTogether>(rows + r * dimensions, dimensions, sums);
+  for (; r < count; ++r) AddFew<1>(rows + r * dimensions, dimensions, sums);
+}
+
+template <int kRows>
+void DotFew(const float* rows, int stride, int padded, const float* q, float* dots) {
+  Floats lanes[kRows][kVectors];  // cleared one by one: an array would be cleared in memory
+#pragma GCC unroll 4
+  for (int r = 0; r < kRows; ++r) {
+#pragma GCC unroll 2
+    for (int v = 0; v < kVectors; ++v) lanes[r][v] = Floats{};
+  }
+  for (int d = 0; d < padded; d += kRowLanes) {
+#pragma GCC unroll 4
+    for (int r = 0; r < kRows; ++r) __builtin_prefetch(rows + (r + kBlockRows) * stride + d);
+#pragma GCC unroll 2
+    for (int v = 0; v < kVectors; ++v) {
+      const Floats factor = Load(q + d + v * kFloats);
+#pragma GCC unroll 4
+      for (int r = 0; r < kRows; ++r)
+        lanes[r][v] += Load(rows + r * stride + d + v * kFloats) * factor;
+    }
+  }
+  for (int r = 0; r < kRows; ++r)
+    dots[r] = SumOf(SumOfHalves(lanes[r][0]) + SumOfHalves(lanes[r][1]));
+}
+
+// dots (count): inner products with q (padded), in single precision. Asks for the rows of the next
+// block meanwhile.
+MOTIONDB_WIDEST_VECTORS
+void Dot(const float* rows, int count, int stride, int padded, const float* q, float* dots) {
+  int r = 0;
+  for (; r + kDots <= count; r += kDots)
+    DotFew<kDots>(rows + r * stride, stride, padded, q, dots + r);
+  for (; r < count; ++r) DotFew<1>(rows + r * stride, stride, padded, q, dots + r);
+}
+
+// sums (padded) += the sum of the rows, each times its factor (count), which is taken in single
+// precision, one after the other: for few rows.
+MOTIONDB_WIDEST_VECTORS
+void AddMultiples(const float* rows, int count, int stride, int padded, const float* factors,
+                  double* sums) {
+  for (int d = 0; d < padded; d += kRowLanes) {
+    Floats lanes[kVectors] = {};
+#pragma GCC unroll 4
+    for (int r = 0; r < count; ++r) {
+#pragma GCC unroll 2
+      for (int v = 0; v < kVectors; ++v)
+        lanes[v] += Load(rows + r * stride + d + v * kFloats) * factors[r];
+    }
+#pragma GCC unroll 4
+    for (int h = 0; h < 2 * kVectors; ++h) {
+      double* const to = sums + d + h * kDoubles;
+      Store(Load(to) + Widened(HalfOf<FloatHalf>(lanes[h / 2], h % 2)), to);
+    }
+  }
+}
+
+template <typename V, int kRows, int kWide>
+void MultiplyBlock(const float* rows, int dimensions, const float* matrix, int columns,
+                   float* product) {
+  constexpr int kStep = sizeof(V) / sizeof(float);
+  V sums[kRows][kWide];
+#pragma GCC unroll 4
+  for (int r = 0; r < kRows; ++r) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kWide; ++v) sums[r][v] = V{};
+  }
+  for (int d = 0; d < dimensions; ++d) {
+#pragma GCC unroll 8
+    for (int v = 0; v < kWide; ++v) {
+      const V factors = LoadAs<V>(matrix + d * columns + v * kStep);
+#pragma GCC unroll 4
+      for (int r = 0; r < kRows; ++r) sums[r][v] += factors * rows[r * dimensions + d];
+    }
+  }
+  for (int r = 0; r < kRows; ++r) {
+    for (int v = 0; v < kWide; ++v) Store(sums[r][v], product + r * columns + v * kStep);
+  }
+}
+
+template <int kRows, int kWide>
+void MultiplyFew(const float* rows, int dimensions, const float* matrix, int columns,
+                 float* product) {
+  int c = 0;
+  for (; c + kWide * kFloats <= columns; c += kWide * kFloats)
+    MultiplyBlock<Floats, kRows, kWide>(rows, dimensions, matrix + c, columns, product + c);
+  for (; c + kFloats <= columns; c += kFloats)
+    MultiplyBlock<Floats, kRows, 1>(rows, dimensions, matrix + c, columns, product + c);
+  for (; c + kDoubles <= columns; c += kDoubles)
+    MultiplyBlock<FloatHalf, kRows, 1>(rows, dimensions, matrix + c, columns, product + c);
+  for (; c < columns; ++c) {
+    for (int r = 0; r < kRows; ++r) {
+      float sum = 0;
+      for (int d = 0; d < dimensions; ++d)
+        sum += rows[r * dimensions + d] * matrix[d * columns + c];
+      product[r * columns + c] = sum;
+    }
+  }
+}
+
 }  // namespace
 
 void AddRows(const float* rows, int count, int dimensions, double* sum) {
   std::vector<float> sums(static_cast<std::size_t>(dimensions));
   InBlocks(rows, count, dimensions, [&](const float* block, int block_rows) {
     std::fill(sums.begin(), sums.end(), 0.0f);
-    Loops().add(block, block_rows, dimensions, sums.data());
+    Add(block, block_rows, dimensions, sums.data());
     for (int d = 0; d < dimensions; ++d) sum[d] += static_cast<double>(sums[d]);
   });
 }
 
+MOTIONDB_WIDEST_VECTORS
 void CentreRows(const float* rows, int count, int dimensions, const float* mean, float* centred) {
-  Loops().centre(rows, count, dimensions, PaddedDimensions(dimensions), mean, centred);
+  const int padded = PaddedDimensions(dimensions);
+  for (int r = 0; r < count; ++r, rows += dimensions, centred += padded) {
+    int d = 0;
+    for (; d + kFloats <= dimensions; d += kFloats)
+      Store(Load(rows + d) - Load(mean + d), centred + d);
+    for (; d < dimensions; ++d) centred[d] = rows[d] - mean[d];
+    for (; d < padded; ++d) centred[d] = 0;
+  }
 }
 
 double AddScatterProduct(const float* rows, int count, int stride, int padded, const float* q,
                          float offset, double* product) {
   float dots[kBlockRows];
   double total = 0;
-  const RowLoops& loops = Loops();
   InBlocks(rows, count, stride, [&](const float* block, int block_rows) {
-    loops.dot(block, block_rows, stride, padded, q, kBlockRows, dots);
+    Dot(block, block_rows, stride, padded, q, dots);
     for (int r = 0; r < block_rows; ++r) total += static_cast<double>(dots[r] -= offset);
-    loops.add_multiples(block, block_rows, stride, padded, dots, product);
+    AddMultiples(block, block_rows, stride, padded, dots, product);
   });
   return total;
 }
 
+MOTIONDB_WIDEST_VECTORS
 void ProjectRows(const float* rows, int count, int dimensions, const double* axis,
                  double* projections) {
-  Loops().project(rows, count, dimensions, axis, projections);
+  const int whole = dimensions / kRowLanes * kRowLanes;
+  for (int r = 0; r < count; ++r, rows += dimensions) {
+    Doubles lanes[2 * kVectors];
+#pragma GCC unroll 4
+    for (int v = 0; v < 2 * kVectors; ++v) lanes[v] = Doubles{};
+    for (int d = 0; d < whole; d += kRowLanes) {
+#pragma GCC unroll 4
+      for (int v = 0; v < 2 * kVectors; ++v) {
+        const int at = d + v * kDoubles;
+        lanes[v] += Widened(LoadHalf(rows + at)) * Load(axis + at);
+      }
+    }
+#pragma GCC unroll 4
+    for (int v = 0; v < 2 * kVectors; ++v) {
+      const int at = whole + v * kDoubles;
+      if (at >= dimensions) break;
+      lanes[v] += Widened(LoadFew(rows + at, dimensions - at)) * Load(axis + at);
+    }
+    const DoubleHalf sum = (SumOfHalves(lanes[0]) + SumOfHalves(lanes[1])) +
+                           (SumOfHalves(lanes[2]) + SumOfHalves(lanes[3]));
+    projections[r] = sum[0] + sum[1];
+  }
 }
 
+MOTIONDB_WIDEST_VECTORS
 void MultiplyRows(const float* rows, int count, int dimensions, const float* matrix, int columns,
                   float* product) {
-  Loops().multiply(rows, count, dimensions, matrix, columns, product);
+  // As many rows times vectors of columns as the registers hold.
+  int r = 0;
+  for (; r + 4 <= count; r += 4)
+    MultiplyFew<4, 2>(rows + r * dimensions, dimensions, matrix, columns, product + r * columns);
+  for (; r < count; ++r)
+    MultiplyFew<1, 8>(rows + r * dimensions, dimensions, matrix, columns, product + r * columns);
 }
 
+MOTIONDB_WIDEST_VECTORS
 float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions) {
-  return Loops().scaled_squares(x, mean, factors, dimensions);
+  const int whole = dimensions / kRowLanes * kRowLanes;
+  Floats lanes[kVectors];
+#pragma GCC unroll 2
+  for (int v = 0; v < kVectors; ++v) lanes[v] = Floats{};
+  for (int d = 0; d < whole; d += kRowLanes) {
+#pragma GCC unroll 2
+    for (int v = 0; v < kVectors; ++v) {
+      const int at = d + v * kFloats;
+      const Floats z = (Load(x + at) - Load(mean + at)) * Load(factors + at);
+      lanes[v] += z * z;
+    }
+  }
+  // What is left is less than a step: four numbers at a time.
+  FloatHalf sums[2 * kVectors];
+#pragma GCC unroll 4
+  for (int h = 0; h < 2 * kVectors; ++h) {
+    sums[h] = HalfOf<FloatHalf>(lanes[h / 2], h % 2);
+    const int at = whole + h * kDoubles;
+    if (at >= dimensions) continue;
+    const int few = dimensions - at;
+    const FloatHalf z =
+        (LoadFew(x + at, few) - LoadFew(mean + at, few)) * LoadFew(factors + at, few);
+    sums[h] += z * z;
+  }
+  return SumOf((sums[0] + sums[1]) + (sums[2] + sums[3]));
 }
 
 }  // namespace motiondb::core

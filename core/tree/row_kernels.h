@@ -1,6 +1,6 @@
 // The inner loops over rows of float32 numbers, frames x dimensions: those of the tree build over
-// the rows of a node, and the distance of one row from a node's mean. The same bits in vectors of
-// any width (wide_vectors.h). Safe to call from any thread.
+// the rows of a node, and the distance of one row from a node's mean. The same bits on every
+// processor (vectors.h). Safe to call from any thread.
 #pragma once
 
 namespace motiondb::core {

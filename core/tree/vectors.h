@@ -1,80 +1,73 @@
-// Vectors of kWidth numbers (and of as many bytes of others), for loops that are compiled once for
-// every processor, in vectors of four, and once for those that have wider ones. A file that is may
-// use more than every processor has, so what it is made of calls no function that another file
-// could share (an inline one of the standard library, say). Pure.
+// Vectors of eight numbers (four in double precision), for inner loops, and what lets one binary
+// run them in the widest vectors that the processor at hand has. Pure.
 #pragma once
+
+// Before a function: compile it for every processor and for x86-64 processors with AVX2; the loader
+// takes the one that fits. Both give the same bits, since neither may fuse a product with a sum
+// (the file is compiled with -ffp-contract=off). Everything that the function calls is compiled
+// into it. Clang 14 rejects 32-byte vectors as results of the functions below; the sanitizers are
+// not ready yet when the loader asks.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define MOTIONDB_WIDEST_VECTORS __attribute__((target_clones("avx2", "default"), flatten))
+#else
+#define MOTIONDB_WIDEST_VECTORS __attribute__((flatten))
+#endif
 
 namespace motiondb::core {
 
-template <int kWidth>
-struct VectorTypes;
+typedef float Floats __attribute__((vector_size(32)));
+typedef int Ints __attribute__((vector_size(32)));
+typedef double Doubles __attribute__((vector_size(32)));
+typedef float FloatHalf __attribute__((vector_size(16)));
+typedef double DoubleHalf __attribute__((vector_size(16)));
 
-template <>
-struct VectorTypes<4> {
-  typedef float Floats __attribute__((vector_size(16)));
-  typedef int Ints __attribute__((vector_size(16)));
-  typedef float FloatHalf __attribute__((vector_size(8)));
-  typedef double Doubles __attribute__((vector_size(16)));
-};
+inline constexpr int kFloats = 8;   // in Floats and Ints
+inline constexpr int kDoubles = 4;  // in Doubles and FloatHalf
 
-template <>
-struct VectorTypes<8> {
-  typedef float Floats __attribute__((vector_size(32)));
-  typedef int Ints __attribute__((vector_size(32)));
-  typedef float FloatHalf __attribute__((vector_size(16)));
-  typedef double Doubles __attribute__((vector_size(32)));
-};
+// From and to any address.
+template <typename V, typename T>
+V LoadAs(const T* from) {
+  static_assert(sizeof(V{}[0]) == sizeof(T));
+  V v;
+  __builtin_memcpy(&v, from, sizeof(V));
+  return v;
+}
 
-template <int kWidth>
-struct Vectors : VectorTypes<kWidth> {
-  static constexpr int kHalf = kWidth / 2;
-  using Floats = typename VectorTypes<kWidth>::Floats;
-  using Ints = typename VectorTypes<kWidth>::Ints;
-  using FloatHalf = typename VectorTypes<kWidth>::FloatHalf;  // half as many
-  using Doubles = typename VectorTypes<kWidth>::Doubles;      // half as many
+inline Floats Load(const float* from) { return LoadAs<Floats>(from); }
+inline FloatHalf LoadHalf(const float* from) { return LoadAs<FloatHalf>(from); }
+inline Doubles Load(const double* from) { return LoadAs<Doubles>(from); }
 
-  // From and to any address.
-  static Floats Load(const float* from) { return LoadAs<Floats>(from); }
-  static FloatHalf LoadHalf(const float* from) { return LoadAs<FloatHalf>(from); }
-  static Doubles LoadDoubles(const double* from) { return LoadAs<Doubles>(from); }
-  template <typename V, typename T>
-  static void Store(V v, T* to) {
-    static_assert(sizeof(v[0]) == sizeof(T));
-    __builtin_memcpy(to, &v, sizeof(V));
-  }
+template <typename V, typename T>
+void Store(V v, T* to) {
+  static_assert(sizeof(v[0]) == sizeof(T));
+  __builtin_memcpy(to, &v, sizeof(V));
+}
 
-  // Up to half a vector, then zeros.
-  static FloatHalf LoadFew(const float* from, int count) {
-    if (count >= kHalf) return LoadHalf(from);
-    FloatHalf few = {};
-    for (int i = 0; i < count; ++i) few[i] = from[i];
-    return few;
-  }
+// Up to half a vector, then zeros.
+inline FloatHalf LoadFew(const float* from, int count) {
+  if (count >= kDoubles) return LoadHalf(from);
+  FloatHalf few = {};
+  for (int i = 0; i < count; ++i) few[i] = from[i];
+  return few;
+}
 
-  static Doubles Widened(FloatHalf v) { return __builtin_convertvector(v, Doubles); }
+inline Doubles Widened(FloatHalf v) { return __builtin_convertvector(v, Doubles); }
 
-  // The first half of a vector (0) or the second (1).
-  template <typename Half, typename V>
-  static Half HalfOf(const V& v, int i) {
-    static_assert(2 * sizeof(Half) == sizeof(V));
-    Half half;
-    __builtin_memcpy(&half, reinterpret_cast<const char*>(&v) + i * sizeof(Half), sizeof(Half));
-    return half;
-  }
+// The first half of a vector (0) or the second (1).
+template <typename Half, typename V>
+Half HalfOf(const V& v, int i) {
+  static_assert(2 * sizeof(Half) == sizeof(V));
+  Half half;
+  __builtin_memcpy(&half, reinterpret_cast<const char*>(&v) + i * sizeof(Half), sizeof(Half));
+  return half;
+}
 
-  template <typename Half, typename V>
-  static Half SumOfHalves(const V& v) {
-    return HalfOf<Half>(v, 0) + HalfOf<Half>(v, 1);
-  }
+inline FloatHalf SumOfHalves(Floats v) { return HalfOf<FloatHalf>(v, 0) + HalfOf<FloatHalf>(v, 1); }
+inline DoubleHalf SumOfHalves(Doubles v) {
+  return HalfOf<DoubleHalf>(v, 0) + HalfOf<DoubleHalf>(v, 1);
+}
 
- private:
-  template <typename V, typename T>
-  static V LoadAs(const T* from) {
-    static_assert(sizeof(V{}[0]) == sizeof(T));
-    V v;
-    __builtin_memcpy(&v, from, sizeof(V));
-    return v;
-  }
-};
+inline float SumOf(FloatHalf v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 }  // namespace motiondb::core

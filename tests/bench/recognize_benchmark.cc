@@ -17,7 +17,6 @@
 #include "core/calibration/recognition_trial.h"
 #include "core/format/marker_set_file.h"
 #include "core/recognition/recognize.h"
-#include "core/tree/wide_vectors.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/varied_motion.h"
 #include "tests/bench/window_search.h"
@@ -137,7 +136,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   if (!windows.ok()) return windows.status();
 
   constexpr core::Method kMethods[] = {core::Method::kBest, core::Method::kPaper};
-  Answers in_many[2], in_few[2], portable, searched;
+  Answers in_many[2], in_few[2], searched;
   for (int w = 0; w < options.windows; ++w) {
     const Window& window = (*windows)[w];
     for (int m = 0; m < 2; ++m) {
@@ -145,10 +144,6 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
       status.Update(Recognize(*few, kMethods[m], window, in_few[m]));
       if (!status.ok()) return status;
     }
-    core::UseWideVectors(false);
-    const absl::Status status = Recognize(*many, core::Method::kBest, window, portable);
-    core::UseWideVectors(true);
-    if (!status.ok()) return status;
     if (w < options.searches) Search(*many, window, searched);
   }
 
@@ -163,10 +158,6 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     table.rows.push_back(TimesTheirs(what, ours, fmt::format("the same in {} clips", kFewClips),
                                      Median(in_few[m].ms), "ms", AtMost(5)));
   }
-  table.rows.push_back(
-      TimesFaster(fmt::format("recognize 0.4 s in {}, best, vectors of this processor", size),
-                  Median(in_many[0].ms), "the same binary in vectors that all have",
-                  Median(portable.ms), "ms", Reported()));
   table.notes.push_back(fmt::format(
       "recognition: {}, {} frames of {} numbers in {} ({} frames in {} clips); {} windows of clips "
       "that are not stored, medians of processor time, all on one thread",

@@ -20,7 +20,6 @@
 
 #include "core/tree/node_gaussians.h"
 #include "core/tree/tree_builder.h"
-#include "core/tree/wide_vectors.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/varied_motion.h"
 #include "tests/support/real_data.h"
@@ -82,9 +81,8 @@ class Bandwidth {
 struct Built {
   core::Tree tree;
   double seconds = 0;
-  double portable_seconds = 0;  // in vectors that every processor has
-  double fit_seconds = 0;       // of the nodes' Gaussians
-  double frames_read = 0;       // of all nodes tested for a split
+  double fit_seconds = 0;  // of the nodes' Gaussians
+  double frames_read = 0;  // of all nodes tested for a split
   int leaves = 0;
 };
 
@@ -92,18 +90,13 @@ Built Build(const core::FrameMatrix& states, int builds, Bandwidth& bandwidth,
             const core::ParallelFor& parallel) {
   Built built;
   std::vector<double> seconds;
-  std::vector<double> portable_seconds;
   const auto build = [&] { built.tree = *core::BuildTree(states, kMinFrames, parallel); };
   for (int b = 0; b < builds; ++b) {
     for (int i = 0; i < 3; ++i) bandwidth.Measure();
     seconds.push_back(Seconds(build));
     for (int i = 0; i < 3; ++i) bandwidth.Measure();
-    core::UseWideVectors(false);
-    portable_seconds.push_back(Seconds(build));
-    core::UseWideVectors(true);
   }
   built.seconds = Median(seconds);
-  built.portable_seconds = Median(portable_seconds);
   built.fit_seconds = Seconds([&] { core::NodeGaussians::Fit(built.tree, states, parallel); });
   for (const core::Branch& branch : built.tree.branches()) {
     const int frames = branch.end - branch.begin;
@@ -154,10 +147,6 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     table.rows.push_back(TimesTheirs(fmt::format("tree build, {}", Thousands(frames)),
                                      1e3 * built.seconds, "one streaming read of each tested node",
                                      1e3 * bytes / bandwidth.median(), "ms", AtMost(15)));
-    table.rows.push_back(
-        TimesFaster(fmt::format("tree build, {}, vectors of this processor", Thousands(frames)),
-                    1e3 * built.seconds, "the same binary in vectors that all have",
-                    1e3 * built.portable_seconds, "ms", Reported()));
     read_nanoseconds.push_back(1e9 * built.seconds / built.frames_read);
     table.notes.push_back(fmt::format(
         "tree build, {}: {} layers, {} leaves; frames are tested {:.1f} times each, {:.0f} ns a "

@@ -6,8 +6,7 @@
 
 #include "core/motion/matrix.h"
 #include "core/tree/row_product.h"
-#include "core/tree/tree_builder.h"
-#include "core/tree/wide_vectors.h"
+#include "tests/support/fixed_numbers.h"
 
 namespace motiondb::tests {
 namespace {
@@ -21,37 +20,6 @@ struct Rows {
       : all(core::FrameMatrix::Random(rows + core::kRowLanes, dimensions)), count(rows) {}
   Eigen::MatrixXd exact() const { return all.topRows(count).cast<double>(); }
   int dimensions() const { return static_cast<int>(all.cols()); }
-};
-
-// What all kernels make of some rows, in the vectors in use.
-std::vector<double> AllResults(const Rows& rows, const Eigen::VectorXf& q) {
-  const int dimensions = rows.dimensions();
-  const int padded = core::PaddedDimensions(dimensions);
-  Eigen::VectorXd sum = Eigen::VectorXd::Zero(dimensions);
-  core::AddRows(rows.all.data(), rows.count, dimensions, sum.data());
-  core::FrameMatrix centred(rows.count, padded);
-  core::CentreRows(rows.all.data(), rows.count, dimensions, q.data(), centred.data());
-  Eigen::VectorXd product = Eigen::VectorXd::Zero(padded);
-  const double total = core::AddScatterProduct(rows.all.data(), rows.count, dimensions, padded,
-                                               q.data(), 0.25f, product.data());
-  Eigen::VectorXd projections(rows.count);
-  const Eigen::VectorXd axis = q.cast<double>();
-  core::ProjectRows(rows.all.data(), rows.count, dimensions, axis.data(), projections.data());
-  std::vector<double> results{total};
-  for (int r = 0; r + 2 < rows.count; ++r) {
-    results.push_back(core::ScaledSquares(rows.all.row(r).data(), rows.all.row(r + 1).data(),
-                                          rows.all.row(r + 2).data(), dimensions));
-  }
-  results.insert(results.end(), sum.begin(), sum.end());
-  for (const float number : centred.reshaped()) results.push_back(number);
-  results.insert(results.end(), product.begin(), product.begin() + dimensions);
-  results.insert(results.end(), projections.begin(), projections.end());
-  return results;
-}
-
-// The widest vectors again, however a test ends.
-struct WideAgain {
-  ~WideAgain() { core::UseWideVectors(true); }
 };
 
 }  // namespace
@@ -105,64 +73,64 @@ TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]"
   }
 }
 
-TEST_CASE("Row kernels: the same bits in vectors of any width", "[core][tree]") {
-  const WideAgain again;
-  if (!core::UseWideVectors(true)) WARN("this processor has no wider vectors than every one");
+// The release build runs in the widest vectors of the processor, builds with sanitizers in those of
+// every processor: one digest for both.
+TEST_CASE("Row kernels: the same bits on every processor", "[core][tree]") {
+  BitDigest digest;
   for (const int dimensions : {1, 2, 3, 5, 7, 15, 16, 17, 31, 33, 50, 102, 203, 204, 205, 600}) {
     for (const int count : {1, 2, 3, 4, 5, 7, 15, 16, 17, 31, 33, 47, 100}) {
-      CAPTURE(dimensions, count);
-      const Rows rows(count, dimensions);
-      Eigen::VectorXf q = Eigen::VectorXf::Zero(core::PaddedDimensions(dimensions));
-      q.head(dimensions).setRandom();
-      core::UseWideVectors(true);
-      const std::vector<double> wide = AllResults(rows, q);
-      core::UseWideVectors(false);
-      CHECK(AllResults(rows, q) == wide);
+      const int padded = core::PaddedDimensions(dimensions);
+      const core::FrameMatrix rows = FixedNumbers(count + core::kRowLanes, dimensions);
+      const core::FrameMatrix q = FixedNumbers(1, padded);
+      Eigen::VectorXd sum = Eigen::VectorXd::Zero(dimensions);
+      core::AddRows(rows.data(), count, dimensions, sum.data());
+      core::FrameMatrix centred(count, padded);
+      core::CentreRows(rows.data(), count, dimensions, q.data(), centred.data());
+      Eigen::VectorXd product = Eigen::VectorXd::Zero(padded);
+      digest.Add(core::AddScatterProduct(centred.data(), count, padded, padded, q.data(), 0.25f,
+                                         product.data()));
+      Eigen::VectorXd axis = Eigen::VectorXd::Zero(padded);
+      axis.head(dimensions) = q.leftCols(dimensions).cast<double>().transpose();
+      Eigen::VectorXd projections(count);
+      core::ProjectRows(rows.data(), count, dimensions, axis.data(), projections.data());
+      digest.AddAll(sum);
+      digest.AddAll(centred);
+      digest.AddAll(product);
+      digest.AddAll(projections);
+      digest.AddAll(core::RowProduct(rows, FixedNumbers(dimensions, 20)));
+      digest.Add(core::ScaledSquares(rows.row(0).data(), rows.row(1).data(), rows.row(2).data(),
+                                     dimensions));
     }
   }
-  const core::FrameMatrix states = core::FrameMatrix::Random(3000, 21);
-  const auto narrow_tree = core::BuildTree(states, 8, core::Serially);
-  core::UseWideVectors(true);
-  const auto wide_tree = core::BuildTree(states, 8, core::Serially);
-  REQUIRE((narrow_tree.ok() && wide_tree.ok()));
-  CHECK(narrow_tree->frame_order() == wide_tree->frame_order());
-  CHECK(narrow_tree->branches().size() == wide_tree->branches().size());
+  CHECK(digest.value() == 0x61236f822e1cedffU);
 }
 
-TEST_CASE("Row product: equals the exact one, whatever the vectors and the rows beside it",
-          "[core][tree]") {
-  const WideAgain again;
+TEST_CASE("Row product: equals the exact one, whatever the rows beside it", "[core][tree]") {
   for (const int dimensions : {1, 3, 40, 204}) {
     for (const int columns : {1, 2, 3, 4, 7, 8, 12, 15, 16, 17, 31, 40, 63, 64, 65, 204}) {
       for (const int count : {1, 2, 3, 4, 5, 8, 13}) {
         CAPTURE(dimensions, columns, count);
         const core::FrameMatrix rows = core::FrameMatrix::Random(count, dimensions);
         const core::FrameMatrix matrix = core::FrameMatrix::Random(dimensions, columns);
-        core::UseWideVectors(true);
-        const core::FrameMatrix wide = core::RowProduct(rows, matrix);
+        const core::FrameMatrix product = core::RowProduct(rows, matrix);
         const Eigen::MatrixXd exact = rows.cast<double>() * matrix.cast<double>();
-        CHECK((wide.cast<double>() - exact).cwiseAbs().maxCoeff() <= 1e-6 * dimensions);
-        for (int r = 0; r < count; ++r) CHECK(core::RowProduct(rows.row(r), matrix) == wide.row(r));
-        core::UseWideVectors(false);
-        CHECK(core::RowProduct(rows, matrix) == wide);
+        CHECK((product.cast<double>() - exact).cwiseAbs().maxCoeff() <= 1e-6 * dimensions);
+        for (int r = 0; r < count; ++r)
+          CHECK(core::RowProduct(rows.row(r), matrix) == product.row(r));
       }
     }
   }
 }
 
 TEST_CASE("Row kernels: a missing number anywhere makes the scaled squares NaN", "[core][tree]") {
-  const WideAgain again;
-  for (const bool wide : {false, true}) {
-    core::UseWideVectors(wide);
-    for (const int dimensions : {1, 7, 16, 27, 204}) {
-      const Eigen::RowVectorXf ones = Eigen::RowVectorXf::Ones(dimensions);
-      for (int d = 0; d < dimensions; ++d) {
-        Eigen::RowVectorXf x = 3 * ones;
-        CHECK(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions) ==
-              4.0f * static_cast<float>(dimensions));
-        x[d] = std::nanf("");
-        CHECK(std::isnan(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions)));
-      }
+  for (const int dimensions : {1, 7, 16, 27, 204}) {
+    const Eigen::RowVectorXf ones = Eigen::RowVectorXf::Ones(dimensions);
+    for (int d = 0; d < dimensions; ++d) {
+      Eigen::RowVectorXf x = 3 * ones;
+      CHECK(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions) ==
+            4.0f * static_cast<float>(dimensions));
+      x[d] = std::nanf("");
+      CHECK(std::isnan(core::ScaledSquares(x.data(), ones.data(), ones.data(), dimensions)));
     }
   }
 }

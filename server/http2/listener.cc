@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <cerrno>
+#include <csignal>
 #include <new>
 #include <utility>
 
@@ -71,6 +72,7 @@ void RaiseDescriptorLimit() {
 absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen, const Tls* tls,
                                                           std::unique_ptr<CallBridge> bridge,
                                                           ConnectionMeter& meter) {
+  std::signal(SIGPIPE, SIG_IGN);  // which OpenSSL raises where it writes to a client that has gone
   std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge), meter));
   MOTIONDB_RETURN_IF_ERROR(listener->Listen(listen));
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <ctime>
 #include <filesystem>
 #include <fstream>
@@ -186,6 +187,13 @@ TEST_CASE("TLS: with an authority of clients, each shows a certificate and is kn
                              std::filesystem::copy_options::overwrite_existing);
   CHECK(server.ComesToConnect(server.servers, stranger));
   CHECK(!server.Connects(server.servers, robot));
+}
+
+// OpenSSL writes its alerts by write(), which raises SIGPIPE where the client has gone.
+TEST_CASE("TLS: a closed connection does not end a program with a server", "[security]") {
+  std::signal(SIGPIPE, SIG_DFL);
+  const TlsServer server(false);
+  CHECK(std::raise(SIGPIPE) == 0);
 }
 
 }  // namespace

@@ -32,10 +32,10 @@ struct HealthWatch::State {
 HealthWatch::HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health)
     : state_(std::make_shared<State>()),
       timer_(std::make_unique<SilenceLimit>(
-          engine.workers().request_executor(), kPeriod, kPeriod, [&engine, state = state_] {
+          engine.workers(), kPeriod, kPeriod, [&engine, state = state_] {
             // The check may wait for the disk: not on a request thread.
             if (state->is_looking.exchange(true)) return;
-            engine.workers().PostUrgentChange([&engine, state] { Look(engine, state); });
+            engine.workers().Post(Pool::kUrgentChanges, [&engine, state] { Look(engine, state); });
           })) {
   const std::lock_guard lock(state_->mutex);
   state_->health = &health;

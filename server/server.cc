@@ -41,7 +41,7 @@ std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
   const auto longest = host.limits.options().longest_silence;
   const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
   return std::make_unique<SilenceLimit>(
-      host.engine.workers().request_executor(), period, period,
+      host.engine.workers(), period, period,
       [&gate = host.gate, longest] { gate.CancelEndedBefore(CallGate::Clock::now() - longest); });
 }
 

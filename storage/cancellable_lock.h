@@ -1,24 +1,13 @@
 // Waiting for a mutex no longer than somebody wants what it guards. Safe to call from any thread.
 #pragma once
 
-#include <chrono>
 #include <mutex>
 
 #include "absl/status/status.h"
 #include "core/motion/cancellation.h"
+#include "storage/mutex.h"
 
 namespace motiondb::storage {
-
-#ifdef __SANITIZE_THREAD__
-using WaitClock = std::chrono::system_clock;  // of waits by the steady one GCC 12's knows nothing
-#else
-using WaitClock = std::chrono::steady_clock;
-#endif
-
-// When a waiting thread next asks whether it is cancelled.
-inline WaitClock::time_point NextQuestion() {
-  return WaitClock::now() + std::chrono::milliseconds(20);
-}
 
 inline absl::Status NotWanted() {
   return absl::CancelledError("what was asked for was no longer wanted when its turn came");

@@ -8,7 +8,6 @@
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
-#include "server/engine/purge.h"
 #include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
@@ -18,9 +17,7 @@ Engine::Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions&
       store_(std::move(store)),
       operations_(*store_),
       skeletons_(*store_),
-      workers_(options),
-      rebuilder_(*store_, operations_, workers_, options),
-      extender_(*store_, workers_, options) {}
+      workers_(options) {}
 
 Engine::~Engine() {
   Drain();
@@ -31,8 +28,17 @@ Engine::~Engine() {
 void Engine::Drain() {
   draining_ = true;
   operations_.ReleaseWaiters();
-  rebuilder_.Stop();
-  extender_.Stop();
+  const auto databases = Databases();
+  for (const auto& database : databases) database->lifecycle().BeginStop();
+  for (const auto& database : databases) database->lifecycle().AwaitStop();
+}
+
+std::shared_ptr<LiveDatabase> Engine::Serve(const std::string& name,
+                                            const core::BuildSettings& settings) {
+  auto live = std::make_shared<LiveDatabase>(name, settings);
+  live->Serve(std::make_unique<ModelLifecycle>(
+      *live, LifecycleServices{*store_, operations_, workers_, options_}));
+  return live;
 }
 
 absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
@@ -45,7 +51,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                                        .marker_set_text = marker_set.text,
                                        .create_time_us = NowMicroseconds()};
   MOTIONDB_ASSIGN_OR_RETURN(auto scheme, StoredScheme(record));
-  auto live = std::make_shared<LiveDatabase>(database, settings);
+  auto live = Serve(database, settings);
   live->set_scheme(std::move(scheme));
   std::unique_lock naming(naming_mutex_, std::defer_lock);
   MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, terms.cancelled));
@@ -57,6 +63,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   }
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
   const std::lock_guard lock(mutex_);
+  if (draining_) live->lifecycle().BeginStop();
   databases_[database] = std::move(live);
   spdlog::info("database '{}': created", database);
   return record;
@@ -70,7 +77,7 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
   const auto remove = [&] {
     const absl::Status deleted = store_->DeleteDatabase(database, terms);
     if (!deleted.ok()) return deleted;
-    rebuilder_.Forget(*live);
+    live->lifecycle().Forget();
     live->set_snapshot(nullptr);
     const std::lock_guard lock(mutex_);
     databases_.erase(database);
@@ -85,10 +92,10 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
 
 void Engine::FreeDeletedDatabases() {
   if (draining_ || freeing_waits_.exchange(true)) return;
-  workers_.PostUpkeep([this] {
+  workers_.Post(Pool::kUpkeep, [this] {
     freeing_waits_ = false;  // a database that is deleted from here on may be missed
     const absl::Status freed = store_->PurgeDeletedDatabases(
-        [this] { return draining_.load() || workers_.upkeep_waits(); });
+        [this] { return draining_.load() || workers_.queued(Pool::kUpkeep) > 0; });
     if (absl::IsCancelled(freed)) return FreeDeletedDatabases();  // behind what waits
     if (freed.ok()) return;
     spdlog::warn("what is left of deleted databases could not all be removed: {}",
@@ -136,12 +143,12 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveD
       database.name(), database.name());
 }
 
-absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> Engine::BeginIngest(
+absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
     const std::shared_ptr<LiveDatabase>& database) {
   MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
-  std::unique_ptr<Rebuilder::Ingest> ingest;
+  std::unique_ptr<ModelLifecycle::Ingest> ingest;
   MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&] {
-    ingest = std::make_unique<Rebuilder::Ingest>(rebuilder_, database);
+    ingest = std::make_unique<ModelLifecycle::Ingest>(database);
     return absl::OkStatus();
   }));
   return ingest;
@@ -153,12 +160,13 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
   const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
                  clip.frame_count, clip.source_report);
-    extender_.Request(database);
-    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, rebuilder_.Request(database, terms.cancelled));
+    database->lifecycle().RequestExtension();
+    MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, database->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   };
-  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip, IngestClip(*store_, *database, std::move(file), options_,
-                                                      workers_.request_parallel(), terms, stored));
+  MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
+                            IngestClip(*store_, *database, std::move(file), options_,
+                                       workers_.Parallel(Pool::kRequests), terms, stored));
   return ingested;
 }
 
@@ -174,11 +182,8 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
     skeletons_.Clear();
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
-    // A build at work may have read it, and purges at its end.
-    if (const std::unique_lock states(live->states_mutex(), std::try_to_lock); states) {
-      PurgeDeletedClips(*store_, database, terms.cancelled);
-    }
-    MOTIONDB_ASSIGN_OR_RETURN(operation, rebuilder_.Request(live, terms.cancelled));
+    live->lifecycle().PurgeUnlessBuilding(terms.cancelled);
+    MOTIONDB_ASSIGN_OR_RETURN(operation, live->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   });
   MOTIONDB_RETURN_IF_ERROR(deleted);
@@ -186,7 +191,8 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
 }
 
 void Engine::RecordLater(const storage::AuditRecord& record) {
-  workers_.PostUpkeep([this, record] { KeepAuditRecord(store_->access(), record).IgnoreError(); });
+  workers_.Post(Pool::kUpkeep,
+                [this, record] { KeepAuditRecord(store_->access(), record).IgnoreError(); });
 }
 
 std::vector<storage::Damage> Engine::damages() {
@@ -217,7 +223,7 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
   const auto database = FindDatabase(record.database);
   if (!record.done() && database.ok()) {
     const auto cancel = [&]() -> absl::Status {
-      MOTIONDB_ASSIGN_OR_RETURN(is_first, rebuilder_.Cancel(**database, operation, cancelled));
+      MOTIONDB_ASSIGN_OR_RETURN(is_first, (*database)->lifecycle().Cancel(operation, cancelled));
       return absl::OkStatus();
     };
     const absl::Status done = (*database)->WhileAlive(Retiring::kRefuse, cancel);

@@ -14,13 +14,12 @@
 
 #include "absl/status/statusor.h"
 #include "server/engine/damage_book.h"
-#include "server/engine/extender.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
+#include "server/engine/model_lifecycle.h"
 #include "server/engine/operation_book.h"
 #include "server/engine/options.h"
-#include "server/engine/rebuilder.h"
 #include "server/engine/skeleton_cache.h"
 #include "server/engine/workers.h"
 #include "storage/motion_store.h"
@@ -81,7 +80,7 @@ class Engine {
   absl::StatusOr<std::shared_ptr<const Snapshot>> CurrentModel(const LiveDatabase& database);
 
   // Announces an ingest, for as long as the result lives, so that a rebuild waits for it.
-  absl::StatusOr<std::unique_ptr<Rebuilder::Ingest>> BeginIngest(
+  absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> BeginIngest(
       const std::shared_ptr<LiveDatabase>& database);
   // See IngestClip; with the rebuild that will make the clip known. CANCELLED also, here and of
   // DeleteClip, where the change was made but the rebuild not yet asked for: it will be.
@@ -118,6 +117,7 @@ class Engine {
   std::size_t database_count();
   // Frees what deleted databases left, on the thread for upkeep, in the breaks of its other work.
   void FreeDeletedDatabases();
+  std::shared_ptr<LiveDatabase> Serve(const std::string& name, const core::BuildSettings& settings);
   // By name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Brings what is stored to life, then lets others find it.
@@ -135,8 +135,6 @@ class Engine {
   DamageBook damages_;
   SkeletonCache skeletons_;
   Workers workers_;
-  Rebuilder rebuilder_;
-  Extender extender_;
 
   std::atomic<bool> freeing_waits_{false};  // for the thread for upkeep
   std::atomic<bool> draining_{false};

@@ -6,6 +6,7 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
+#include "server/engine/model_lifecycle.h"
 
 namespace motiondb::server {
 namespace {
@@ -20,6 +21,15 @@ absl::Status Within(const std::string& database, std::string_view what, std::int
 }
 
 }  // namespace
+
+LiveDatabase::LiveDatabase(std::string name, const core::BuildSettings& settings)
+    : name_(std::move(name)), settings_(settings) {}
+
+LiveDatabase::~LiveDatabase() = default;
+
+void LiveDatabase::Serve(std::unique_ptr<ModelLifecycle> lifecycle) {
+  lifecycle_ = std::move(lifecycle);
+}
 
 absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> LiveDatabase::scheme() const {
   const std::lock_guard lock(mutex_);

@@ -21,6 +21,7 @@
 
 namespace motiondb::server {
 
+class ModelLifecycle;
 struct Snapshot;
 
 // How much is stored, in the model or not; or how much more or less.
@@ -49,10 +50,10 @@ struct RebuildTally {
 // with UNAVAILABLE, or waits.
 enum class Retiring { kRefuse, kAwait };
 
-class LiveDatabase {
+class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
  public:
-  LiveDatabase(std::string name, const core::BuildSettings& settings)
-      : name_(std::move(name)), settings_(settings) {}
+  LiveDatabase(std::string name, const core::BuildSettings& settings);
+  ~LiveDatabase();
 
   const std::string& name() const { return name_; }
   const core::BuildSettings& settings() const { return settings_; }
@@ -86,7 +87,12 @@ class LiveDatabase {
   void ForgetUnreadable(const std::string& clip);
   std::map<std::string, std::string> unreadable() const;
 
-  // The operation of the rebuild that waits or works; empty: none. Told by the rebuilder, asked
+  // When its model is built and extended. REQUIRES: Serve came before.
+  ModelLifecycle& lifecycle() { return *lifecycle_; }
+  // Once, before others find the database.
+  void Serve(std::unique_ptr<ModelLifecycle> lifecycle);
+
+  // The operation of the rebuild that waits or works; empty: none. Set by the lifecycle, read
   // without waiting for it.
   std::string operation() const;
   void set_operation(std::string operation);
@@ -119,6 +125,7 @@ class LiveDatabase {
 
   const std::string name_;
   const core::BuildSettings settings_;
+  std::unique_ptr<ModelLifecycle> lifecycle_;
 
   mutable std::mutex mutex_;
   absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme_ = nullptr;

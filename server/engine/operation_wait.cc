@@ -1,55 +1,58 @@
 #include "server/engine/operation_wait.h"
 
-#include <boost/asio/bind_executor.hpp>
-#include <boost/asio/post.hpp>
 #include <utility>
 
 namespace motiondb::server {
 
-std::shared_ptr<OperationWait> OperationWait::Start(const Workers::Executor& executor,
-                                                    OperationBook& book, std::string id,
-                                                    std::chrono::steady_clock::duration timeout,
-                                                    Done done) {
+std::shared_ptr<OperationWait> OperationWait::Start(Executor& executor, OperationBook& book,
+                                                    std::string id,
+                                                    Executor::Clock::duration timeout, Done done) {
   std::shared_ptr<OperationWait> wait(
       new OperationWait(executor, book, std::move(id), std::move(done)));
-  boost::asio::post(wait->strand_, [wait, timeout] { wait->Begin(timeout); });
+  executor.Post(Pool::kRequests, [wait, timeout] { wait->Begin(timeout); });
   return wait;
 }
 
-OperationWait::OperationWait(const Workers::Executor& executor, OperationBook& book, std::string id,
-                             Done done)
-    : strand_(executor),
-      timer_(executor),
+OperationWait::OperationWait(Executor& executor, OperationBook& book, std::string id, Done done)
+    : executor_(executor),
       book_(book),
       id_(std::move(id)),
+      timer_(executor.MakeTimer(Pool::kRequests)),
       done_(std::move(done)) {}
 
 void OperationWait::Stop() {
-  boost::asio::post(strand_,
-                    [self = shared_from_this()] { self->End(self->book_.Get(self->id_)); });
+  executor_.Post(Pool::kRequests,
+                 [self = shared_from_this()] { self->End(self->book_.Get(self->id_)); });
 }
 
-void OperationWait::Begin(std::chrono::steady_clock::duration timeout) {
-  if (!done_) return;  // stopped before it began
-  // The book holds no reference of its own: a wait that has ended is not kept for its operation.
-  watch_ = book_.Watch(id_, [weak = weak_from_this()](const storage::OperationRecord& record) {
-    const auto self = weak.lock();
-    if (!self) return;
-    boost::asio::post(self->strand_, [self, record] { self->End(record); });
-  });
-  if (watch_ == 0) return End(book_.Get(id_));
-  timer_.expires_after(timeout);
-  timer_.async_wait(boost::asio::bind_executor(
-      strand_, [self = shared_from_this()](const boost::system::error_code& error) {
-        if (!error) self->End(self->book_.Get(self->id_));
-      }));
+void OperationWait::Begin(Executor::Clock::duration timeout) {
+  {
+    const storage::MutexLock lock(mutex_);
+    if (!done_) return;  // stopped before it began
+    // The book holds no reference of its own: a wait that has ended is not kept for its operation.
+    watch_ = book_.Watch(id_, [weak = weak_from_this()](const storage::OperationRecord& record) {
+      const auto self = weak.lock();
+      if (!self) return;
+      self->executor_.Post(Pool::kRequests, [self, record] { self->End(record); });
+    });
+    if (watch_ != 0) {
+      timer_->Set(executor_.Now() + timeout,
+                  [self = shared_from_this()] { self->End(self->book_.Get(self->id_)); });
+      return;
+    }
+  }
+  End(book_.Get(id_));
 }
 
 void OperationWait::End(absl::StatusOr<storage::OperationRecord> record) {
-  if (!done_) return;
-  book_.Unwatch(id_, watch_);
-  timer_.cancel();
-  const Done done = std::exchange(done_, nullptr);
+  Done done;
+  {
+    const storage::MutexLock lock(mutex_);
+    if (!done_) return;
+    book_.Unwatch(id_, watch_);
+    timer_->Cancel();
+    done = std::exchange(done_, nullptr);
+  }
   done(std::move(record));
 }
 

@@ -1,44 +1,42 @@
 // Waiting for an operation without holding a thread.
 #pragma once
 
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/strand.hpp>
 #include <chrono>
 #include <functional>
 #include <memory>
 #include <string>
 
+#include "server/engine/executor.h"
 #include "server/engine/operation_book.h"
-#include "server/engine/workers.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
-// Thread-safe. Keeps itself alive until it has ended; the book must outlive it.
+// Thread-safe. Keeps itself alive until it has ended; executor and book must outlive it.
 class OperationWait : public std::enable_shared_from_this<OperationWait> {
  public:
   using Done = std::function<void(absl::StatusOr<storage::OperationRecord>)>;
 
-  // Calls `done` once, on one of the executor's threads, with the operation as it stands when it is
+  // Calls `done` once, on a request thread, with the operation as it stands when it is
   // done, the timeout has passed or Stop was called. NOT_FOUND if there is no such operation.
-  static std::shared_ptr<OperationWait> Start(const Workers::Executor& executor,
-                                              OperationBook& book, std::string id,
-                                              std::chrono::steady_clock::duration timeout,
+  static std::shared_ptr<OperationWait> Start(Executor& executor, OperationBook& book,
+                                              std::string id, Executor::Clock::duration timeout,
                                               Done done);
   // Ends the wait now.
   void Stop();
 
  private:
-  OperationWait(const Workers::Executor& executor, OperationBook& book, std::string id, Done done);
-  void Begin(std::chrono::steady_clock::duration timeout);
+  OperationWait(Executor& executor, OperationBook& book, std::string id, Done done);
+  void Begin(Executor::Clock::duration timeout);
   void End(absl::StatusOr<storage::OperationRecord> record);
 
-  // All that follows is touched on the strand alone.
-  boost::asio::strand<Workers::Executor> strand_;
-  boost::asio::steady_timer timer_;
+  Executor& executor_;
   OperationBook& book_;
   const std::string id_;
-  Done done_;
-  std::uint64_t watch_ = 0;
+  storage::Mutex mutex_;
+  const std::unique_ptr<Executor::Timer> timer_ ABSL_PT_GUARDED_BY(mutex_);
+  Done done_ ABSL_GUARDED_BY(mutex_);  // null: it was called, or is being
+  std::uint64_t watch_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace motiondb::server

@@ -65,6 +65,9 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   // Last: what comes in from then on finds clips counted and models read. Also where something
   // could not be read or resumed, for all of it is stored.
   const std::lock_guard lock(mutex_);
+  if (draining_) {
+    for (const auto& [name, live] : databases) live->lifecycle().BeginStop();
+  }
   databases_.merge(databases);
   if (!status.ok()) return status;
   // A former server, or the one that a backup is of, may have stopped before it did.
@@ -79,7 +82,7 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
     for (const auto& record : records) {
       // Also where its clips cannot be listed: what is left of it can be deleted then.
       auto& live = databases[record.name];
-      live = std::make_shared<LiveDatabase>(record.name, record.settings);
+      live = Serve(record.name, record.settings);
       const absl::Status read = ReadDatabase(*live, record);
       if (absl::IsDataLoss(read)) {
         damages_.Note({"databases/" + record.name, std::string(read.message())});
@@ -101,7 +104,8 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   // A former server may have stopped before it did.
   if (store_->upkeep().CheckIsWritable().ok()) PurgeDeletedClips(*store_, record.name);
   // Queries are answered by the model alone, also where the list of clips is damaged.
-  live.set_snapshot(ReadSnapshot(*store_, record.name, workers_.request_parallel(), damages_));
+  live.set_snapshot(
+      ReadSnapshot(*store_, record.name, workers_.Parallel(Pool::kRequests), damages_));
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) live.AddStored(AmountOf(clip));
   const auto snapshot = live.snapshot();
@@ -127,7 +131,7 @@ absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
     if (live == databases.end()) continue;
     MOTIONDB_ASSIGN_OR_RETURN(const auto operation, operations_.Adopt(*record));
     spdlog::info("database '{}': operation {} goes on", operation.database, operation.id);
-    rebuilder_.Resume(live->second, operation.id);
+    live->second->lifecycle().Resume(operation.id);
   }
   return absl::OkStatus();
 }
@@ -143,7 +147,7 @@ absl::Status Engine::RebuildWhereNeeded(const LiveDatabases& databases) {
     if (!current.ok()) return current.status();
     if (*current) continue;
     spdlog::info("database '{}': its model is not of its clips and is built anew", name);
-    MOTIONDB_RETURN_IF_ERROR(rebuilder_.Request(live).status());
+    MOTIONDB_RETURN_IF_ERROR(live->lifecycle().Request().status());
   }
   return absl::OkStatus();
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <thread>
 #include <utility>
 
@@ -25,11 +26,28 @@ int BuildThreads(const EngineOptions& options) {
   return options.build_threads > 0 ? options.build_threads : std::max(1, MachineThreads() / 2);
 }
 
-core::ParallelFor Lend(ThreadPool& pool, int threads) {
-  return [&pool, threads](int count, const std::function<void(int)>& body) {
-    RunSharedLoop(count, body, threads - 1, [&pool](std::function<void()> help) {
-      boost::asio::post(pool.executor(), std::move(help));
+class AsioTimer : public Executor::Timer {
+ public:
+  explicit AsioTimer(const ThreadPool::Executor& executor) : timer_(executor) {}
+
+  void Set(Executor::Clock::time_point time, Executor::Work work) override {
+    timer_.expires_at(time);
+    timer_.async_wait([work = std::move(work)](const boost::system::error_code& error) {
+      if (!error) work();
     });
+  }
+  void Cancel() override { timer_.cancel(); }
+
+ private:
+  boost::asio::steady_timer timer_;
+};
+
+// The work, counted in its queue until it begins.
+Executor::Work Counted(std::atomic<int>& queued, Executor::Work work) {
+  queued.fetch_add(1, std::memory_order_relaxed);
+  return [&queued, work = std::move(work)] {
+    queued.fetch_sub(1, std::memory_order_relaxed);
+    work();
   };
 }
 
@@ -41,65 +59,51 @@ int Workers::ThreadCount(const EngineOptions& options) {
 }
 
 Workers::Workers(const EngineOptions& options)
-    : request_threads_(RequestThreads(options)),
-      build_threads_(BuildThreads(options)),
-      requests_(request_threads_),
-      builds_(build_threads_),
-      extensions_(1),
-      changes_(1),
-      urgent_changes_(1),
-      upkeep_(1),
-      heavy_requests_(requests_, HeavyThreads(options)) {}
+    : pools_{Threads(RequestThreads(options)),
+             Threads(BuildThreads(options)),
+             Threads(1),
+             Threads(1),
+             Threads(1),
+             Threads(1)},
+      heavy_requests_(At(Pool::kRequests).threads, HeavyThreads(options)) {}
 
 Workers::~Workers() { Join(); }
 
-std::function<void()> Workers::Counted(std::atomic<int>& queued, std::function<void()> work) {
-  queued.fetch_add(1, std::memory_order_relaxed);
-  return [&queued, work = std::move(work)] {
-    queued.fetch_sub(1, std::memory_order_relaxed);
-    work();
-  };
+void Workers::Post(Pool pool, Work work) {
+  Threads& to = At(pool);
+  boost::asio::post(to.threads.executor(), Counted(to.queued, std::move(work)));
 }
 
-void Workers::Post(std::function<void()> work) {
-  boost::asio::post(requests_.executor(), Counted(queued_requests_, std::move(work)));
-}
-
-void Workers::PostHeavy(const std::string& client, std::function<void()> work) {
+void Workers::PostHeavy(const std::string& client, Work work) {
   heavy_requests_.Post(client, Counted(queued_heavy_, std::move(work)));
 }
 
-void Workers::PostChange(std::function<void()> work) {
-  boost::asio::post(changes_.executor(), Counted(queued_changes_, std::move(work)));
+std::unique_ptr<Executor::Timer> Workers::MakeTimer(Pool pool) {
+  return std::make_unique<AsioTimer>(At(pool).threads.executor());
 }
 
-void Workers::PostUrgentChange(std::function<void()> work) {
-  boost::asio::post(urgent_changes_.executor(), Counted(queued_urgent_, std::move(work)));
-}
-
-void Workers::PostUpkeep(std::function<void()> work) {
-  boost::asio::post(upkeep_.executor(), Counted(queued_upkeep_, std::move(work)));
+core::ParallelFor Workers::Parallel(Pool pool) {
+  return [&threads = At(pool)](int count, const std::function<void(int)>& body) {
+    RunSharedLoop(count, body, threads.thread_count - 1, [&threads](Work help) {
+      boost::asio::post(threads.threads.executor(), std::move(help));
+    });
+  };
 }
 
 QueueLengths Workers::queued() const {
-  return {.requests = queued_requests_.load(std::memory_order_relaxed),
+  return {.requests = queued(Pool::kRequests),
           .heavy_requests = queued_heavy_.load(std::memory_order_relaxed),
-          .changes = queued_changes_.load(std::memory_order_relaxed),
-          .urgent_changes = queued_urgent_.load(std::memory_order_relaxed),
-          .upkeep = queued_upkeep_.load(std::memory_order_relaxed)};
+          .changes = queued(Pool::kChanges),
+          .urgent_changes = queued(Pool::kUrgentChanges),
+          .upkeep = queued(Pool::kUpkeep)};
 }
 
-core::ParallelFor Workers::build_parallel() { return Lend(builds_, build_threads_); }
-
-core::ParallelFor Workers::request_parallel() { return Lend(requests_, request_threads_); }
-
 void Workers::Join() {
-  requests_.Join();
-  changes_.Join();
-  urgent_changes_.Join();
-  upkeep_.Join();
-  builds_.Join();
-  extensions_.Join();
+  // Builds and extensions last: the others ask for them.
+  for (const Pool pool : {Pool::kRequests, Pool::kChanges, Pool::kUrgentChanges, Pool::kUpkeep,
+                          Pool::kBuilds, Pool::kExtensions}) {
+    At(pool).threads.Join();
+  }
 }
 
 }  // namespace motiondb::server

@@ -1,15 +1,16 @@
-// The threads that do the work: one pool for requests, one for building models, so that a build
-// never takes the last core from queries, a thread that extends models while others are built, two
-// that change what the store lists, and one that copies and checks it.
+// The engine's threads: one pool for requests, one for building models, so that a build never takes
+// the last core from queries, and one thread each of the others (executor.h).
 // All have the same priority: nicer threads would build nothing on a machine that is always asked.
 // Thread-safe.
 #pragma once
 
+#include <array>
 #include <atomic>
 #include <functional>
+#include <memory>
 #include <string>
 
-#include "core/tree/parallel.h"
+#include "server/engine/executor.h"
 #include "server/engine/lane.h"
 #include "server/engine/options.h"
 #include "server/engine/thread_pool.h"
@@ -25,65 +26,45 @@ struct QueueLengths {
   int upkeep = 0;
 };
 
-class Workers {
+class Workers : public Executor {
  public:
-  using Executor = ThreadPool::Executor;
-
   // Threads that one made with these options starts.
   static int ThreadCount(const EngineOptions& options);
 
   explicit Workers(const EngineOptions& options);
-  ~Workers();
+  ~Workers() override;
 
-  // Runs a piece of work, which must not throw, on a request thread.
-  void Post(std::function<void()> work);
-  // The same of work that takes long: some request threads always stay with the rest, and clients
-  // take turns.
-  void PostHeavy(const std::string& client, std::function<void()> work);
-  // The same of changes of the store, which takes one at a time: on a thread of their own, for
-  // while a large model is written they wait, and queries must not.
-  void PostChange(std::function<void()> work);
-  // The same of those that other changes must not keep waiting, as where a token is revoked.
-  void PostUrgentChange(std::function<void()> work);
-  // The same of work on the store as a whole, on a thread that nothing else waits for.
-  void PostUpkeep(std::function<void()> work);
-  // Whether such work waits for that thread.
-  bool upkeep_waits() const { return queued_upkeep_.load(std::memory_order_relaxed) > 0; }
+  Clock::time_point Now() const override { return Clock::now(); }
+  void Post(Pool pool, Work work) override;
+  std::unique_ptr<Timer> MakeTimer(Pool pool) override;
+  core::ParallelFor Parallel(Pool pool) override;
+
+  // Runs work that takes long on a request thread: some of these always stay with the rest, and
+  // clients take turns.
+  void PostHeavy(const std::string& client, Work work);
   QueueLengths queued() const;
-  int request_threads() const { return request_threads_; }
+  // Posted work that no thread has begun.
+  int queued(Pool pool) const { return At(pool).queued.load(std::memory_order_relaxed); }
+  int request_threads() const { return At(Pool::kRequests).thread_count; }
   // Heavy work that has a thread or is next for one.
   int running_heavy() { return heavy_requests_.running(); }
-
-  Executor request_executor() { return requests_.executor(); }
-  Executor build_executor() { return builds_.executor(); }
-  Executor extension_executor() { return extensions_.executor(); }
-
-  // Lends the build pool's threads. The calling thread works too, so a loop ends even where every
-  // other thread is taken, and loops may be nested.
-  core::ParallelFor build_parallel();
-  // The same of the request pool.
-  core::ParallelFor request_parallel();
 
   // Returns when all work is done. Nothing may be posted afterwards.
   void Join();
 
  private:
-  // The work, counted in its queue until it begins.
-  static std::function<void()> Counted(std::atomic<int>& queued, std::function<void()> work);
+  struct Threads {
+    explicit Threads(int count) : thread_count(count), threads(count) {}
+    const int thread_count;
+    std::atomic<int> queued{0};
+    ThreadPool threads;
+  };
 
-  const int request_threads_;
-  const int build_threads_;
-  std::atomic<int> queued_requests_{0};
+  Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }
+  const Threads& At(Pool pool) const { return pools_[static_cast<std::size_t>(pool)]; }
+
+  std::array<Threads, 6> pools_;  // by Pool
   std::atomic<int> queued_heavy_{0};
-  std::atomic<int> queued_changes_{0};
-  std::atomic<int> queued_urgent_{0};
-  std::atomic<int> queued_upkeep_{0};
-  ThreadPool requests_;
-  ThreadPool builds_;
-  ThreadPool extensions_;
-  ThreadPool changes_;
-  ThreadPool urgent_changes_;
-  ThreadPool upkeep_;
   Lane heavy_requests_;
 };
 

@@ -102,7 +102,7 @@ void CallEntry::Begin(const google::protobuf::Message& request,
   if (const absl::Status held = ReserveRequest(request); !held.ok()) {
     return work(ToGrpcStatus(held));
   }
-  host_.engine.workers().Post([this, &request, work = std::move(work)] {
+  host_.engine.workers().Post(Pool::kRequests, [this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
     const bool here = weight_ == CallWeight::kLight || weight_ == CallWeight::kStream ||
@@ -169,15 +169,15 @@ void CallEntry::Post(std::function<void()> work) {
     case CallWeight::kHeavy:
       return workers.PostHeavy(client_, std::move(work));
     case CallWeight::kUpkeep:
-      return workers.PostUpkeep(std::move(work));
+      return workers.Post(Pool::kUpkeep, std::move(work));
     case CallWeight::kChange:
-      return workers.PostChange(std::move(work));
+      return workers.Post(Pool::kChanges, std::move(work));
     case CallWeight::kUrgentChange:
-      return workers.PostUrgentChange(std::move(work));
+      return workers.Post(Pool::kUrgentChanges, std::move(work));
     case CallWeight::kLight:
     case CallWeight::kWait:
     case CallWeight::kStream:
-      return workers.Post(std::move(work));
+      return workers.Post(Pool::kRequests, std::move(work));
   }
 }
 

@@ -54,7 +54,7 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
   v1::IngestClipResponse& response_;
   IngestStream stream_;
   std::shared_ptr<LiveDatabase> database_;
-  std::unique_ptr<Rebuilder::Ingest> in_flight_;
+  std::unique_ptr<ModelLifecycle::Ingest> in_flight_;
 };
 
 }  // namespace

@@ -22,7 +22,7 @@ class ObserveReactor final
       : engine_(host.engine),
         context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
-        silence_(engine_.workers().request_executor(), host.limits.first_silence(),
+        silence_(engine_.workers(), host.limits.first_silence(),
                  host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); admission.ok()) {
       StartReading();

@@ -6,7 +6,7 @@
 #include <functional>
 #include <memory>
 
-#include "server/engine/workers.h"
+#include "server/engine/executor.h"
 
 namespace motiondb::server {
 
@@ -15,7 +15,7 @@ class SilenceLimit {
   // Calls `on_silence` when `first` has passed without a Restart, and from then on each time that
   // `longest` has since the last one; not while or after the limit is destroyed, which it may do
   // itself.
-  SilenceLimit(const Workers::Executor& executor, std::chrono::milliseconds first,
+  SilenceLimit(Executor& executor, std::chrono::milliseconds first,
                std::chrono::milliseconds longest, std::function<void()> on_silence);
   ~SilenceLimit();
   SilenceLimit(const SilenceLimit&) = delete;

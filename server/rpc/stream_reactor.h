@@ -33,7 +33,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
       : entry_(host, *context, MethodOf<Request>()),
         call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor},
         context_(*context),
-        silence_(host.engine.workers().request_executor(), host.limits.options().longest_silence,
+        silence_(host.engine.workers(), host.limits.options().longest_silence,
                  host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));

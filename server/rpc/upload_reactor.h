@@ -39,7 +39,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   UploadReactor(CallHost& host, grpc::CallbackServerContext& context, Taking taking)
       : entry_(host, context, MethodOf<Request>()),
         taking_(taking),
-        silence_(host.engine.workers().request_executor(), host.limits.first_silence(),
+        silence_(host.engine.workers(), host.limits.first_silence(),
                  host.limits.options().longest_silence, [this] { EndSilence(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));

@@ -76,8 +76,7 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
     const absl::Status valid = id.ok() ? timeout.status() : id.status();
     if (!valid.ok()) return Answer([&] { return valid; });
     const std::lock_guard lock(mutex_);
-    wait_ = OperationWait::Start(engine.workers().request_executor(), engine.operations(), *id,
-                                 *timeout,
+    wait_ = OperationWait::Start(engine.workers(), engine.operations(), *id, *timeout,
                                  [this](auto operation) { OnOperation(std::move(operation)); });
     if (cancelled_) wait_->Stop();
   }

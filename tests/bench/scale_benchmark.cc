@@ -93,7 +93,7 @@ absl::Status Ask(const core::Model& model, int i) {
 absl::Status AskMany(server::Workers& workers, const core::Model& model, int queries) {
   std::vector<std::promise<absl::Status>> answers(queries);
   for (int i = 0; i < queries; ++i) {
-    workers.Post([&, i] { answers[i].set_value(Ask(model, i)); });
+    workers.Post(server::Pool::kRequests, [&, i] { answers[i].set_value(Ask(model, i)); });
   }
   absl::Status status;
   for (auto& answer : answers) status.Update(answer.get_future().get());

@@ -71,8 +71,8 @@ absl::StatusOr<server::Ingested> TestEngine::Ingest(const std::string& database,
 
 storage::OperationRecord TestEngine::Wait(const std::string& operation) {
   std::promise<absl::StatusOr<storage::OperationRecord>> ended;
-  server::OperationWait::Start(engine_->workers().request_executor(), engine_->operations(),
-                               operation, std::chrono::minutes(1),
+  server::OperationWait::Start(engine_->workers(), engine_->operations(), operation,
+                               std::chrono::minutes(1),
                                [&](auto record) { ended.set_value(std::move(record)); });
   auto record = ended.get_future().get();
   INFO(record.status().ToString());

@@ -93,7 +93,7 @@ TEST_CASE("Workers: light work goes on beside as much heavy work as there is", "
       changed.wait(lock, [&] { return light_is_done; });
     });
   }
-  workers.Post([&] {
+  workers.Post(Pool::kRequests, [&] {
     const std::lock_guard lock(mutex);
     light_is_done = true;
     changed.notify_all();

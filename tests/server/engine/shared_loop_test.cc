@@ -23,7 +23,7 @@ TEST_CASE("SharedLoop: every index runs once, on any number of threads", "[serve
     Workers workers(Threads(threads));
     for (const int count : {0, 1, 3, 1000}) {
       std::vector<std::atomic<int>> runs(static_cast<std::size_t>(count));
-      workers.build_parallel()(count, [&](int i) { ++runs[static_cast<std::size_t>(i)]; });
+      workers.Parallel(Pool::kBuilds)(count, [&](int i) { ++runs[static_cast<std::size_t>(i)]; });
       for (const auto& run : runs) REQUIRE(run == 1);
     }
   }
@@ -31,7 +31,7 @@ TEST_CASE("SharedLoop: every index runs once, on any number of threads", "[serve
 
 TEST_CASE("SharedLoop: nested loops on a full pool end", "[server]") {
   Workers workers(Threads(2));
-  const auto parallel = workers.build_parallel();
+  const auto parallel = workers.Parallel(Pool::kBuilds);
   std::atomic<int> total{0};
   parallel(8, [&](int) { parallel(8, [&](int) { parallel(8, [&](int) { ++total; }); }); });
   REQUIRE(total == 512);
@@ -63,14 +63,14 @@ TEST_CASE("SharedLoop: an exception comes out after the rest have ended", "[serv
     ++ran;
     if (i == 3) throw std::runtime_error("three");
   };
-  REQUIRE_THROWS_WITH(workers.build_parallel()(20, body), "three");
+  REQUIRE_THROWS_WITH(workers.Parallel(Pool::kBuilds)(20, body), "three");
   REQUIRE(ran == 20);
 }
 
 TEST_CASE("Stoppable: begins nothing more once it is stopped", "[server]") {
   Workers workers(Threads(2));
   std::atomic<bool> stop{false};
-  const auto parallel = Stoppable(workers.build_parallel(), [&] { return stop.load(); });
+  const auto parallel = Stoppable(workers.Parallel(Pool::kBuilds), [&] { return stop.load(); });
   std::atomic<int> ran{0};
   parallel(20, [&](int) { ++ran; });
   REQUIRE(ran == 20);

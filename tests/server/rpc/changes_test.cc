@@ -67,10 +67,10 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     CHECK(create("late", std::chrono::seconds(2)).error_code() ==
           grpc::StatusCode::DEADLINE_EXCEEDED);
     // The thread for changes is free again, and the one for queries was all the time.
-    CHECK(Runs([&](auto work) { engine.workers().PostChange(work); }));
+    CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kChanges, work); }));
     waiting =
         std::async(std::launch::async, [&] { return create("in-time", std::chrono::minutes(1)); });
-    CHECK(Runs([&](auto work) { engine.workers().PostUrgentChange(work); }));
+    CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kUrgentChanges, work); }));
     v1::IngestClipHeader nowhere;
     nowhere.set_parent("databases/none");
     nowhere.set_file_name("walk.bvh");
@@ -81,7 +81,7 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
   });
   CHECK(waiting.get().ok());
   // Of what was asked for in vain there is a record all the same.
-  CHECK(Runs([&](auto work) { engine.workers().PostUpkeep(work); }));
+  CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kUpkeep, work); }));
   const auto records = engine.store().access().ListAuditRecords(0, 10);
   REQUIRE(records.ok());
   for (const char* const resource : {"databases/late", "databases/none"}) {

@@ -239,7 +239,7 @@ std::set<std::string> LogOfLateCalls(std::size_t count) {
   const std::shared_future<void> held = done.get_future().share();
   server::Workers& workers = server.server().engine().workers();
   for (int i = 0; i < workers.request_threads(); ++i) {
-    workers.Post([held] { held.wait(); });
+    workers.Post(server::Pool::kRequests, [held] { held.wait(); });
   }
   const auto stub = server.NewStub<v1::DatabaseService>();
   const v1::ListDatabasesRequest request;

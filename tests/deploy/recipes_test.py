@@ -71,14 +71,14 @@ CTEST_LOG = """\
 test_a (x) ... skipped 'no data'
 test_b (x) ... skipped 'no data'
 OK (skipped=2)
+Test time =  12.50 sec
 Test Passed.
 2/2 Test: storage
   skipped: no tmpfs
   skipped: no tmpfs
+Test time =   3.20 sec
 Test Passed.
 """
-
-CTEST_COSTS = "storage 1 3.2\nplan 1 12.5\n---\nplan\n"
 
 
 class DecidingRunTest(unittest.TestCase):
@@ -92,10 +92,7 @@ class DecidingRunTest(unittest.TestCase):
                                ("tests/deploy/image_test.sh", "#!/bin/sh\n" + image),
                                ("build/release/Testing/Temporary/LastTest.log", CTEST_LOG),
                                ("build/asan/Testing/Temporary/LastTest.log", ""),
-                               ("build/tsan/Testing/Temporary/LastTest.log", ""),
-                               ("build/release/Testing/Temporary/CTestCostData.txt", CTEST_COSTS),
-                               ("build/asan/Testing/Temporary/CTestCostData.txt", "---\n"),
-                               ("build/tsan/Testing/Temporary/CTestCostData.txt", "---\n")):
+                               ("build/tsan/Testing/Temporary/LastTest.log", "")):
                 path = os.path.join(folder, name)
                 os.makedirs(os.path.dirname(path), exist_ok=True)
                 with open(path, "w", encoding="utf-8") as file:

@@ -3,14 +3,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <openssl/evp.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
-
-#include "client/replaceable_file.h"
+#include <string>
+#include <string_view>
 
 namespace motiondb::client {
+
 namespace {
 
 constexpr size_t kDigestBytes = 32;
@@ -84,6 +86,82 @@ absl::Status BackupFile::Complete() {
   if (const absl::Status named = file_->Commit(overwrite_); !named.ok()) return named;
   const std::filesystem::path folder = path_.parent_path();
   return SyncFolder(folder.empty() ? "." : folder) ? absl::OkStatus() : Failed(path_.string());
+}
+
+namespace {
+
+// What a store begins with, as SQLite writes it and docs/storage_format.md says; a backup ends with
+// a mark and a checksum besides.
+constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
+constexpr off_t kApplicationIdOffset = 68;
+constexpr std::string_view kApplicationId = "mtdb";
+constexpr std::string_view kBackupMark = "mtdbback";
+constexpr off_t kChecksumBytes = 32;
+
+absl::Status Kept(const std::filesystem::path& path, std::string_view what) {
+  return absl::FailedPreconditionError(
+      fmt::format("{}: {}; it was left as it was", path.string(), what));
+}
+
+const char* KindOf(mode_t mode) {
+  if (S_ISDIR(mode)) return "a folder";
+  if (S_ISLNK(mode)) return "a symbolic link";
+  if (S_ISFIFO(mode)) return "a pipe";
+  if (S_ISSOCK(mode)) return "a socket";
+  return "a device";
+}
+
+bool HasAt(int file, off_t offset, std::string_view expected) {
+  std::string bytes(expected.size(), '\0');
+  const ssize_t got = offset < 0 ? -1 : pread(file, bytes.data(), bytes.size(), offset);
+  return got == static_cast<ssize_t>(expected.size()) && bytes == expected;
+}
+
+bool IsStore(int file) {
+  return HasAt(file, 0, kSqliteMagic) && HasAt(file, kApplicationIdOffset, kApplicationId);
+}
+
+// Whether it ends as a backup does.
+bool IsSealed(int file, off_t size) {
+  return HasAt(file, size - kChecksumBytes - static_cast<off_t>(kBackupMark.size()), kBackupMark);
+}
+
+// What a server keeps beside its store, whatever that was made from; empty where there is none.
+std::string BesideStore(const std::filesystem::path& path) {
+  for (const char* const suffix : {"-lock", "-wal"}) {
+    const std::string beside = path.string() + suffix;
+    struct stat status {};
+    if (lstat(beside.c_str(), &status) == 0) return beside;
+  }
+  return "";
+}
+
+}  // namespace
+
+absl::Status CheckReplaceable(const std::filesystem::path& path) {
+  struct stat status {};
+  if (lstat(path.c_str(), &status) != 0) {
+    if (errno == ENOENT) return absl::OkStatus();
+    return Kept(path, fmt::format("cannot be looked at: {}", std::strerror(errno)));
+  }
+  if (!S_ISREG(status.st_mode)) {
+    return Kept(path,
+                fmt::format("is {}, and only regular files are replaced", KindOf(status.st_mode)));
+  }
+  if (const std::string beside = BesideStore(path); !beside.empty()) {
+    return Kept(path, fmt::format("is or was a server's store, for {} is beside it", beside));
+  }
+  const int file = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) {
+    return Kept(
+        path, fmt::format("cannot be read, and may be a server's store: {}", std::strerror(errno)));
+  }
+  const bool is_store = IsStore(file);
+  const bool is_backup = is_store && IsSealed(file, status.st_size);
+  close(file);
+  if (is_backup || status.st_size == 0) return absl::OkStatus();
+  return Kept(path, is_store ? "is a motiondb store, not a backup of one"
+                             : "is no backup of a motiondb store");
 }
 
 }  // namespace motiondb::client

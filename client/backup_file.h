@@ -46,4 +46,8 @@ class BackupFile {
   std::int64_t bytes_ = 0;
 };
 
+// OK where there is nothing, or an empty file, or a backup that no server has as its store. Else
+// FAILED_PRECONDITION, naming the path and what it is. What cannot be read is not replaced either.
+absl::Status CheckReplaceable(const std::filesystem::path& path);
+
 }  // namespace motiondb::client

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 
+#include "absl/strings/ascii.h"
 #include "client/input_file.h"
 
 namespace motiondb::client {
@@ -24,8 +25,6 @@ bool IsLoopback(const std::string& server) {
   return host == "::1" || host == "localhost";
 }
 
-bool IsPrintable(char c) { return c > 0x20 && c < 0x7f; }
-
 absl::Status ReadPem(const char* option, const std::string& path, std::string& text) {
   if (path.empty()) return absl::OkStatus();
   auto bytes = ReadWholeFile(path, kMostPemBytes);
@@ -43,7 +42,7 @@ absl::Status ReadPem(const char* option, const std::string& path, std::string& t
 
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
     const ClientOptions& options) {
-  if (!std::all_of(options.token.begin(), options.token.end(), IsPrintable)) {
+  if (!std::all_of(options.token.begin(), options.token.end(), absl::ascii_isgraph)) {
     return absl::InvalidArgumentError("the token holds spaces or other signs that no token has");
   }
   if (options.credentials != nullptr) {

@@ -1,9 +1,13 @@
+#include <fmt/format.h>
 #include <motiondb/client.h>
+
+#include <utility>
 
 #include "client/channel_credentials.h"
 #include "client/connection.h"
 
 namespace motiondb::client {
+
 namespace {
 
 absl::Status Check(const ClientOptions& options) {
@@ -48,6 +52,7 @@ MOTIONDB_UNARY(GetDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(ListDatabases, databases, DatabaseService)
 MOTIONDB_UNARY(DeleteDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(DescribeDatabase, databases, DatabaseService)
+MOTIONDB_UNARY(ReprocessDatabase, databases, DatabaseService)
 
 MOTIONDB_UNARY(GetClip, clips, ClipService)
 MOTIONDB_UNARY(ListClips, clips, ClipService)
@@ -92,6 +97,144 @@ absl::Status Client::PredictSeries(
     CallOptions options) const {
   return connection_->ReadStream(*connection_->queries, &v1::QueryService::Stub::PredictSeries,
                                  request, on_prediction, options);
+}
+
+// Whole lists: one call a page until the server gives no further token.
+
+namespace {
+
+// `fetch` makes one call; `items` is the accessor of a page's repeated field.
+template <typename Item, typename Request, typename Fetch, typename Items>
+absl::StatusOr<std::vector<Item>> AllPages(Request request, const Fetch& fetch,
+                                           const Items& items) {
+  if (!request.page_token().empty()) {
+    return absl::InvalidArgumentError("page_token must be empty to read a whole list");
+  }
+  std::vector<Item> all;
+  while (true) {
+    auto page = fetch(request);
+    if (!page.ok()) return page.status();
+    for (Item& item : *items(*page)) all.push_back(std::move(item));
+    // A token that does not move on would never end.
+    if (!page->next_page_token().empty() && page->next_page_token() == request.page_token()) {
+      return absl::InternalError(
+          fmt::format("the server gave the page token \"{}\" twice", request.page_token()));
+    }
+    request.set_page_token(page->next_page_token());
+    if (request.page_token().empty()) return all;
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<std::vector<v1::Database>> Client::AllDatabases(CallOptions options) const {
+  return AllPages<v1::Database>(
+      v1::ListDatabasesRequest(), [&](const auto& page) { return ListDatabases(page, options); },
+      [](auto& page) { return page.mutable_databases(); });
+}
+
+absl::StatusOr<std::vector<v1::Token>> Client::AllTokens(CallOptions options) const {
+  return AllPages<v1::Token>(
+      v1::ListTokensRequest(), [&](const auto& page) { return ListTokens(page, options); },
+      [](auto& page) { return page.mutable_tokens(); });
+}
+
+absl::StatusOr<std::vector<v1::Clip>> Client::AllClips(const v1::ListClipsRequest& request,
+                                                       CallOptions options) const {
+  return AllPages<v1::Clip>(
+      request, [&](const auto& page) { return ListClips(page, options); },
+      [](auto& page) { return page.mutable_clips(); });
+}
+
+absl::StatusOr<std::vector<v1::Skeleton>> Client::AllSkeletons(
+    const v1::ListSkeletonsRequest& request, CallOptions options) const {
+  return AllPages<v1::Skeleton>(
+      request, [&](const auto& page) { return ListSkeletons(page, options); },
+      [](auto& page) { return page.mutable_skeletons(); });
+}
+
+absl::StatusOr<std::vector<v1::Model>> Client::AllModels(const v1::ListModelsRequest& request,
+                                                         CallOptions options) const {
+  return AllPages<v1::Model>(
+      request, [&](const auto& page) { return ListModels(page, options); },
+      [](auto& page) { return page.mutable_models(); });
+}
+
+absl::StatusOr<std::vector<v1::Node>> Client::AllNodes(const v1::ListNodesRequest& request,
+                                                       CallOptions options) const {
+  return AllPages<v1::Node>(
+      request, [&](const auto& page) { return ListNodes(page, options); },
+      [](auto& page) { return page.mutable_nodes(); });
+}
+
+absl::StatusOr<std::vector<v1::Transition>> Client::AllTransitions(
+    const v1::ListTransitionsRequest& request, CallOptions options) const {
+  return AllPages<v1::Transition>(
+      request, [&](const auto& page) { return ListTransitions(page, options); },
+      [](auto& page) { return page.mutable_transitions(); });
+}
+
+absl::StatusOr<std::vector<v1::Operation>> Client::AllOperations(
+    const v1::ListOperationsRequest& request, CallOptions options) const {
+  return AllPages<v1::Operation>(
+      request, [&](const auto& page) { return ListOperations(page, options); },
+      [](auto& page) { return page.mutable_operations(); });
+}
+
+// Waiting for long work: the server's long poll, again and again until the work is done.
+
+namespace {
+
+using std::chrono::milliseconds;
+
+// Time between two reports of progress.
+constexpr milliseconds kPollTime{500};
+// What a poll may take beyond that before the server counts as gone.
+constexpr milliseconds kPollGrace{30'000};
+
+}  // namespace
+
+absl::StatusOr<v1::Operation> Client::WaitOperation(
+    const std::string& name, const std::function<void(const v1::Operation&)>& on_progress,
+    CallOptions options) const {
+  const auto start = std::chrono::steady_clock::now();
+  const milliseconds limit = options.timeout.value_or(kNoTimeout);
+  while (true) {
+    const auto waited =
+        std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - start);
+    if (waited >= limit) {
+      return absl::DeadlineExceededError(fmt::format("{} was not done within {:g} s", name,
+                                                     std::chrono::duration<double>(limit).count()));
+    }
+    const milliseconds poll = std::min(kPollTime, limit - waited);
+    v1::WaitOperationRequest request;
+    request.set_name(name);
+    request.mutable_timeout()->set_seconds(poll.count() / 1000);
+    request.mutable_timeout()->set_nanos(static_cast<int>(poll.count() % 1000) * 1'000'000);
+    auto response =
+        connection_->Call(*connection_->operations, &v1::OperationService::Stub::WaitOperation,
+                          request, CallOptions{.timeout = poll + kPollGrace});
+    if (!response.ok()) return response.status();
+    if (on_progress) on_progress(response->operation());
+    if (response->operation().done()) return std::move(*response->mutable_operation());
+  }
+}
+
+absl::Status OperationStatus(const v1::Operation& operation) {
+  switch (operation.state()) {
+    case v1::OPERATION_STATE_SUCCEEDED:
+      return absl::OkStatus();
+    case v1::OPERATION_STATE_CANCELLED:
+      return absl::CancelledError(fmt::format("{} was cancelled", operation.name()));
+    case v1::OPERATION_STATE_FAILED: {
+      const int code = operation.error().code();
+      return absl::Status(
+          code == 0 ? absl::StatusCode::kUnknown : static_cast<absl::StatusCode>(code),
+          fmt::format("{} failed: {}", operation.name(), operation.error().message()));
+    }
+    default:
+      return absl::FailedPreconditionError(fmt::format("{} is not done", operation.name()));
+  }
 }
 
 }  // namespace motiondb::client

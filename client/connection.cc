@@ -5,8 +5,7 @@
 
 #include <random>
 
-#include "client/connect_failure.h"
-#include "client/grpc_status.h"
+#include "client/call_failure.h"
 
 namespace motiondb::client {
 namespace {

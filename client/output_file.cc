@@ -16,6 +16,7 @@
 #include "text/display_text.h"
 
 namespace motiondb::client {
+
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,6 +197,13 @@ absl::Status CheckFileNameFromServer(const std::string& name) {
       "the server names a file \"{}\"; expected a name without folders and control characters that "
       "begins with neither '.' nor '-'. Nothing was written",
       name));
+}
+
+absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes) {
+  auto file = OutputFile::Create(path);
+  if (!file.ok()) return file.status();
+  if (const absl::Status written = file->Append(bytes); !written.ok()) return written;
+  return file->Commit(/*replace=*/true);
 }
 
 }  // namespace motiondb::client

@@ -48,4 +48,10 @@ class OutputFile {
 // characters that a terminal acts on. Else DATA_LOSS.
 absl::Status CheckFileNameFromServer(const std::string& name);
 
+// A file that is written whole or not at all.
+
+// Replaces what lies there. UNKNOWN, naming the file, if it cannot be written: then what lay there
+// still does.
+absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes);
+
 }  // namespace motiondb::client

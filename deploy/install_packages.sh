@@ -9,6 +9,7 @@ build=(
   libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
   libnghttp2-dev   # HTTP/2 before gRPC: Debian's gRPC 1.51 does not bound what a connection may hold
   libtinyxml2-dev  # URDF files are XML
+  libtomlplusplus-dev # the configuration file is TOML
   nlohmann-json3-dev # log lines as JSON, and the figures that motiondb_eval writes
   prometheus-cpp-dev # metrics: counters, histograms and their text format (its HTTP server is not used)
   python3          # manual pages and completions, from what the programs say of themselves
@@ -24,6 +25,8 @@ test=(
   libfaiss-dev       # nearest neighbours: what recognition is measured against
   libopenblas0-pthread # FAISS at its own speed: the reference BLAS is many times slower
   openssl            # certificates that tests make
+  python3-grpcio     # the client in Python of docs/api.md
+  python3-protobuf
   python3-numpy      # opens what `motiondb dump` writes
   python3-prometheus-client # reads the metrics as Prometheus does
 )
@@ -33,6 +36,10 @@ fuzz=(
   libclang-rt-dev  # its run-time libraries: libFuzzer and the sanitizers
   llvm             # llvm-symbolizer: findings with names and lines
   bsdextrautils    # column: the table of what was run
+)
+lint=(
+  clang            # checks what mutexes guard
+  clang-tidy       # checks sources that changed
 )
 deploy_test=(       # what tests/deploy uses beyond these
   debootstrap       # a Debian to install the package in, and to make an image from
@@ -54,8 +61,9 @@ for purpose in "$@"; do
     test) wanted+=("${test[@]}") ;;
     demo) wanted+=("${demo[@]}") ;;
     fuzz) wanted+=("${fuzz[@]}") ;;
+    lint) wanted+=("${lint[@]}") ;;
     deploy-test) wanted+=("${deploy_test[@]}") ;;
-    *) echo "install_packages.sh: expected build, test, demo, fuzz or deploy-test, got '$purpose'" >&2; exit 2 ;;
+    *) echo "install_packages.sh: expected build, test, demo, fuzz, lint or deploy-test, got '$purpose'" >&2; exit 2 ;;
   esac
 done
 

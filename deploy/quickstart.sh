@@ -73,4 +73,4 @@ ask recognize demo held_back/Boxing_Toes.bvh --window 1 | tail -n 1
 ask estimate demo held_back/01_01.bvh --layer 5 | cut -c1-120 | head -n 8
 ask predict demo held_back/01_01.bvh --at 2 --horizon 0.08,0.4,1
 ask plan demo --start 01_01@3 --goal 1.5,0,0 --disc 0.8,0.7,0.2 --out "$plan.bvh" --plot "$plan.svg"
-printf '\nThe first 70 %% of each clip was stored, the rest asked about. README.md goes on from here.\n'
+printf '\nThe first 70 %% of each clip was stored, the rest asked about. README.md has the next steps.\n'

@@ -5,12 +5,19 @@
 #include <grpc/support/log.h>
 #include <malloc.h>
 #include <spdlog/spdlog.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
 
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <cerrno>
 #include <csignal>
+#include <cstddef>
 #include <cstdio>
+#include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <memory>
 #include <new>
@@ -25,11 +32,10 @@
 #include "server/observability/health_server.h"
 #include "server/observability/listen_on.h"
 #include "server/observability/log.h"
-#include "server/process_limits.h"
-#include "server/rpc/method.h"
+#include "server/rpc/call_identity.h"
 #include "server/server.h"
+#include "server/settings/process_limits.h"
 #include "server/settings/settings_reader.h"
-#include "server/systemd_notify.h"
 #include "storage/sqlite/schema.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "storage/sqlite/store_file.h"
@@ -37,6 +43,32 @@
 
 namespace motiondb::server {
 namespace {
+
+// Tells the service manager how the server stands, by the protocol of sd_notify(3): a datagram to
+// the socket that NOTIFY_SOCKET names. A few lines, so that no library of systemd's is needed where
+// there is no systemd. `state` is lines of NAME=VALUE, as "READY=1". Does nothing where nobody
+// listens.
+void NotifyServiceManager(const std::string& state) {
+  const char* const name = std::getenv("NOTIFY_SOCKET");
+  if (name == nullptr || name[0] == '\0') return;
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  const std::size_t length = std::strlen(name);
+  if (length >= sizeof(address.sun_path)) {
+    spdlog::warn("NOTIFY_SOCKET: {} is too long for a socket's name", name);
+    return;
+  }
+  std::memcpy(address.sun_path, name, length);
+  if (name[0] == '@') address.sun_path[0] = '\0';  // of Linux's abstract names
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
+
+  const int socket_fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (socket_fd < 0 || sendto(socket_fd, state.data(), state.size(), MSG_NOSIGNAL,
+                              reinterpret_cast<const sockaddr*>(&address), size) < 0) {
+    spdlog::warn("NOTIFY_SOCKET {}: {}", name, std::strerror(errno));
+  }
+  if (socket_fd >= 0) close(socket_fd);
+}
 
 void LogGrpc() {
   // What gRPC cannot do comes back as a status and is told once, in our words.
@@ -173,6 +205,9 @@ int CheckConfig(const SettingsReader& reader) {
     const std::string line = fmt::format("{} = {}", setting.key, setting.value);
     fmt::print("{}\n", text::SafeText(fmt::format("{:<48}# {}", line, setting.source)));
   }
+  for (const std::string& warning : reader.warnings()) {
+    fmt::print(stderr, "motiondbd: {}\n", text::SafeText(warning));
+  }
   const std::vector<absl::Status> problems = reader.Check();
   if (!problems.empty()) return PrintProblems(problems);
   const Settings& settings = reader.settings();
@@ -209,6 +244,7 @@ int Run(int argc, const char* const* argv) {
   const LogSettings& log = reader.settings().log;
   StartLog(log.format, log.level);
   LogGrpc();
+  for (const std::string& warning : reader.warnings()) Tell(log.format, warning);
   const std::vector<absl::Status> wrong = reader.CheckToServe();
   for (const absl::Status& problem : wrong) Tell(log.format, std::string(problem.message()));
   if (!wrong.empty()) return kWrongSettings;

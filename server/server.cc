@@ -3,27 +3,48 @@
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
+#include <grpcpp/impl/server_builder_option.h>
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <string>
 #include <utility>
 
+#include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-#include "server/health_watch.h"
 #include "server/http2/listener.h"
-#include "server/rpc/method.h"
-#include "server/rpc/reflection.h"
+#include "server/rpc/call_identity.h"
 #include "server/rpc/services.h"
 #include "server/rpc/silence_limit.h"
-#include "server/security/admin_token_file.h"
-#include "server/security/file_watch.h"
+#include "server/security/operator_file.h"
 #include "server/security/tls.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
+
 namespace {
 
 using std::chrono::milliseconds;
+
+using grpc::reflection::ProtoServerReflectionPlugin;
+
+class WithoutReflection final : public grpc::ServerBuilderOption {
+ public:
+  void UpdateArguments(grpc::ChannelArguments*) override {}
+  void UpdatePlugins(std::vector<std::unique_ptr<grpc::ServerBuilderPlugin>>* plugins) override {
+    const std::string name = ProtoServerReflectionPlugin().name();
+    std::erase_if(*plugins, [&](const auto& plugin) { return plugin->name() == name; });
+  }
+};
+
+// Whether the server tells what calls it has, by grpc.reflection.v1alpha; before it is built.
+// gRPC's plugin is the process's: it comes with every builder.
+void SetReflection(bool on, grpc::ServerBuilder& builder) {
+  if (!on) builder.SetOption(std::make_unique<WithoutReflection>());
+}
 
 // Both are process-wide and must be on before the first builder.
 void EnablePlugins() {
@@ -161,6 +182,58 @@ void Server::Drain(milliseconds grace) {
   if (listener_ != nullptr) listener_->Close(farewell);
   grpc_->Shutdown(std::chrono::system_clock::now() + farewell);
   listener_.reset();
+}
+
+namespace {
+
+constexpr std::chrono::milliseconds kPeriod{1000};
+
+// "" is the server as a whole.
+constexpr const char* kNeedWrites[] = {"", "motiondb.v1.ClipService",
+                                       "motiondb.v1.DatabaseService"};
+
+}  // namespace
+
+struct HealthWatch::State {
+  std::atomic<bool> is_looking = false;
+  storage::Mutex mutex;
+  grpc::HealthCheckServiceInterface* health ABSL_GUARDED_BY(mutex) =
+      nullptr;  // null: the watch has ended
+  bool writes ABSL_GUARDED_BY(mutex) = true;
+};
+
+HealthWatch::HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health)
+    : state_(std::make_shared<State>()),
+      timer_(std::make_unique<SilenceLimit>(
+          engine.workers(), kPeriod, kPeriod, [&engine, state = state_] {
+            // The check may wait for the disk: not on a request thread.
+            if (state->is_looking.exchange(true)) return;
+            engine.workers().Post(Pool::kChanges, [&engine, state] { Look(engine, state); });
+          })) {
+  const storage::MutexLock lock(state_->mutex);
+  state_->health = &health;
+}
+
+HealthWatch::~HealthWatch() {
+  const storage::MutexLock lock(state_->mutex);
+  state_->health = nullptr;
+}
+
+void HealthWatch::Look(Engine& engine, const std::shared_ptr<State>& state) {
+  const absl::Cleanup end = [&] { state->is_looking = false; };
+  const absl::Status writes = engine.store().CheckWrites();
+  const storage::MutexLock lock(state->mutex);
+  if (state->health == nullptr || state->writes == writes.ok()) return;
+  state->writes = writes.ok();
+  for (const char* const service : kNeedWrites) {
+    state->health->SetServingStatus(service, writes.ok());
+  }
+  if (writes.ok()) {
+    spdlog::info("the store accepts additions again");
+  } else {
+    spdlog::error("the store accepts no additions, queries go on: {}",
+                  std::string(writes.message()));
+  }
 }
 
 }  // namespace motiondb::server

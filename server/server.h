@@ -10,11 +10,15 @@
 #include "absl/status/statusor.h"
 #include "server/engine/engine.h"
 #include "server/observability/monitor.h"
-#include "server/settings/server_options.h"
+#include "server/settings/settings.h"
 
 namespace grpc {
 class Server;
 class Service;
+}  // namespace grpc
+
+namespace grpc {
+class HealthCheckServiceInterface;
 }  // namespace grpc
 
 namespace motiondb::server {
@@ -64,6 +68,26 @@ class Server {
   std::unique_ptr<HealthWatch> health_;
   std::unique_ptr<Listener> listener_;
   std::string address_;
+};
+
+// Keeps gRPC's health service in step with the store: while additions fail, for lack of room or
+// because the disk fails, the server as a whole and the services that add are NOT_SERVING. Services
+// that only read stay SERVING. It looks every second, on the thread of urgent changes.
+class SilenceLimit;
+
+class HealthWatch {
+ public:
+  // All services are SERVING at first. The engine must outlive the watch; the health service is not
+  // used after its destruction.
+  HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health);
+  ~HealthWatch();
+
+ private:
+  struct State;
+  static void Look(Engine& engine, const std::shared_ptr<State>& state);
+
+  const std::shared_ptr<State> state_;  // shared with work that is posted
+  const std::unique_ptr<SilenceLimit> timer_;
 };
 
 }  // namespace motiondb::server

@@ -1,6 +1,5 @@
-// Where bearer tokens and the record of changes are kept, beside the motion. Implementations are
-// safe to call from any thread; a call that changes something returns when the change is durable.
-// Times are microseconds since the Unix epoch.
+// Where bearer tokens and the record of changes are kept, beside the motion, and on what terms a
+// store is changed.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +7,24 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "storage/change_terms.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::storage {
+
+// On what terms something in a store is changed.
+struct AuditRecord;
+
+struct ChangeTerms {
+  // The entry in the record of changes: kept with the change, or neither is. Null: there is none.
+  const AuditRecord* audit = nullptr;
+  // Asked while the change waits for its turn, and not once it is being made: CANCELLED, with
+  // nothing changed.
+  core::Cancelled cancelled;
+};
+
+// Where bearer tokens and the record of changes are kept, beside the motion. Implementations are
+// safe to call from any thread; a call that changes something returns when the change is durable.
+// Times are microseconds since the Unix epoch.
 
 // Each may do what those before it may.
 enum class Role { kReader = 1, kIngester = 2, kAdmin = 3 };

@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,7 +19,6 @@
 #include "core/motion/cancellation.h"
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
-#include "storage/change_terms.h"
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
 
@@ -88,6 +88,14 @@ class MotionStore {
   virtual absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
                                                              const std::string& clip) = 0;
 
+  // Stores what deriving clips of a database again came to, all in one change. States that it
+  // brings replace those stored, which stay on disk beside them as those of a deleted clip do: the
+  // current model is not changed by it. Returns the records as stored; clips that were deleted, or
+  // replaced by others, since they were listed are passed over. INVALID_ARGUMENT if a record does
+  // not tell the frames of its states.
+  virtual absl::StatusOr<std::vector<ClipRecord>> PutDerived(
+      const std::string& database, std::span<const DerivedClip> clips) = 0;
+
   // Skeletons, in order of id; alike ones are stored once. The list passes over damaged ones.
   virtual absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                                      const std::string& skeleton) = 0;
@@ -108,14 +116,14 @@ class MotionStore {
   // NOT_FOUND also if one of the added clips is not stored by now.
   virtual absl::StatusOr<ModelRecord> PutExtension(const std::string& database,
                                                    const core::Model& model,
-                                                   double stale_share) = 0;
+                                                   double drift_fraction) = 0;
   // The current model, whole, read on the threads that the caller lends. NOT_FOUND if there is
   // none.
   virtual absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                                 const core::ParallelFor& parallel) = 0;
   // Between the current model and the clips; without a model every clip is missing. A clip that was
-  // replaced by another of the same id counts on both sides.
-  virtual absl::StatusOr<ModelGap> FindModelGap(const std::string& database) = 0;
+  // replaced by another of the same id, or that has other states by now, counts on both sides.
+  virtual absl::StatusOr<ModelStaleness> FindModelStaleness(const std::string& database) = 0;
   virtual absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) = 0;
   // Newest first. `before` = 0 starts with the newest.
   virtual absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database,

@@ -5,8 +5,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <shared_mutex>
 
 #include "absl/base/thread_annotations.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::storage {
 
@@ -22,10 +24,33 @@ class ABSL_LOCKABLE Mutex {
   std::mutex mutex_;
 };
 
-// Holds a mutex while it lives.
+// A thread that holds it may lock it once more.
+class ABSL_LOCKABLE RecursiveMutex {
+ public:
+  void lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
+  void unlock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock(); }
+
+ private:
+  std::recursive_mutex mutex_;
+};
+
+// Held by one who changes what it guards, or by several who read it.
+class ABSL_LOCKABLE SharedMutex {
+ public:
+  void lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
+  void unlock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock(); }
+  void lock_shared() ABSL_SHARED_LOCK_FUNCTION() { mutex_.lock_shared(); }
+  void unlock_shared() ABSL_UNLOCK_FUNCTION() { mutex_.unlock_shared(); }
+
+ private:
+  std::shared_mutex mutex_;
+};
+
+// Holds a mutex while it lives, alone.
+template <typename Lockable>
 class ABSL_SCOPED_LOCKABLE MutexLock {
  public:
-  explicit MutexLock(Mutex& mutex) ABSL_EXCLUSIVE_LOCK_FUNCTION(mutex) : mutex_(mutex) {
+  explicit MutexLock(Lockable& mutex) ABSL_EXCLUSIVE_LOCK_FUNCTION(mutex) : mutex_(mutex) {
     mutex_.lock();
   }
   ~MutexLock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock(); }
@@ -33,7 +58,21 @@ class ABSL_SCOPED_LOCKABLE MutexLock {
   MutexLock& operator=(const MutexLock&) = delete;
 
  private:
-  Mutex& mutex_;
+  Lockable& mutex_;
+};
+
+// Holds a mutex while it lives, beside others who read.
+class ABSL_SCOPED_LOCKABLE ReadLock {
+ public:
+  explicit ReadLock(SharedMutex& mutex) ABSL_SHARED_LOCK_FUNCTION(mutex) : mutex_(mutex) {
+    mutex_.lock_shared();
+  }
+  ~ReadLock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock_shared(); }
+  ReadLock(const ReadLock&) = delete;
+  ReadLock& operator=(const ReadLock&) = delete;
+
+ private:
+  SharedMutex& mutex_;
 };
 
 #ifdef __SANITIZE_THREAD__
@@ -50,6 +89,7 @@ inline WaitClock::time_point NextQuestion() {
 // What threads wait for, under a mutex: `condition` is called with it held.
 class ConditionVariable {
  public:
+  void NotifyOne() { changed_.notify_one(); }
   void NotifyAll() { changed_.notify_all(); }
 
   template <typename Condition>
@@ -61,6 +101,18 @@ class ConditionVariable {
   bool WaitUntil(Mutex& mutex, WaitClock::time_point end, const Condition& condition)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     return changed_.wait_until(mutex, end, condition);
+  }
+  // False if `cancelled`, which is called with the mutex held, says so before the condition holds:
+  // it is asked first, and then every 20 ms. Where it is empty, this waits as long as it takes.
+  template <typename Condition>
+  bool WaitUnless(Mutex& mutex, const core::Cancelled& cancelled, const Condition& condition)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
+    if (!cancelled) changed_.wait(mutex, condition);
+    while (!condition()) {
+      if (cancelled()) return false;
+      changed_.wait_until(mutex, NextQuestion(), condition);
+    }
+    return true;
   }
 
  private:

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/format/file_format.h"
+#include "core/format/motion_file.h"
 #include "core/model/build_settings.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/skeleton.h"
@@ -42,6 +43,17 @@ struct ClipRecord {
       0;  // of motion and skeleton bytes; tells the same file ingested twice
   std::int64_t create_time_us = 0;
   std::int64_t byte_count = 0;  // that its blobs take; told by the store
+
+  // What the ingest was given, to derive the states again with.
+  core::ReadOptions given;
+  std::optional<double> given_leg_length_m;
+  // That made the states (core::kRepresentationVersion).
+  std::int32_t representation_version = core::kRepresentationVersion;
+  // The last attempt to derive them: by which version, when, and why it failed (empty: it did not).
+  // A clip that was tried by a newer version than made its states is in no model.
+  std::int32_t tried_version = core::kRepresentationVersion;
+  std::int64_t tried_time_us = 0;
+  std::string derive_error;
 };
 
 // A clip on its way in.
@@ -54,9 +66,17 @@ struct NewClip {
   std::optional<core::Skeleton> skeleton;
   std::optional<std::string> marker_set_text;  // first clip of a `source` database: its scheme
   // The entry of the record of changes that is kept in the same transaction, of the clip as stored;
-  // empty: none. May be called more than once, and from another thread that adds a clip.
+  // empty: none. May be called more than once, on the thread that writes.
   std::function<AuditRecord(const ClipRecord&)> audit;
   core::Cancelled cancelled;  // as ChangeTerms has it
+};
+
+// A clip after its states were derived again from its file, or could not be.
+struct DerivedClip {
+  // As it was listed, but for frame_count, duration_seconds, leg_length_m, source_report and what
+  // tells of the attempt.
+  ClipRecord record;
+  std::optional<core::StateSequence> states = std::nullopt;  // none: those that are stored stay
 };
 
 struct ClipSource {
@@ -83,15 +103,19 @@ struct ModelRecord {
   // Of the clips and frames, those that were added after the build.
   std::int32_t added_clip_count = 0;
   std::int32_t added_frame_count = 0;
-  double stale_share = 0;  // core::ModelDrift
+  double drift_fraction = 0;  // core::ModelDrift
 };
 
 // How the current model differs from the clips that are stored.
-struct ModelGap {
-  std::vector<std::string> missing;  // ids of clips that it does not know, ascending
-  int removed = 0;                   // clips that it knows and that were deleted
+struct ModelStaleness {
+  // Ids of clips that it does not know, ascending; but of those whose states are of another version
+  // (core::kRepresentationVersion), which are in no new model.
+  std::vector<std::string> missing;
+  int removed = 0;    // clips that it knows and that were deleted, or have other states by now
+  int outdated = 0;   // clips that it knows by states that were replaced, or of another version
+  int to_derive = 0;  // stored clips that the present version has not tried to derive
 
-  bool empty() const { return missing.empty() && removed == 0; }
+  bool empty() const { return missing.empty() && removed == 0 && outdated == 0 && to_derive == 0; }
 };
 
 enum class OperationState {
@@ -102,9 +126,15 @@ enum class OperationState {
   kCancelled = 5
 };
 
+enum class OperationKind {
+  kRebuild = 1,   // of the model, after clips came or went
+  kReprocess = 2  // the same, after all clips were derived again
+};
+
 struct OperationRecord {
   std::string id;
   std::string database;
+  OperationKind kind = OperationKind::kRebuild;
   OperationState state = OperationState::kPending;
   double progress = 0;
   std::string stage;

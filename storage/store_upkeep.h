@@ -51,7 +51,8 @@ class StoreBackup {
 };
 
 // A backup on its way in: Append to its end, Check, Finish. Nothing changes before Finish, or if it
-// is destroyed instead. Check and Finish ask `cancelled` as they go: CANCELLED.
+// is destroyed instead. Check and Finish ask `cancelled` as they go, Finish perhaps from another
+// thread: CANCELLED.
 class StoreRestore {
  public:
   virtual ~StoreRestore() = default;

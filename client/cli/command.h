@@ -70,9 +70,25 @@ void AddOperationsCommand(CommandLine line);
 void AddPlanCommand(CommandLine line);
 void AddPredictCommand(CommandLine line);
 void AddRecognizeCommand(CommandLine line);
+void AddReprocessCommand(CommandLine line);
 void AddRestoreCommand(CommandLine line);
 void AddStatusCommand(CommandLine line);
 void AddTokenCommand(CommandLine line);
 void AddVerifyCommand(CommandLine line);
+
+// The same error, and after it what to do; errors that are not about connecting stay as they are.
+absl::Status WithConnectAdvice(const absl::Status& status, const GlobalOptions& global);
+
+// The program's exit code where a command failed, for those that scripts tell apart.
+
+inline constexpr int kFailed = 1;
+inline constexpr int kWrongUsage = 2;
+inline constexpr int kUnreachable = 3;  // a plan: the goal cannot be reached
+
+// The same error, with which the program is to exit by `code`.
+absl::Status WithExitCode(absl::Status status, int code);
+
+// 0 where all is well; kFailed where the error does not say.
+int ExitCodeOf(const absl::Status& status);
 
 }  // namespace motiondb::client

@@ -2,17 +2,19 @@
 
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
+#include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
-#include "client/cli/count_text.h"
-#include "client/cli/rebuild.h"
+#include "absl/status/status.h"
+#include "client/cli/print.h"
+#include "client/cli/rebuild_wait.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/table.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
+
 namespace {
 
 using google::protobuf::util::TimeUtil;
@@ -65,6 +67,7 @@ std::string DatabaseText(const v1::Database& database) {
   table.AddRow({"frame rate", fmt::format("{:g} Hz", database.frame_rate_hz())});
   table.AddRow({"least frames in a node", std::to_string(database.min_frames())});
   table.AddRow({"scaling", LastWord(v1::Scaling_Name(database.scaling()))});
+  table.AddRow({"glitches", LastWord(v1::Glitches_Name(database.glitches()))});
   table.AddRow(
       {"marker set", database.marker_names_size() == 0
                          ? database.marker_set()
@@ -82,15 +85,25 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
                {"LENGTH", Align::kRight},
                {"LEG", Align::kRight},
                {"SOURCE RATE", Align::kRight},
-               {"FILE"}});
+               {"FILE"},
+               {"GLITCHES"}});
+  bool any_failed = false;
   for (const v1::Clip& clip : clips) {
-    table.AddRow({ShortName(clip.name()), LabelWord(clip.label()), clip.subject(),
-                  std::to_string(clip.frame_count()),
-                  fmt::format("{:.2f} s", clip.duration_seconds()),
-                  fmt::format("{:.3f} m", clip.leg_length_m()),
-                  fmt::format("{:g} Hz", clip.source_frame_rate_hz()), clip.file_name()});
+    any_failed = any_failed || !clip.derive_error().empty();
+    table.AddRow(
+        {ShortName(clip.name()), LabelWord(clip.label()), clip.subject(),
+         std::to_string(clip.frame_count()), fmt::format("{:.2f} s", clip.duration_seconds()),
+         fmt::format("{:.3f} m", clip.leg_length_m()),
+         fmt::format("{:g} Hz", clip.source_frame_rate_hz()), clip.file_name(), clip.glitches()});
   }
-  return table.ToString();
+  if (!any_failed) return table.ToString();
+  std::string text = table.ToString() + "\nnot derived again:\n";
+  for (const v1::Clip& clip : clips) {
+    if (clip.derive_error().empty()) continue;
+    text += fmt::format("  {}: {}\n", text::DisplayText(ShortName(clip.name())),
+                        text::DisplayText(clip.derive_error()));
+  }
+  return text;
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
@@ -109,6 +122,26 @@ std::string IngestedClipText(const v1::Clip& clip) {
   return text;
 }
 
+std::string UnderivedText(const v1::DescribeDatabaseResponse& description) {
+  if (description.underived_clip_count() == 0) return "";
+  const int count = description.underived_clip_count();
+  std::string text = fmt::format("{} could not be derived again from {}:\n",
+                                 CountText(count, "clip"), count == 1 ? "its file" : "their files");
+  for (const v1::UnderivedClip& clip : description.underived_clips()) {
+    text += fmt::format("  {}: {}\n", text::DisplayText(ShortName(clip.name())),
+                        text::DisplayText(clip.reason()));
+  }
+  if (count > description.underived_clips_size()) text += "  ...\n";
+  return text;
+}
+
+std::string BorrowedCalibrationText(v1::Calibration calibration) {
+  if (calibration != v1::CALIBRATION_PREVIOUS && calibration != v1::CALIBRATION_TYPICAL) return "";
+  return fmt::format(
+      "a new model answers, with {} calibration until its own is known; it is stored then\n",
+      calibration == v1::CALIBRATION_PREVIOUS ? "the previous model's" : "a typical");
+}
+
 std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   Table table({{""}, {"", Align::kRight}});
   const auto count = [&](const std::string& what, int number) {
@@ -122,9 +155,16 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   count("nodes, bottom layer", description.bottom_node_count());
   count("dimensions", description.dimension_count());
   table.AddRow({"frame rate", fmt::format("{:g} Hz", description.frame_rate_hz())});
+  if (description.glitches() != v1::GLITCHES_UNSPECIFIED) {  // an older server's
+    table.AddRow({"glitches", LastWord(v1::Glitches_Name(description.glitches()))});
+  }
   table.AddRow({"model version", ModelWord(description.model_version())});
+  const v1::Calibration calibration = description.calibration();
+  if (calibration != v1::CALIBRATION_UNSPECIFIED) {  // no model, or an older server's
+    table.AddRow({"calibration", LastWord(v1::Calibration_Name(calibration))});
+  }
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
-  std::string text = table.ToString();
+  std::string text = table.ToString() + BorrowedCalibrationText(calibration);
   if (description.added_clip_count() > 0) {
     text += fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),
                         AddedSinceText(description.added_clip_count(), description.stale_share()));
@@ -134,6 +174,7 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
     text += fmt::format("{} {} stored; the model knows {} of them\n", CountText(stored, "clip"),
                         stored == 1 ? "is" : "are", description.clip_count());
   }
+  text += UnderivedText(description);
   if (description.nodes_per_layer_size() > 0) {
     Table layers({{"LAYER", Align::kRight}, {"NODES", Align::kRight}});
     for (int i = 0; i < description.nodes_per_layer_size(); ++i) {
@@ -156,6 +197,7 @@ std::string OperationsText(const std::vector<v1::Operation>& operations) {
   if (operations.empty()) return "no operations\n";
   Table table({{"OPERATION"},
                {"DATABASE"},
+               {"KIND"},
                {"STATE"},
                {"PROGRESS", Align::kRight},
                {"STAGE"},
@@ -164,9 +206,55 @@ std::string OperationsText(const std::vector<v1::Operation>& operations) {
                {"ERROR"}});
   for (const v1::Operation& operation : operations) {
     table.AddRow({ShortName(operation.name()), ShortName(operation.database()),
-                  StateWord(operation), fmt::format("{:.0f} %", operation.progress() * 100),
-                  operation.stage(), ShortName(operation.model()),
-                  TimeText(operation.create_time()), operation.error().message()});
+                  LastWord(v1::OperationKind_Name(operation.kind())), StateWord(operation),
+                  fmt::format("{:.0f} %", operation.progress() * 100), operation.stage(),
+                  ShortName(operation.model()), TimeText(operation.create_time()),
+                  operation.error().message()});
+  }
+  return table.ToString();
+}
+
+namespace {
+
+std::string DatabaseWord(const v1::Token& token) {
+  return token.database().empty() ? "(all)" : ShortName(token.database());
+}
+
+std::string StateText(const v1::Token& token, std::int64_t now_seconds) {
+  if (token.has_revoke_time()) return "revoked";
+  if (!token.has_expire_time()) return "good";
+  return token.expire_time().seconds() <= now_seconds ? "expired" : "good";
+}
+
+}  // namespace
+
+std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds) {
+  if (tokens.empty()) return "no tokens yet: make one with `motiondb token create --role ROLE`\n";
+  Table table({{"TOKEN"}, {"ROLE"}, {"DATABASE"}, {"STATE"}, {"EXPIRES"}, {"CREATED"}, {"FOR"}});
+  for (const v1::Token& token : tokens) {
+    table.AddRow({ShortName(token.name()), LastWord(v1::Role_Name(token.role())),
+                  DatabaseWord(token), StateText(token, now_seconds),
+                  token.has_expire_time() ? TimeText(token.expire_time()) : "never",
+                  TimeText(token.create_time()), token.description()});
+  }
+  return table.ToString();
+}
+
+std::string TokenText(const v1::Token& token) {
+  return fmt::format(
+      "{}: {} of {}, {}", token.name(), LastWord(v1::Role_Name(token.role())),
+      token.database().empty() ? "all databases" : token.database(),
+      token.has_expire_time() ? "until " + TimeText(token.expire_time()) : "until it is revoked");
+}
+
+std::string AuditText(const v1::ListAuditEntriesResponse& response) {
+  if (response.entries().empty()) return "nothing was changed yet\n";
+  Table table({{"TIME"}, {"WHO"}, {"FROM"}, {"CALL"}, {"ON"}, {"ENDED"}, {"REQUEST"}});
+  for (const v1::AuditEntry& entry : response.entries()) {
+    table.AddRow({TimeText(entry.time()), entry.principal(), entry.peer(), entry.method(),
+                  entry.resource(),
+                  absl::StatusCodeToString(static_cast<absl::StatusCode>(entry.code())),
+                  entry.request_id()});
   }
   return table.ToString();
 }

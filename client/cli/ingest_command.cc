@@ -4,9 +4,7 @@
 
 #include <algorithm>
 
-#include "client/cli/clip_list.h"
 #include "client/cli/command.h"
-#include "client/cli/count_text.h"
 #include "client/cli/ingest_batch.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/print.h"

@@ -7,7 +7,6 @@
 #include <exception>
 
 #include "client/cli/command.h"
-#include "client/cli/exit_code.h"
 #include "client/cli/print.h"
 #include "text/display_text.h"
 
@@ -98,6 +97,7 @@ int Run(int argc, char** argv) {
   AddDumpCommand(line);
   AddExportCommand(line);
   AddDeleteCommand(line);
+  AddReprocessCommand(line);
   AddOperationsCommand(line);
   AddTokenCommand(line);
   AddAuditCommand(line);

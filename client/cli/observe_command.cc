@@ -8,9 +8,7 @@
 #include <optional>
 
 #include "client/cli/command.h"
-#include "client/cli/json_output.h"
 #include "client/cli/observe_replay.h"
-#include "client/cli/observe_text.h"
 #include "client/cli/print.h"
 #include "client/cli/query_options.h"
 #include "text/display_text.h"

@@ -5,6 +5,7 @@
 #include <motiondb/v1/observe.pb.h>
 
 #include <functional>
+#include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -28,5 +29,13 @@ struct ReplayFigures {
 absl::StatusOr<ReplayFigures> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
     const ReplayOptions& options, const std::function<void(const v1::ObserveResponse&)>& on_answer);
+
+// What a stream of frames says, for people. Pure functions.
+
+// One line, without its end. `seconds`: where in the motion its newest frame is.
+std::string ObservedLine(const v1::ObserveResponse& answer, double seconds);
+
+// `paced`: messages were sent at a rate of their own, so that how long answers took says something.
+std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last, bool paced);
 
 }  // namespace motiondb::client

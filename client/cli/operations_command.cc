@@ -3,7 +3,6 @@
 
 #include "client/cli/command.h"
 #include "client/cli/database_text.h"
-#include "client/cli/json_output.h"
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"

@@ -4,15 +4,13 @@
 
 #include <filesystem>
 
+#include "client/cli/answer_text.h"
 #include "client/cli/command.h"
-#include "client/cli/exit_code.h"
 #include "client/cli/floor_plan_svg.h"
-#include "client/cli/json_output.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/plan_request.h"
-#include "client/cli/plan_text.h"
 #include "client/cli/print.h"
-#include "client/cli/whole_file.h"
+#include "client/output_file.h"
 
 namespace motiondb::client {
 namespace {

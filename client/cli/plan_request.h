@@ -45,4 +45,11 @@ bool PlansForRobot(const PlanRequestOptions& options);
 // line does.
 absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request);
 
+// The numbers between the commas; nothing unless all are finite numbers.
+std::optional<std::vector<double>> ParseNumbers(const std::string& text);
+
+// Checks an option's value: `fits` says whether the numbers are right, `expected` what they should
+// be.
+CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&));
+
 }  // namespace motiondb::client

@@ -1,13 +1,11 @@
-#include "client/cli/plan_text.h"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "client/cli/count_text.h"
+#include "client/cli/answer_text.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/table.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {

@@ -1,6 +1,12 @@
 #include "client/cli/print.h"
 
+#include <fmt/format.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+
+#include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "text/display_text.h"
 
@@ -12,6 +18,91 @@ void PrintLineText(std::string_view line) { fmt::print("{}\n", text::DisplayText
 
 void PrintError(std::string_view error) {
   fmt::print(stderr, "motiondb: {}\n", text::SafeText(error));
+}
+
+std::string CountText(std::int64_t count, const char* noun) {
+  return fmt::format("{} {}{}", count, noun, count == 1 ? "" : "s");
+}
+
+namespace {
+
+std::string Line(const std::vector<Table::Column>& columns, const std::vector<size_t>& widths,
+                 const std::vector<std::string>& cells) {
+  std::string line;
+  for (size_t i = 0; i < columns.size(); ++i) {
+    if (i > 0) line += "  ";
+    const std::string space(widths[i] - DisplayWidth(cells[i]), ' ');
+    line += columns[i].align == Align::kLeft ? cells[i] + space : space + cells[i];
+  }
+  line.erase(line.find_last_not_of(' ') + 1);
+  return line + "\n";
+}
+
+}  // namespace
+
+size_t DisplayWidth(const std::string& text) {
+  return static_cast<size_t>(
+      std::count_if(text.begin(), text.end(), [](char c) { return !text::ContinuesCharacter(c); }));
+}
+
+std::string PadRight(const std::string& text, size_t width) {
+  const size_t shown = DisplayWidth(text);
+  return shown < width ? text + std::string(width - shown, ' ') : text;
+}
+
+Table::Table(std::vector<Column> columns) : columns_(std::move(columns)) {}
+
+void Table::AddRow(std::vector<std::string> cells) {
+  for (std::string& cell : cells) cell = text::DisplayText(cell);
+  cells.resize(columns_.size());
+  rows_.push_back(std::move(cells));
+}
+
+std::string Table::ToString() const {
+  std::vector<std::string> titles;
+  std::vector<size_t> widths;
+  for (const Column& column : columns_) {
+    titles.push_back(column.title);
+    widths.push_back(DisplayWidth(column.title));
+  }
+  const bool titled = std::any_of(widths.begin(), widths.end(), [](size_t w) { return w > 0; });
+  for (const auto& row : rows_) {
+    for (size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], DisplayWidth(row[i]));
+  }
+  std::string text = titled ? Line(columns_, widths, titles) : "";
+  for (const auto& row : rows_) text += Line(columns_, widths, row);
+  return text;
+}
+
+namespace {
+
+std::string Json(const google::protobuf::Message& message, bool indented) {
+  google::protobuf::util::JsonPrintOptions options;
+  options.preserve_proto_field_names = true;
+  options.always_print_primitive_fields = true;
+  options.add_whitespace = indented;
+  std::string json;
+  // Fails only on an Any of a type that is not linked in: OperationJson leaves those out.
+  (void)google::protobuf::util::MessageToJsonString(message, &json, options);
+  return text::EscapedJson(json);
+}
+
+}  // namespace
+
+std::string JsonLine(const google::protobuf::Message& message) { return Json(message, false); }
+
+std::string IndentedJson(const google::protobuf::Message& message) { return Json(message, true); }
+
+std::string JsonString(const std::string& text) {
+  google::protobuf::Value value;
+  value.set_string_value(text);
+  return Json(value, false);
+}
+
+void PrintJson(const google::protobuf::Message& message) {
+  fmt::print("{}\n", JsonLine(message));
+  // A reader at the other end of a pipe sees each answer when it comes.
+  std::fflush(stdout);
 }
 
 }  // namespace motiondb::client

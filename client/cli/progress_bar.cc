@@ -10,6 +10,7 @@
 #include "text/display_text.h"
 
 namespace motiondb::client {
+
 namespace {
 
 constexpr int kBarCells = 24;

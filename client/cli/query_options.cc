@@ -1,9 +1,12 @@
 #include "client/cli/query_options.h"
 
+#include <motiondb/v1/database.pb.h>
+
 #include <map>
 #include <string>
 
 #include "client/cli/command.h"
+#include "client/cli/resource_name.h"
 
 namespace motiondb::client {
 
@@ -32,6 +35,16 @@ void AddMethodOption(CLI::App& command, v1::Method& method) {
       ->type_name("METHOD")
       ->check(CLI::IsMember(methods))
       ->default_str("best");
+}
+
+absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
+                                                     const std::string& database) {
+  v1::GetDatabaseRequest request;
+  request.set_name(DatabaseName(database));
+  const auto response = client.GetDatabase(request);
+  if (!response.ok()) return response.status();
+  const auto& names = response->database().marker_names();
+  return std::vector<std::string>(names.begin(), names.end());
 }
 
 }  // namespace motiondb::client

@@ -1,5 +1,5 @@
-// What the queries have in common on the command line: a database, a motion file, a layer, the
-// floor of transitions and, where there is a choice, the method.
+// What the queries have in common on the command line: a database, its markers, a motion file, a
+// layer, the floor of transitions and, where there is a choice, the method.
 #pragma once
 
 #include <motiondb/v1/query.pb.h>
@@ -8,10 +8,13 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "client/cli/motion_file.h"
 #include "client/cli/resource_name.h"
+#include "motiondb/client.h"
 
 namespace motiondb::client {
 
@@ -40,5 +43,10 @@ absl::Status SetQuery(const QueryOptions& options, Request& request) {
   if (options.floor) request.set_transition_floor(*options.floor);
   return absl::OkStatus();
 }
+
+// Names in the order of a state's markers. NOT_FOUND if there is no such database; errors of the
+// connection.
+absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
+                                                     const std::string& database);
 
 }  // namespace motiondb::client

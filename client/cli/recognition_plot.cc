@@ -4,19 +4,158 @@
 #include <motiondb/v1/query.pb.h>
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <limits>
+#include <map>
+#include <tuple>
+#include <utility>
 
-#include "client/cli/count_text.h"
+#include "client/cli/database_text.h"
 #include "client/cli/picture.h"
-#include "client/cli/recognition_plot_labels.h"
+#include "client/cli/print.h"
 #include "client/cli/recognition_plot_panel.h"
-#include "client/cli/recognition_plot_profile.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/svg.h"
 
 namespace motiondb::client {
+
 namespace {
 
-constexpr double kLeft = 80, kRight = 26, kWidth = 854;  // of the panels
+bool MakesSense(const v1::RecognitionWindow& window) {
+  constexpr double kLongestSeconds = 1e8;
+  return window.start_seconds() >= 0 && window.start_seconds() <= window.end_seconds() &&
+         window.end_seconds() <= kLongestSeconds;
+}
+
+std::vector<WindowCell> Cells(const std::vector<const v1::RecognitionWindow*>& windows) {
+  std::vector<WindowCell> cells;
+  for (const v1::RecognitionWindow* window : windows) {
+    cells.push_back({window->start_seconds(), (window->start_seconds() + window->end_seconds()) / 2,
+                     window->end_seconds()});
+  }
+  const std::size_t count = cells.size();
+  for (std::size_t i = 0; i + 1 < count; ++i) {
+    cells[i].end = cells[i + 1].start = (cells[i].middle + cells[i + 1].middle) / 2;
+  }
+  if (count > 1) {  // the ends are as wide to both sides; a window alone stands for all of itself
+    cells.front().start = 2 * cells.front().middle - cells.front().end;
+    cells.back().end = 2 * cells.back().middle - cells.back().start;
+  }
+  return cells;
+}
+
+}  // namespace
+
+LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
+  constexpr double kNone = -std::numeric_limits<double>::infinity();
+  std::vector<const v1::RecognitionWindow*> windows;
+  for (const v1::RecognitionWindow& window : response.windows()) {
+    if (MakesSense(window)) windows.push_back(&window);
+  }
+  LayerProfile profile;
+  if (windows.empty()) return profile;
+  profile.layer = windows.front()->layer();
+  profile.window_seconds = windows.front()->end_seconds() - windows.front()->start_seconds();
+  profile.windows = Cells(windows);
+  std::map<std::string, ClipProfile> clips;
+  for (std::size_t i = 0; i < windows.size(); ++i) {
+    bool explained = false;
+    for (const v1::ClipProbability& clip : windows[i]->clips()) {
+      ClipProfile& drawn = clips[clip.clip()];
+      if (drawn.log_probability.empty()) {
+        drawn.clip = ShortName(clip.clip());
+        drawn.label = LabelWord(clip.label());
+        drawn.log_probability.assign(windows.size(), kNone);
+      }
+      if (!std::isfinite(clip.log_probability())) continue;
+      drawn.log_probability[i] = clip.log_probability();
+      explained = true;
+    }
+    // Where no clip fits, all labels are alike, and none of them wins.
+    profile.winners.emplace_back();
+    if (explained && windows[i]->labels_size() > 0) {
+      profile.winners.back() = LabelWord(windows[i]->labels(0).label());
+    }
+  }
+  for (auto& [name, clip] : clips) profile.clips.push_back(std::move(clip));
+  return profile;
+}
+
+namespace {
+
+struct Colour {
+  const char* code;
+  const char* text;  // that is read on it
+};
+
+constexpr Colour kColours[] = {
+    {"#0072b2", "#fff"}, {"#d55e00", "#fff"}, {"#009e73", "#fff"}, {"#cc79a7", "#222"},
+    {"#e69f00", "#222"}, {"#56b4e9", "#222"}, {"#222222", "#fff"}, {"#999999", "#222"},
+};
+constexpr int kColourCount = static_cast<int>(std::size(kColours));
+
+constexpr const char* kDashes[] = {"", "6 3", "2 2"};
+constexpr int kDashCount = static_cast<int>(std::size(kDashes));
+
+}  // namespace
+
+std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers) {
+  std::map<std::string, PlotLabel> found;
+  for (const LayerProfile& layer : layers) {
+    std::map<std::string, int> clip_counts;
+    for (const ClipProfile& clip : layer.clips) ++clip_counts[clip.label];
+    // All layers have the same clips, unless the model changed in between.
+    for (const auto& [label, count] : clip_counts) {
+      found[label].clip_count = std::max(found[label].clip_count, count);
+    }
+    for (const auto& winner : layer.winners) {
+      if (winner) ++found[*winner].windows_won;
+    }
+  }
+  std::vector<PlotLabel> labels;
+  for (auto& [name, label] : found) {
+    label.name = name;
+    labels.push_back(label);
+  }
+  if (static_cast<int>(labels.size()) > kColourCount) {
+    std::stable_sort(labels.begin(), labels.end(), [](const PlotLabel& a, const PlotLabel& b) {
+      return std::tie(a.windows_won, a.clip_count) > std::tie(b.windows_won, b.clip_count);
+    });
+  }
+  return labels;
+}
+
+std::map<std::string, int> PlacesOf(const std::vector<PlotLabel>& labels) {
+  std::map<std::string, int> places;
+  for (const PlotLabel& label : labels) places.emplace(label.name, static_cast<int>(places.size()));
+  return places;
+}
+
+std::string LabelLineStyle(int place) {
+  const int dash = place / kColourCount % kDashCount;
+  return fmt::format("c{}{}", place % kColourCount, dash > 0 ? fmt::format(" d{}", dash) : "");
+}
+
+std::string LabelAreaStyle(int place) { return fmt::format("a{}", place % kColourCount); }
+
+std::string LabelTextStyle(int place) { return fmt::format("t{}", place % kColourCount); }
+
+std::string LabelStyleSheet() {
+  std::string sheet;
+  for (int i = 0; i < kColourCount; ++i) {
+    sheet +=
+        fmt::format("    .c{0} {{ stroke: {1}; }} .a{0} {{ fill: {1}; }} .t{0} {{ fill: {2}; }}\n",
+                    i, kColours[i].code, kColours[i].text);
+  }
+  for (int i = 1; i < kDashCount; ++i) {
+    sheet += fmt::format("    .d{} {{ stroke-dasharray: {}; }}\n", i, kDashes[i]);
+  }
+  return sheet;
+}
+
+namespace {
+
+constexpr double kPanelLeft = 80, kPanelRight = 26, kPanelWidth = 854;  // of the panels
 constexpr double kBetweenPanels = 14;
 constexpr double kBelowPanels = 66;  // to the legend: the time axis
 constexpr double kBelowLegend = 24, kBetweenLegendEntries = 34;
@@ -113,8 +252,8 @@ std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
                   FittingText(ShortName(request.database()), kTitleNameWidth));
   const std::vector<std::string> lines = HeadingLines(request, layers.front(), labels.size());
 
-  std::string body = HeadingSvg(kLeft, kWidth, title, lines);
-  PictureFrame frame{kLeft, HeadingHeight(lines.size()) + kPanelTitleHeight, kWidth,
+  std::string body = HeadingSvg(kPanelLeft, kPanelWidth, title, lines);
+  PictureFrame frame{kPanelLeft, HeadingHeight(lines.size()) + kPanelTitleHeight, kPanelWidth,
                      kPanelFrameHeight};
   double bottom = 0;
   for (std::size_t i = 0; i < layers.size(); ++i) {
@@ -124,9 +263,10 @@ std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
   }
   body += XTicksSvg(bottom, TimeTicks(axes, frame)) +
           XCaptionSvg(frame, bottom, "middle of the window (s)");
-  const Legend legend = LegendSvg(LegendOf(labels), kLeft, kLeft + kWidth + kRight,
-                                  bottom + kBelowPanels, kBetweenLegendEntries);
-  const double width = kLeft + kWidth + kRight;
+  const Legend legend =
+      LegendSvg(LegendOf(labels), kPanelLeft, kPanelLeft + kPanelWidth + kPanelRight,
+                bottom + kBelowPanels, kBetweenLegendEntries);
+  const double width = kPanelLeft + kPanelWidth + kPanelRight;
   const double height = legend.last_y + kBelowLegend;
   return PictureHead(width, height, title, PanelStyleSheet(layers.front()) + LabelStyleSheet()) +
          BackgroundSvg(width, height) + body + legend.svg + "</svg>\n";

@@ -9,8 +9,7 @@
 #include <vector>
 
 #include "client/cli/picture.h"
-#include "client/cli/recognition_plot_labels.h"
-#include "client/cli/svg.h"
+#include "client/cli/recognition_plot.h"
 
 namespace motiondb::client {
 namespace {

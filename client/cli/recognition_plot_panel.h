@@ -5,9 +5,8 @@
 #include <map>
 #include <string>
 
-#include "client/cli/log_probability_axis.h"
-#include "client/cli/picture_frame.h"
-#include "client/cli/recognition_plot_profile.h"
+#include "client/cli/picture.h"
+#include "client/cli/recognition_plot.h"
 
 namespace motiondb::client {
 

@@ -1,19 +1,18 @@
-#include "client/cli/status_text.h"
-
 #include <fmt/chrono.h>
 #include <google/protobuf/util/time_util.h>
 #include <motiondb/v1/store.pb.h>
 
 #include <algorithm>
+#include <cmath>
 #include <ctime>
 #include <functional>
 #include <string>
 #include <tuple>
 #include <vector>
 
-#include "client/cli/count_text.h"
+#include "client/cli/database_text.h"
+#include "client/cli/print.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/table.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -54,7 +53,7 @@ std::string CallsText(const v1::GetServerStatusResponse& status) {
 // A bar of ten, how far it is, and what is being done.
 std::string WorkText(const v1::DatabaseStatus& database) {
   if (database.operation().empty()) return "";
-  const int full = static_cast<int>(database.progress() * 10 + 0.5);
+  const int full = static_cast<int>(std::lround(database.progress() * 10));
   return fmt::format("[{}{}] {:.0f} %  {}", std::string(static_cast<std::size_t>(full), '#'),
                      std::string(static_cast<std::size_t>(10 - full), '.'),
                      database.progress() * 100, database.stage());
@@ -169,11 +168,13 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   const std::vector<const v1::DatabaseStatus*> shown = ShownDatabases(status);
   for (const v1::DatabaseStatus* const each : shown) {
     const v1::DatabaseStatus& database = *each;
-    const bool has_model = database.model_version() > 0;
+    // One that is not stored yet has frames and no version.
+    const bool has_model = database.frame_count() > 0;
+    const std::string version =
+        database.model_version() > 0 ? std::to_string(database.model_version()) : "new";
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
                   std::to_string(database.stored_frame_count()), BytesText(database.byte_count()),
-                  std::to_string(database.open_stream_count()),
-                  has_model ? std::to_string(database.model_version()) : "none",
+                  std::to_string(database.open_stream_count()), has_model ? version : "none",
                   has_model ? std::to_string(database.frame_count()) : "",
                   has_model ? DurationText(database.model_age().seconds()) : "",
                   has_model ? LatencyText(SecondsOf(database.model_build_time())) : "",

@@ -2,8 +2,7 @@
 
 #include <utility>
 
-#include "core/calibration/prediction_trial.h"
-#include "core/calibration/recognition_trial.h"
+#include "core/calibration/trials.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

@@ -8,7 +8,6 @@
 
 #include "core/calibration/held_out.h"
 #include "core/model/even_spread.h"
-#include "core/recognition/label_evidence.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/window_alignment.h"
 
@@ -16,8 +15,8 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMostFrames = 20000;
-constexpr int kMostWindows = 64;
-constexpr double kWindowSeconds = 0.4;
+constexpr int kComparedWindows = 64;
+constexpr double kComparedWindowSeconds = 0.4;
 
 double Spread(const Model& model) {
   const int bottom = model.layer_count();
@@ -68,9 +67,9 @@ ModelDifference CompareModels(const Model& before, const Model& after,
       common.push_back(c);
     }
   }
-  const std::vector<int> asked = SpreadEvenly(static_cast<int>(common.size()), kMostWindows);
+  const std::vector<int> asked = SpreadEvenly(static_cast<int>(common.size()), kComparedWindows);
   const auto full_width =
-      static_cast<int>(std::lround(kWindowSeconds * before.settings().frame_rate_hz));
+      static_cast<int>(std::lround(kComparedWindowSeconds * before.settings().frame_rate_hz));
   std::vector<char> same_label(asked.size());
   parallel(static_cast<int>(asked.size()), [&](int i) {
     const int clip = common[asked[i]];

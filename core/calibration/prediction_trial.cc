@@ -1,5 +1,3 @@
-#include "core/calibration/prediction_trial.h"
-
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -9,7 +7,7 @@
 #include "core/calibration/trials.h"
 #include "core/model/even_spread.h"
 #include "core/motion/error.h"
-#include "core/motion/past.h"
+#include "core/motion/states.h"
 #include "core/prediction/forecast.h"
 #include "core/prediction/predict.h"
 
@@ -17,7 +15,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMoments = 192;
-constexpr double kApart = 0.2;         // s from moment to moment: what is nearer says little more
+constexpr double kMomentsApart = 0.2;  // s from moment to moment: what is nearer says little more
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
 
@@ -43,7 +41,7 @@ std::vector<Moment> Moments(const Model& model) {
     const ModelClip& stored = model.clips()[clip];
     const int end = stored.first_frame + stored.frame_count;
     const int usable_frames = stored.frame_count - past - future;
-    const int apart = static_cast<int>(std::ceil(usable_frames / (kApart * rate)));
+    const int apart = static_cast<int>(std::ceil(usable_frames / (kMomentsApart * rate)));
     for (const int usable : SpreadEvenly(usable_frames, std::min(each, apart))) {
       const int frame = past + usable;
       moments.push_back({clip, frame, {stored.first_frame, end}});

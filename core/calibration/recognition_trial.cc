@@ -1,5 +1,3 @@
-#include "core/calibration/recognition_trial.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -12,8 +10,7 @@
 #include "core/model/even_spread.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "core/motion/past.h"
-#include "core/recognition/label_evidence.h"
+#include "core/motion/states.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/window_alignment.h"
 
@@ -23,7 +20,8 @@ namespace {
 constexpr int kMostClips = 128;
 constexpr int kMostWindows = 512;
 constexpr double kWindowSeconds = 0.4;
-constexpr double kApart = 0.2;  // s from window to window: what overlaps more says little more
+constexpr double kWindowsApart =
+    0.2;  // s from window to window: what overlaps more says little more
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
@@ -125,7 +123,7 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     const int frames = motion.frame_count();
     const int width = std::min(frames, full_width);
     const ModelClip& clip = model.clips()[clips[i]];
-    const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kApart * rate)));
+    const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kWindowsApart * rate)));
     windows[i] = held_out.Windows(model.states().middleRows(clip.first_frame, frames),
                                   SpreadEvenly(frames - width + 1, std::min(windows_each, apart)),
                                   width, false);

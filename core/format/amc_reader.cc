@@ -1,15 +1,11 @@
-#include "core/format/amc_reader.h"
-
 #include <algorithm>
 #include <memory>
 #include <unordered_map>
 #include <utility>
 
 #include "core/format/asf_file.h"
-#include "core/format/asf_skeleton.h"
 #include "core/format/conventions.h"
-#include "core/format/frame_rate.h"
-#include "core/format/text_encoding.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 
 namespace motiondb::core {

@@ -4,8 +4,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "core/format/joint_limit.h"
-#include "core/format/text_encoding.h"
+#include "core/format/motion_file.h"
 #include "core/format/text_scanner.h"
 
 namespace motiondb::core {

@@ -1,10 +1,9 @@
-#include "core/format/asf_skeleton.h"
-
 #include <algorithm>
 #include <utility>
 
+#include "core/format/asf_file.h"
 #include "core/format/conventions.h"
-#include "core/format/unique_names.h"
+#include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

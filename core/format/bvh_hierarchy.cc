@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
-#include "core/format/joint_limit.h"
-#include "core/format/unique_names.h"
+#include "core/format/motion_file.h"
+#include "core/format/text_scanner.h"
 
 namespace motiondb::core {
 namespace {

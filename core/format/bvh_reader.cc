@@ -1,13 +1,10 @@
-#include "core/format/bvh_reader.h"
-
 #include <algorithm>
 #include <limits>
 #include <memory>
 
 #include "core/format/bvh_hierarchy.h"
 #include "core/format/conventions.h"
-#include "core/format/frame_rate.h"
-#include "core/format/head_and_feet.h"
+#include "core/format/readers.h"
 #include "core/motion/forward_kinematics.h"
 
 namespace motiondb::core {

@@ -1,16 +1,11 @@
-#include "core/format/c3d_reader.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
-#include "core/format/c3d_bytes.h"
-#include "core/format/c3d_labels.h"
-#include "core/format/c3d_parameters.h"
+#include "core/format/c3d_file.h"
 #include "core/format/conventions.h"
-#include "core/format/frame_rate.h"
-#include "core/format/head_and_feet.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
 
 namespace motiondb::core {

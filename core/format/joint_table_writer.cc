@@ -1,5 +1,3 @@
-#include "core/format/joint_table_writer.h"
-
 #include <Eigen/Geometry>
 #include <cmath>
 #include <iterator>
@@ -9,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/format/writable_motion.h"
+#include "core/format/writers.h"
 #include "core/motion/error.h"
 #include "core/motion/forward_kinematics.h"
 
@@ -37,7 +35,7 @@ std::string Field(std::string_view text) {
 }
 
 // What would be written as "-0" is 0.
-double Plain(double value) { return value == 0 ? 0 : value; }
+double WithoutMinusZero(double value) { return value == 0 ? 0 : value; }
 
 absl::StatusOr<MimicIndex> IndexMimics(const Skeleton& skeleton,
                                        std::span<const MimicJoint> mimics) {
@@ -114,7 +112,7 @@ std::string WriteTable(const JointMotion& motion, const std::vector<Column>& col
     if (turn.dot(previous) < 0) turn.coeffs() = -turn.coeffs();
     previous = turn;
     const auto put = [&](double value) {
-      fmt::format_to(std::back_inserter(text), "{},", Plain(value));
+      fmt::format_to(std::back_inserter(text), "{},", WithoutMinusZero(value));
     };
     put(static_cast<double>(frame) / motion.frame_rate_hz);
     for (const double value : pose.translation()) put(value);

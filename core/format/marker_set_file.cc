@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "core/motion/marker_limits.h"
+#include "core/motion/marker_set.h"
 
 namespace motiondb::core {
 namespace {

@@ -3,13 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/format/amc_reader.h"
-#include "core/format/bvh_reader.h"
-#include "core/format/c3d_reader.h"
-#include "core/format/frame_rate.h"
-#include "core/format/joint_limit.h"
+#include "core/format/conventions.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
-#include "core/format/trc_reader.h"
 #include "core/motion/error.h"
 
 namespace motiondb::core {

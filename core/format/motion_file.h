@@ -67,4 +67,6 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
 std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
                              std::optional<SourceFile> skeleton = std::nullopt);
 
+inline constexpr int kMostJoints = 2000;  // end sites and the tips of bones among them
+
 }  // namespace motiondb::core

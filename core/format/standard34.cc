@@ -1,11 +1,10 @@
-// The default marker set, written in its own file format (README.md). Every marker is a joint, a
-// point between joints or one just past them, so that skeletons, joint positions and optical
-// markers all have it. Weights below were set so that one motion told by different sources gives
-// the same markers.
+// The default marker set, written in its own file format (docs/file_formats.md). Every marker is a
+// joint, a point between joints or one just past them, so that skeletons, joint positions and
+// optical markers all have it. Weights below were set so that one motion told by different sources
+// gives the same markers.
 #include <fmt/format.h>
 
 #include "core/format/marker_set_file.h"
-#include "core/format/standard34_robots.h"
 
 namespace motiondb::core {
 namespace {

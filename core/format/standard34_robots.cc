@@ -1,15 +1,15 @@
 // Where the standard markers are on humanoid robots: mappings of standard34, in the marker-set
-// file's format (README.md), continuing the text in standard34.cc.
+// file's format (docs/file_formats.md), continuing the text in standard34.cc.
 //
 // A robot's trunk is mostly one stiff part. Waist, spine, neck, head and head top are 44, 67, 90,
 // 125 and 144 % of the way from its hips to its shoulders, as they are on the people of the CMU
 // collection; head and head top are where the robot has them, if it says so.
-#include "core/format/standard34_robots.h"
+#include "core/format/marker_set_file.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr std::string_view kText = R"(
+constexpr std::string_view kRobotText = R"(
 # Unitree G1. The hips lie on the axes of the hips' pitch, in line with the axes of their roll.
 # Heels and toes lie between the points that touch the floor.
 mapping unitree-g1
@@ -193,6 +193,6 @@ RHand = RARM_WRIST_R offset RARM_WRIST_R 0 0 -0.11
 
 }  // namespace
 
-std::string_view Standard34RobotMappings() { return kText; }
+std::string_view Standard34RobotMappings() { return kRobotText; }
 
 }  // namespace motiondb::core

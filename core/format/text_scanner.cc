@@ -1,14 +1,18 @@
 #include "core/format/text_scanner.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
 
-#include "core/format/text_encoding.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
 
 namespace motiondb::core {
+
 namespace {
 
 constexpr double kLargestNumber = 1e18;
@@ -277,6 +281,58 @@ bool TextScanner::EndsInToken() const { return begin_ < end_ && !IsSpace(end_[-1
 std::optional<std::string> NoteOnFileEnd(const TextScanner& scanner) {
   if (!scanner.EndsInToken()) return std::nullopt;
   return "the file does not end with a line end: its last number may have been cut short";
+}
+
+namespace {
+
+std::string FromLatin1(std::string_view bytes) {
+  std::string text;
+  for (const char c : bytes) {
+    const auto byte = static_cast<std::uint8_t>(c);
+    if (byte < 0x80) {
+      text += c;
+    } else {
+      text += static_cast<char>(0xC0 | (byte >> 6));
+      text += static_cast<char>(0x80 | (byte & 0x3F));
+    }
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string ToUtf8(std::string_view bytes) {
+  return text::DisplayText(text::IsUtf8(bytes) ? std::string(bytes) : FromLatin1(bytes), "?");
+}
+
+namespace {
+
+// Longer names have no use, and a file can request many copies of one: BVH does so with the end
+// sites of a joint.
+constexpr std::size_t kLongest = 255;  // bytes
+
+}  // namespace
+
+std::string UniqueNames::Add(std::string_view name) {
+  const std::string wanted = std::string(text::CutAt(ToUtf8(name), kLongest));
+  std::string given = wanted;
+  // Counts on from where the same name ended before: a file of one name takes no quadratic time.
+  while (!taken_.emplace(given, 1).second) {
+    given = fmt::format("{}_{}", wanted, ++taken_[wanted]);
+  }
+  if (given != wanted) changed_.push_back(given);
+  return given;
+}
+
+std::string UniqueNames::Note() const {
+  constexpr std::size_t kShown = 3;
+  if (changed_.empty()) return "";
+  std::string note = "names used twice were made distinct: ";
+  for (std::size_t i = 0; i < changed_.size() && i < kShown; ++i) {
+    note += (i == 0 ? "" : ", ") + changed_[i];
+  }
+  return changed_.size() > kShown ? fmt::format("{} and {} more", note, changed_.size() - kShown)
+                                  : note;
 }
 
 }  // namespace motiondb::core

@@ -10,7 +10,9 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "core/format/motion_file.h"
@@ -104,5 +106,25 @@ std::size_t CountWords(std::string_view text);
 
 // A note for the report if the file's last number may have lost digits, as nothing else can tell.
 std::optional<std::string> NoteOnFileEnd(const TextScanner& scanner);
+
+// Names as files have them, in whatever encoding their writer's machine used -> UTF-8, distinct
+// within a file.
+
+// `bytes` as they are if they are valid UTF-8, or else read as Latin-1. Display controls become
+// '?'. The result is always valid UTF-8.
+std::string ToUtf8(std::string_view bytes);
+
+class UniqueNames {
+ public:
+  // `name` as UTF-8, cut to 255 bytes, with "_2", "_3" ... added if it was taken before.
+  std::string Add(std::string_view name);
+
+  // The names that had to change, as a note for the report; empty if none had to.
+  std::string Note() const;
+
+ private:
+  std::unordered_map<std::string, int> taken_;  // and how far each has been numbered
+  std::vector<std::string> changed_;
+};
 
 }  // namespace motiondb::core

@@ -1,15 +1,11 @@
-#include "core/format/trc_reader.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/format/conventions.h"
-#include "core/format/frame_rate.h"
-#include "core/format/head_and_feet.h"
+#include "core/format/readers.h"
 #include "core/format/text_scanner.h"
-#include "core/format/unique_names.h"
 
 namespace motiondb::core {
 namespace {

@@ -6,8 +6,7 @@
 #include <array>
 #include <utility>
 
-#include "core/format/joint_limit.h"
-#include "core/format/text_encoding.h"
+#include "core/format/motion_file.h"
 #include "core/format/text_scanner.h"
 #include "core/motion/error.h"
 

@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "core/format/text_scanner.h"
-#include "core/format/unique_names.h"
 #include "core/format/urdf_file.h"
 #include "core/motion/error.h"
+#include "core/motion/forward_kinematics.h"
 
 namespace motiondb::core {
 namespace {
@@ -58,7 +58,7 @@ std::vector<Dof> Dofs(const UrdfJoint& joint, const Eigen::Matrix3d& pre) {
       return {slide(Vector3d::UnitX()), slide(Vector3d::UnitY()), slide(Vector3d::UnitZ()),
               turn(Vector3d::UnitZ()),  turn(Vector3d::UnitY()),  turn(Vector3d::UnitX())};
     case Type::kPlanar: {
-      const auto plane = Eigen::Quaterniond::FromTwoVectors(Vector3d::UnitZ(), joint.axis);
+      const auto plane = ShortestTurn(Vector3d::UnitZ(), joint.axis);
       return {slide(plane * Vector3d::UnitX()), slide(plane * Vector3d::UnitY()), turn(joint.axis)};
     }
   }

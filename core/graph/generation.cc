@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "core/motion/patience.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 namespace {
@@ -118,6 +118,40 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
     log_probability += std::log(sum) + peak;
   }
   if (last != nullptr) *last = forward;
+  return log_probability;
+}
+
+double LogGenerationAmong(const TransitionGraph& graph,
+                          std::span<const std::vector<LikelyNode>> frames, double floor,
+                          std::vector<double>& scratch) {
+  std::vector<double> before;  // of the nodes of the frame before, summing to 1
+  std::vector<double> forward;
+  double log_probability = 0;
+  for (std::size_t t = 0; t < frames.size(); ++t) {
+    // What was seen beyond the floor that every pair has.
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      const int from = frames[t - 1][i].node;
+      const double share = before[i] / static_cast<double>(graph.row_sum(from));
+      for (const Edge& edge : graph.row(from)) {
+        scratch[edge.to] += share * edge.count - before[i] * floor;
+      }
+    }
+    double peak = kNever;
+    for (const LikelyNode& likely : frames[t]) peak = std::max<double>(peak, likely.log_density);
+    forward.clear();
+    double sum = 0;
+    for (const LikelyNode& likely : frames[t]) {
+      const double arriving = t == 0 ? 1 : std::max(0.0, floor + scratch[likely.node]);
+      forward.push_back(arriving * std::exp(likely.log_density - peak));
+      sum += forward.back();
+    }
+    for (double& probability : forward) probability /= sum;
+    log_probability += std::log(sum) + peak;
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      for (const Edge& edge : graph.row(frames[t - 1][i].node)) scratch[edge.to] = 0;
+    }
+    before.swap(forward);
+  }
   return log_probability;
 }
 

@@ -4,6 +4,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 #include "core/graph/transition_graph.h"
 #include "core/motion/cancellation.h"
@@ -21,5 +24,18 @@ using EmissionMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eig
 double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
                      double transition_floor, Eigen::VectorXd* last = nullptr,
                      const Cancelled& cancelled = {});
+
+// A node that an observed frame may be in, and the log density of the frame there.
+struct LikelyNode {
+  std::int32_t node = 0;
+  float log_density = 0;
+};
+
+// LogGeneration where each frame (one at least) can only be in the nodes listed for it (each once,
+// one at least). `floor` is above 0. O(nodes listed and their edges). `scratch` has a number for
+// each node of the graph, all 0 before and after.
+double LogGenerationAmong(const TransitionGraph& graph,
+                          std::span<const std::vector<LikelyNode>> frames, double floor,
+                          std::vector<double>& scratch);
 
 }  // namespace motiondb::core

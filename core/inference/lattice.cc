@@ -4,8 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/inference/log_sum.h"
-#include "core/motion/patience.h"
+#include "core/motion/cancellation.h"
 
 namespace motiondb::core {
 namespace {

@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/model/model.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/error.h"
-#include "core/motion/patience.h"
 
 namespace motiondb::core {
 namespace {
@@ -100,13 +100,13 @@ void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathO
 
 absl::Status CheckOptions(const NodePathOptions& options) {
   if (options.path_count < 1 || options.path_count > 100) {
-    return InvalidArgument("path_count: expected 1 to 100, got {}", options.path_count);
+    return FieldViolation("path_count", "expected 1 to 100, got {}", options.path_count);
   }
   if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
   }
   if (options.max_candidates < 0) {
-    return InvalidArgument("max_candidates: expected 0 or more, got {}", options.max_candidates);
+    return FieldViolation("max_candidates", "expected 0 or more, got {}", options.max_candidates);
   }
   return absl::OkStatus();
 }
@@ -116,10 +116,10 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
   MOTIONDB_ASSIGN_OR_RETURN(const int bottom, model.ResolveLayer(options.layer));
   const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(bottom));
   if (observation.rows() * candidates > kMaxCells) {
-    return InvalidArgument(
-        "max_candidates: keeping {} of {} nodes of layer {} for {} frames would take too much "
-        "memory",
-        candidates, model.tree().node_count(bottom), bottom, observation.rows());
+    return FieldViolation("max_candidates",
+                          "keeping {} of {} nodes of layer {} for {} frames would take too much "
+                          "memory",
+                          candidates, model.tree().node_count(bottom), bottom, observation.rows());
   }
   Patience patience(cancelled);
   std::vector<Descent> frames;
@@ -149,10 +149,10 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
   MOTIONDB_ASSIGN_OR_RETURN(search.layer, model.ResolveLayer(options.layer));
   const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(search.layer));
   if (observation.rows() * candidates * options.path_count > kMaxSteps) {
-    return InvalidArgument(
-        "path_count: keeping {} paths to each of {} nodes for {} frames would take too much "
-        "memory; ask for fewer paths or about a shorter observation",
-        options.path_count, candidates, observation.rows());
+    return FieldViolation("path_count",
+                          "keeping {} paths to each of {} nodes for {} frames would take too much "
+                          "memory; ask for fewer paths or about a shorter observation",
+                          options.path_count, candidates, observation.rows());
   }
   MOTIONDB_ASSIGN_OR_RETURN(search.lattice, DescendTree(model, observation, options, cancelled));
   search.paths = BestPaths(search.lattice, model.global_graph(search.layer),

@@ -1,6 +1,9 @@
 #include "core/inference/observation.h"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
+#include <utility>
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
@@ -24,6 +27,119 @@ absl::StatusOr<FrameMatrix> ScaledObservation(const Model& model,
   FrameMatrix scaled = observation.states;
   model.scale().Apply(scaled);
   return scaled;
+}
+
+namespace {
+
+constexpr double kPoolMass = 0.99;  // of the state's distribution
+
+// What of a distance is looked at first, and by how much it may be off for rounding.
+constexpr Eigen::Index kFirstNumbers = 36;
+constexpr double kRounding = 1 + 1e-4;
+
+// Distances to one state over the numbers that it has.
+class StateDistance {
+ public:
+  StateDistance(const float* state, Eigen::Index dimensions)
+      : state_(Eigen::Map<const Eigen::RowVectorXf>(state, dimensions)),
+        present_(state_.array().isNaN().select(0.0F, Eigen::RowVectorXf::Ones(dimensions))),
+        count_(std::max(1.0F, present_.sum())),
+        is_whole_(!state_.hasNaN()),
+        first_(std::min(kFirstNumbers, dimensions)) {
+    state_ = state_.array().isNaN().select(0.0F, state_);
+  }
+
+  double To(const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
+    if (is_whole_) return (stored - state_).squaredNorm() / count_;
+    return (stored - state_).cwiseProduct(present_).squaredNorm() / count_;
+  }
+
+  // Whether its first numbers alone show that it is greater.
+  bool IsBeyond(double distance, const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
+    const auto apart = stored.head(first_) - state_.head(first_);
+    const float squares =
+        is_whole_ ? apart.squaredNorm() : apart.cwiseProduct(present_.head(first_)).squaredNorm();
+    return squares / count_ > distance * kRounding;
+  }
+
+ private:
+  Eigen::RowVectorXf state_;    // 0 where missing
+  Eigen::RowVectorXf present_;  // 1, or 0 where missing
+  float count_;
+  bool is_whole_;
+  Eigen::Index first_;
+};
+
+}  // namespace
+
+std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
+                              int least_frames) {
+  std::vector<int> pool;
+  double mass = 0;
+  for (const NodeState& state : now) {
+    if (mass >= kPoolMass) break;
+    pool.push_back(model.tree().branch(layer, state.node));
+    mass += state.probability;
+  }
+  const auto& branches = model.tree().branches();
+  while (true) {
+    std::sort(pool.begin(), pool.end());
+    pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
+    // A branch under another one of the pool is already in it.
+    std::erase_if(pool, [&](int b) {
+      for (int up = branches[b].parent; up >= 0; up = branches[up].parent) {
+        if (std::binary_search(pool.begin(), pool.end(), up)) return true;
+      }
+      return false;
+    });
+    int frames = 0;
+    for (int b : pool) frames += branches[b].end - branches[b].begin;
+    if (frames >= least_frames || pool == std::vector<int>{0}) return pool;
+    for (int& b : pool) b = std::max(branches[b].parent, 0);
+  }
+}
+
+std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
+                                    const float* state, int count, FrameRange without) {
+  const StateDistance distance(state, model.states().cols());
+  std::vector<std::pair<double, int>> nearest;
+  // Whenever there are twice as many as wanted, the farther half goes, and what is farther yet is
+  // passed over from then on.
+  const auto most = static_cast<std::size_t>(std::max(1, count));
+  double farthest = std::numeric_limits<double>::infinity();
+  const auto keep_best = [&] {
+    const auto last = nearest.begin() + static_cast<std::ptrdiff_t>(most - 1);
+    std::nth_element(nearest.begin(), last, nearest.end());
+    farthest = last->first;
+    nearest.resize(most);
+  };
+  nearest.reserve(2 * most);
+  for (int b : branches) {
+    const Branch& branch = model.tree().branches()[b];
+    for (std::int32_t i = branch.begin; i < branch.end; ++i) {
+      const int frame = model.tree().frame_order()[i];
+      if (frame >= without.first && frame < without.end) continue;
+      const auto stored = model.states().row(frame);
+      if (distance.IsBeyond(farthest, stored)) continue;
+      nearest.emplace_back(distance.To(stored), frame);
+      if (nearest.size() == 2 * most) keep_best();
+    }
+  }
+  const auto kept = std::min<std::size_t>(count, nearest.size());
+  std::partial_sort(nearest.begin(), nearest.begin() + static_cast<std::ptrdiff_t>(kept),
+                    nearest.end());
+  nearest.resize(kept);
+  std::vector<Exemplar> exemplars;
+  if (nearest.empty()) return exemplars;
+  const double closest = nearest.front().first;
+  const double spread = std::max(nearest[kept / 2].first - closest, 1e-12);
+  double sum = 0;
+  for (const auto& [apart, frame] : nearest) {
+    exemplars.push_back({frame, std::exp(-0.5 * (apart - closest) / spread)});
+    sum += exemplars.back().weight;
+  }
+  for (Exemplar& exemplar : exemplars) exemplar.weight /= sum;
+  return exemplars;
 }
 
 }  // namespace motiondb::core

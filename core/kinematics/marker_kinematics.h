@@ -2,6 +2,7 @@
 // freedom. Immutable after Create and safe to share between threads; each thread has a MarkerPose.
 #pragma once
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <memory>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/motion/marker_set.h"
+#include "core/motion/motion.h"
 #include "core/motion/skeleton.h"
 
 namespace motiondb::core {
@@ -109,5 +111,21 @@ class MarkerKinematics {
   std::vector<int> first_column_;   // of each marker into coordinates_; one more at the end
   std::vector<Influence> influences_;
 };
+
+// The limits of a skeleton's degrees of freedom. Plain values; safe to call from any thread.
+
+// 1 x dof_count each, rad and m; infinite where there is no limit.
+struct JointLimits {
+  Eigen::RowVectorXd lower;
+  Eigen::RowVectorXd upper;
+};
+
+JointLimits LimitsOf(const Skeleton& skeleton);
+// Limits that nothing oversteps.
+JointLimits NoLimits(const Skeleton& skeleton);
+
+// The number of angles (one a frame and degree of freedom) that are beyond the skeleton's own
+// limits by more than `tolerance` (rad or m), or not finite.
+int CountLimitViolations(const JointMotion& motion, double tolerance);
 
 }  // namespace motiondb::core

@@ -42,7 +42,8 @@ ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs) {
     together.states.middleRows(first, count) = input.states.states;
     together.root_path.middleRows(first, count) = input.states.root_path;
     together.clips.push_back({std::move(input.clip_id), std::move(input.label), first, count,
-                              input.states.leg_length_m, std::move(input.subject)});
+                              input.states.leg_length_m, std::move(input.subject),
+                              std::move(input.states.glitches)});
     input.states = {};
     first += count;
   }

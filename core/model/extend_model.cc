@@ -5,7 +5,7 @@
 
 #include "core/model/clip_graphs.h"
 #include "core/motion/error.h"
-#include "core/tree/grow_tree.h"
+#include "core/tree/tree_builder.h"
 
 namespace motiondb::core {
 namespace {
@@ -73,8 +73,9 @@ absl::StatusOr<Model> ExtendModel(const Model& base, std::vector<BuildInput> inp
 
 ModelDrift MeasureDrift(const Model& model, const ParallelFor& parallel) {
   const int built = model.built_frame_count();
-  return {1 - static_cast<double>(built) / model.frame_count(),
-          StaleShare(model.tree(), built, model.states(), model.settings().min_frames, parallel)};
+  return {
+      1 - static_cast<double>(built) / model.frame_count(),
+      DriftFraction(model.tree(), built, model.states(), model.settings().min_frames, parallel)};
 }
 
 }  // namespace motiondb::core

@@ -25,7 +25,7 @@ absl::StatusOr<Model> ExtendModel(const Model& base, std::vector<BuildInput> inp
 // How far a model is from the one that a build of its clips would give. Both in [0, 1].
 struct ModelDrift {
   double added = 0;  // share of its frames that came after the build
-  double stale = 0;  // see StaleShare (core/tree/grow_tree.h)
+  double stale = 0;  // see DriftFraction (core/tree/tree_builder.h)
 
   // Whether it is time to build: more than a tenth of the frames were added, or more than a
   // twentieth lie in nodes that would be divided.

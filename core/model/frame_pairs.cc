@@ -8,7 +8,6 @@
 
 #include "core/model/even_spread.h"
 #include "core/model/model.h"
-#include "core/model/squared_distances.h"
 
 namespace motiondb::core {
 namespace {

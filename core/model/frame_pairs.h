@@ -2,6 +2,7 @@
 // together in time. Pure functions; safe to call from any thread.
 #pragma once
 
+#include <Eigen/Core>
 #include <vector>
 
 #include "core/motion/matrix.h"
@@ -26,5 +27,16 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips);
 // dimension and frame) and ends anywhere. One pair of rows for each observed frame, in order of
 // time; none where the reference is too short. O(frames * frames * dimensions).
 std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference);
+
+// Squared Euclidean distances, rows of `a` x rows of `b`, whose squared norms are given. Rounding
+// is that of the norms: a distance far below them is only known to be small.
+inline FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
+                                    const Eigen::Ref<const FrameMatrix>& b,
+                                    const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms) {
+  FrameMatrix squared = -2 * a * b.transpose();
+  squared.colwise() += a.rowwise().squaredNorm();
+  squared.rowwise() += b_squared_norms.transpose();
+  return squared.cwiseMax(0);
+}
 
 }  // namespace motiondb::core

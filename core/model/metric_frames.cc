@@ -1,13 +1,15 @@
 #include "core/model/metric_frames.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 
 #include "core/model/model.h"
-#include "core/tree/row_product.h"
+#include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
+
 namespace {
 
 constexpr int kRowsAtOnce = 256;  // of states that are gathered: they stay in the nearer caches
@@ -48,6 +50,23 @@ MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
   frames.squared_norms.resize(frames.projected.rows());
   frames.squared_norms << known.squared_norms, norms;
   return frames;
+}
+
+int FrameStride(double frame_rate_hz) {
+  return std::max(1, static_cast<int>(std::lround(frame_rate_hz / 30)));
+}
+
+StridedFrames StrideFrames(const std::vector<ModelClip>& clips, double frame_rate_hz) {
+  const int stride = FrameStride(frame_rate_hz);
+  StridedFrames strided;
+  for (const ModelClip& clip : clips) {
+    strided.begin.push_back(static_cast<int>(strided.frame.size()));
+    for (int f = 0; f < clip.frame_count; f += stride) {
+      strided.frame.push_back(clip.first_frame + f);
+    }
+  }
+  strided.begin.push_back(static_cast<int>(strided.frame.size()));
+  return strided;
 }
 
 }  // namespace motiondb::core

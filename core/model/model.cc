@@ -10,6 +10,11 @@
 #include "core/motion/mirror.h"
 
 namespace motiondb::core {
+
+bool ModelClip::HasGlitch(int first, int last) const {
+  const auto met = std::ranges::lower_bound(glitches, first - first_frame, {}, &FrameSpan::last);
+  return met != glitches.end() && met->first <= last - first_frame;
+}
 namespace {
 
 absl::Status CheckFrames(const ModelParts& parts) {
@@ -134,11 +139,16 @@ int Model::clip_of_frame(int frame) const {
   return static_cast<int>(after - parts_.clips.begin()) - 1;
 }
 
+bool Model::HasGlitch(int first, int last) const {
+  return parts_.clips[clip_of_frame(first)].HasGlitch(first, last);
+}
+
 absl::StatusOr<int> Model::ResolveLayer(int layer) const {
   if (layer == 0) return layer_count();
   if (layer < 0 || layer > layer_count()) {
-    return absl::OutOfRangeError(
-        fmt::format("layer: expected 1 to {}, or 0 for the bottom, got {}", layer_count(), layer));
+    return AtField("layer", absl::OutOfRangeError(
+                                fmt::format("layer: expected 1 to {}, or 0 for the bottom, got {}",
+                                            layer_count(), layer)));
   }
   return layer;
 }

@@ -35,6 +35,11 @@ struct ModelClip {
   std::int32_t frame_count = 0;
   double leg_length_m = 0;
   std::string subject;  // empty where it is not known
+  // Frames of glitches that were kept, from 0 at first_frame; in order and apart.
+  std::vector<FrameSpan> glitches = {};
+
+  // Whether one is in any of the model's frames first ... last.
+  bool HasGlitch(int first, int last) const;
 };
 
 // Everything a model is made of, as a builder makes it and a store gives it back.
@@ -117,6 +122,8 @@ class Model {
   int layer_count() const { return parts_.tree.layer_count(); }
   // Index into clips() of the clip that holds a frame. O(log clips).
   int clip_of_frame(int frame) const;
+  // Whether a kept glitch is in any of the frames first ... last, which are of one clip.
+  bool HasGlitch(int first, int last) const;
   // The layer that a request means: 0 is the bottom. OUT_OF_RANGE names the layers there are.
   absl::StatusOr<int> ResolveLayer(int layer) const;
 

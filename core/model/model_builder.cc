@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/model/clip_graphs.h"
-#include "core/model/scale_rows.h"
+#include "core/model/shared_rows.h"
 #include "core/motion/error.h"
 #include "core/tree/tree_builder.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/model/frame_pairs.h"
-#include "core/model/frame_stride.h"
+#include "core/model/metric_frames.h"
 #include "core/model/model.h"
 
 namespace motiondb::core {
@@ -61,6 +61,19 @@ Eigen::MatrixXd Covariance(const FrameMatrix& centred, const ParallelFor& parall
   return scatter.sum / std::max(1.0, scatter.rows - 1);
 }
 
+// The rows of frames that kept glitches are in.
+std::vector<Eigen::Index> RowsOfGlitches(const std::vector<ModelClip>& clips,
+                                         const StridedFrames& strided) {
+  std::vector<Eigen::Index> rows;
+  for (std::size_t c = 0; c < clips.size(); ++c) {
+    if (clips[c].glitches.empty()) continue;
+    for (int row = strided.begin[c]; row < strided.begin[c + 1]; ++row) {
+      if (clips[c].HasGlitch(strided.frame[row], strided.frame[row])) rows.push_back(row);
+    }
+  }
+  return rows;
+}
+
 // W: half the mean of d d^T, d from a frame to its like in another clip of the label.
 Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const StridedFrames& strided,
                                  const FrameMatrix& centred, const ParallelFor& parallel) {
@@ -99,9 +112,14 @@ MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& paralle
   FrameMatrix frames = parts.states.view()(strided.frame, Eigen::all);
   const Eigen::Index dimensions = frames.cols();
   MotionMetric metric;
-  metric.mean =
-      (frames.cast<double>().colwise().sum() / static_cast<double>(frames.rows())).cast<float>();
+  const std::vector<Eigen::Index> glitches = RowsOfGlitches(parts.clips, strided);
+  for (const Eigen::Index row : glitches) frames.row(row).setZero();
+  const auto sound =
+      static_cast<double>(std::max(std::ssize(glitches) + 1, frames.rows()) - std::ssize(glitches));
+  metric.mean = (frames.cast<double>().colwise().sum() / sound).cast<float>();
   frames.rowwise() -= metric.mean;
+  for (const Eigen::Index row : glitches)
+    frames.row(row).setZero();  // as the mean, they say nothing
 
   const Eigen::MatrixXd all = Covariance(frames, parallel);
   const Solver of_all(all);

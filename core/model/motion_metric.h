@@ -27,7 +27,7 @@ struct MotionMetric {
   bool empty() const { return mean.size() == 0; }
 };
 
-// Fitted to every stride-th frame (core/model/frame_stride.h). W is the mean of d d^T / 2 over the
+// Fitted to every stride-th frame (core/model/metric_frames.h). W is the mean of d d^T / 2 over the
 // differences d of paired frames of clips of one label; where no label has two clips, of frames
 // that follow each other. With T, the covariance of all frames, and S = 0.8 W + 0.2 (tr W / D) I =
 // V diag(w) V^T: whitening = V diag(w)^-1/2, projection = whitening U, U the first eigenvectors of

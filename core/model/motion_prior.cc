@@ -16,9 +16,9 @@ constexpr double kHorizons[] = {0.08, 0.16, 0.32,
                                 0.4,  0.56, 1.0};  // s, those of a query by default
 constexpr int kMostMoments = 2500;
 constexpr double kApart = 0.04;  // s from moment to moment, at least: nearer ones say little more
-constexpr Eigen::Index kRows = 128;  // of features that are summed at a time
+constexpr Eigen::Index kFeatureRows = 128;  // of features that are summed at a time
 // Leg lengths squared. A prior, so it does not grow with what is stored; flat from 1 to 10.
-constexpr double kRidge = 2.8;
+constexpr double kPriorRidge = 2.8;
 constexpr float kStill = 1e-4F;  // features that are less throughout are left out
 
 struct Moment {
@@ -36,6 +36,7 @@ std::vector<Moment> Moments(const ModelParts& parts) {
     const ModelClip& clip = parts.clips[c];
     for (int f = clip.first_frame + past; f + future < clip.first_frame + clip.frame_count;
          f += step) {
+      if (clip.HasGlitch(f - past, f + future)) continue;
       all.push_back({static_cast<int>(c), f});
     }
   }
@@ -53,8 +54,8 @@ void SumOver(const ModelParts& parts, const std::vector<Moment>& moments, std::s
   const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
   gram.setZero(features, features);
   products.setZero(features, horizons * numbers);
-  FrameMatrix x(kRows, features);
-  FrameMatrix y(kRows, horizons * numbers);
+  FrameMatrix x(kFeatureRows, features);
+  FrameMatrix y(kFeatureRows, horizons * numbers);
   Eigen::Index row = 0;
   const auto add = [&] {
     if (row == 0) return;  // Eigen divides by the number of rows
@@ -76,7 +77,7 @@ void SumOver(const ModelParts& parts, const std::vector<Moment>& moments, std::s
       x.row(row) = MotionFeatures(MirrorPositions(sides, history));
       y.row(row++) = MirrorPositions(sides, future).reshaped<Eigen::RowMajor>().transpose();
     }
-    if (row + 2 > kRows) add();
+    if (row + 2 > kFeatureRows) add();
   }
   add();
 }
@@ -144,7 +145,7 @@ MotionPrior MotionSums::Fit(int without_part) const {
   // Sums of floats are off by about so much of their trace. Where features are as large as a fast
   // motion over kilometres, that is more than the ridge, and the solution would be anything.
   constexpr float kRounding = 1e-5F;
-  gram.diagonal().array() += std::max(static_cast<float>(kRidge), kRounding * gram.trace());
+  gram.diagonal().array() += std::max(static_cast<float>(kPriorRidge), kRounding * gram.trace());
   const Eigen::LLT<Eigen::MatrixXf> solver(gram);
   if (solver.info() != Eigen::Success) return {};
   const Eigen::MatrixXf solved = solver.solve(sums.products(moving, Eigen::all));

@@ -5,7 +5,7 @@
 namespace motiondb::core {
 namespace {
 
-// Chosen by leaving out one clip after the other of 25 at 25 Hz (README.md, "Measure"); flat around
+// Chosen by leaving out one clip after the other of 25 at 25 Hz (docs/benchmarks.md); flat around
 // these.
 constexpr float kPose = 0.1F;
 constexpr float kLatestStep = 3;

@@ -3,11 +3,14 @@
 // thread while WithMore adds rows behind them.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <memory>
 #include <utility>
 
 #include "core/motion/matrix.h"
+#include "core/tree/feature_scale.h"
+#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 
@@ -62,5 +65,18 @@ class SharedRows {
   Eigen::Index count_ = 0;
   std::shared_ptr<Memory> memory_;
 };
+
+// Scales the first rows of `states` (rows x dimensions); the last `room` are room for more.
+inline SharedRows ScaleRows(const FeatureScale& scale, FrameMatrix states, Eigen::Index room,
+                            const ParallelFor& parallel) {
+  constexpr int kRowsAtOnce = 1024;
+  const auto rows = static_cast<int>(states.rows() - room);
+  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
+    const int first = block * kRowsAtOnce;
+    states.middleRows(first, std::min(kRowsAtOnce, rows - first)).array().rowwise() /=
+        scale.divisor.array();
+  });
+  return SharedRows(std::move(states), room);
+}
 
 }  // namespace motiondb::core

@@ -1,13 +1,19 @@
 // Errors as values: absl::Status with a formatted message, and the two macros that pass one
 // upwards. (fmt rather than absl::StrCat: Debian's absl does not accept std::string_view.)
+//
+// An error of one argument names it: the name is a payload of the status, so that it reaches a
+// client as a field of its request.
 #pragma once
 
 #include <fmt/format.h>
 
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
+#include "absl/strings/cord.h"
 
 namespace motiondb::core {
 
@@ -29,6 +35,43 @@ absl::Status FailedPrecondition(fmt::format_string<Args...> format, Args&&... ar
 template <typename... Args>
 absl::Status DataLoss(fmt::format_string<Args...> format, Args&&... args) {
   return absl::DataLossError(fmt::format(format, std::forward<Args>(args)...));
+}
+
+// Type URL of the payload that holds a field's name.
+inline constexpr char kFieldUrl[] = "motiondb.field";
+
+// Names the field of an error of content, INVALID_ARGUMENT or OUT_OF_RANGE. Any other status, and
+// one that names its field already, is returned as it is.
+inline absl::Status AtField(std::string_view field, absl::Status status) {
+  const bool of_content = absl::IsInvalidArgument(status) || absl::IsOutOfRange(status);
+  if (of_content && !status.GetPayload(kFieldUrl).has_value()) {
+    status.SetPayload(kFieldUrl, absl::Cord(std::string(field)));
+  }
+  return status;
+}
+
+// INVALID_ARGUMENT "{field}: {description}".
+inline absl::Status FieldViolation(std::string_view field, std::string_view description) {
+  return AtField(field, InvalidArgument("{}: {}", field, description));
+}
+
+template <typename... Args>
+absl::Status FieldViolation(std::string_view field, fmt::format_string<Args...> format,
+                            Args&&... args) requires(sizeof...(Args) > 0) {
+  return FieldViolation(field, fmt::format(format, std::forward<Args>(args)...));
+}
+
+// The error of a message's part in the message: its field, if it names one, with `part.` before it.
+inline absl::Status Within(std::string_view part, const absl::Status& status) {
+  const auto field = status.GetPayload(kFieldUrl);
+  if (!field.has_value()) return AtField(part, status);
+  std::string message(status.message());
+  if (message.starts_with(std::string(*field))) message = fmt::format("{}.{}", part, message);
+  absl::Status outer(status.code(), message);
+  status.ForEachPayload(
+      [&](absl::string_view url, const absl::Cord& payload) { outer.SetPayload(url, payload); });
+  outer.SetPayload(kFieldUrl, absl::Cord(fmt::format("{}.{}", part, std::string(*field))));
+  return outer;
 }
 
 }  // namespace motiondb::core

@@ -8,17 +8,24 @@
 namespace motiondb::core {
 namespace {
 
+// A frame with a place beyond the world's end, or without one, tells nothing of where the others
+// are.
+bool IsInWorld(const Eigen::Vector2d& place) { return (place.array().abs() <= 1e5).all(); }
+
 Eigen::Vector2d FirstPlace(const Motion& motion) {
   if (const auto* joints = std::get_if<JointMotion>(&motion)) {
-    if (joints->angles.rows() == 0) return Eigen::Vector2d::Zero();
     const Joint& root = joints->skeleton->joints().front();
-    const std::span<const double> q(joints->angles.data(), root.dofs.size());
-    return ParentFromJoint(root, q).translation().head<2>();
+    for (Eigen::Index t = 0; t < joints->angles.rows(); ++t) {
+      const std::span<const double> q(joints->angles.row(t).data(), root.dofs.size());
+      const Eigen::Vector2d place = ParentFromJoint(root, q).translation().head<2>();
+      if (IsInWorld(place)) return place;
+    }
+    return Eigen::Vector2d::Zero();
   }
   const FrameMatrix& positions = std::get<MarkerMotion>(motion).positions_m;
   for (Eigen::Index i = 0; i + 2 < positions.size(); i += 3) {
     const Eigen::Vector2d place(positions.data()[i], positions.data()[i + 1]);
-    if (place.allFinite()) return place;
+    if (IsInWorld(place)) return place;
   }
   return Eigen::Vector2d::Zero();
 }

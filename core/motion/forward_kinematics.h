@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <span>
 #include <vector>
 
@@ -42,5 +43,20 @@ Eigen::Isometry3d ParentFromJoint(const Joint& joint, std::span<const double> q)
 // World positions (m) of all joints over all frames: frames x 3 * joint_count, x y z of each joint
 // in turn. O(frames * joints).
 FrameMatrix JointPositions(const JointMotion& motion);
+
+// Rotations from angles and vectors. Safe to call from any thread.
+
+// The angles q (rad) with R(axes[0], q[0]) R(axes[1], q[1]) R(axes[2], q[2]) = rotation. Of the two
+// ways to write a rotation, and of all whole turns, those nearest `previous`, so that angles run on
+// over the frames of a motion. Where the second turn brings the third axis onto the first (gimbal
+// lock), the third angle stays as it was.
+// REQUIRES: axes are of unit length and at right angles to each other, in any order and handedness.
+Eigen::Vector3d AnglesAboutAxes(const Eigen::Matrix3d& rotation,
+                                const std::array<Eigen::Vector3d, 3>& axes,
+                                const Eigen::Vector3d& previous);
+
+// The shortest turn from one direction to another; about any axis where they are opposite. Not
+// inline: Eigen's own brings a singular value decomposition into every file that uses it.
+Eigen::Quaterniond ShortestTurn(const Eigen::Vector3d& from, const Eigen::Vector3d& to);
 
 }  // namespace motiondb::core

@@ -3,7 +3,6 @@
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
 #include "core/motion/forward_kinematics.h"
-#include "core/motion/marker_limits.h"
 #include "core/motion/marker_rules.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/states.h"

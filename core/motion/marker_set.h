@@ -4,6 +4,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -79,5 +80,9 @@ Landmarks RecognizeLandmarks(const std::vector<std::string>& names);
 absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motion& motion,
                                          std::optional<double> leg_length_m = std::nullopt,
                                          const Cancelled& cancelled = {});
+
+inline constexpr std::size_t kMostMarkers = 256;  // seven times the standard set; faces have fewer
+inline constexpr std::size_t kMostMappings = 200;
+inline constexpr std::size_t kMostRulePoints = 32;  // that one virtual marker is made from
 
 }  // namespace motiondb::core

@@ -26,6 +26,13 @@ struct MarkerMotion {
   FrameMatrix positions_m;  // frames x 3 * names.size(), x y z of each marker in turn
 };
 
+// Frames of a motion, from 0, both ends included.
+struct FrameSpan {
+  int first = 0;
+  int last = 0;
+  friend bool operator==(const FrameSpan&, const FrameSpan&) = default;
+};
+
 using Motion = std::variant<JointMotion, MarkerMotion>;
 
 }  // namespace motiondb::core

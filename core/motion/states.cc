@@ -9,6 +9,7 @@
 #include "core/motion/frame_state.h"
 
 namespace motiondb::core {
+
 namespace {
 
 constexpr double kMaxGapSeconds = 0.5;
@@ -55,6 +56,22 @@ void Interpolate(const std::vector<bool>& valid, RootPath& path) {
     }
     before = t;
   }
+}
+
+// Finds the glitches of a motion relative to `origin`; returns those that stay.
+absl::StatusOr<std::vector<FrameSpan>> CleanGlitches(GlitchPolicy policy, const MarkerSet& set,
+                                                     const Eigen::Vector2d& origin,
+                                                     std::optional<double> leg_length_m,
+                                                     MarkerMotion& motion,
+                                                     std::vector<std::string>& notes) {
+  if (!leg_length_m) {
+    MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, EstimateLegLength(set, motion));
+  }
+  // ComputeStates refuses others.
+  if (!(*leg_length_m >= kShortestLeg_m && *leg_length_m <= kLongestLeg_m)) {
+    return std::vector<FrameSpan>{};
+  }
+  return ApplyGlitchPolicy(policy, FindGlitches(motion, *leg_length_m, origin), motion, notes);
 }
 
 // Of a motion relative to `origin`.
@@ -181,7 +198,7 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
 }
 
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
-                                        double frame_rate_hz, Gaps gaps,
+                                        double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m,
                                         std::vector<std::string>* notes,
                                         const Cancelled& cancelled) {
@@ -192,19 +209,28 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
   const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
                             ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));
-  MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
-  if (gaps == Gaps::kFill) {
-    // After the mapping: only markers that are used must be whole.
-    MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
-    if (notes != nullptr) notes->insert(notes->end(), filled.begin(), filled.end());
+  // After the mapping: only markers that are used must be whole.
+  std::vector<FrameSpan> glitches;
+  std::vector<std::string> found;
+  if (cleaning) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        glitches, CleanGlitches(*cleaning, scheme.set, origin, leg_length_m, mapped, found));
   }
+  MOTIONDB_RETURN_IF_ERROR(CheckPositions(origin, mapped));
+  if (cleaning) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto filled, FillGaps(kMaxGapSeconds, mapped));
+    found.insert(found.end(), filled.begin(), filled.end());
+  }
+  if (notes != nullptr) notes->insert(notes->end(), found.begin(), found.end());
   MOTIONDB_RETURN_IF_ERROR(go_on());
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
+  const double source_rate_hz = mapped.frame_rate_hz;
   mapped = {};
   MOTIONDB_RETURN_IF_ERROR(go_on());
   MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
                             ComputeStates(scheme.set, resampled, leg_length_m));
   states.root_path.leftCols<2>().rowwise() += origin.transpose();
+  states.glitches = AtFrameRate(glitches, source_rate_hz, frame_rate_hz, states.frame_count());
   return states;
 }
 
@@ -222,6 +248,32 @@ FrameMatrix WorldPositions(const StateSequence& sequence) {
     }
   }
   return positions;
+}
+
+StateSequence PastAt(const StateSequence& observation, int frame, int history) {
+  const int count = std::min(history, frame + 1);
+  const int first = frame + 1 - count;
+  StateSequence past{observation.frame_rate_hz, observation.leg_length_m,
+                     observation.states.middleRows(first, count),
+                     observation.root_path.middleRows(first, count)};
+  if (frame == 0 || frame + 1 == observation.frame_count()) return past;
+
+  StateSequence last_two{observation.frame_rate_hz, observation.leg_length_m,
+                         observation.states.middleRows(frame - 1, 2),
+                         observation.root_path.middleRows(frame - 1, 2)};
+  const Eigen::Vector2d origin = NearestCorner(last_two.root_path.row(0).head<2>().transpose());
+  last_two.root_path.leftCols<2>().rowwise() -= origin.transpose();
+  const FrameMatrix positions = WorldPositions(last_two);
+  const double c = std::cos(observation.root_path(frame, 2));
+  const double s = std::sin(observation.root_path(frame, 2));
+  const auto to_states = static_cast<float>(observation.frame_rate_hz / observation.leg_length_m);
+  for (Eigen::Index m = 0; m < positions.cols() / 3; ++m) {
+    const Eigen::RowVector3f v =
+        (positions.row(1) - positions.row(0)).segment<3>(3 * m) * to_states;
+    past.states.row(count - 1).segment<3>(6 * m + 3) << static_cast<float>(c * v.x() + s * v.y()),
+        static_cast<float>(-s * v.x() + c * v.y()), v.z();
+  }
+  return past;
 }
 
 }  // namespace motiondb::core

@@ -8,9 +8,24 @@
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/glitches.h"
 #include "core/motion/marker_set.h"
 
 namespace motiondb::core {
+
+// The version of what makes states of a motion file. Stored states carry it (storage: ClipRecord),
+// and states of different versions are never in one model: after an upgrade that raises it, the
+// server derives the stored clips again from their files.
+//
+// Raise it by one, with a line below, with every change after which Represent or a reader
+// (core/format) gives other states for some file: forward kinematics, the standard marker set and
+// its mappings, the reference frame, what sizes are divided by, resampling, velocities, repair of
+// gaps and glitches. What a model makes of states (scales, tree, statistics) is no part of it.
+//   1  as first released
+//   2  glitches are repaired, or what else the database's setting says (glitch_policy.h)
+// A setting of a database that changes while it has clips, such as its mappings, needs a number of
+// its own: beside this one in ClipRecord, compared wherever this one is.
+inline constexpr int kRepresentationVersion = 2;
 
 // frames x 3: x and y of the reference frame's origin in the world (m), and its heading, the angle
 // of its x axis about the world's z (rad, unwrapped over time).
@@ -24,6 +39,8 @@ struct StateSequence {
   // lengths and leg lengths per second. NaN where a marker was missing.
   FrameMatrix states;
   RootPath root_path;  // frames x 3
+  // Frames that glitches of the recording reach, in order and apart (GlitchPolicy::kKeep).
+  std::vector<FrameSpan> glitches = {};
 
   int frame_count() const { return static_cast<int>(states.rows()); }
 };
@@ -52,21 +69,25 @@ absl::StatusOr<std::vector<std::string>> FillGaps(double max_gap_seconds, Marker
 absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMotion& motion,
                                             std::optional<double> leg_length_m = std::nullopt);
 
-// What happens to missing markers in Represent.
-enum class Gaps {
-  kFill,  // stored clips: fill short gaps, refuse long ones
-  kKeep,  // observations: leave NaN, which emission passes over
-};
+// How a motion is cleaned in Represent: a clip that is stored has no gaps and no glitches but those
+// that its database keeps; an observation stays as it is, with NaN, which emission passes over.
+using Cleaning = std::optional<GlitchPolicy>;
+inline constexpr Cleaning kObservation = std::nullopt;
 
-// The whole way from a motion to states: gaps, ApplyScheme, Resample, ComputeStates. `notes`, where
-// given, receives what was filled. CANCELLED, soon after `cancelled` says so.
+// The whole way from a motion to states: ApplyScheme, glitches, gaps, Resample, ComputeStates.
+// `notes`, where given, receives what was found and filled. CANCELLED, soon after `cancelled` says
+// so.
 absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion& motion,
-                                        double frame_rate_hz, Gaps gaps,
+                                        double frame_rate_hz, Cleaning cleaning,
                                         std::optional<double> leg_length_m = std::nullopt,
                                         std::vector<std::string>* notes = nullptr,
                                         const Cancelled& cancelled = {});
 
 // Marker positions in the world (m, z up), frames x 3 N_v: the way back from states.
 FrameMatrix WorldPositions(const StateSequence& sequence);
+
+// The last `history` frames, at least one, up to `frame` (fewer at the beginning). Velocities of
+// the last frame must not know the next one: they become backward differences.
+StateSequence PastAt(const StateSequence& observation, int frame, int history);
 
 }  // namespace motiondb::core

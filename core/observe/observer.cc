@@ -14,14 +14,12 @@ constexpr double kLeastKeptSeconds = 1;  // a leg is measured over them
 constexpr double kMostSeconds = 60;
 constexpr int kMostKept = 1 << 14;  // frames: a minute at 273 Hz
 constexpr int kAskEvery = 64;       // frames taken between two looks at the clock
-constexpr float kFurthest_m = 1e5F;
-constexpr double kShortestLeg_m = 0.01;
-constexpr double kLongestLeg_m = 100;
+constexpr float kFurthestM = 1e5F;
+constexpr double kShortestLegM = 0.01;
+constexpr double kLongestLegM = 100;
 constexpr double kOtherLeg = 0.01;  // while it is measured: a change by so much is taken over
 
-bool IsLegLength(double length_m) {
-  return length_m >= kShortestLeg_m && length_m <= kLongestLeg_m;
-}
+bool IsLegLength(double length_m) { return length_m >= kShortestLegM && length_m <= kLongestLegM; }
 
 int InFrames(double seconds, double rate) {
   return std::max(1, static_cast<int>(std::round(seconds * rate)));
@@ -32,21 +30,26 @@ int KeptFrames(const ObserverOptions& options, double rate) {
                   rate);
 }
 
-absl::Status CheckOptions(const ObserverOptions& options) {
-  if (!(options.window_seconds > 0 && options.window_seconds <= kMostSeconds)) {
-    return InvalidArgument("window_seconds: expected more than 0, at most {}, got {}", kMostSeconds,
-                           options.window_seconds);
-  }
-  if (!(options.history_seconds > 0 && options.history_seconds <= kMostSeconds)) {
-    return InvalidArgument("history_seconds: expected more than 0, at most {}, got {}",
-                           kMostSeconds, options.history_seconds);
+}  // namespace
+
+absl::Status CheckOptions(const ObserverOptions& options, const BuildSettings& settings) {
+  const auto check_seconds = [](std::string_view field, double seconds) {
+    if (seconds > 0 && seconds <= kMostSeconds) return absl::OkStatus();
+    return FieldViolation(field, "expected more than 0, at most {}, got {}", kMostSeconds, seconds);
+  };
+  MOTIONDB_RETURN_IF_ERROR(check_seconds("window_seconds", options.window_seconds));
+  MOTIONDB_RETURN_IF_ERROR(check_seconds("history_seconds", options.history_seconds));
+  const double rate = settings.frame_rate_hz;
+  if (KeptFrames(options, rate) > kMostKept) {
+    const bool window = options.window_seconds >= options.history_seconds;
+    return FieldViolation(window ? "window_seconds" : "history_seconds",
+                          "expected at most {} frames, {:.3f} s at {} Hz", kMostKept,
+                          kMostKept / rate, rate);
   }
   return CheckOptions(PredictOptions{.history_seconds = options.history_seconds,
                                      .horizon_seconds = options.horizon_seconds,
                                      .transition_floor = options.transition_floor});
 }
-
-}  // namespace
 
 Observer::Observer(const Model& model, MarkerSet set, MarkerStream stream, double frame_rate_hz,
                    std::optional<double> leg_length_m, const ObserverOptions& options, int layer)
@@ -64,23 +67,16 @@ Observer::Observer(const Model& model, MarkerSet set, MarkerStream stream, doubl
 }
 
 absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
-    const Model& model, const MarkerScheme& scheme, std::vector<std::string> marker_names,
+    const Model& model, const MarkerScheme& scheme, const std::vector<std::string>& marker_names,
     double frame_rate_hz, std::optional<double> leg_length_m, const ObserverOptions& options) {
-  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
+  MOTIONDB_RETURN_IF_ERROR(CheckOptions(options, model.settings()));
   if (leg_length_m && !IsLegLength(*leg_length_m)) {
-    return InvalidArgument("leg_length_m: expected {} to {}, got {}", kShortestLeg_m, kLongestLeg_m,
-                           *leg_length_m);
+    return FieldViolation("leg_length_m", "expected {} to {}, got {}", kShortestLegM, kLongestLegM,
+                          *leg_length_m);
   }
   if (scheme.set.markers != model.marker_set().markers) {
     return InvalidArgument("marker set: expected that of the model, '{}', got '{}'",
                            model.marker_set().name, scheme.set.name);
-  }
-  const double rate = model.settings().frame_rate_hz;
-  if (KeptFrames(options, rate) > kMostKept) {
-    const bool window = options.window_seconds >= options.history_seconds;
-    return InvalidArgument("{}: expected at most {} frames, {:.3f} s at {} Hz",
-                           window ? "window_seconds" : "history_seconds", kMostKept,
-                           kMostKept / rate, rate);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
   MOTIONDB_ASSIGN_OR_RETURN(
@@ -150,9 +146,9 @@ absl::Status Observer::Check(std::int64_t first_frame, const FrameMatrix& positi
   }
   for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
     for (const float x : positions_m.row(row)) {
-      if (std::abs(x) > kFurthest_m) {
+      if (std::abs(x) > kFurthestM) {
         return InvalidArgument("frame {}: expected positions up to {} m, got {}", first_frame + row,
-                               kFurthest_m, x);
+                               kFurthestM, x);
       }
     }
   }

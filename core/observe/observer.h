@@ -16,10 +16,10 @@
 #include "absl/status/status.h"
 #include "absl/status/statusor.h"
 #include "core/inference/lattice.h"
+#include "core/model/build_settings.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/marker_set.h"
 #include "core/motion/matrix.h"
-#include "core/observe/marker_stream.h"
 #include "core/observe/node_filter.h"
 #include "core/observe/observed_states.h"
 #include "core/observe/window_recognizer.h"
@@ -38,6 +38,9 @@ struct ObserverOptions {
   double transition_floor = 1e-6;
 };
 
+// INVALID_ARGUMENT naming the field if an option is out of range for models of these settings.
+absl::Status CheckOptions(const ObserverOptions& options, const BuildSettings& settings);
+
 struct Observed {
   std::int64_t frame = 0;  // number of the newest observed frame it rests on
   int layer = 0;
@@ -51,12 +54,12 @@ class Observer {
  public:
   // `marker_names`: of the frames that come, in their order, `frame_rate_hz` a second. The scheme,
   // whose set is the model's, brings them to the model's markers. Frames at another rate than the
-  // model's are resampled as marker_stream.h says. `leg_length_m` absent: the median of the frames
-  // so far, until one second has come, and kept then.
-  // INVALID_ARGUMENT for settings out of range (naming the field), a scheme of another marker set
-  // or names that it has no mapping for; OUT_OF_RANGE for a layer that is not there.
+  // model's are resampled as observed_states.h says. `leg_length_m` absent: the median of the
+  // frames so far, until one second has come, and kept then. INVALID_ARGUMENT for settings out of
+  // range (naming the field), a scheme of another marker set or names that it has no mapping for;
+  // OUT_OF_RANGE for a layer that is not there.
   static absl::StatusOr<std::unique_ptr<Observer>> Create(
-      const Model& model, const MarkerScheme& scheme, std::vector<std::string> marker_names,
+      const Model& model, const MarkerScheme& scheme, const std::vector<std::string>& marker_names,
       double frame_rate_hz, std::optional<double> leg_length_m, const ObserverOptions& options);
 
   // Takes frames numbered first_frame, first_frame + 1, ...: frames x 3 markers, m, world, z up,

@@ -6,12 +6,12 @@
 #include <utility>
 
 #include "core/model/familiarity.h"
-#include "core/model/frame_stride.h"
+#include "core/model/metric_frames.h"
 #include "core/motion/error.h"
 #include "core/recognition/clip_alignment.h"
-#include "core/recognition/label_evidence.h"
+#include "core/recognition/clip_generation.h"
 #include "core/recognition/metric_observation.h"
-#include "core/recognition/window_emission.h"
+#include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
 namespace {

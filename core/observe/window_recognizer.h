@@ -9,7 +9,6 @@
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
-#include "core/observe/kept_clip.h"
 #include "core/observe/metric_window.h"
 #include "core/observe/observed_states.h"
 #include "core/recognition/recognize.h"

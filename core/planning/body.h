@@ -14,7 +14,7 @@
 #include "core/kinematics/marker_kinematics.h"
 #include "core/motion/marker_set.h"
 #include "core/planning/contacts.h"
-#include "core/planning/sole.h"
+#include "core/planning/foot_lock.h"
 
 namespace motiondb::core {
 

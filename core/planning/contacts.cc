@@ -13,7 +13,7 @@ namespace {
 
 // Lengths are in leg lengths, speeds in leg lengths a second.
 
-constexpr int kFramesLookedAt = 4000;
+constexpr int kContactFrames = 4000;
 constexpr int kClipsLookedAt = 50;
 
 // A marker moves with another while their distance varies less than this (standard deviation):
@@ -71,7 +71,7 @@ Sample TakeSample(const Model& model) {
   Sample sample;
   for (int c = 0; c < clips; ++c) {
     const ModelClip& clip = model.clips()[Evenly(c, clips, clip_count)];
-    const int count = std::min(clip.frame_count, kFramesLookedAt / clips);
+    const int count = std::min(clip.frame_count, kContactFrames / clips);
     sample.first_rows.push_back(static_cast<Eigen::Index>(frames.size()));
     for (int i = 0; i < count; ++i) {
       frames.push_back(clip.first_frame + Evenly(i, count, clip.frame_count));

@@ -1,15 +1,14 @@
-#include "core/planning/performance.h"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
 
 #include "core/kinematics/inverse_kinematics.h"
-#include "core/kinematics/joint_limits.h"
+#include "core/kinematics/marker_kinematics.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/root_correction.h"
+#include "core/planning/synthesis.h"
 
 namespace motiondb::core {
 namespace {

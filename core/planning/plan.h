@@ -1,7 +1,7 @@
-// What a plan is asked for and what it is (section V-C): plain values.
+// How do I get there? (section V-C): what a plan is asked for, what it is, and the search for it.
 //
 // The floor of a plan is the start's reference frame: origin below the hips at the start, x to the
-// front, y to the left, metres and radians.
+// front, y to the left, metres and radians. Plain values; safe to call from any thread.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,13 @@
 #include <string>
 #include <vector>
 
+#include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/motion.h"
 #include "core/motion/states.h"
-#include "core/planning/floor_pose.h"
+#include "core/planning/floor.h"
 #include "core/planning/motion_quality.h"
-#include "core/planning/obstacles.h"
 
 namespace motiondb::core {
 
@@ -50,7 +51,7 @@ struct PlanProblem {
   Obstacles obstacles;
   PlanMethod method = PlanMethod::kSegmentSearch;
   std::uint32_t seed = 0;
-  int plan_count = 1;  // the best and its alternatives
+  int alternative_count = 0;  // plans beside the best
   // How hard to search, against the usual; the same effort gives the same plan on every machine.
   double effort = 1;
   // The body that is to play it; null leaves the plan on markers.
@@ -127,5 +128,26 @@ struct PlanAnswer {
   std::vector<PlannedMotion> motions;  // best first; empty where not even a part was found
   SearchEffort effort;
 };
+
+class Model;
+
+// INVALID_ARGUMENT naming the field that is out of range, NaN or unknown: numbers, labels and
+// obstacles. The start and the body are checked where they are used. O(clips + corners log
+// corners).
+absl::Status CheckProblem(const Model& model, const PlanProblem& problem);
+
+// The same for the obstacles of a problem.
+absl::Status CheckObstacles(const Obstacles& obstacles);
+
+// Searches for stored motion from the start to the goal, and makes one motion of it: segments
+// blended at their joins, the end corrected by at most 5 % of the length, feet kept where they
+// stand, joint angles on the skeleton. The outcome is judged on the motion that is returned.
+// `scheme` is the one of the model's marker set: it maps the skeleton.
+//
+// The same problem gives the same answer as long as time is not up first. INVALID_ARGUMENT naming
+// the field of the problem that is out of range, unknown or does not fit; NOT_FOUND for a clip that
+// the model does not have; CANCELLED.
+absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& scheme,
+                                      const PlanProblem& problem, const PlanControl& control = {});
 
 }  // namespace motiondb::core

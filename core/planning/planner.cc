@@ -1,5 +1,3 @@
-#include "core/planning/planner.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -10,7 +8,7 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/planning/body.h"
-#include "core/planning/performance.h"
+#include "core/planning/plan.h"
 #include "core/planning/random_sampling.h"
 #include "core/planning/root_correction.h"
 #include "core/planning/segment_search.h"
@@ -23,33 +21,6 @@ namespace {
 constexpr double kCoarseShare = 0.8;
 constexpr double kAimMargin = 0.02;  // m of clearance more than asked for, where motion ends
 constexpr int kMostAttempts = 3;     // to end a motion at the goal on the body that plays it
-
-absl::Status Check(const PlanProblem& problem) {
-  const FloorPose& goal = problem.goal;
-  if (!std::isfinite(goal.x) || !std::isfinite(goal.y) || !std::isfinite(goal.heading)) {
-    return InvalidArgument("goal: expected finite numbers, got {}, {}, {}", goal.x, goal.y,
-                           goal.heading);
-  }
-  const auto at_least_zero = [](std::string_view name, double value) {
-    return value >= 0 && std::isfinite(value)
-               ? absl::OkStatus()
-               : InvalidArgument("{}: expected 0 or more, got {}", name, value);
-  };
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("position_tolerance_m", problem.position_tolerance_m));
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("heading_tolerance_rad", problem.heading_tolerance_rad));
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("max_duration_seconds", problem.max_duration_seconds));
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("clearance_m", problem.obstacles.clearance_m));
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("frame_rate_hz", problem.frame_rate_hz));
-  MOTIONDB_RETURN_IF_ERROR(at_least_zero("effort", problem.effort));
-  if (problem.leg_length_m &&
-      !(*problem.leg_length_m > 0 && std::isfinite(*problem.leg_length_m))) {
-    return InvalidArgument("leg_length_m: expected more than 0, got {}", *problem.leg_length_m);
-  }
-  if (problem.plan_count < 1) {
-    return InvalidArgument("plan_count: expected 1 or more, got {}", problem.plan_count);
-  }
-  return absl::OkStatus();
-}
 
 class Planner {
  public:
@@ -142,7 +113,7 @@ class Planner {
             .heading_tolerance_rad = problem_.heading_tolerance_rad,
             .max_duration_seconds = problem_.max_duration_seconds,
             .frame_rate_hz = model_.settings().frame_rate_hz,
-            .path_count = problem_.plan_count,
+            .path_count = 1 + problem_.alternative_count,
             .seed = problem_.seed,
             .effort = problem_.effort};
   }
@@ -340,7 +311,7 @@ absl::StatusOr<Body> BodyFor(const Model& model, const MarkerScheme& scheme,
 
 absl::StatusOr<PlanAnswer> PlanMotion(const Model& model, const MarkerScheme& scheme,
                                       const PlanProblem& problem, const PlanControl& control) {
-  MOTIONDB_RETURN_IF_ERROR(Check(problem));
+  MOTIONDB_RETURN_IF_ERROR(CheckProblem(model, problem));
   int layer = std::max(1, static_cast<int>(std::lround(kCoarseShare * model.layer_count())));
   if (problem.coarse_layer != 0) {
     MOTIONDB_ASSIGN_OR_RETURN(layer, model.ResolveLayer(problem.coarse_layer));

@@ -16,8 +16,8 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kMostSteps = 4e6;        // frames of all walks together, at the usual effort
-constexpr std::int64_t kAskEvery = 4096;  // of them between questions to the caller
+constexpr double kMostSteps = 4e6;  // frames of all walks together, at the usual effort
+constexpr std::int64_t kSamplesPerQuestion = 4096;  // of them between questions to the caller
 
 // How far each node of a layer goes in one frame, by its mean velocities.
 std::vector<FloorPose> StepsOf(const Model& model, int layer, double leg_length_m) {
@@ -112,7 +112,7 @@ absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int star
     Walk best;  // this walk as far as it came nearest
     std::size_t best_length = 0;
     if (step >= ask_at) {
-      ask_at = step + kAskEvery;
+      ask_at = step + kSamplesPerQuestion;
       if (control.cancelled && control.cancelled()) {
         return absl::CancelledError("the search was stopped");
       }

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "core/planning/floor_pose.h"
+#include "core/planning/floor.h"
 
 namespace motiondb::core {
 

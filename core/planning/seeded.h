@@ -22,6 +22,7 @@ class SeededSequence {
  public:
   explicit SeededSequence(std::uint64_t seed) : state_(Mix(seed)) {}
   double Next() { return ToUnit(Mix(++state_)); }
+  double Between(double low, double high) { return low + (high - low) * Next(); }
 
  private:
   std::uint64_t state_;

@@ -30,7 +30,6 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
                            const std::vector<std::string>& labels, Likeness likeness)
     : model_(model),
       floor_(floor),
-      jolts_(model),
       largest_distance_(likeness == Likeness::kAlike ? kAlike : kRoughlyAlike),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
@@ -62,6 +61,10 @@ int SegmentGraph::run_of_frame(int frame) const {
                                       [](int f, const Run& run) { return f < run.first; });
   if (after == runs_.begin() || std::prev(after)->last < frame) return -1;
   return static_cast<int>(after - runs_.begin()) - 1;
+}
+
+bool SegmentGraph::Plays(int run) const {
+  return !model_.HasGlitch(runs_[run].first, runs_[run].last);
 }
 
 const ModelClip& SegmentGraph::ClipOf(int run) const { return model_.clips()[clip_of_run_[run]]; }
@@ -109,8 +112,8 @@ std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
     }
   }
   const auto& [leave, enter, window] = best.join;
-  if (jolts_.Within(leave - window, leave + window) ||
-      jolts_.Within(enter - window, enter + window)) {
+  if (model_.HasGlitch(leave - window, leave + window) ||
+      model_.HasGlitch(enter - window, enter + window)) {
     return std::nullopt;
   }
   best.to = to;

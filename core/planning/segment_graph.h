@@ -11,7 +11,6 @@
 #include <unordered_map>
 #include <vector>
 
-#include "core/planning/jolts.h"
 #include "core/planning/splice.h"
 
 namespace motiondb::core {
@@ -50,8 +49,8 @@ class SegmentGraph {
   int run_of_frame(int frame) const;
   // Frames on each side of a join that both clips have, at most.
   int half_window() const { return half_window_; }
-  // Whether a run plays without a jolt of its recording. Joins lead to no other.
-  bool Plays(int run) { return !jolts_.Within(runs_[run].first, runs_[run].last); }
+  // Whether a run plays without a glitch of its recording. Joins lead to no other.
+  bool Plays(int run) const;
   // The joins that leave a run, least distance first.
   const std::vector<RunJoin>& Joins(int run);
 
@@ -69,7 +68,6 @@ class SegmentGraph {
 
   const Model& model_;
   const StoredFloor& floor_;
-  Jolts jolts_;
   const double largest_distance_;
   int half_window_ = 0;
   std::vector<Run> runs_;

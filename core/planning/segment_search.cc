@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kJoinSeconds = 0.15;       // what a join costs however good it is
 constexpr double kDistanceSeconds = 2.0;    // for each unit of distance between its states
-constexpr double kJoltSeconds = 3;          // for each run with a jolt of its recording
+constexpr double kGlitchSeconds = 3;        // for each run with a glitch of its recording
 constexpr double kCorrectionSeconds = 0.5;  // where all of the correction allowed is used
 constexpr double kUsedTolerance = 0.8;      // the rest is left to inverse kinematics
 constexpr double kClearanceMargin = 0.01;   // m, for what lies between the poses looked at
@@ -36,7 +36,7 @@ constexpr Sweep kPatient = {0.24, 0.3, 3, 30000};  // where the first found noth
 constexpr Sweep kAll = {0, 0, 1, 10000};
 // Where there is an answer: for better ones, which its cost makes short work.
 constexpr Sweep kCloser = {0.12, 0.15, 2, 8000};
-constexpr int kAskEvery = 8;  // expansions between questions to the caller
+constexpr int kExpansionsPerQuestion = 8;  // expansions between questions to the caller
 
 constexpr std::int32_t kNoJoin = -1;
 
@@ -110,7 +110,7 @@ class Search {
     const auto most =
         static_cast<std::int64_t>(settings_.effort * static_cast<double>(sweep.expansions));
     for (std::int64_t i = 0; i < most && !open_.empty() && !found_.time_up; ++i) {
-      if (i % kAskEvery == 0) {
+      if (i % kExpansionsPerQuestion == 0) {
         if (control.cancelled && control.cancelled()) {
           return absl::CancelledError("the search was stopped");
         }
@@ -249,16 +249,16 @@ class Search {
                int frames, double length, double cost, int since_join) {
     const int first = graph_.runs()[to].first;
     const int played = first - at;
-    Enter(
-        {.run = to,
-         .from = from,
-         .join = join,
-         .segment = arrivals_[from].segment,
-         .since_join = since_join + played,
-         .frames = frames + played,
-         .pose = pose * floor_.Between(at, first),
-         .length_m = length + SignedLength(at, first),
-         .cost = cost + played / settings_.frame_rate_hz + (graph_.Plays(to) ? 0 : kJoltSeconds)});
+    Enter({.run = to,
+           .from = from,
+           .join = join,
+           .segment = arrivals_[from].segment,
+           .since_join = since_join + played,
+           .frames = frames + played,
+           .pose = pose * floor_.Between(at, first),
+           .length_m = length + SignedLength(at, first),
+           .cost =
+               cost + played / settings_.frame_rate_hz + (graph_.Plays(to) ? 0 : kGlitchSeconds)});
   }
 
   // Looks whether the motion may end at one of the frames first ... last; `pose` and the rest are

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/planning/floor_field.h"
+#include "core/planning/floor.h"
 #include "core/planning/plan.h"
 #include "core/planning/segment_graph.h"
 

@@ -1,16 +1,15 @@
-#include "core/planning/sole.h"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "core/kinematics/rigid_fit.h"
+#include "core/kinematics/pose_solver.h"
 #include "core/model/model.h"
+#include "core/planning/foot_lock.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr int kFramesLookedAt = 4000;
+constexpr int kSoleFrames = 4000;
 constexpr float kFlatHeight = 0.025F;  // leg lengths that contact markers are near their rest
 constexpr float kFlatSpeed = 0.15F;    // leg lengths a second
 constexpr int kFewestFlat = 5;         // frames
@@ -72,7 +71,7 @@ Eigen::VectorXd Carrying(const Foot& foot, const Eigen::Ref<const Eigen::RowVect
 
 std::optional<std::vector<FootShape>> StoredFootShapes(const Model& model, const Feet& feet) {
   std::vector<FootShape> shapes;
-  const int every = std::max(1, model.frame_count() / kFramesLookedAt);
+  const int every = std::max(1, model.frame_count() / kSoleFrames);
   for (const Foot& foot : feet) {
     if (foot.contact_markers.size() < 2) return std::nullopt;
     FootShape sum = FootShape::Zero(3, static_cast<Eigen::Index>(foot.foot_markers.size()));

@@ -1,8 +1,38 @@
 #include "core/planning/splice.h"
 
-#include "core/planning/ease.h"
+#include <algorithm>
+#include <cmath>
+#include <numbers>
 
 namespace motiondb::core {
+
+StoredFloor::StoredFloor(const Model& model, double leg_length_m)
+    : model_(model),
+      leg_length_m_(leg_length_m),
+      axes_(static_cast<std::size_t>(model.frame_count())),
+      lengths_(axes_.size()) {
+  const double rate = model.settings().frame_rate_hz;
+  const int span = std::max(1, static_cast<int>(std::lround(rate / 4)));
+  double length = 0;
+  for (const ModelClip& clip : model.clips()) {
+    const double scale = leg_length_m / clip.leg_length_m;
+    for (int f = clip.first_frame; f < clip.first_frame + clip.frame_count; ++f) {
+      const double heading = model.root_path()(f, 2);
+      axes_[f] = {scale * std::cos(heading), scale * std::sin(heading)};
+      if (f > clip.first_frame) {
+        const FloorPose step = Between(f - 1, f);
+        length += std::hypot(step.x, step.y);
+      }
+      lengths_[f] = length;
+      if (f >= clip.first_frame + span) {
+        const FloorPose way = Between(f - span, f);
+        top_speed_m_s_ = std::max(top_speed_m_s_, std::hypot(way.x, way.y) * rate / span);
+        top_turn_rad_s_ = std::max(top_turn_rad_s_, std::abs(way.heading) * rate / span);
+      }
+    }
+  }
+}
+
 namespace {
 
 // Weight of the run that begins, `offset` frames after the join.
@@ -71,6 +101,37 @@ std::vector<FloorPose> PlayedRoot(const StoredFloor& floor, const SplicedPath& p
   }
   play_to(path.end);
   return root;
+}
+
+Eigen::Index FramesOf(double seconds, double frame_rate_hz) {
+  return std::max<Eigen::Index>(1, std::lround(seconds * frame_rate_hz));
+}
+
+Eigen::ArrayXXd Smooth(const Eigen::ArrayXXd& rows, Eigen::Index reach) {
+  Eigen::ArrayXd weights(2 * reach + 1);
+  for (Eigen::Index d = -reach; d <= reach; ++d) {
+    const double angle = std::numbers::pi * static_cast<double>(d) / static_cast<double>(reach + 1);
+    weights[d + reach] = 1 + std::cos(angle);
+  }
+  weights /= weights.sum();
+  Eigen::ArrayXXd smooth = Eigen::ArrayXXd::Zero(rows.rows(), rows.cols());
+  for (Eigen::Index t = 0; t < rows.rows(); ++t) {
+    for (Eigen::Index d = -reach; d <= reach; ++d) {
+      const Eigen::Index from = std::clamp<Eigen::Index>(t + d, 0, rows.rows() - 1);
+      smooth.row(t) += weights[d + reach] * rows.row(from);
+    }
+  }
+  return smooth;
+}
+
+Eigen::ArrayXd Cover(const Eigen::ArrayXd& values, Eigen::Index reach) {
+  Eigen::ArrayXd highest(values.size());
+  for (Eigen::Index t = 0; t < values.size(); ++t) {
+    const Eigen::Index first = std::max<Eigen::Index>(0, t - reach);
+    const Eigen::Index last = std::min(values.size() - 1, t + reach);
+    highest[t] = values.segment(first, last - first + 1).maxCoeff();
+  }
+  return Smooth(highest, reach);
 }
 
 }  // namespace motiondb::core

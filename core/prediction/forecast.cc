@@ -1,5 +1,6 @@
 #include "core/prediction/forecast.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -8,10 +9,12 @@
 #include "core/inference/observation.h"
 #include "core/model/model.h"
 #include "core/model/pose_history.h"
+#include "core/motion/cancellation.h"
 #include "core/motion/error.h"
 #include "core/motion/mirror.h"
 
 namespace motiondb::core {
+
 namespace {
 
 // Chosen as the constants of pose_history.cc were; flat around these.
@@ -89,11 +92,15 @@ const Eigen::RowVectorXf& Forecaster::FeaturesOf(std::size_t i) {
 void Forecaster::Weigh(double seconds) {
   std::vector<std::size_t> chosen;
   const double frames = seconds * model_.settings().frame_rate_hz;
+  const auto past =
+      static_cast<int>(std::ceil(kLags * kLagSeconds * model_.settings().frame_rate_hz));
   for (std::size_t i = 0; i < moments_.size() && chosen.size() < kExamples; ++i) {
     const int frame = moments_[i].frame;
     const ModelClip& clip = model_.clips()[model_.clip_of_frame(frame)];
     const int last = clip.first_frame + clip.frame_count - 1;
-    if (frame + frames <= last + 1e-6) chosen.push_back(i);
+    if (frame + frames > last + 1e-6) continue;
+    if (clip.HasGlitch(frame - past, frame + static_cast<int>(std::ceil(frames)))) continue;
+    chosen.push_back(i);
   }
   if (chosen == chosen_) return;
   chosen_ = std::move(chosen);
@@ -168,6 +175,80 @@ absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const 
   mirrored.states = MirrorStates(model.other_sides(), past.states);
   MOTIONDB_RETURN_IF_ERROR(find(mirrored, true));
   return moments;
+}
+
+ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf& query,
+                               double kernel_length, double noise) {
+  const Eigen::VectorXd squares = keys.rowwise().squaredNorm().cast<double>();
+  const Eigen::MatrixXd dots = (keys * keys.transpose()).cast<double>();
+  const Eigen::Index count = keys.rows();
+  Eigen::MatrixXd kernel(count, count);
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = 0; j < i; ++j) {
+      const double apart = std::sqrt(std::max(0.0, squares[i] + squares[j] - 2 * dots(i, j)));
+      kernel(i, j) = std::exp(-apart / kernel_length);
+    }
+    kernel(i, i) = 1 + noise;
+  }
+  const Eigen::VectorXd to_query =
+      ((keys.rowwise() - query).rowwise().norm().cast<double>().array() / -kernel_length).exp();
+  ExemplarWeights weighed;
+  weighed.weights = kernel.selfadjointView<Eigen::Lower>().llt().solve(to_query);
+  weighed.variance = 1 - to_query.dot(weighed.weights);
+  return weighed;
+}
+
+NodeForecaster::NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now)
+    : model_(model),
+      layer_(layer),
+      probability_(static_cast<std::size_t>(model.tree().node_count(layer)), 0.0) {
+  for (const NodeState& state : now) probability_[state.node] = state.probability;
+}
+
+Eigen::RowVectorXf NodeForecaster::Mean() const {
+  Eigen::RowVectorXd mean = Eigen::RowVectorXd::Zero(model_.states().cols());
+  for (std::size_t node = 0; node < probability_.size(); ++node) {
+    if (probability_[node] <= 0) continue;
+    const int branch = model_.tree().branch(layer_, static_cast<int>(node));
+    mean += probability_[node] * model_.gaussians().means().row(branch).cast<double>();
+  }
+  return mean.cast<float>().cwiseProduct(model_.scale().divisor);
+}
+
+void NodeForecaster::Step() {
+  const Eigen::RowVectorXf mean = Mean();
+  const Landmarks& hips = model_.marker_set().landmarks;
+  const Eigen::RowVector2f velocity =
+      (mean.segment<2>(6 * hips.left_hip + 3) + mean.segment<2>(6 * hips.right_hip + 3)) / 2;
+  moved_ += velocity.transpose() / static_cast<float>(model_.settings().frame_rate_hz);
+  const TransitionGraph& graph = model_.global_graph(layer_);
+  std::vector<double> next(probability_.size(), 0.0);
+  double total = 0;
+  for (std::size_t node = 0; node < probability_.size(); ++node) {
+    const auto leaving = static_cast<double>(graph.row_sum(static_cast<int>(node)));
+    if (probability_[node] <= 0 || leaving <= 0) continue;
+    for (const Edge& edge : graph.row(static_cast<int>(node))) {
+      next[edge.to] += probability_[node] * edge.count / leaving;
+    }
+    total += probability_[node];
+  }
+  if (total <= 0) return;
+  for (double& p : next) p /= total;
+  probability_ = std::move(next);
+}
+
+Eigen::RowVectorXf NodeForecaster::At(double seconds, const Cancelled& cancelled) {
+  const auto frames = static_cast<int>(std::lround(seconds * model_.settings().frame_rate_hz));
+  Patience patience(cancelled);
+  const auto step = std::ssize(probability_) + model_.global_graph(layer_).edge_count();
+  for (; frames_ < frames && !patience.IsOver(step); ++frames_) Step();
+  const Eigen::RowVectorXf mean = Mean();
+  Eigen::RowVectorXf positions(mean.size() / 2);
+  for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {
+    positions.segment<3>(3 * m) = mean.segment<3>(6 * m);
+    positions.segment<2>(3 * m) += moved_.transpose();
+  }
+  return positions;
 }
 
 }  // namespace motiondb::core

@@ -7,15 +7,27 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/inference/exemplars.h"
+#include "core/inference/lattice.h"
 #include "core/inference/node_path.h"
+#include "core/inference/observation.h"
 #include "core/model/motion_prior.h"
 #include "core/model/prediction_confidence.h"
 #include "core/motion/cancellation.h"
+#include "core/motion/matrix.h"
 #include "core/motion/states.h"
-#include "core/prediction/exemplar_process.h"
 
 namespace motiondb::core {
+
+struct ExemplarWeights {
+  Eigen::VectorXd weights;  // examples; signed, and they need not sum to 1
+  double variance = 1;      // of the process at the query: 0 where the examples tell all, 1 nothing
+};
+
+// Kriging with the kernel exp(-distance / kernel_length) and `noise` beside a variance of 1: keys
+// of the examples (examples x dimensions), key of the query, distances Euclidean. O(examples^2
+// (dimensions + examples)).
+ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf& query,
+                               double kernel_length, double noise);
 
 class Model;
 
@@ -72,5 +84,32 @@ absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const 
                                                       double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled,
                                                       std::vector<NodeState> known = {});
+
+// Where the markers will be by the graph alone, as in the paper (section V-A): the nodes the motion
+// may be in spread along the global graph, and each looks as its mean. Safe to call from any
+// thread.
+class Model;
+
+class NodeForecaster {
+ public:
+  // `now`: the nodes of `layer` that the motion may be in; probabilities sum to 1.
+  NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now);
+
+  // Marker positions (3 N_v, leg lengths) after `seconds`, in the reference frame of now: expected
+  // means of the nodes, moved on with the hips' mean velocities. Moments must ascend. Where no node
+  // goes on, the motion stays. Once cancelled it returns early, with what is of no use.
+  Eigen::RowVectorXf At(double seconds, const Cancelled& cancelled = {});
+
+ private:
+  void Step();
+  // Expected mean state, 6 N_v, not scaled.
+  Eigen::RowVectorXf Mean() const;
+
+  const Model& model_;
+  const int layer_;
+  std::vector<double> probability_;  // of each node of the layer
+  Eigen::Vector2f moved_ = Eigen::Vector2f::Zero();
+  int frames_ = 0;
+};
 
 }  // namespace motiondb::core

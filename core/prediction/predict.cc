@@ -6,15 +6,14 @@
 #include <numeric>
 #include <utility>
 
-#include "core/estimation/missing_markers.h"
+#include "core/estimation/estimate.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/floor_origin.h"
-#include "core/motion/past.h"
+#include "core/motion/states.h"
 #include "core/prediction/forecast.h"
-#include "core/prediction/node_forecast.h"
 
 namespace motiondb::core {
 namespace {
@@ -131,8 +130,8 @@ absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observa
   const double end = (observation.frame_count() - 1) / rate;
   const double at = options.at_seconds.value_or(end);
   if (!(at >= 0 && at <= end + 1 / rate)) {
-    return InvalidArgument("at_seconds: expected 0 to {:.3f}, the observation's length, got {}",
-                           end, at);
+    return FieldViolation("at_seconds", "expected 0 to {:.3f}, the observation's length, got {}",
+                          end, at);
   }
   Moment moment;
   moment.frame = std::min(static_cast<int>(std::lround(at * rate)), observation.frame_count() - 1);
@@ -177,16 +176,22 @@ absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
 
 absl::Status CheckOptions(const PredictOptions& options) {
   if (!(options.history_seconds > 0 && std::isfinite(options.history_seconds))) {
-    return InvalidArgument("history_seconds: expected more than 0, got {}",
-                           options.history_seconds);
+    return FieldViolation("history_seconds", "expected more than 0, got {}",
+                          options.history_seconds);
   }
   if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
+    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
+  }
+  constexpr std::size_t kMostHorizons = 1000;
+  if (options.horizon_seconds.size() > kMostHorizons) {
+    return FieldViolation("horizon_seconds", "expected at most {}, got {}", kMostHorizons,
+                          options.horizon_seconds.size());
   }
   for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {
     const double seconds = options.horizon_seconds[h];
     if (!(seconds >= 0 && seconds <= 3600)) {
-      return InvalidArgument("horizon_seconds[{}]: expected 0 to 3600, got {}", h, seconds);
+      return FieldViolation(fmt::format("horizon_seconds[{}]", h), "expected 0 to 3600, got {}",
+                            seconds);
     }
   }
   return absl::OkStatus();

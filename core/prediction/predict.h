@@ -6,8 +6,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/estimation/estimate.h"
-#include "core/inference/exemplars.h"
-#include "core/inference/method.h"
+#include "core/inference/observation.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/states.h"
 

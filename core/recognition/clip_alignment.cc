@@ -1,13 +1,107 @@
 #include "core/recognition/clip_alignment.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
-#include "core/motion/patience.h"
+#include "core/motion/cancellation.h"
 #include "core/recognition/alignment_loops.h"
 
 namespace motiondb::core {
+
+namespace {
+
+constexpr double kTemper = 3;  // a stored frame stands for more than itself: variances are tripled
+constexpr double kLateStart = 2;
+constexpr Eigen::Index kReach = 2;  // the furthest step
+constexpr double kStay = 0.2;
+constexpr double kNext = 0.6;
+constexpr double kSkip = 0.2;
+constexpr double kAlive = 1e-290;  // of the most probable frame: what is less is let go
+constexpr float kUnreached = std::numeric_limits<float>::max();
+constexpr double kLeastLogRoot = -80;  // near the end of what a float holds
+constexpr auto kRootScale = static_cast<float>(1 / (4 * 2 * kTemper));
+const double kCutOff = std::exp(4 * kLeastLogRoot);
+constexpr double kExact = 1e-30;  // of the sum may be blurred
+constexpr double kLeastScale = 1e-150;
+
+// Of each frame, from the sums over the paths that end in each, behind two places.
+auto Arrivals(const Eigen::ArrayXd& ending, Eigen::Index count) {
+  return kStay * ending.tail(count) + kNext * ending.segment(kReach - 1, count) +
+         kSkip * ending.head(count);
+}
+
+}  // namespace
+
+void PathSum::Begin(Eigen::Index count, bool anchored) {
+  count_ = count;
+  begun_ = false;
+  blur_ = 0;
+  log_sum_ = 0;
+  scale_ = 1;
+  ending_.setZero(kReach + count);
+  next_.setZero(kReach + count);
+  arrival_.setOnes(count);
+  if (anchored) {
+    arrival_ =
+        Eigen::ArrayXd::LinSpaced(count, 0, -kLateStart * static_cast<double>(count - 1)).exp();
+  }
+}
+
+void PathSum::See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances) {
+  if (begun_) arrival_ = Arrivals(ending_, count_);
+  begun_ = true;
+  // Densities relative to that of the nearest frame which can be arrived at: one is left.
+  const double reached = (arrival_ > kAlive).select(squared_distances, kUnreached).minCoeff();
+  ending_.tail(count_) =
+      (arrival_ > kAlive)
+          .select(arrival_ * ((reached - squared_distances.cast<double>()) / (2 * kTemper)).exp(),
+                  0.0);
+  const double peak = ending_.maxCoeff();
+  ending_ /= peak;
+  log_sum_ += std::log(peak) - reached / (2 * kTemper);
+}
+
+void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off) {
+  double* const next = next_.data() + kReach;
+  double before = 1;  // the sum is taken relative to what it was: it stays what a double can hold
+  if (begun_) {
+    scale_ *= sum_;
+    const double unit = 1 / sum_;
+    sum_ = Advance(ending_.data(), roots.data(), static_cast<int>(count_), kStay * unit,
+                   kNext * unit, kSkip * unit, next);
+  } else {
+    before = arrival_.sum();
+    next_.tail(count_) = arrival_ * roots.cast<double>().square().square();
+    sum_ = next_.sum();
+  }
+  begun_ = true;
+  ending_.swap(next_);
+  log_sum_ -= nearest / (2 * kTemper);
+  if (scale_ < kLeastScale) log_sum_ += std::log(std::exchange(scale_, 1));
+  // What was blurred may have stayed while the rest fell.
+  blur_ = ((cut_off ? kCutOff * before : 0) + blur_) / sum_;
+  if (!IsExact()) sum_ = 1;  // whatever comes is no answer
+}
+
+bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
+                    Eigen::Ref<Eigen::ArrayXf> roots) {
+  const float greatest =
+      core::Roots(squared_distances.data(), static_cast<int>(squared_distances.size()), nearest,
+                  kRootScale, roots.data());
+  return (nearest - greatest) * kRootScale < kLeastLogRoot;
+}
+
+bool PathSum::IsExact() const { return blur_ < kExact; }
+
+double PathSum::LogEvidence() const { return log_sum_ + std::log(scale_ * ending_.sum()); }
+
+double PathSum::LogEvidenceAtMost(Eigen::Index count, double nearest_sum) {
+  return std::log(static_cast<double>(count)) - nearest_sum / (2 * kTemper);
+}
+
 namespace {
 
 // Of a block of observed frames with so many stored ones.

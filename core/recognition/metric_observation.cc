@@ -1,9 +1,11 @@
 #include "core/recognition/metric_observation.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
 #include <utility>
-
-#include "core/recognition/seen_metric.h"
-#include "core/recognition/unseen_dimensions.h"
+#include <vector>
 
 namespace motiondb::core {
 
@@ -35,6 +37,60 @@ std::vector<int> ComparedFrames(int first, int width, int stride, bool from_star
   }
   frames.push_back(newest);
   return frames;
+}
+
+MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::Index>& seen) {
+  const Eigen::Index dimensions = metric.mean.size();
+  std::vector<Eigen::Index> unseen;
+  for (Eigen::Index d = 0; d < dimensions; ++d) {
+    if (!std::binary_search(seen.begin(), seen.end(), d)) unseen.push_back(d);
+  }
+  // The inverse of a block of S by the inverse of all of it, which is what whitening holds.
+  const Eigen::MatrixXd inverse = (metric.whitening * metric.whitening.transpose()).cast<double>();
+  Eigen::MatrixXd of_seen = inverse(seen, seen);
+  if (!unseen.empty()) {
+    const Eigen::MatrixXd between = inverse(unseen, seen);
+    of_seen -=
+        between.transpose() * Eigen::LLT<Eigen::MatrixXd>(inverse(unseen, unseen)).solve(between);
+  }
+  const Eigen::MatrixXd whitening = Eigen::LLT<Eigen::MatrixXd>(of_seen).matrixL();
+  const Eigen::MatrixXd whitened =
+      whitening.transpose() * metric.loadings(seen, Eigen::all).cast<double>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spread(whitened.transpose() * whitened);
+  // Directions along which stored motion does not vary tell nothing apart.
+  const Eigen::Index directions =
+      std::max<Eigen::Index>(1, (spread.eigenvalues().array() > 1e-9).count());
+  const Eigen::MatrixXd projection =
+      whitening * whitened * spread.eigenvectors().rightCols(directions) *
+      spread.eigenvalues().tail(directions).cwiseSqrt().cwiseInverse().asDiagonal();
+
+  MotionMetric own{metric.mean, metric.loadings, metric.noise};
+  own.whitening.setZero(dimensions, whitening.cols());
+  own.projection.setZero(dimensions, directions);
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    own.whitening.row(seen[i]) = whitening.row(static_cast<Eigen::Index>(i)).cast<float>();
+    own.projection.row(seen[i]) = projection.row(static_cast<Eigen::Index>(i)).cast<float>();
+  }
+  return own;
+}
+
+void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state) {
+  std::vector<Eigen::Index> seen;
+  std::vector<Eigen::Index> unseen;
+  for (Eigen::Index d = 0; d < state.size(); ++d) {
+    (std::isnan(state[d]) ? unseen : seen).push_back(d);
+  }
+  if (unseen.empty()) return;
+  const Eigen::MatrixXd loadings = metric.loadings(seen, Eigen::all).cast<double>();
+  const Eigen::VectorXd apart = (state(seen) - metric.mean(seen)).transpose().cast<double>();
+  Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(loadings.cols(), loadings.cols());
+  if (!seen.empty()) precision.selfadjointView<Eigen::Lower>().rankUpdate(loadings.transpose());
+  precision.diagonal().array() += metric.noise;
+  const Eigen::VectorXd hidden = precision.selfadjointView<Eigen::Lower>().llt().solve(
+      Eigen::VectorXd(loadings.transpose() * apart));
+  for (const Eigen::Index d : unseen) {
+    state[d] = metric.mean[d] + static_cast<float>(metric.loadings.row(d).cast<double>() * hidden);
+  }
 }
 
 }  // namespace motiondb::core

@@ -1,4 +1,5 @@
-// An observation as recognition compares it with stored clips. Immutable; safe to share.
+// An observation as recognition compares it with stored clips, in the metric: what it lacks is
+// filled in, what it never shows is left out. Immutable; safe to share.
 #pragma once
 
 #include <memory>
@@ -6,6 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "core/model/model.h"
+#include "core/model/motion_metric.h"
 #include "core/motion/cancellation.h"
 
 namespace motiondb::core {
@@ -29,5 +31,18 @@ struct MetricObservation {
 // `from_start` takes frames first, first + stride, ... and then the newest: a stored clip is then
 // compared from its own start.
 std::vector<int> ComparedFrames(int first, int width, int stride, bool from_start);
+
+// As if the stored motion had no more than the dimensions `seen` (ascending, at least one): with S
+// and T the covariances within behaviours and of all motion (motion_metric.h), whitening G is that
+// of the block of S, G G^T = S_seen^-1, and the projection takes the whitened directions in which
+// the block of T varies most, as far as the loadings tell it. Both have a row for each dimension of
+// a state, zero where it is not seen, so that what was filled in there does not count. What was
+// learned about the rest stays. O(D^3).
+MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::Index>& seen);
+
+// Replaces the NaN of a scaled state (D) by their mean given its other dimensions, under the
+// metric's probabilistic PCA: with o what was seen and L the loadings, h = (L_o^T L_o + noise I)^-1
+// L_o^T (x_o - mean_o) and x = mean + L h. O(q^2 D).
+void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state);
 
 }  // namespace motiondb::core

@@ -8,11 +8,9 @@
 #include "core/inference/observation.h"
 #include "core/motion/error.h"
 #include "core/recognition/clip_generation.h"
-#include "core/recognition/label_evidence.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
 #include "core/recognition/window_alignment.h"
-#include "core/recognition/window_emission.h"
 
 namespace motiondb::core {
 namespace {
@@ -22,22 +20,6 @@ constexpr Eigen::Index kMaxCells = 1
 
 constexpr std::int64_t kMaxScores = 1 << 23;  // some 40 bytes each
 
-absl::Status CheckOptions(const RecognizeOptions& options) {
-  if (!(options.window_seconds > 0 && std::isfinite(options.window_seconds))) {
-    return InvalidArgument("window_seconds: expected more than 0, got {}", options.window_seconds);
-  }
-  if (!(options.hop_seconds > 0 && std::isfinite(options.hop_seconds))) {
-    return InvalidArgument("hop_seconds: expected more than 0, got {}", options.hop_seconds);
-  }
-  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
-    return InvalidArgument("transition_floor: expected 0 to 1, got {}", options.transition_floor);
-  }
-  if (options.path_count < 1 || options.path_count > 100) {
-    return InvalidArgument("path_count: expected 1 to 100, got {}", options.path_count);
-  }
-  return absl::OkStatus();
-}
-
 // What the windows of an answer hold together: a score for each clip that is compared, and each
 // label.
 absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
@@ -46,8 +28,9 @@ absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
   const std::int64_t scores =
       labels + (align ? std::min<std::int64_t>(clips, kMostShortlisted) : clips);
   if (windows * scores <= kMaxScores) return absl::OkStatus();
-  return InvalidArgument(
-      "hop_seconds: {} windows of {} clips and labels each would take too much memory; ask for a "
+  return FieldViolation(
+      "hop_seconds",
+      "{} windows of {} clips and labels each would take too much memory; ask for a "
       "longer hop or about a shorter observation",
       windows, scores);
 }
@@ -89,6 +72,22 @@ absl::Status JudgeByAlignment(const Model& model, const MetricObservation& obser
 
 }  // namespace
 
+absl::Status CheckOptions(const RecognizeOptions& options) {
+  if (!(options.window_seconds > 0 && std::isfinite(options.window_seconds))) {
+    return FieldViolation("window_seconds", "expected more than 0, got {}", options.window_seconds);
+  }
+  if (!(options.hop_seconds > 0 && std::isfinite(options.hop_seconds))) {
+    return FieldViolation("hop_seconds", "expected more than 0, got {}", options.hop_seconds);
+  }
+  if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
+    return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
+  }
+  if (options.path_count < 1 || options.path_count > 100) {
+    return FieldViolation("path_count", "expected 1 to 100, got {}", options.path_count);
+  }
+  return absl::OkStatus();
+}
+
 absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
                                                         const StateSequence& observation,
                                                         const RecognizeOptions& options,
@@ -108,19 +107,19 @@ absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
   const bool align = options.method == Method::kBest && !model.metric().empty();
   const bool by_graph = !align || model.recognition().Of(options.whole).familiarity.empty();
   if (by_graph && static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells) {
-    return InvalidArgument(
-        "window_seconds: a window of {} frames over the {} nodes of layer {} would take too much "
-        "memory; ask for shorter windows or a higher layer",
-        width, model.tree().node_count(layer), layer);
+    return FieldViolation("window_seconds",
+                          "a window of {} frames over the {} nodes of layer {} would take too much "
+                          "memory; ask for shorter windows or a higher layer",
+                          width, model.tree().node_count(layer), layer);
   }
 
   const Eigen::Index paths = options.generation == Generation::kTopPaths ? options.path_count : 1;
   if (!align &&
       static_cast<Eigen::Index>(width) * model.tree().node_count(layer) > kMaxCells / paths) {
-    return InvalidArgument(
-        "path_count: {} paths of {} frames over the {} nodes of layer {} would take too much "
-        "memory; ask for fewer paths, shorter windows or a higher layer",
-        paths, width, model.tree().node_count(layer), layer);
+    return FieldViolation("path_count",
+                          "{} paths of {} frames over the {} nodes of layer {} would take too much "
+                          "memory; ask for fewer paths, shorter windows or a higher layer",
+                          paths, width, model.tree().node_count(layer), layer);
   }
   MOTIONDB_RETURN_IF_ERROR(CheckAnswer(model, align, 1 + (frames - width) / hop));
 

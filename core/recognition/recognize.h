@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/inference/method.h"
+#include "core/inference/observation.h"
 #include "core/motion/cancellation.h"
 #include "core/motion/states.h"
 
@@ -28,6 +28,9 @@ struct RecognizeOptions {
   Generation generation = Generation::kExact;
   int path_count = 5;  // with kTopPaths
 };
+
+// INVALID_ARGUMENT naming the field if an option is out of range.
+absl::Status CheckOptions(const RecognizeOptions& options);
 
 struct ClipScore {
   int clip = 0;  // index into Model::clips()

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "core/model/even_spread.h"
+#include "core/model/frame_pairs.h"
 #include "core/model/model.h"
-#include "core/model/squared_distances.h"
 
 namespace motiondb::core {
 namespace {

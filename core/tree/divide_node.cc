@@ -1,6 +1,62 @@
 #include "core/tree/divide_node.h"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
 namespace motiondb::core {
+
+namespace {
+
+// Equal values have variance 0 and a logarithm of minus infinity: below this part of the whole
+// variance, differences are rounding.
+constexpr double kRelativeVarianceFloor = 1e-12;
+
+struct Sums {
+  double count = 0;
+  double sum = 0;
+  double squares = 0;
+
+  double variance() const { return squares / count - (sum / count) * (sum / count); }
+};
+
+}  // namespace
+
+int MinimumErrorThreshold(std::span<const double> sorted) {
+  const auto n = static_cast<int>(sorted.size());
+  if (n < 4) return 0;
+  double mean = 0;
+  for (double s : sorted) mean += s;
+  mean /= n;
+  Sums all{.count = static_cast<double>(n)};
+  for (double s : sorted) {
+    all.sum += s - mean;
+    all.squares += (s - mean) * (s - mean);
+  }
+  if (!(all.variance() > 0) || sorted.front() == sorted.back()) return 0;
+  const double floor = kRelativeVarianceFloor * all.variance();
+
+  int best = 0;
+  double best_cost = std::numeric_limits<double>::infinity();
+  Sums left;
+  for (int i = 1; i <= n - 2; ++i) {
+    const double s = sorted[i - 1] - mean;
+    left.count = i;
+    left.sum += s;
+    left.squares += s * s;
+    if (i < 2) continue;
+    const Sums right{all.count - left.count, all.sum - left.sum, all.squares - left.squares};
+    const double cost = left.count * std::log(std::max(left.variance(), floor) / left.count) +
+                        right.count * std::log(std::max(right.variance(), floor) / right.count);
+    if (cost < best_cost) {
+      best_cost = cost;
+      best = i;
+    }
+  }
+  return best;
+}
+
 namespace {
 
 // A node with this many times min_frames has many frames, of which this part may be set aside.
@@ -39,6 +95,48 @@ int DivideNode(const DivisionRule& rule, PermutedStates& permuted, NodePlaces& p
 
 bool IsUndivided(const Tree& tree, int min_frames) {
   return tree.layer_count() == 1 && tree.frame_count() / kMany >= min_frames;
+}
+
+void FramesAside::Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided,
+                      const std::vector<std::int32_t>& order) {
+  if (divided.begin == places.begin && divided.end == places.end) return;
+  std::vector<std::int32_t>& frames = of_branch_[branch];
+  frames.insert(frames.end(), order.begin() + places.begin, order.begin() + divided.begin);
+  frames.insert(frames.end(), order.begin() + divided.end, order.begin() + places.end);
+}
+
+void FramesAside::PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
+                           const Eigen::Ref<const FrameMatrix>& states) {
+  const auto frames = of_branch_.extract(branch);
+  if (frames.empty()) return;
+  for (const std::int32_t frame : frames.mapped()) {
+    const bool left = IsLeft(plane.axis, plane.threshold, states.row(frame));
+    of_branch_[left ? divided.left : divided.right].push_back(frame);
+  }
+}
+
+void FramesAside::PutBack(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const {
+  if (of_branch_.empty()) return;
+  std::vector<std::int32_t> leaves;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    if (branches[b].left < 0) leaves.push_back(static_cast<std::int32_t>(b));
+  }
+  std::ranges::sort(leaves, {}, [&](std::int32_t b) { return branches[b].begin; });
+  std::vector<std::int32_t> whole;
+  for (const std::int32_t b : leaves) {
+    const auto first = static_cast<std::int32_t>(whole.size());
+    whole.insert(whole.end(), order.begin() + branches[b].begin, order.begin() + branches[b].end);
+    if (const auto added = of_branch_.find(b); added != of_branch_.end())
+      whole.insert(whole.end(), added->second.begin(), added->second.end());
+    branches[b].begin = first;
+    branches[b].end = static_cast<std::int32_t>(whole.size());
+  }
+  for (std::size_t b = branches.size(); b-- > 0;) {  // children before their parents
+    if (branches[b].left < 0) continue;
+    branches[b].begin = branches[branches[b].left].begin;
+    branches[b].end = branches[branches[b].right].end;
+  }
+  order = std::move(whole);
 }
 
 }  // namespace motiondb::core

@@ -5,8 +5,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
+#include <span>
 #include <vector>
 
+#include "core/motion/matrix.h"
 #include "core/tree/parallel.h"
 #include "core/tree/permuted_states.h"
 #include "core/tree/tree.h"
@@ -40,5 +43,34 @@ int DivideNode(const DivisionRule& rule, PermutedStates& permuted, NodePlaces& p
 // Whether a tree is a single node of at least 32 * min_frames frames: it tells no motion from
 // another.
 bool IsUndivided(const Tree& tree, int min_frames);
+
+// Minimum-error thresholding (section III-B, eq. 5, after Kittler and Illingworth) of the
+// projections onto the principal axis.
+
+// Where to cut sorted values: the i in [2, n - 2] that minimises
+//   J(i) = i log(var1 / i) + (n - i) log(var2 / (n - i)),
+// var1 and var2 being the population variances of the first i and the last n - i values; the
+// smallest such i of equals. (The paper prints argmax, which splits off single frames. A side needs
+// two values to have a variance.) 0 where there is no cut: n < 4 or all values equal. `sorted` is
+// ascending. O(n).
+int MinimumErrorThreshold(std::span<const double> sorted);
+
+// The frames that nodes were divided without (core/tree/divide_node.h), on their way down the tree
+// while it is being built.
+class FramesAside {
+ public:
+  // Those of a branch: what stands at its places, but for those that were divided.
+  void Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided,
+           const std::vector<std::int32_t>& order);
+  // Sends those of a branch that has been divided to the sides of its plane where they lie.
+  void PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
+                const Eigen::Ref<const FrameMatrix>& states);
+  // Puts all that came to a leaf behind its frames, and makes the branches' ranges those of an
+  // order of all frames.
+  void PutBack(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const;
+
+ private:
+  std::map<std::int32_t, std::vector<std::int32_t>> of_branch_;
+};
 
 }  // namespace motiondb::core

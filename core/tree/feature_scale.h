@@ -23,9 +23,15 @@ struct FeatureScale {
   void Revert(FrameMatrix& states) const;
 };
 
+// The variance of each dimension (1 x dimensions) about its own mean, but for numbers that are
+// further from the middle 98 % of their dimension than twice its width (or, where that is narrow,
+// than twice the mean width of its kind): a few corrupt frames do not change it. REQUIRES: finite
+// states.
+Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states);
+
 // The scale for these states (frames x dimensions, six numbers a marker: position, velocity). The
 // pooled standard deviation is the root of the mean of the dimensions' variances, each about its
-// own mean. A dimension or kind that never varies is divided by 1.
+// own mean (RobustVariances). A dimension or kind that never varies is divided by 1.
 FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states);
 
 }  // namespace motiondb::core

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
+#include "core/tree/feature_scale.h"
 #include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
@@ -138,7 +139,9 @@ NodeGaussians NodeGaussians::Fit(const Tree& tree, const Eigen::Ref<const FrameM
   const auto& branches = tree.branches();
   FrameMatrix means(branches.size(), states.cols());
   FrameMatrix variances(branches.size(), states.cols());
-  const std::vector<Moments> moments = MomentsOfBranches(tree, states, parallel);
+  std::vector<Moments> moments = MomentsOfBranches(tree, states, parallel);
+  // What all nodes are shrunk towards: not to be spoiled by a few corrupt frames.
+  moments[0].squares = moments[0].squares.cwiseMin(moments[0].count * RobustVariances(states));
   const Shrinking shrinking(moments[0].squares / moments[0].count);
   parallel(static_cast<int>(branches.size()), [&](int b) {
     means.row(b) = moments[b].mean.cast<float>();
@@ -195,6 +198,22 @@ double NodeGaussians::LogDensity(int branch, const float* x) const {
     log_density -= 0.5 * std::log(product);
   }
   return log_density;
+}
+
+bool NodeGaussians::LogDensitiesFrom(int branch, const float* frames, int blocks,
+                                     const float* at_least, std::vector<float>& scratch,
+                                     float* log_densities) const {
+  const int count = blocks * kSquaresLanes;
+  const auto normalizer = static_cast<float>(log_normalizers_[branch]);
+  scratch.resize(count);
+  for (int f = 0; f < count; ++f) scratch[f] = 2 * (normalizer - at_least[f]);
+  if (ScaledSquaresWithin(frames, blocks, means_.row(branch).data(),
+                          inverse_deviations_.row(branch).data(), dimension_count(), scratch.data(),
+                          log_densities) == 0) {
+    return false;
+  }
+  for (int f = 0; f < count; ++f) log_densities[f] = normalizer - 0.5F * log_densities[f];
+  return true;
 }
 
 }  // namespace motiondb::core

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/motion/matrix.h"
@@ -27,11 +28,12 @@ class NodeGaussians {
   static NodeGaussians Fit(const Tree& tree, const Eigen::Ref<const FrameMatrix>& states,
                            const ParallelFor& parallel);
 
-  // Those of the tree with more frames (core/tree/grow_tree.h): `tree` and `states` (scaled) hold
-  // the frames that these are of, then, from `first_added` on, others. Leaves with added frames are
-  // read anew; of the other branches the moments that these statistics tell are put together with
-  // those of the added frames, so they follow Fit to single precision, and where a variance stood
-  // at its least, to that least. O(added * depth * dimensions + branches * dimensions).
+  // Those of the tree with more frames (core/tree/tree_builder.h): `tree` and `states` (scaled)
+  // hold the frames that these are of, then, from `first_added` on, others. Leaves with added
+  // frames are read anew; of the other branches the moments that these statistics tell are put
+  // together with those of the added frames, so they follow Fit to single precision, and where a
+  // variance stood at its least, to that least. O(added * depth * dimensions + branches *
+  // dimensions).
   NodeGaussians Grown(const Tree& tree, int first_added,
                       const Eigen::Ref<const FrameMatrix>& states,
                       const ParallelFor& parallel) const;
@@ -44,6 +46,12 @@ class NodeGaussians {
   // log P_o(x | branch), natural, of a scaled state x (dimensions). Missing dimensions (NaN) are
   // left out: the density is that of the others. O(dimensions).
   double LogDensity(int branch, const float* x) const;
+
+  // The same, in single precision, of blocks of frames (ScaledSquaresWithin) without NaN, where it
+  // is at least `at_least` (blocks x kSquaresLanes, one a frame); elsewhere it may be minus
+  // infinity. Returns false if all are. `scratch` is used again.
+  bool LogDensitiesFrom(int branch, const float* frames, int blocks, const float* at_least,
+                        std::vector<float>& scratch, float* log_densities) const;
 
  private:
   FrameMatrix means_;

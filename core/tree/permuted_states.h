@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/motion/matrix.h"
-#include "core/tree/node_axis.h"
 #include "core/tree/parallel.h"
+#include "core/tree/principal_axis.h"
 
 namespace motiondb::core {
 
@@ -53,5 +53,13 @@ class PermutedStates {
   std::vector<double> scratch_;
   std::vector<std::int32_t> misplaced_;
 };
+
+// Sorting of many numbers that are spread about evenly, as projections of states are: faster than
+// comparing. Safe to call from any thread; uses only the threads lent to it.
+
+// Sorts finite values, ascending, the same on any number of threads. `scratch` is as long as they
+// are. They are dealt into buckets by value, which are then sorted: O(n) where they are spread
+// about evenly, O(n log n) at worst.
+void SortValues(std::span<double> values, std::span<double> scratch, const ParallelFor& parallel);
 
 }  // namespace motiondb::core

@@ -2,12 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "core/tree/tridiagonal.h"
+#include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
+
 namespace {
 
 constexpr Eigen::Index kBasisGrowth = 16;
@@ -64,6 +68,259 @@ PrincipalAxis FindPrincipalAxis(const SymmetricProduct& product, const Eigen::Ve
     }
     q = w / length;
   }
+}
+
+namespace {
+
+constexpr int kMaxIterations = 60;
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kTiny = kEpsilon * kEpsilon;  // what stands for zero, of the matrix's scale
+
+// A bound on every eigenvalue (Gershgorin).
+double UpperBound(std::span<const double> diagonal, std::span<const double> beside) {
+  double bound = -std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < diagonal.size(); ++i) {
+    const double before = i > 0 ? std::abs(beside[i - 1]) : 0;
+    const double after = i + 1 < diagonal.size() ? std::abs(beside[i]) : 0;
+    bound = std::max(bound, diagonal[i] + before + after);
+  }
+  return bound;
+}
+
+// A pivot above the largest eigenvalue is negative; rounding may have it otherwise.
+double Negative(double pivot, double scale) { return std::min(pivot, -kTiny * scale); }
+
+double NotZero(double pivot, double scale) { return pivot == 0 ? kTiny * scale : pivot; }
+
+double LargestEigenvalue(std::span<const double> diagonal, std::span<const double> beside) {
+  const double bound = UpperBound(diagonal, beside);
+  const double scale = std::abs(bound);
+  const auto size = static_cast<double>(diagonal.size());
+  double value = bound + 4 * kEpsilon * scale;
+  for (int i = 0; i < kMaxIterations; ++i) {
+    // The pivots of T - value I with their derivatives, and the first two derivatives of the
+    // logarithm of their product (the second with its sign changed).
+    double pivot = Negative(diagonal[0] - value, scale);
+    double slope = -1;
+    double curvature = 0;
+    double first = slope / pivot;
+    double second = first * first;
+    for (std::size_t k = 1; k < diagonal.size(); ++k) {
+      const double ratio = beside[k - 1] / pivot;
+      const double relative = slope / pivot;
+      curvature = ratio * ratio * (curvature - 2 * relative * slope);
+      slope = -1 + ratio * ratio * slope;
+      pivot = Negative(diagonal[k] - value - ratio * beside[k - 1], scale);
+      first += slope / pivot;
+      second += (slope / pivot) * (slope / pivot) - curvature / pivot;
+    }
+    const double root = std::sqrt(std::max(0.0, (size - 1) * (size * second - first * first)));
+    const double step = size / (first + root);
+    value -= step;
+    if (!(step > 2 * kEpsilon * scale)) break;
+  }
+  return value;
+}
+
+Eigen::VectorXd EigenvectorOf(double value, std::span<const double> diagonal,
+                              std::span<const double> beside) {
+  const auto size = static_cast<int>(diagonal.size());
+  const double scale = std::abs(value);
+  Eigen::VectorXd down(size);  // pivots from the first row
+  Eigen::VectorXd up(size);    // and from the last
+  down[0] = NotZero(diagonal[0] - value, scale);
+  for (int i = 1; i < size; ++i) {
+    down[i] = NotZero(diagonal[i] - value - beside[i - 1] * beside[i - 1] / down[i - 1], scale);
+  }
+  up[size - 1] = NotZero(diagonal[size - 1] - value, scale);
+  for (int i = size - 2; i >= 0; --i) {
+    up[i] = NotZero(diagonal[i] - value - beside[i] * beside[i] / up[i + 1], scale);
+  }
+  int meet = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < size; ++i) {
+    const double apart = std::abs(down[i] + up[i] - (diagonal[i] - value));
+    if (apart < least) {
+      least = apart;
+      meet = i;
+    }
+  }
+  Eigen::VectorXd vector(size);
+  vector[meet] = 1;
+  for (int i = meet - 1; i >= 0; --i) vector[i] = -beside[i] * vector[i + 1] / down[i];
+  for (int i = meet + 1; i < size; ++i) vector[i] = -beside[i - 1] * vector[i - 1] / up[i];
+  return vector.normalized();
+}
+
+}  // namespace
+
+TridiagonalTop TopOfTridiagonal(std::span<const double> diagonal, std::span<const double> beside) {
+  if (diagonal.size() == 1) return {diagonal[0], Eigen::VectorXd::Ones(1)};
+  const double value = LargestEigenvalue(diagonal, beside);
+  return {value, EigenvectorOf(value, diagonal, beside)};
+}
+
+namespace {
+
+// A node of up to this many frames is copied, centred; of a larger one, this many of its frames.
+constexpr int kCopiedFrames = 4096;
+constexpr double kSubsetTolerance = 1e-3;
+constexpr int kWidestFrames = 64;  // of which the dimension that varies most is taken
+
+// The rows of a large node are summed in this many runs at most, side by side. The division depends
+// on the node alone, never on the threads: the sums come out the same.
+constexpr int kMaxRuns = 16;
+constexpr int kMinRunRows = 2048;
+constexpr int kBlockRows = 256;  // the first product reads them twice, again from a cache
+
+// The r-th of `count` rows spread evenly over all.
+int Spread(int r, int count, int all) { return static_cast<int>(std::int64_t{all} * r / count); }
+
+// Sums over a node's rows of something of `length` numbers, which `add_rows` adds for a run of
+// them.
+template <typename AddRowsOfRun>
+Eigen::VectorXd SumOverRuns(const NodeRows& rows, Eigen::Index length, const ParallelFor& parallel,
+                            const AddRowsOfRun& add_rows) {
+  const int runs = std::clamp(rows.count / kMinRunRows, 1, kMaxRuns);
+  std::vector<Eigen::VectorXd> partial(static_cast<std::size_t>(runs));
+  parallel(runs, [&](int run) {
+    const int begin = Spread(run, runs, rows.count);
+    const int end = Spread(run + 1, runs, rows.count);
+    partial[run] = Eigen::VectorXd::Zero(length);
+    add_rows(NodeRows{rows.row(begin), end - begin, rows.dimensions}, partial[run].data());
+  });
+  for (int run = 1; run < runs; ++run) partial[0] += partial[run];
+  return std::move(partial[0]);
+}
+
+// A vector in single precision, padded with zeros.
+void ToPadded(const Eigen::VectorXd& from, std::vector<float>& to) {
+  to.assign(static_cast<std::size_t>(PaddedDimensions(static_cast<int>(from.size()))), 0);
+  Eigen::VectorXf::Map(to.data(), from.size()) = from.cast<float>();
+}
+
+// Products with the scatter matrix of centred rows (count x padded).
+SymmetricProduct ScatterOf(const float* centred, int count, int dimensions) {
+  return [=, padded_q = std::vector<float>(), sums = Eigen::VectorXd()](
+             const Eigen::VectorXd& q, Eigen::VectorXd& product) mutable {
+    ToPadded(q, padded_q);
+    const auto padded = static_cast<int>(padded_q.size());
+    sums.setZero(padded);
+    AddScatterProduct(centred, count, padded, padded, padded_q.data(), 0, sums.data());
+    product = sums.head(dimensions);
+  };
+}
+
+// The dimension that varies most over some of the centred rows, times their scatter matrix: it
+// leans towards the leading axis.
+Eigen::VectorXd WidestDimension(const float* centred, int count, int dimensions,
+                                const SymmetricProduct& product) {
+  const int step = (count + kWidestFrames - 1) / kWidestFrames;
+  Eigen::RowVectorXf squares = Eigen::RowVectorXf::Zero(dimensions);
+  for (int r = 0; r < count; r += step) {
+    const float* row = centred + std::ptrdiff_t{r} * PaddedDimensions(dimensions);
+    squares += Eigen::RowVectorXf::Map(row, dimensions).cwiseAbs2();
+  }
+  Eigen::Index widest = 0;
+  squares.maxCoeff(&widest);
+  Eigen::VectorXd start(dimensions);
+  product(Eigen::VectorXd::Unit(dimensions, widest), start);
+  if (!(start.squaredNorm() > 0)) start = Eigen::VectorXd::Unit(dimensions, 0);
+  return start;
+}
+
+// The axis of some rows, of which `centred` keeps a copy about `mean`.
+PrincipalAxis AxisOfSome(const NodeRows& rows, int count, const Eigen::VectorXd& mean,
+                         double tolerance, std::vector<float>& centred) {
+  const int padded = PaddedDimensions(rows.dimensions);
+  const auto needed = static_cast<std::size_t>(count) * padded;
+  if (centred.size() < needed) centred.resize(needed);
+  const Eigen::VectorXf single_mean = mean.cast<float>();
+  for (int r = 0; r < count; ++r) {
+    CentreRows(rows.row(Spread(r, count, rows.count)), 1, rows.dimensions, single_mean.data(),
+               centred.data() + static_cast<std::ptrdiff_t>(r) * padded);
+  }
+  const SymmetricProduct scatter = ScatterOf(centred.data(), count, rows.dimensions);
+  return FindPrincipalAxis(
+      scatter, WidestDimension(centred.data(), count, rows.dimensions, scatter), tolerance);
+}
+
+// Products with the scatter matrix of all rows of a large node, about a mean that is not known
+// before the first of them: until then that of a few rows serves.
+class ScatterOfLarge {
+ public:
+  ScatterOfLarge(const NodeRows& rows, const Eigen::VectorXd& mean_of_some,
+                 const ParallelFor& parallel)
+      : rows_(rows), mean_(mean_of_some), parallel_(parallel) {}
+
+  void Multiply(const Eigen::VectorXd& q, Eigen::VectorXd& product) {
+    const int dimensions = rows_.dimensions;
+    const int padded = PaddedDimensions(dimensions);
+    ToPadded(q, padded_q_);
+    const auto offset = static_cast<float>(mean_.dot(q));
+    // The sum of s x, then that of s, then that of x where it is not known yet.
+    const Eigen::VectorXd sums = SumOverRuns(
+        rows_, padded + 1 + (mean_known_ ? 0 : dimensions), parallel_,
+        [&](const NodeRows& run, double* sum) {
+          for (int r = 0; r < run.count; r += kBlockRows) {
+            const int block = std::min(kBlockRows, run.count - r);
+            sum[padded] += r + block < run.count
+                               ? AddScatterProduct(run.row(r), block, dimensions, padded,
+                                                   padded_q_.data(), offset, sum)
+                               : AddLastBlock(run.row(r), block, offset, sum);
+            if (!mean_known_) AddRows(run.row(r), block, dimensions, sum + padded + 1);
+          }
+        });
+    if (!mean_known_) mean_ = sums.tail(dimensions) / rows_.count;
+    mean_known_ = true;
+    product = sums.head(dimensions) - sums[padded] * mean_;
+  }
+
+  const Eigen::VectorXd& mean() const { return mean_; }
+
+ private:
+  // AddScatterProduct of the last rows of a run, from a copy: steps over a row's end read what is
+  // behind it, where other threads may be moving the rows of another node.
+  double AddLastBlock(const float* rows, int count, float offset, double* sum) const {
+    const int padded = PaddedDimensions(rows_.dimensions);
+    const std::vector<float> zeros(static_cast<std::size_t>(rows_.dimensions));
+    std::vector<float> copy(static_cast<std::size_t>(count) * padded);
+    CentreRows(rows, count, rows_.dimensions, zeros.data(), copy.data());
+    return AddScatterProduct(copy.data(), count, padded, padded, padded_q_.data(), offset, sum);
+  }
+
+  const NodeRows& rows_;
+  Eigen::VectorXd mean_;
+  bool mean_known_ = false;
+  const ParallelFor& parallel_;
+  std::vector<float> padded_q_;
+};
+
+Eigen::VectorXd MeanOfSome(const NodeRows& rows, int count) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(rows.dimensions);
+  for (int r = 0; r < count; ++r) {
+    AddRows(rows.row(Spread(r, count, rows.count)), 1, rows.dimensions, sum.data());
+  }
+  return sum / count;
+}
+
+}  // namespace
+
+NodeAxis FindNodeAxis(const NodeRows& rows, std::vector<float>& centred,
+                      const ParallelFor& parallel) {
+  if (rows.count <= kCopiedFrames) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(rows.dimensions);
+    AddRows(rows.data, rows.count, rows.dimensions, sum.data());
+    const Eigen::VectorXd mean = sum / rows.count;
+    return {mean, AxisOfSome(rows, rows.count, mean, kTightTolerance, centred)};
+  }
+  const Eigen::VectorXd mean = MeanOfSome(rows, kCopiedFrames);
+  const PrincipalAxis near = AxisOfSome(rows, kCopiedFrames, mean, kSubsetTolerance, centred);
+  ScatterOfLarge scatter(rows, mean, parallel);
+  PrincipalAxis axis = FindPrincipalAxis(
+      [&](const Eigen::VectorXd& q, Eigen::VectorXd& product) { scatter.Multiply(q, product); },
+      near.axis, rows.count <= kTightFrames ? kTightTolerance : kLooseTolerance);
+  return {scatter.mean(), std::move(axis)};
 }
 
 }  // namespace motiondb::core

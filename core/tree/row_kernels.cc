@@ -244,4 +244,34 @@ float ScaledSquares(const float* x, const float* mean, const float* factors, int
   return SumOf((sums[0] + sums[1]) + (sums[2] + sums[3]));
 }
 
+MOTIONDB_WIDEST_VECTORS
+int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, const float* factors,
+                        int dimensions, const float* limits, float* squares) {
+  static_assert(kSquaresLanes == kFloats);
+  constexpr int kAtOnce = 12;  // dimensions from look to look
+  const Floats infinity = Floats{} + __builtin_inff();
+  int within = 0;
+  for (int b = 0; b < blocks; ++b) {
+    const Floats limit = Load(limits + b * kFloats);
+    const float* x = frames + b * dimensions * kFloats;
+    Floats sums = {};
+    bool is_beyond = false;
+    for (int d = 0; d < dimensions && !is_beyond;) {
+      const int end = d + kAtOnce < dimensions ? d + kAtOnce : dimensions;
+      for (; d < end; ++d, x += kFloats) {
+        const Floats z = (Load(x) - mean[d]) * factors[d];
+        sums += z * z;
+      }
+      const Ints below = sums <= limit;
+      int any = 0;
+#pragma GCC unroll 8
+      for (int lane = 0; lane < kFloats; ++lane) any |= below[lane];
+      is_beyond = any == 0;
+    }
+    within += is_beyond ? 0 : 1;
+    Store(is_beyond ? infinity : sums, squares + b * kFloats);
+  }
+  return within;
+}
+
 }  // namespace motiondb::core

@@ -3,6 +3,8 @@
 // processor (vectors.h). Safe to call from any thread.
 #pragma once
 
+#include "core/motion/matrix.h"
+
 namespace motiondb::core {
 
 // Rows are read in steps of this many numbers.
@@ -39,5 +41,26 @@ void MultiplyRows(const float* rows, int count, int dimensions, const float* mat
 
 // The sum of ((x - mean) factor)^2 over the dimensions, in single precision; NaN where x has one.
 float ScaledSquares(const float* x, const float* mean, const float* factors, int dimensions);
+
+// Frames that are compared at a time: one a lane.
+inline constexpr int kSquaresLanes = 8;
+
+// The same of many frames, given up early. `frames` has `blocks` blocks of kSquaresLanes frames,
+// each dimensions x kSquaresLanes. squares (blocks x kSquaresLanes): the sum of a frame, or
+// infinity where those of all frames of the block are greater than their limits (blocks x
+// kSquaresLanes). Returns the number of blocks that have sums.
+int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, const float* factors,
+                        int dimensions, const float* limits, float* squares);
+
+// Products of a few rows with a matrix, faster than Eigen's, which knows no processor newer than
+// the oldest. Pure; safe to call from any thread.
+
+// rows * matrix. REQUIRES: rows.cols() == matrix.rows().
+inline FrameMatrix RowProduct(const FrameMatrix& rows, const FrameMatrix& matrix) {
+  FrameMatrix product(rows.rows(), matrix.cols());
+  MultiplyRows(rows.data(), static_cast<int>(rows.rows()), static_cast<int>(rows.cols()),
+               matrix.data(), static_cast<int>(matrix.cols()), product.data());
+  return product;
+}
 
 }  // namespace motiondb::core

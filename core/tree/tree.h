@@ -11,9 +11,25 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "core/tree/split_planes.h"
+#include "core/motion/matrix.h"
 
 namespace motiondb::core {
+
+// One row for each branch that is divided, in order of branch. Empty where they are not known, as
+// in trees of older stores.
+struct SplitPlanes {
+  FrameMatrix axes;  // divided branches x dimensions, of unit length
+  // States whose inner product with the axis is at most this go left.
+  std::vector<double> thresholds;
+
+  bool empty() const { return thresholds.empty(); }
+};
+
+// Whether a state (1 x dimensions) goes left at a threshold on an axis.
+inline bool IsLeft(const Eigen::Ref<const Eigen::RowVectorXf>& axis, double threshold,
+                   const Eigen::Ref<const Eigen::RowVectorXf>& state) {
+  return axis.cast<double>().dot(state.cast<double>()) <= threshold;
+}
 
 // A group of frames and how it was split. Branch 0 is the root; children follow their parent.
 struct Branch {

@@ -31,11 +31,14 @@ function(motiondb_precompiled_headers name)
   target_precompile_headers(${name} PRIVATE ${ARGN})
 endfunction()
 
-# GLUE marks a library, a program or a test that uses gRPC, protobuf, Asio or CLI11. The headers of
-# these libraries take most of its compile time. So it is compiled twelve files at a time, and under a
-# sanitizer without optimisation. Other targets use the precompiled headers.
+# Targets are compiled a few files at a time, since the headers take most of the compile time: so
+# files of one target have no two names alike, and each test file has a namespace of its own. GLUE
+# marks a library, a program or a test that uses gRPC, protobuf, Asio or CLI11, whose headers are
+# the largest: more files at a time, and without optimisation where speed is not what counts, under
+# a sanitizer and in tests. Other targets use the precompiled headers.
 function(motiondb_compile name glue precompiled)
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
+  set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
   if(NOT glue)
     foreach(library ${MOTIONDB_PRECOMPILED_DEPENDS})
       target_link_libraries(${name} PRIVATE $<BUILD_INTERFACE:${library}>)
@@ -43,7 +46,7 @@ function(motiondb_compile name glue precompiled)
     target_precompile_headers(${name} REUSE_FROM ${precompiled})
     return()
   endif()
-  set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 12)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 16)
   if(MOTIONDB_SANITIZE)
     target_compile_options(${name} PRIVATE -O0)
   endif()
@@ -78,8 +81,10 @@ function(motiondb_test name)
   endif()
   motiondb_executable(${name} ${glue} PRECOMPILED motiondb_test_precompiled
     SOURCES ${arg_SOURCES} DEPENDS motiondb_test_support ${arg_DEPENDS})
-  # Each file of a test has names of its own, as Stub, which one unit could not hold.
-  set_target_properties(${name} PROPERTIES UNITY_BUILD OFF)
+  set_target_properties(${name} PROPERTIES UNITY_BUILD_BATCH_SIZE 6)
+  if(arg_GLUE)
+    target_compile_options(${name} PRIVATE -O0)
+  endif()
   add_test(NAME ${name} COMMAND ${name})
   foreach(source ${arg_SOURCES})
     get_filename_component(path ${source} ABSOLUTE)

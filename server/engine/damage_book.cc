@@ -7,7 +7,7 @@
 namespace motiondb::server {
 
 void DamageBook::Note(const storage::Damage& damage) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   const bool known = std::ranges::any_of(damages_, [&](const storage::Damage& other) {
     return other.resource == damage.resource && other.description == damage.description;
   });
@@ -18,7 +18,7 @@ void DamageBook::Note(const storage::Damage& damage) {
 }
 
 std::vector<storage::Damage> DamageBook::List() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return damages_;
 }
 

@@ -2,9 +2,9 @@
 #pragma once
 
 #include <cstddef>
-#include <mutex>
 #include <vector>
 
+#include "storage/mutex.h"
 #include "storage/store_upkeep.h"
 
 namespace motiondb::server {
@@ -19,8 +19,8 @@ class DamageBook {
   std::vector<storage::Damage> List() const;
 
  private:
-  mutable std::mutex mutex_;
-  std::vector<storage::Damage> damages_;
+  mutable storage::Mutex mutex_;
+  std::vector<storage::Damage> damages_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

@@ -8,7 +8,6 @@
 #include "core/motion/error.h"
 #include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
-#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 
@@ -50,11 +49,10 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                                        .marker_set = marker_set.name,
                                        .marker_set_text = marker_set.text,
                                        .create_time_us = NowMicroseconds()};
-  MOTIONDB_ASSIGN_OR_RETURN(auto scheme, StoredScheme(record));
+  MOTIONDB_ASSIGN_OR_RETURN(auto scheme, schemes_.Of(record));
   auto live = Serve(database, settings);
   live->set_scheme(std::move(scheme));
-  std::unique_lock naming(naming_mutex_, std::defer_lock);
-  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, terms.cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   if (const std::size_t count = database_count(); count >= options_.max_databases) {
     return absl::ResourceExhaustedError(
         fmt::format("there are {} databases, as many as there may be: delete one first, or raise "
@@ -62,7 +60,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
                     count));
   }
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   if (draining_) live->lifecycle().BeginStop();
   databases_[database] = std::move(live);
   spdlog::info("database '{}': created", database);
@@ -71,15 +69,13 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
 
 absl::Status Engine::DeleteDatabase(const std::string& database,
                                     const storage::ChangeTerms& terms) {
-  std::unique_lock naming(naming_mutex_, std::defer_lock);
-  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, terms.cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   const auto remove = [&] {
     const absl::Status deleted = store_->DeleteDatabase(database, terms);
     if (!deleted.ok()) return deleted;
     live->lifecycle().Forget();
-    live->set_snapshot(nullptr);
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     databases_.erase(database);
     return absl::OkStatus();
   };
@@ -104,19 +100,19 @@ void Engine::FreeDeletedDatabases() {
 }
 
 std::size_t Engine::database_count() {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return databases_.size();
 }
 
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   const auto found = databases_.find(database);
   if (found == databases_.end()) return core::NotFound("database '{}' does not exist", database);
   return found->second;
 }
 
 std::vector<std::shared_ptr<LiveDatabase>> Engine::Databases() {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   std::vector<std::shared_ptr<LiveDatabase>> databases;
   databases.reserve(databases_.size());
   for (const auto& [name, database] : databases_) databases.push_back(database);
@@ -124,7 +120,7 @@ std::vector<std::shared_ptr<LiveDatabase>> Engine::Databases() {
 }
 
 std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatabase& database) {
-  const std::string id = database.operation();
+  const std::string id = database.lifecycle().operation();
   if (id.empty()) return std::nullopt;
   auto operation = operations_.Get(id);
   if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended since
@@ -132,8 +128,8 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
 }
 
 absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
-  if (auto snapshot = database.snapshot()) return snapshot;
-  if (const std::string operation = database.operation(); !operation.empty()) {
+  if (auto snapshot = database.lifecycle().snapshot()) return snapshot;
+  if (const std::string operation = database.lifecycle().operation(); !operation.empty()) {
     return core::FailedPrecondition(
         "database '{}' has no model yet; its first model is being built: wait for operations/{}",
         database.name(), operation);
@@ -147,7 +143,7 @@ absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
     const std::shared_ptr<LiveDatabase>& database) {
   MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
   std::unique_ptr<ModelLifecycle::Ingest> ingest;
-  MOTIONDB_RETURN_IF_ERROR(database->WhileAlive(Retiring::kRefuse, [&] {
+  MOTIONDB_RETURN_IF_ERROR(database->WithSharedUse(Retiring::kRefuse, [&] {
     ingest = std::make_unique<ModelLifecycle::Ingest>(database);
     return absl::OkStatus();
   }));
@@ -175,10 +171,11 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
                                                             const storage::ChangeTerms& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
-  const absl::Status deleted = live->WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
+  const absl::Status deleted = live->WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
                               store_->DeleteClip(database, clip, terms));
     live->ForgetUnreadable(clip);
+    live->NoteUnderived(clip, "");
     skeletons_.Clear();
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
@@ -190,6 +187,18 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
   return operation;
 }
 
+absl::StatusOr<storage::OperationRecord> Engine::ReprocessDatabase(
+    const std::string& database, const core::Cancelled& cancelled) {
+  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
+  MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
+  storage::OperationRecord operation;
+  MOTIONDB_RETURN_IF_ERROR(live->WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(operation, live->lifecycle().RequestReprocess(cancelled));
+    return absl::OkStatus();
+  }));
+  return operation;
+}
+
 void Engine::RecordLater(const storage::AuditRecord& record) {
   workers_.Post(Pool::kUpkeep,
                 [this, record] { KeepAuditRecord(store_->access(), record).IgnoreError(); });
@@ -198,7 +207,7 @@ void Engine::RecordLater(const storage::AuditRecord& record) {
 std::vector<storage::Damage> Engine::damages() {
   std::vector<storage::Damage> damages;
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     for (const auto& [name, live] : databases_) {
       for (const auto& [clip, what] : live->unreadable()) {
         damages.push_back({fmt::format("databases/{}/clips/{}", name, clip), what});
@@ -226,7 +235,7 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
       MOTIONDB_ASSIGN_OR_RETURN(is_first, (*database)->lifecycle().Cancel(operation, cancelled));
       return absl::OkStatus();
     };
-    const absl::Status done = (*database)->WhileAlive(Retiring::kRefuse, cancel);
+    const absl::Status done = (*database)->WithSharedUse(Retiring::kRefuse, cancel);
     // One whose database was deleted ends by itself.
     if (!done.ok() && !absl::IsNotFound(done)) return done;
   }

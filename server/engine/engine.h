@@ -7,7 +7,6 @@
 #include <atomic>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,11 +17,13 @@
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
-#include "server/engine/operation_book.h"
+#include "server/engine/operation_registry.h"
 #include "server/engine/options.h"
 #include "server/engine/skeleton_cache.h"
 #include "server/engine/workers.h"
+#include "storage/cancellable_lock.h"
 #include "storage/motion_store.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -54,7 +55,7 @@ class Engine {
 
   // For what needs no more than to be read.
   storage::MotionStore& store() { return *store_; }
-  OperationBook& operations() { return operations_; }
+  OperationRegistry& operations() { return operations_; }
   Workers& workers() { return workers_; }
   SkeletonCache& skeletons() { return skeletons_; }
   const EngineOptions& options() const { return options_; }
@@ -91,6 +92,10 @@ class Engine {
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
                                                       const storage::ChangeTerms& terms = {});
+  // Has all clips of a database derived again from their files, then its model rebuilt. NOT_FOUND,
+  // UNAVAILABLE (as above). CANCELLED, with nothing changed.
+  absl::StatusOr<storage::OperationRecord> ReprocessDatabase(const std::string& database,
+                                                             const core::Cancelled& cancelled = {});
   // NOT_FOUND. CANCELLED, with nothing changed.
   absl::StatusOr<Cancellation> CancelOperation(const std::string& operation,
                                                const core::Cancelled& cancelled = {});
@@ -126,23 +131,22 @@ class Engine {
   absl::Status ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record);
   absl::Status ResumeOperations(const LiveDatabases& databases);
   absl::Status RebuildWhereNeeded(const LiveDatabases& databases);
-  // Whether the model knows the clips that can be read, and may stay.
-  absl::StatusOr<bool> IsCurrent(LiveDatabase& database);
 
   const EngineOptions options_;
   const std::unique_ptr<storage::MotionStore> store_;
-  OperationBook operations_;
+  OperationRegistry operations_;
   DamageBook damages_;
   SkeletonCache skeletons_;
+  MarkerSchemes schemes_;
   Workers workers_;
 
   std::atomic<bool> freeing_waits_{false};  // for the thread for upkeep
   std::atomic<bool> draining_{false};
 
   // Held over creating and deleting, which may be long; mutex_ only guards the map.
-  std::timed_mutex naming_mutex_;
-  std::mutex mutex_;
-  LiveDatabases databases_;
+  storage::CancellableMutex naming_mutex_;
+  storage::Mutex mutex_;
+  LiveDatabases databases_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

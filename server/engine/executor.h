@@ -15,9 +15,8 @@ enum class Pool {
   kRequests,    // queries, and what is short
   kBuilds,      // models
   kExtensions,  // of models, while others are built
-  kChanges,     // of what the store lists: it takes one at a time, for which queries must not wait
-  kUrgentChanges,  // those that other changes must not keep waiting, as where a token is revoked
-  kUpkeep,         // work on the store as a whole, for which nothing waits
+  kChanges,     // of what the store lists: they may wait for its writer, and no query for them
+  kUpkeep,      // work on the store as a whole, for which nothing waits
 };
 
 class Executor {

@@ -10,19 +10,14 @@
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-#include "server/engine/content_hash.h"
 #include "server/engine/file_names.h"
 #include "server/engine/representation.h"
-#include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
 namespace {
 
 // What labels a clip that came without one.
 constexpr char kNoLabel[] = "unlabelled";
-
-// Central differences need a frame on each side of somewhere.
-constexpr int kFewestFrames = 2;
 
 using SchemePointer = std::shared_ptr<const core::MarkerScheme>;
 
@@ -33,12 +28,6 @@ absl::StatusOr<core::MotionFile> Read(const IngestFile& file) {
   }
   return core::ReadMotionFile(file.format, {file.file_name, file.file_bytes}, skeleton,
                               file.conventions);
-}
-
-std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes) {
-  std::string text = core::Describe(report);
-  for (const std::string& note : notes) text += "; " + note;
-  return text;
 }
 
 storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
@@ -58,7 +47,9 @@ storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
   record.source_frame_rate_hz = FrameRate(source.motion);
   record.leg_length_m = states.leg_length_m;
   record.source_report = ReportOf(source.report, notes);
-  record.create_time_us = NowMicroseconds();
+  record.given = file.conventions;
+  record.given_leg_length_m = file.leg_length_m;
+  record.create_time_us = record.tried_time_us = NowMicroseconds();
   clip.id_is_fixed = !file.clip_id.empty();
   clip.file_bytes = std::move(file.file_bytes);
   clip.skeleton_bytes = std::move(file.skeleton_bytes);
@@ -92,6 +83,12 @@ absl::StatusOr<storage::ClipRecord> AddWithin(const DatabaseQuota& quota,
 
 }  // namespace
 
+std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes) {
+  std::string text = core::Describe(report);
+  for (const std::string& note : notes) text += "; " + note;
+  return text;
+}
+
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,
@@ -114,12 +111,12 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   if (!source.ok()) return source.status();
 
   // The first clip of a `source` database brings the markers; others wait until it is in.
-  std::unique_lock first_clip(database.first_clip_mutex(), std::defer_lock);
+  storage::CancellableMutex::Holder first_clip;
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
-    MOTIONDB_RETURN_IF_ERROR(storage::Lock(first_clip, terms.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(first_clip, database.first_clip_mutex().Lock(terms.cancelled));
     MOTIONDB_ASSIGN_OR_RETURN(scheme, database.scheme());
-    if (scheme != nullptr) first_clip.unlock();
+    if (scheme != nullptr) first_clip.reset();
   }
   const bool brings_scheme = scheme == nullptr;
   if (brings_scheme) {
@@ -131,7 +128,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   const RepresentationLimits limits{database.settings().frame_rate_hz,
                                     options.max_frames,
                                     {Allowed::kAllWork, terms.cancelled, terms.reserve}};
-  auto states = RepresentWithin(limits, *scheme, source->motion, core::Gaps::kFill,
+  auto states = RepresentWithin(limits, *scheme, source->motion, database.settings().glitches,
                                 file.leg_length_m, &notes);
   if (const absl::Status& status = states.status();
       absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status)) {
@@ -152,7 +149,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
 
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
-  MOTIONDB_RETURN_IF_ERROR(database.WhileAlive(Retiring::kRefuse, [&]() -> absl::Status {
+  MOTIONDB_RETURN_IF_ERROR(database.WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(record, AddWithin(options.quota, store, database, clip));
     if (brings_scheme) database.set_scheme(scheme);
     return stored(record);

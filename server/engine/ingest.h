@@ -4,6 +4,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/format/motion_file.h"
@@ -28,6 +29,13 @@ struct IngestFile {
   // As storage::NewClip has it.
   std::function<storage::AuditRecord(const storage::ClipRecord&)> audit;
 };
+
+// Of a clip: central differences need a frame on each side of somewhere.
+inline constexpr int kFewestFrames = 2;
+
+// What a clip's record says about its source: what the reader found out, and notes on what was
+// done.
+std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes);
 
 // Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns
 // the clip when it is durable; on any error but one of `stored` nothing has changed. Codes:

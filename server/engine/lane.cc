@@ -9,7 +9,7 @@ namespace motiondb::server {
 
 void Lane::Post(const std::string& client, std::function<void()> work) {
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     if (free_ == 0) {
       Queue& queue = waiting_[client];
       if (queue.empty()) turns_.push_back(client);
@@ -22,7 +22,7 @@ void Lane::Post(const std::string& client, std::function<void()> work) {
 }
 
 int Lane::running() {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return width_ - free_;
 }
 
@@ -37,7 +37,7 @@ void Lane::Start(std::function<void()> work) {
 void Lane::Next() {
   std::function<void()> work;
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     if (turns_.empty()) {
       ++free_;
       return;

@@ -7,10 +7,10 @@
 #include <deque>
 #include <functional>
 #include <map>
-#include <mutex>
 #include <string>
 
 #include "server/engine/thread_pool.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -33,10 +33,11 @@ class Lane {
 
   ThreadPool& pool_;
   const int width_;
-  std::mutex mutex_;
-  int free_;
-  std::map<std::string, Queue> waiting_;  // by client; none is empty
-  std::deque<std::string> turns_;         // the clients in waiting_, the next first
+  storage::Mutex mutex_;
+  int free_ ABSL_GUARDED_BY(mutex_);
+  std::map<std::string, Queue> waiting_ ABSL_GUARDED_BY(mutex_);  // by client; none is empty
+  std::deque<std::string> turns_
+      ABSL_GUARDED_BY(mutex_);  // the clients in waiting_, the next first
 };
 
 }  // namespace motiondb::server

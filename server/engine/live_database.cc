@@ -32,40 +32,27 @@ void LiveDatabase::Serve(std::unique_ptr<ModelLifecycle> lifecycle) {
 }
 
 absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> LiveDatabase::scheme() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return scheme_;
 }
 
 void LiveDatabase::set_scheme(absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   scheme_ = std::move(scheme);
 }
 
-std::shared_ptr<const Snapshot> LiveDatabase::snapshot() const {
-  const std::lock_guard lock(mutex_);
-  return snapshot_;
-}
-
-void LiveDatabase::set_snapshot(std::shared_ptr<const Snapshot> snapshot) {
-  {
-    const std::lock_guard lock(mutex_);
-    snapshot_.swap(snapshot);
-  }
-  // The old model, if no query holds it, is freed here: outside the lock.
-}
-
 StoredAmount LiveDatabase::stored() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return stored_;
 }
 
 void LiveDatabase::AddStored(const StoredAmount& amount) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   Add(amount);
 }
 
 absl::Status LiveDatabase::Reserve(const StoredAmount& amount, const DatabaseQuota& quota) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Within(name_, "clips", stored_.clip_count, amount.clip_count,
                                   quota.clip_count, "max-database-clips"));
   MOTIONDB_RETURN_IF_ERROR(Within(name_, "frames", stored_.frame_count, amount.frame_count,
@@ -82,46 +69,42 @@ void LiveDatabase::Add(const StoredAmount& amount) {
   stored_.byte_count += amount.byte_count;
 }
 
-RebuildTally LiveDatabase::rebuilds() const {
-  const std::lock_guard lock(mutex_);
-  return rebuilds_;
-}
-
-void LiveDatabase::CountRebuild(std::int64_t RebuildTally::*outcome, double seconds) {
-  const std::lock_guard lock(mutex_);
-  ++(rebuilds_.*outcome);
-  rebuilds_.seconds += seconds;
-}
-
 void LiveDatabase::NoteUnreadable(const std::string& clip, const std::string& what) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   if (!unreadable_.emplace(clip, what).second) return;
   spdlog::error("database '{}': clip '{}' is damaged and left out: {}", name_, clip, what);
 }
 
 void LiveDatabase::ForgetUnreadable(const std::string& clip) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   unreadable_.erase(clip);
 }
 
 std::map<std::string, std::string> LiveDatabase::unreadable() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return unreadable_;
 }
 
-std::string LiveDatabase::operation() const {
-  const std::lock_guard lock(mutex_);
-  return operation_;
+void LiveDatabase::NoteUnderived(const std::string& clip, const std::string& reason) {
+  const storage::MutexLock lock(mutex_);
+  if (reason.empty()) {
+    underived_.erase(clip);
+  } else {
+    underived_[clip] = reason;
+  }
 }
 
-void LiveDatabase::set_operation(std::string operation) {
-  const std::lock_guard lock(mutex_);
-  operation_ = std::move(operation);
+std::map<std::string, std::string> LiveDatabase::underived() const {
+  const storage::MutexLock lock(mutex_);
+  return underived_;
 }
 
-absl::Status LiveDatabase::CheckAlive(Retiring retiring, std::unique_lock<std::mutex>& life_lock) {
+absl::Status LiveDatabase::CheckAlive(Retiring retiring) {
   if (retiring == Retiring::kAwait) {
-    life_changed_.wait(life_lock, [this] { return life_ != Life::kRetiring; });
+    life_changed_.Wait(mutex_, [this] {
+      mutex_.AssertHeld();
+      return life_ != Life::kRetiring;
+    });
   }
   switch (life_) {
     case Life::kAlive:
@@ -134,17 +117,17 @@ absl::Status LiveDatabase::CheckAlive(Retiring retiring, std::unique_lock<std::m
   return core::NotFound("database '{}' was deleted", name_);
 }
 
-absl::Status LiveDatabase::WhileAlive(Retiring retiring,
-                                      const std::function<absl::Status()>& change) {
+absl::Status LiveDatabase::WithSharedUse(Retiring retiring,
+                                         const std::function<absl::Status()>& change) {
   {
-    std::unique_lock lock(life_mutex_);
-    MOTIONDB_RETURN_IF_ERROR(CheckAlive(retiring, lock));
+    const storage::MutexLock lock(mutex_);
+    MOTIONDB_RETURN_IF_ERROR(CheckAlive(retiring));
     ++changes_;
   }
   const absl::Cleanup ended = [this] {
-    const std::lock_guard lock(life_mutex_);
+    const storage::MutexLock lock(mutex_);
     --changes_;
-    life_changed_.notify_all();
+    life_changed_.NotifyAll();
   };
   return change();
 }
@@ -152,20 +135,23 @@ absl::Status LiveDatabase::WhileAlive(Retiring retiring,
 absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
                                   const core::Cancelled& cancelled) {
   {
-    std::unique_lock lock(life_mutex_);
-    MOTIONDB_RETURN_IF_ERROR(CheckAlive(Retiring::kRefuse, lock));
+    const storage::MutexLock lock(mutex_);
+    MOTIONDB_RETURN_IF_ERROR(CheckAlive(Retiring::kRefuse));
     life_ = Life::kRetiring;
   }
   Life after = Life::kAlive;
   const absl::Cleanup over = [&] {
-    const std::lock_guard lock(life_mutex_);
+    const storage::MutexLock lock(mutex_);
     life_ = after;
-    life_changed_.notify_all();
+    life_changed_.NotifyAll();
   };
   {
-    constexpr std::chrono::milliseconds kBetweenQuestions{20};
-    std::unique_lock lock(life_mutex_);
-    while (!life_changed_.wait_for(lock, kBetweenQuestions, [this] { return changes_ == 0; })) {
+    const storage::MutexLock lock(mutex_);
+    const auto unchanged = [this] {
+      mutex_.AssertHeld();
+      return changes_ == 0;
+    };
+    while (!life_changed_.WaitUntil(mutex_, storage::NextQuestion(), unchanged)) {
       if (cancelled && cancelled()) {
         return absl::CancelledError("the deletion was no longer wanted when its turn came");
       }

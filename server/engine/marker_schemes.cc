@@ -38,15 +38,21 @@ absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name,
       kStandardMarkerSet, kSourceMarkerSet);
 }
 
-absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> StoredScheme(
+absl::StatusOr<MarkerSchemes::SchemePointer> MarkerSchemes::Of(
     const storage::DatabaseRecord& record) {
   if (record.marker_set_text.empty()) return nullptr;
-  const std::string file_name = fmt::format("marker set of database '{}'", record.name);
-  auto scheme = core::ReadMarkerSetFile({.name = file_name, .bytes = record.marker_set_text});
-  if (!scheme.ok()) {
-    return core::DataLoss("{}", std::string(scheme.status().message()));
+  const storage::MutexLock lock(mutex_);
+  const auto known = schemes_.find(record.marker_set_text);
+  if (known != schemes_.end()) {
+    if (SchemePointer scheme = known->second.lock()) return scheme;
   }
-  return std::make_shared<const core::MarkerScheme>(*std::move(scheme));
+  const std::string file_name = fmt::format("marker set of database '{}'", record.name);
+  auto read = core::ReadMarkerSetFile({.name = file_name, .bytes = record.marker_set_text});
+  if (!read.ok()) return core::DataLoss("{}", std::string(read.status().message()));
+  auto scheme = std::make_shared<const core::MarkerScheme>(*std::move(read));
+  std::erase_if(schemes_, [](const auto& entry) { return entry.second.expired(); });
+  schemes_[record.marker_set_text] = scheme;
+  return scheme;
 }
 
 }  // namespace motiondb::server

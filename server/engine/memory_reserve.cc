@@ -19,8 +19,6 @@ constexpr std::size_t kSliceBytes = std::size_t{16} << 20;
 constexpr std::chrono::milliseconds kBetweenTries{10};
 constexpr int kMostTries = 1000;  // 10 s
 
-thread_local int may_fail_depth = 0;
-
 // Null: not set aside.
 std::array<std::atomic<void*>, kSliceCount> slices;
 std::atomic<bool> used{false};
@@ -65,7 +63,7 @@ bool HasHeadroom() {
 // Called by operator new where malloc fails; it tries again when this returns.
 void OnFailedAllocation() {
   thread_local int tries = 0;
-  if (may_fail_depth > 0) throw std::bad_alloc();
+  if (AllocationsMayFail::hold()) throw std::bad_alloc();
   if (ReleaseSlice()) {
     tries = 0;
     return;
@@ -101,9 +99,5 @@ absl::Status RefillMemoryReserve() {
   return absl::ResourceExhaustedError(
       "the server is out of memory: try again later, or send less at a time");
 }
-
-AllocationsMayFail::AllocationsMayFail() { ++may_fail_depth; }
-
-AllocationsMayFail::~AllocationsMayFail() { --may_fail_depth; }
 
 }  // namespace motiondb::server

@@ -8,8 +8,11 @@
 #pragma once
 
 #include "absl/status/status.h"
+#include "storage/allocations_may_fail.h"
 
 namespace motiondb::server {
+
+using storage::AllocationsMayFail;
 
 // Sets the reserve aside and installs the handler of failed allocations, once per process. The
 // reserve is never written to: it costs address space and no memory. RESOURCE_EXHAUSTED.
@@ -18,15 +21,5 @@ absl::Status InstallMemoryReserve();
 // Sets the used part of the reserve aside again, if there is any. RESOURCE_EXHAUSTED if there is
 // not enough memory for that and for 16 MiB beside it: new work should be refused.
 absl::Status RefillMemoryReserve();
-
-// On the thread that made it, while it lives: failed allocations throw std::bad_alloc immediately.
-// May be nested. Whoever makes one catches the exception.
-class AllocationsMayFail {
- public:
-  AllocationsMayFail();
-  ~AllocationsMayFail();
-  AllocationsMayFail(const AllocationsMayFail&) = delete;
-  AllocationsMayFail& operator=(const AllocationsMayFail&) = delete;
-};
 
 }  // namespace motiondb::server

@@ -5,12 +5,24 @@
 
 #include "absl/cleanup/cleanup.h"
 #include "core/motion/error.h"
-#include "server/engine/purge.h"
+#include "server/engine/live_database.h"
+#include "server/engine/operation_registry.h"
+#include "server/engine/options.h"
 #include "storage/cancellable_lock.h"
 
 namespace motiondb::server {
+namespace {
 
+using std::chrono::milliseconds;
 using storage::MutexLock;
+
+// A burst of clips takes this share of a thread at most: an extension's rest is so many times its
+// work.
+constexpr int kRest = 3;
+constexpr milliseconds kLeastRest{50};
+constexpr milliseconds kLongestRest{500};  // so that a clip is known within a second
+
+}  // namespace
 
 ModelLifecycle::ModelLifecycle(LiveDatabase& database, const LifecycleServices& services)
     : database_(database),
@@ -23,6 +35,12 @@ ModelLifecycle::State ModelLifecycle::state() const {
   if (is_closed_) return State::kClosed;
   if (running_ != nullptr) return State::kBuilding;
   return waiting_.empty() ? State::kIdle : State::kWaiting;
+}
+
+std::string ModelLifecycle::operation() const {
+  const MutexLock lock(mutex_);
+  if (running_ != nullptr) return running_->operation;
+  return waiting_.empty() ? "" : waiting_.front();
 }
 
 Executor::Clock::time_point ModelLifecycle::DueTime() const {
@@ -38,7 +56,7 @@ Executor::Work ModelLifecycle::Alive(void (ModelLifecycle::*work)()) {
 }
 
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::Request(const core::Cancelled& cancelled) {
-  auto operation = RequestStored(cancelled);
+  auto operation = RequestStored(storage::OperationKind::kRebuild, cancelled);
   // The change that asks for it was made all the same.
   if (absl::IsCancelled(operation.status())) {
     services_.executor.Post(Pool::kBuilds, Alive(&ModelLifecycle::RequestInBackground));
@@ -46,17 +64,22 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::Request(const core::Can
   return operation;
 }
 
+absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestReprocess(
+    const core::Cancelled& cancelled) {
+  return RequestStored(storage::OperationKind::kReprocess, cancelled);
+}
+
 void ModelLifecycle::RequestInBackground() {
-  database_.WhileAlive(Retiring::kAwait, [&] { return Request().status(); })
+  database_.WithSharedUse(Retiring::kAwait, [&] { return Request().status(); })
       .IgnoreError();  // where the database was deleted, so was what is to be rebuilt
 }
 
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
-    const core::Cancelled& cancelled) {
+    storage::OperationKind kind, const core::Cancelled& cancelled) {
   {
     const MutexLock lock(mutex_);
     while (true) {
-      if (auto joined = Join()) return *std::move(joined);
+      if (auto joined = Join(kind)) return *std::move(joined);
       if (!is_storing_request_) break;
       if (cancelled && cancelled()) return storage::NotWanted();
       changed_.WaitUntil(mutex_, storage::NextQuestion(), [this] {
@@ -72,18 +95,20 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     changed_.NotifyAll();
   };
   MOTIONDB_ASSIGN_OR_RETURN(auto operation,
-                            services_.operations.Create(database_.name(), cancelled));
+                            services_.operations.Create(database_.name(), cancelled, kind));
   const MutexLock lock(mutex_);
   Enqueue(operation.id);
   return operation;
 }
 
-std::optional<storage::OperationRecord> ModelLifecycle::Join() {
+std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationKind kind) {
   if (waiting_.empty()) return std::nullopt;
   auto operation = services_.operations.Get(waiting_.back());
   if (!operation.ok()) return std::nullopt;
+  const bool only_rebuilds = operation->kind == storage::OperationKind::kRebuild;
+  if (only_rebuilds && kind == storage::OperationKind::kReprocess) return std::nullopt;
   last_asked_ = services_.executor.Now();
-  Arm();
+  ArmBuild();
   return *std::move(operation);
 }
 
@@ -96,14 +121,13 @@ void ModelLifecycle::Enqueue(const std::string& operation) {
   waiting_.push_back(operation);
   first_asked_ = last_asked_ = services_.executor.Now();
   if (!is_closed_) retry_->Cancel();
-  Arm();
+  ArmBuild();
 }
 
-void ModelLifecycle::Arm() {
-  database_.set_operation(running_ != nullptr ? running_->operation
-                          : waiting_.empty()  ? ""
-                                              : waiting_.front());
-  if (state() == State::kWaiting) due_->Set(DueTime(), Alive(&ModelLifecycle::BeginIfDue));
+void ModelLifecycle::ArmBuild() {
+  if (state() == State::kWaiting && purges_ == 0) {
+    due_->Set(DueTime(), Alive(&ModelLifecycle::BuildIfDue));
+  }
 }
 
 ModelLifecycle::Ingest::Ingest(std::shared_ptr<LiveDatabase> database)
@@ -111,7 +135,7 @@ ModelLifecycle::Ingest::Ingest(std::shared_ptr<LiveDatabase> database)
   ModelLifecycle& lifecycle = database_->lifecycle();
   const MutexLock lock(lifecycle.mutex_);
   ++lifecycle.ingests_;
-  lifecycle.Arm();
+  lifecycle.ArmBuild();
 }
 
 ModelLifecycle::Ingest::~Ingest() {
@@ -119,7 +143,7 @@ ModelLifecycle::Ingest::~Ingest() {
   const MutexLock lock(lifecycle.mutex_);
   --lifecycle.ingests_;
   lifecycle.last_asked_ = lifecycle.services_.executor.Now();
-  lifecycle.Arm();
+  lifecycle.ArmBuild();
 }
 
 absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
@@ -132,19 +156,79 @@ absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
     }
     // Not in the queue while this is stored: it neither begins nor serves who asks.
     if (std::erase(waiting_, operation) == 0) return false;
-    Arm();
+    ArmBuild();
   }
   const absl::Status stored = services_.operations.Cancel(operation, cancelled);
   if (stored.ok()) return true;
   const MutexLock lock(mutex_);
   waiting_.push_front(operation);
-  Arm();
+  ArmBuild();
   return stored;
 }
 
 void ModelLifecycle::PurgeUnlessBuilding(const core::Cancelled& cancelled) {
-  const std::unique_lock states(database_.states_mutex(), std::try_to_lock);
-  if (states) PurgeDeletedClips(services_.store, database_.name(), cancelled);
+  {
+    const MutexLock lock(mutex_);
+    if (running_ != nullptr) return;
+    ++purges_;
+  }
+  const absl::Cleanup ended = [this] {
+    const MutexLock lock(mutex_);
+    --purges_;
+    ArmBuild();
+  };
+  PurgeDeletedClips(cancelled);
+}
+
+void ModelLifecycle::BuildIfDue() {
+  std::shared_ptr<Build> build;
+  {
+    const MutexLock lock(mutex_);
+    // The timer may have been about to fire when it was set anew.
+    if (state() != State::kWaiting || purges_ > 0 || services_.executor.Now() < DueTime()) return;
+    build = running_ = std::make_shared<Build>();
+    build->operation = std::move(waiting_.front());
+    waiting_.pop_front();
+  }
+  const absl::Status ended = RunBuild(*build);
+  const MutexLock lock(mutex_);
+  running_ = nullptr;
+  ArmBuild();
+  const bool lacked_room = absl::IsResourceExhausted(ended) || absl::IsUnavailable(ended);
+  if (lacked_room && !build->stopped() && state() == State::kIdle) {
+    retry_->Set(services_.executor.Now() + services_.options.rebuild_retry_delay,
+                Alive(&ModelLifecycle::RequestInBackground));
+  }
+  changed_.NotifyAll();
+}
+
+void ModelLifecycle::RequestExtension() {
+  const MutexLock lock(mutex_);
+  if (is_closed_ || extension_waits_) return;
+  extension_waits_ = true;
+  if (!is_extending_) ArmExtension(Executor::Clock::duration::zero());
+}
+
+void ModelLifecycle::ArmExtension(Executor::Clock::duration rest) {
+  extension_due_->Set(services_.executor.Now() + rest, Alive(&ModelLifecycle::ExtendIfOpen));
+}
+
+void ModelLifecycle::ExtendIfOpen() {
+  {
+    const MutexLock lock(mutex_);
+    if (is_closed_) return;
+    extension_waits_ = false;
+    is_extending_ = true;
+  }
+  const auto began = services_.executor.Now();
+  ExtendCurrent();
+  const MutexLock lock(mutex_);
+  is_extending_ = false;
+  if (extension_waits_ && !is_closed_) {
+    const Executor::Clock::duration rest = kRest * (services_.executor.Now() - began);
+    ArmExtension(std::clamp<Executor::Clock::duration>(rest, kLeastRest, kLongestRest));
+  }
+  changed_.NotifyAll();
 }
 
 void ModelLifecycle::Close() {
@@ -155,6 +239,7 @@ void ModelLifecycle::Close() {
 }
 
 void ModelLifecycle::Forget() {
+  Serve(nullptr);
   const MutexLock lock(mutex_);
   Close();
   for (const std::string& operation : std::exchange(waiting_, {})) {

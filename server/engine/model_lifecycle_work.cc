@@ -1,172 +1,397 @@
-// What a ModelLifecycle does on the threads for builds and extensions.
+// What a ModelLifecycle does on the threads for builds and extensions: each replacement of the
+// model.
 #include <spdlog/spdlog.h>
 
-#include <algorithm>
 #include <exception>
 #include <new>
+#include <set>
+#include <utility>
 
+#include "core/calibration/calibrate.h"
+#include "core/motion/error.h"
 #include "core/tree/divide_node.h"
-#include "server/engine/extend.h"
+#include "server/engine/compute_model.h"
+#include "server/engine/damage_book.h"
+#include "server/engine/live_database.h"
 #include "server/engine/memory_reserve.h"
 #include "server/engine/model_lifecycle.h"
-#include "server/engine/snapshot.h"
+#include "server/engine/operation_registry.h"
+#include "server/engine/options.h"
+#include "server/engine/reprocess.h"
+#include "server/engine/shared_loop.h"
+#include "server/engine/stored_clips.h"
 
 namespace motiondb::server {
 namespace {
 
-using std::chrono::milliseconds;
 using storage::MutexLock;
 
-// A burst of clips takes this share of a thread at most: an extension's rest is so many times its
-// work.
-constexpr int kRest = 3;
-constexpr milliseconds kLeastRest{50};
-constexpr milliseconds kLongestRest{500};  // so that a clip is known within a second
+// Parts of a build's progress: reading the clips and building the model; calibrating it.
+constexpr double kBuildShare = 0.6;
+constexpr double kCalibrateShare = 0.35;
+// Of the progress of a build that first derives clips again: the part that this takes.
+constexpr double kDeriveShare = 0.5;
+
+// How often a build begins again because a clip of it was deleted.
+constexpr int kAttempts = 8;
 
 // A tree of one node answers as if all motion were the same, and no call fails of it.
-void WarnOfSingleNode(const LiveDatabase& database) {
-  const std::shared_ptr<const Snapshot> current = database.snapshot();
-  if (current == nullptr) return;
-  const core::Model& model = current->model;
-  if (!core::IsUndivided(model.tree(), model.settings().min_frames)) return;
-  spdlog::warn(
-      "database '{}': the tree of model {} is a single node of {} frames, which tells no motion "
-      "from another: its frames are all alike, or some of its clips have frames far from all "
-      "others; look for glitches in the clips that were ingested last",
-      database.name(), current->record.version, model.frame_count());
+void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
+  const core::Model& model = snapshot.model;
+  if (core::IsUndivided(model.tree(), model.settings().min_frames)) {
+    spdlog::warn(
+        "database '{}': the tree of model {} is a single node of {} frames, which tells no motion "
+        "from another: its frames are all alike, or some of its clips have frames far from all "
+        "others; look for glitches in the clips that were ingested last",
+        database, snapshot.record.version, model.frame_count());
+  }
+}
+
+bool TakesClips(const EngineOptions& options, double build_seconds) {
+  return build_seconds >= options.extend_from.count();
+}
+
+// Runs work of a build or an extension; what it throws becomes its status.
+template <typename Result, typename Work>
+Result WithoutExceptions(const Work& work) {
+  Result result;
+  try {
+    const AllocationsMayFail scope;
+    result = work();
+  } catch (const WorkStopped&) {
+    result = absl::CancelledError("stopped");
+  } catch (const std::bad_alloc&) {
+    result = absl::ResourceExhaustedError("not enough memory to build the model");
+  } catch (const std::exception& error) {
+    result = absl::InternalError(error.what());
+  }
+  return result;
 }
 
 }  // namespace
 
-void ModelLifecycle::BeginIfDue() {
-  std::shared_ptr<Build> build;
-  {
-    const MutexLock lock(mutex_);
-    // The timer may have been about to fire when it was set anew.
-    if (state() != State::kWaiting || services_.executor.Now() < DueTime()) return;
-    build = running_ = std::make_shared<Build>();
-    build->operation = std::move(waiting_.front());
-    waiting_.pop_front();
-    Arm();
+void ModelLifecycle::LoadStored(DamageBook& damages) {
+  const std::string& name = database_.name();
+  auto model = services_.store.ReadModel(name, services_.executor.Parallel(Pool::kRequests));
+  if (absl::IsNotFound(model.status())) return;
+  auto newest = services_.store.ListModels(name, 0, 1);
+  const absl::Status status = model.ok() ? newest.status() : model.status();
+  if (status.ok() && !newest->empty()) {
+    const bool takes_clips = TakesClips(services_.options, newest->front().build_seconds);
+    return Serve(std::make_shared<const Snapshot>(
+        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, takes_clips}));
   }
-  End(Run(*build));
+  spdlog::error("database '{}': its model cannot be read: {}", name, status.ToString());
+  if (!absl::IsDataLoss(status)) return;
+  const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
+  damages.Note(
+      {fmt::format("databases/{}/models/{}", name, version), std::string(status.message())});
 }
 
-absl::StatusOr<Rebuilt> ModelLifecycle::Run(Build& build) {
-  OperationBook& operations = services_.operations;
-  const auto stopped = [&] { return build.stop != StopReason::kNone; };
-  const auto progress = [&](double fraction, std::string_view stage) {
-    operations.Advance(build.operation, fraction, stage);
-    return !stopped();
-  };
+std::shared_ptr<const Snapshot> ModelLifecycle::snapshot() const {
+  const MutexLock lock(mutex_);
+  return snapshot_;
+}
+
+RebuildTally ModelLifecycle::rebuilds() const {
+  const MutexLock lock(mutex_);
+  return rebuilds_;
+}
+
+void ModelLifecycle::Serve(SnapshotPointer snapshot) {
+  const MutexLock lock(mutex_);
+  snapshot_.swap(snapshot);
+  // The old model, if no query holds it, is freed with the parameter: after the lock.
+}
+
+absl::Status ModelLifecycle::Replace(const Replacement& next) {
+  const MutexLock lock(replace_mutex_);
+  return database_.WithSharedUse(Retiring::kAwait, [&]() -> absl::Status {
+    MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer replacement, next(snapshot()));
+    Serve(std::move(replacement));
+    return absl::OkStatus();
+  });
+}
+
+absl::Status ModelLifecycle::RunBuild(Build& build) {
   // Nothing is stored of an operation once its database is gone: another may have its name.
-  const auto while_alive = [&](const std::function<void()>& store) {
-    return database_.WhileAlive(Retiring::kAwait, [&] {
+  const auto unless_deleted = [&](const std::function<void()>& store) {
+    return database_.WithSharedUse(Retiring::kAwait, [&] {
       store();
       return absl::OkStatus();
     });
   };
   const auto began = services_.executor.Now();
-  absl::StatusOr<Rebuilt> rebuilt;
-  while_alive([&] { operations.Start(build.operation); }).IgnoreError();  // it finds out itself
-  try {
-    const AllocationsMayFail scope;
-    rebuilt = Rebuild(services_.store, database_, services_.options,
-                      services_.executor.Parallel(Pool::kBuilds), progress, stopped);
-  } catch (const std::bad_alloc&) {
-    rebuilt = absl::ResourceExhaustedError("not enough memory to build the model");
-  } catch (const std::exception& error) {
-    rebuilt = absl::InternalError(error.what());
-  }
+  unless_deleted([&] {
+    services_.operations.Start(build.operation);
+  }).IgnoreError();  // the build finds out itself
+  const auto built =
+      WithoutExceptions<absl::StatusOr<Built>>([&] { return DeriveAndBuild(build); });
   const std::chrono::duration<double> took = services_.executor.Now() - began;
-  // Before the operation ends, so that who waited for it finds it counted.
-  database_.CountRebuild(rebuilt.ok() ? &RebuildTally::succeeded
-                         : stopped()  ? &RebuildTally::cancelled
-                                      : &RebuildTally::failed,
-                         took.count());
-  const absl::Status ended = while_alive([&] { StoreEnd(build, rebuilt); });
-  if (!ended.ok()) operations.Abandon(build.operation);
-  return rebuilt;
-}
-
-void ModelLifecycle::StoreEnd(const Build& build, const absl::StatusOr<Rebuilt>& rebuilt) {
-  OperationBook& operations = services_.operations;
-  const std::string& name = database_.name();
-  if (rebuilt.ok()) {
-    WarnOfSingleNode(database_);
-    operations.Succeed(build.operation, rebuilt->version, rebuilt->difference);
-    spdlog::info("database '{}': model {} is current{}{}", name, rebuilt->version,
-                 rebuilt->difference.empty() ? "" : ", ", rebuilt->difference);
-    return;
-  }
-  switch (build.stop) {
-    case StopReason::kForgotten:  // with its database
-      return operations.Abandon(build.operation);
-    case StopReason::kShutdown:
-      return operations.Postpone(build.operation);
-    case StopReason::kCancelled:
-      spdlog::info("database '{}': the rebuild was cancelled", name);
-      return operations.Cancel(build.operation).IgnoreError();
-    case StopReason::kNone:
-      if (absl::IsNotFound(rebuilt.status())) return operations.Abandon(build.operation);
-      // What was deleted again and again is the clients' doing; each deletion asks for a rebuild.
-      spdlog::log(absl::IsAborted(rebuilt.status()) ? spdlog::level::warn : spdlog::level::err,
-                  "database '{}': the rebuild failed: {}", name, rebuilt.status().ToString());
-      return operations.Fail(build.operation, rebuilt.status());
-  }
-}
-
-void ModelLifecycle::End(const absl::StatusOr<Rebuilt>& rebuilt) {
-  const MutexLock lock(mutex_);
-  const bool lacked_room =
-      running_->stop == StopReason::kNone &&
-      (absl::IsResourceExhausted(rebuilt.status()) || absl::IsUnavailable(rebuilt.status()));
-  running_ = nullptr;
-  Arm();
-  if (lacked_room && state() == State::kIdle) {
-    retry_->Set(services_.executor.Now() + services_.options.rebuild_retry_delay,
-                Alive(&ModelLifecycle::RequestInBackground));
-  }
-  changed_.NotifyAll();
-}
-
-void ModelLifecycle::RequestExtension() {
-  const MutexLock lock(mutex_);
-  if (is_closed_ || extension_waits_) return;
-  extension_waits_ = true;
-  if (!is_extending_) ArmExtension(Executor::Clock::duration::zero());
-}
-
-void ModelLifecycle::ArmExtension(Executor::Clock::duration rest) {
-  extension_due_->Set(services_.executor.Now() + rest, Alive(&ModelLifecycle::RunExtension));
-}
-
-void ModelLifecycle::RunExtension() {
   {
+    // Before the operation ends, so that who waited for it finds it counted.
     const MutexLock lock(mutex_);
-    if (is_closed_) return;
-    extension_waits_ = false;
-    is_extending_ = true;
+    ++(built.ok() ? rebuilds_.succeeded : build.stopped() ? rebuilds_.cancelled : rebuilds_.failed);
+    rebuilds_.seconds += took.count();
   }
+  const absl::Status ended = unless_deleted([&] {
+    // However it ended: storing a model does this, but the current one may have stayed.
+    PurgeDeletedClips({});
+    EndOperation(build, built);
+  });
+  if (!ended.ok()) services_.operations.Abandon(build.operation);
+  return built.status();
+}
+
+void ModelLifecycle::EndOperation(const Build& build, const absl::StatusOr<Built>& built) {
+  OperationRegistry& operations = services_.operations;
+  const std::string& name = database_.name();
+  const StopReason stop = build.stop;
+  if (built.ok()) {
+    if (const auto current = snapshot()) WarnOfSingleNode(name, *current);
+    operations.Succeed(build.operation, built->version, built->difference);
+    spdlog::info("database '{}': model {} is current{}{}", name, built->version,
+                 built->difference.empty() ? "" : ", ", built->difference);
+  } else if (stop == StopReason::kShutdown) {
+    operations.Postpone(build.operation);
+  } else if (stop == StopReason::kCancelled) {
+    spdlog::info("database '{}': the rebuild was cancelled", name);
+    operations.Cancel(build.operation).IgnoreError();
+  } else if (stop == StopReason::kForgotten || absl::IsNotFound(built.status())) {
+    operations.Abandon(build.operation);  // with its database
+  } else {
+    // What was deleted again and again is the clients' doing; each deletion requests a build.
+    spdlog::log(absl::IsAborted(built.status()) ? spdlog::level::warn : spdlog::level::err,
+                "database '{}': the rebuild failed: {}", name, built.status().ToString());
+    operations.Fail(build.operation, built.status());
+  }
+}
+
+absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::DeriveAndBuild(Build& build) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string derived, DeriveWhereNeeded(build));
+  auto built = BuildUntilStored(build);
+  if (built.ok() && !derived.empty()) {
+    built->difference = built->difference.empty() ? derived : derived + "; " + built->difference;
+  }
+  return built;
+}
+
+absl::StatusOr<std::string> ModelLifecycle::DeriveWhereNeeded(Build& build) {
+  const auto operation = services_.operations.Get(build.operation);
+  const bool derives_all = operation.ok() && operation->kind == storage::OperationKind::kReprocess;
+  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
+                            services_.store.FindModelStaleness(database_.name()));
+  if (staleness.to_derive == 0 && !derives_all) return std::string();
+  const auto progress = [&](double fraction, std::string_view stage) {
+    services_.operations.Advance(build.operation, kDeriveShare * fraction, stage);
+    return !build.stopped();
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const Reprocessed done,
+      Reprocess(services_.store, database_, services_.executor.Parallel(Pool::kBuilds),
+                derives_all ? operation->create_time_us : 0, progress,
+                [&build] { return build.stopped(); }));
+  build.derived = kDeriveShare;
+  return fmt::format(
+      "clips derived again: {}, with other states: {}, that could not be derived: {}", done.clips,
+      done.changed, done.failed);
+}
+
+absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Build& build) {
+  absl::StatusOr<Built> built = absl::AbortedError("");
+  for (int attempt = 0; attempt < kAttempts && absl::IsAborted(built.status()); ++attempt) {
+    MOTIONDB_ASSIGN_OR_RETURN(auto clips, AllClips(services_.store, database_.name()));
+    bool is_up_to_date = clips.empty();
+    std::erase_if(clips, [](const storage::ClipRecord& clip) {
+      return clip.representation_version != core::kRepresentationVersion;
+    });
+    if (clips.empty() && !is_up_to_date) {
+      return core::DataLoss("database '{}': no clip could be derived again: {}", database_.name(),
+                            database_.underived().begin()->second);
+    }
+    const Replacement without_build =
+        [&](SnapshotPointer current) -> absl::StatusOr<SnapshotPointer> {
+      if (clips.empty()) {
+        MOTIONDB_RETURN_IF_ERROR(DropStored());
+        current = nullptr;
+      } else {
+        MOTIONDB_ASSIGN_OR_RETURN(current,
+                                  Extended(current, services_.executor.Parallel(Pool::kBuilds)));
+        if (current != nullptr) {
+          MOTIONDB_ASSIGN_OR_RETURN(is_up_to_date, KnowsAllClips(*current));
+        }
+      }
+      if (is_up_to_date) built = Built{current == nullptr ? 0 : current->record.version, ""};
+      return current;
+    };
+    MOTIONDB_RETURN_IF_ERROR(Replace(without_build));
+    if (build.stopped()) return absl::CancelledError("stopped");
+    if (!is_up_to_date) built = BuildAndStore(build, clips);
+  }
+  return built;
+}
+
+absl::Status ModelLifecycle::DropStored() {
+  absl::Status dropped = services_.store.DropModel(database_.name());
+  return absl::IsNotFound(dropped) ? absl::OkStatus() : dropped;
+}
+
+absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
+    const Build& build, const std::vector<storage::ClipRecord>& clips) {
+  // What is only computed can be given up at any moment; what is stored and served cannot.
+  const core::ParallelFor parallel =
+      Stoppable(services_.executor.Parallel(Pool::kBuilds), [&build] { return build.stopped(); });
+  const auto advance = [this, &build](double fraction, std::string_view stage) {
+    services_.operations.Advance(build.operation, build.derived + (1 - build.derived) * fraction,
+                                 stage);
+    return !build.stopped();
+  };
+  const auto progress = [&](double from, double share) -> core::BuildProgress {
+    return [&advance, from, share](double fraction, std::string_view stage) {
+      return advance(from + share * fraction, stage);
+    };
+  };
   const auto began = services_.executor.Now();
-  absl::Status status;
-  try {
-    const AllocationsMayFail scope;
-    status = Extend(services_.store, database_, services_.options, core::Serially);
-  } catch (const std::exception& error) {
-    status = absl::ResourceExhaustedError(error.what());
-  }
+  const auto set_seconds = [&](core::Model& model) {
+    const std::chrono::duration<double> seconds = services_.executor.Now() - began;
+    model.set_build_seconds(seconds.count());
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(core::Model model, ModelOfClips(services_.store, database_, clips,
+                                                            parallel, progress(0, kBuildShare)));
+  set_seconds(model);
+  SnapshotPointer before = snapshot();
+  MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model));
+  Built built{.difference = DifferenceText(before.get(), model, parallel)};
+  before.reset();  // its memory is free for the calibration
+
+  MOTIONDB_RETURN_IF_ERROR(
+      core::Calibrate(model, parallel, progress(kBuildShare, kCalibrateShare)));
+  set_seconds(model);
+  if (!advance(kBuildShare + kCalibrateShare, "storing")) return absl::CancelledError("stopped");
+  MOTIONDB_ASSIGN_OR_RETURN(built.version, StoreAndServe(std::move(model)));
+  return built;
+}
+
+absl::Status ModelLifecycle::ServeBorrowing(core::Model model) {
+  return Replace([&](const SnapshotPointer& before) -> absl::StatusOr<SnapshotPointer> {
+    const bool can_borrow = before != nullptr && before->calibration != Calibration::kTypical;
+    if (can_borrow) {
+      model.set_recognition(before->model.recognition());
+      model.set_confidence(before->model.confidence());
+    }
+    // Clips that are known stay known: what took clips is replaced by what does.
+    const bool takes_clips = (before != nullptr && before->takes_clips) ||
+                             TakesClips(services_.options, model.build_seconds());
+    const int stored_version = before == nullptr ? 0 : before->record.version;
+    auto record = FiguresOf(database_.name(), stored_version, model, 0);
+    spdlog::info("database '{}': a new model answers while it is calibrated, clips {}",
+                 database_.name(), record.clip_count);
+    return Extended(std::make_shared<const Snapshot>(Snapshot{
+                        std::move(record), std::move(model),
+                        can_borrow ? Calibration::kPrevious : Calibration::kTypical, takes_clips}),
+                    services_.executor.Parallel(Pool::kBuilds));
+  });
+}
+
+absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
+  int version = 0;
+  MOTIONDB_RETURN_IF_ERROR(Replace([&](const SnapshotPointer&) -> absl::StatusOr<SnapshotPointer> {
+    auto record = services_.store.PutModel(database_.name(), model);
+    if (!record.ok()) {
+      return absl::IsNotFound(record.status())
+                 ? absl::AbortedError(
+                       "clips were deleted during each build; delete or ingest one to try again")
+                 : record.status();
+    }
+    version = record->version;
+    const bool takes_clips = TakesClips(services_.options, record->build_seconds);
+    const auto stored = std::make_shared<const Snapshot>(
+        Snapshot{*std::move(record), std::move(model), Calibration::kOwn, takes_clips});
+    auto extended = Extended(stored, services_.executor.Parallel(Pool::kBuilds));
+    // The build is in: clips that came meanwhile can wait for the next extension.
+    if (!extended.ok()) {
+      spdlog::warn(
+          "database '{}': model {} could not be extended by the clips that came during its build: "
+          "{}",
+          database_.name(), version, extended.status().ToString());
+      extended = stored;
+    }
+    return extended;
+  }));
+  return version;
+}
+
+void ModelLifecycle::ExtendCurrent() {
+  const absl::Status status = WithoutExceptions<absl::Status>([&] {
+    return Replace(
+        [&](SnapshotPointer current) { return Extended(std::move(current), core::Serially); });
+  });
   if (!status.ok() && !absl::IsNotFound(status)) {
     spdlog::error("database '{}': new clips are not known before the next build: {}",
                   database_.name(), status.ToString());
   }
-  const MutexLock lock(mutex_);
-  is_extending_ = false;
-  if (extension_waits_ && !is_closed_) {
-    const Executor::Clock::duration rest = kRest * (services_.executor.Now() - began);
-    ArmExtension(std::clamp<Executor::Clock::duration>(rest, kLeastRest, kLongestRest));
+}
+
+absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
+                                                         const core::ParallelFor& parallel) {
+  const std::string& name = database_.name();
+  const bool takes_clips =
+      snapshot != nullptr && snapshot->takes_clips && snapshot->model.tree().has_planes();
+  if (!takes_clips) return snapshot;
+  MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
+  // A model that knows clips by other states than they have now takes no more: it is replaced.
+  if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
+  std::set<std::string> known;
+  for (const auto& [clip, problem] : database_.unreadable()) known.insert(clip);
+  if (!snapshot->is_stored()) {
+    for (const core::ModelClip& clip : snapshot->model.clips()) known.insert(clip.id);
   }
-  changed_.NotifyAll();
+  std::erase_if(staleness.missing, [&](const std::string& clip) { return known.contains(clip); });
+  MOTIONDB_ASSIGN_OR_RETURN(
+      auto extended,
+      ModelWithClips(services_.store, database_, snapshot->model, staleness.missing, parallel));
+  if (!extended) return snapshot;
+  const double drift = extended->drift.stale;
+  auto record = snapshot->is_stored()
+                    ? services_.store.PutExtension(name, extended->model, drift)
+                    : FiguresOf(name, snapshot->record.version, extended->model, drift);
+  if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
+  if (!record.ok()) return record.status();
+  spdlog::info(
+      "database '{}': model {} was extended, clips more than the build: {}; {:.2f} % of its frames "
+      "were added, {:.2f} % lie in nodes that a build would divide",
+      name, record->version, record->added_clip_count, 100 * extended->drift.added, 100 * drift);
+  return std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(extended->model),
+                                                   snapshot->calibration, snapshot->takes_clips});
+}
+
+absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
+  const SnapshotPointer current = snapshot();
+  if (current == nullptr) return database_.stored().clip_count == 0;
+  return KnowsAllClips(*current);
+}
+
+absl::StatusOr<bool> ModelLifecycle::KnowsAllClips(const Snapshot& snapshot) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
+                            services_.store.FindModelStaleness(database_.name()));
+  bool knows_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
+                   staleness.outdated == 0 && staleness.to_derive == 0;
+  // The model may lack clips because they are corrupt. The first that can be read tells that it is
+  // not so, and the build reads the rest.
+  for (auto clip = staleness.missing.begin(); knows_all && clip != staleness.missing.end();
+       ++clip) {
+    MOTIONDB_ASSIGN_OR_RETURN(const auto read, ReadInputs(services_.store, database_, {*clip}));
+    knows_all = read.empty();
+  }
+  return knows_all;
+}
+
+void ModelLifecycle::PurgeDeletedClips(const core::Cancelled& cancelled) {
+  const absl::Status purged = services_.store.PurgeDeletedClips(database_.name(), cancelled);
+  if (!purged.ok() && !absl::IsCancelled(purged)) {
+    spdlog::warn("database '{}': what is left of deleted clips could not be removed: {}",
+                 database_.name(), purged.ToString());
+  }
 }
 
 }  // namespace motiondb::server

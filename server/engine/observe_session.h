@@ -5,17 +5,21 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/observe/observer.h"
-#include "server/engine/engine.h"
+#include "server/engine/packed_frames.h"
+#include "server/engine/query.h"
+#include "server/engine/query_memory.h"
 #include "server/engine/snapshot.h"
 
 namespace motiondb::server {
 
 // What an observer is made for.
 struct ObserveSetup {
-  std::vector<std::string> marker_names;
+  std::vector<std::string> marker_names;  // empty: the database's markers
   double frame_rate_hz = 0;
   std::optional<double> leg_length_m;
   core::ObserverOptions options;
@@ -25,6 +29,7 @@ struct ObserveSetup {
 struct ObserveStep {
   std::optional<core::Observed> observed;  // nothing until both hips were seen
   int model_version = 0;
+  Calibration calibration = Calibration::kOwn;
   bool model_replaced = false;
   std::int64_t late_frames = 0;
   std::int64_t missing_frames = 0;
@@ -32,42 +37,32 @@ struct ObserveStep {
 
 class ObserveSession {
  public:
-  // Codes as core::Observer::Create.
-  static absl::StatusOr<std::unique_ptr<ObserveSession>> Open(
-      Engine& engine, std::shared_ptr<LiveDatabase> database,
-      std::shared_ptr<const Snapshot> snapshot, ObserveSetup setup);
+  // Keeps the query's terms, for the stream. INVALID_ARGUMENT naming the field of the setup;
+  // RESOURCE_EXHAUSTED.
+  static absl::StatusOr<std::unique_ptr<ObserveSession>> Open(Query query, ObserveSetup setup);
 
-  ~ObserveSession() { database_->AddOpenStreams(-1); }
+  ~ObserveSession() { query_.database()->AddOpenStreams(-1); }
   ObserveSession(const ObserveSession&) = delete;
   ObserveSession& operator=(const ObserveSession&) = delete;
 
-  // Frames as core::Observer::Append takes them. NOT_FOUND once the database is deleted,
-  // FAILED_PRECONDITION once it has no clips; otherwise as the observer's functions.
-  absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const core::FrameMatrix& positions_m,
-                                   const core::Cancelled& cancelled);
-
-  // That judges the frames now.
-  const core::Model& model() const { return snapshot_->model; }
+  // Frames (frames x 3 markers, m, world) numbered first_frame, first_frame + 1, ... as
+  // core::Observer::Append takes them. NOT_FOUND once the database is deleted, FAILED_PRECONDITION
+  // once it has no clips; RESOURCE_EXHAUSTED; otherwise as the observer's functions.
+  absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const PackedFrames& positions_m);
 
  private:
-  ObserveSession(Engine& engine, std::shared_ptr<LiveDatabase> database,
+  ObserveSession(Query query, std::vector<std::string> marker_names, core::ObserverOptions options,
                  std::shared_ptr<const core::MarkerScheme> scheme,
-                 std::shared_ptr<const Snapshot> snapshot, std::unique_ptr<core::Observer> observer)
-      : engine_(engine),
-        database_(std::move(database)),
-        scheme_(std::move(scheme)),
-        snapshot_(std::move(snapshot)),
-        observer_(std::move(observer)) {
-    database_->AddOpenStreams(1);
-  }
+                 std::unique_ptr<core::Observer> observer);
   // Whether the model is another than before.
   absl::StatusOr<bool> TakeOverModel();
 
-  Engine& engine_;
-  const std::shared_ptr<LiveDatabase> database_;
+  Query query_;
+  const std::vector<std::string> marker_names_;
+  const core::ObserverOptions options_;
   const std::shared_ptr<const core::MarkerScheme> scheme_;
-  std::shared_ptr<const Snapshot> snapshot_;
   const std::unique_ptr<core::Observer> observer_;
+  ObserveMemory memory_;
 };
 
 }  // namespace motiondb::server

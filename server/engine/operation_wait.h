@@ -7,31 +7,31 @@
 #include <string>
 
 #include "server/engine/executor.h"
-#include "server/engine/operation_book.h"
+#include "server/engine/operation_registry.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {
 
-// Thread-safe. Keeps itself alive until it has ended; executor and book must outlive it.
+// Thread-safe. Keeps itself alive until it has ended; executor and registry must outlive it.
 class OperationWait : public std::enable_shared_from_this<OperationWait> {
  public:
   using Done = std::function<void(absl::StatusOr<storage::OperationRecord>)>;
 
   // Calls `done` once, on a request thread, with the operation as it stands when it is
   // done, the timeout has passed or Stop was called. NOT_FOUND if there is no such operation.
-  static std::shared_ptr<OperationWait> Start(Executor& executor, OperationBook& book,
+  static std::shared_ptr<OperationWait> Start(Executor& executor, OperationRegistry& registry,
                                               std::string id, Executor::Clock::duration timeout,
                                               Done done);
   // Ends the wait now.
   void Stop();
 
  private:
-  OperationWait(Executor& executor, OperationBook& book, std::string id, Done done);
+  OperationWait(Executor& executor, OperationRegistry& registry, std::string id, Done done);
   void Begin(Executor::Clock::duration timeout);
   void End(absl::StatusOr<storage::OperationRecord> record);
 
   Executor& executor_;
-  OperationBook& book_;
+  OperationRegistry& registry_;
   const std::string id_;
   storage::Mutex mutex_;
   const std::unique_ptr<Executor::Timer> timer_ ABSL_PT_GUARDED_BY(mutex_);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "core/inference/node_path.h"
-#include "core/model/frame_stride.h"
-#include "core/recognition/label_evidence.h"
+#include "core/model/metric_frames.h"
+#include "core/recognition/window_alignment.h"
 #include "server/engine/representation.h"
 
 namespace motiondb::server {
@@ -209,7 +209,7 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
           ? BytesOfStates(problem.start.observation->frame_count(), MarkerCount(model))
           : 0;
   return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameOfOne +
-         frames * problem.plan_count * (24 + 8 * dofs + 12 * MarkerCount(model));
+         frames * (1 + problem.alternative_count) * (24 + 8 * dofs + 12 * MarkerCount(model));
 }
 
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {

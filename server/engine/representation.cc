@@ -109,11 +109,12 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
 
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
-                                                    const core::Motion& motion, core::Gaps gaps,
+                                                    const core::Motion& motion,
+                                                    core::Cleaning cleaning,
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
-  return core::Represent(scheme, motion, limits.frame_rate_hz, gaps, leg_length_m, notes,
+  return core::Represent(scheme, motion, limits.frame_rate_hz, cleaning, leg_length_m, notes,
                          limits.terms.cancelled);
 }
 

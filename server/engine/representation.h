@@ -2,6 +2,7 @@
 // call from any thread.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -25,6 +26,8 @@ struct WorkTerms {
   // Reserves the memory (bytes) that the work may take from here on, in place of what was reserved
   // for it before. Empty: there is no limit.
   std::function<absl::Status(std::int64_t)> reserve = {};
+  // When the caller gives up; far away where the caller set no time.
+  std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
 
   // RESOURCE_EXHAUSTED.
   absl::Status Reserve(std::int64_t bytes) const {
@@ -50,7 +53,8 @@ bool IsHeavyWork(const absl::Status& status);
 // lasts too long or takes too much memory; INVALID_ARGUMENT for a frame rate too low. CANCELLED.
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
-                                                    const core::Motion& motion, core::Gaps gaps,
+                                                    const core::Motion& motion,
+                                                    core::Cleaning cleaning,
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes = nullptr);
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <atomic>
-#include <condition_variable>
 #include <exception>
 #include <memory>
-#include <mutex>
 #include <utility>
 
 #include "server/engine/memory_reserve.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 namespace {
@@ -25,23 +24,28 @@ class SharedLoop {
         const AllocationsMayFail scope;
         body_(i);
       } catch (...) {
-        const std::lock_guard lock(mutex_);
+        const storage::MutexLock lock(mutex_);
         if (!failure_) failure_ = std::current_exception();
       }
       ++done;
     }
     if (done == 0) return;
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     done_ += done;
-    if (done_ == count_) all_done_.notify_all();
+    if (done_ == count_) all_done_.NotifyAll();
   }
 
   void Wait() {
-    std::unique_lock lock(mutex_);
-    all_done_.wait(lock, [this] { return done_ == count_; });
-    // The caller's alone from here on: a late helper must not be the one to let go of it.
-    const std::exception_ptr failure = std::move(failure_);
-    lock.unlock();
+    std::exception_ptr failure;
+    {
+      const storage::MutexLock lock(mutex_);
+      all_done_.Wait(mutex_, [this] {
+        mutex_.AssertHeld();
+        return done_ == count_;
+      });
+      // The caller's alone from here on: a late helper must not be the one to let go of it.
+      failure = std::move(failure_);
+    }
     if (failure) std::rethrow_exception(failure);
   }
 
@@ -49,10 +53,10 @@ class SharedLoop {
   const int count_;
   const std::function<void(int)>& body_;
   std::atomic<int> next_{0};
-  std::mutex mutex_;
-  std::condition_variable all_done_;
-  int done_ = 0;
-  std::exception_ptr failure_;
+  storage::Mutex mutex_;
+  storage::ConditionVariable all_done_;
+  int done_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::exception_ptr failure_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace

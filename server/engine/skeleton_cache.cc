@@ -14,13 +14,13 @@ absl::StatusOr<std::shared_ptr<const core::Skeleton>> SkeletonCache::Get(
   const std::pair key(database, skeleton);
   int clear_count = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     if (const auto kept = skeletons_.find(key); kept != skeletons_.end()) return kept->second;
     clear_count = clear_count_;
   }
   MOTIONDB_ASSIGN_OR_RETURN(core::Skeleton read, store_.GetSkeleton(database, skeleton));
   auto shared = std::make_shared<const core::Skeleton>(std::move(read));
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   // What was read before a deletion must not be kept after it.
   if (clear_count != clear_count_) return shared;
   if (skeletons_.size() >= kMostSkeletons) skeletons_.clear();
@@ -29,7 +29,7 @@ absl::StatusOr<std::shared_ptr<const core::Skeleton>> SkeletonCache::Get(
 }
 
 void SkeletonCache::Clear() {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   skeletons_.clear();
   ++clear_count_;
 }

@@ -3,13 +3,13 @@
 
 #include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "absl/status/statusor.h"
 #include "core/motion/skeleton.h"
 #include "storage/motion_store.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -26,9 +26,10 @@ class SkeletonCache {
 
  private:
   storage::MotionStore& store_;
-  std::mutex mutex_;
-  std::map<std::pair<std::string, std::string>, std::shared_ptr<const core::Skeleton>> skeletons_;
-  int clear_count_ = 0;
+  storage::Mutex mutex_;
+  std::map<std::pair<std::string, std::string>, std::shared_ptr<const core::Skeleton>> skeletons_
+      ABSL_GUARDED_BY(mutex_);
+  int clear_count_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace motiondb::server

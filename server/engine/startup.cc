@@ -4,39 +4,12 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "server/engine/clip_list.h"
 #include "server/engine/engine.h"
-#include "server/engine/extend.h"
-#include "server/engine/purge.h"
 #include "server/engine/snapshot.h"
-#include "storage/cancellable_lock.h"
+#include "server/engine/stored_clips.h"
 #include "storage/read_scope.h"
 
 namespace motiondb::server {
-namespace {
-
-// The current model with its record; null if there is none, or none that can be read.
-std::shared_ptr<const Snapshot> ReadSnapshot(storage::MotionStore& store,
-                                             const std::string& database,
-                                             const core::ParallelFor& parallel,
-                                             DamageBook& damages) {
-  auto model = store.ReadModel(database, parallel);
-  if (absl::IsNotFound(model.status())) return nullptr;
-  auto newest = store.ListModels(database, 0, 1);
-  const absl::Status status = model.ok() ? newest.status() : model.status();
-  if (!status.ok() || newest->empty()) {
-    spdlog::error("database '{}': its model cannot be read: {}", database, status.ToString());
-    if (absl::IsDataLoss(status)) {
-      const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
-      damages.Note({fmt::format("databases/{}/models/{}", database, version),
-                    std::string(status.message())});
-    }
-    return nullptr;
-  }
-  return std::make_shared<const Snapshot>(Snapshot{newest->front(), *std::move(model)});
-}
-
-}  // namespace
 
 absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::MotionStore> store,
                                                      const EngineOptions& options) {
@@ -64,7 +37,7 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
   // Last: what comes in from then on finds clips counted and models read. Also where something
   // could not be read or resumed, for all of it is stored.
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   if (draining_) {
     for (const auto& [name, live] : databases) live->lifecycle().BeginStop();
   }
@@ -96,19 +69,21 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
 }
 
 absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record) {
-  auto scheme = StoredScheme(record);
+  auto scheme = schemes_.Of(record);
   if (!scheme.ok()) {
     damages_.Note({"databases/" + record.name, std::string(scheme.status().message())});
   }
   live.set_scheme(std::move(scheme));
   // A former server may have stopped before it did.
-  if (store_->upkeep().CheckIsWritable().ok()) PurgeDeletedClips(*store_, record.name);
+  if (store_->upkeep().CheckIsWritable().ok()) live.lifecycle().PurgeUnlessBuilding();
   // Queries are answered by the model alone, also where the list of clips is damaged.
-  live.set_snapshot(
-      ReadSnapshot(*store_, record.name, workers_.Parallel(Pool::kRequests), damages_));
+  live.lifecycle().LoadStored(damages_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
-  for (const auto& clip : clips) live.AddStored(AmountOf(clip));
-  const auto snapshot = live.snapshot();
+  for (const auto& clip : clips) {
+    live.AddStored(AmountOf(clip));
+    live.NoteUnderived(clip.id, clip.derive_error);
+  }
+  const auto snapshot = live.lifecycle().snapshot();
   spdlog::info("database '{}': clips {}, model {}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);
   return absl::OkStatus();
@@ -138,32 +113,18 @@ absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
 
 absl::Status Engine::RebuildWhereNeeded(const LiveDatabases& databases) {
   for (const auto& [name, live] : databases) {
-    if (!live->operation().empty()) continue;
-    const auto current = IsCurrent(*live);
-    if (absl::IsDataLoss(current.status())) {
-      damages_.Note({"databases/" + name, std::string(current.status().message())});
+    if (!live->lifecycle().operation().empty()) continue;
+    const auto up_to_date = live->lifecycle().IsUpToDate();
+    if (absl::IsDataLoss(up_to_date.status())) {
+      damages_.Note({"databases/" + name, std::string(up_to_date.status().message())});
       continue;
     }
-    if (!current.ok()) return current.status();
-    if (*current) continue;
-    spdlog::info("database '{}': its model is not of its clips and is built anew", name);
+    if (!up_to_date.ok()) return up_to_date.status();
+    if (*up_to_date) continue;
+    spdlog::info("database '{}': model is out of date with the stored clips; rebuilding", name);
     MOTIONDB_RETURN_IF_ERROR(live->lifecycle().Request().status());
   }
   return absl::OkStatus();
-}
-
-absl::StatusOr<bool> Engine::IsCurrent(LiveDatabase& database) {
-  const auto snapshot = database.snapshot();
-  if (snapshot == nullptr) return database.stored().clip_count == 0;
-  MOTIONDB_ASSIGN_OR_RETURN(storage::ModelGap gap, store_->FindModelGap(database.name()));
-  // The model may lack clips because they are damaged. The first that can be read tells that it is
-  // not so, and the rebuild reads the rest.
-  for (const std::string& clip : std::exchange(gap.missing, {})) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const auto read, ReadInputs(*store_, database, {clip}, [](std::size_t) { return true; }));
-    if (!read.empty()) return false;
-  }
-  return gap.empty() && !HasDrifted(snapshot->record);
 }
 
 absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
@@ -171,8 +132,7 @@ absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
   // Takes as long as reading all of it: databases may be created meanwhile, which Finish finds.
   MOTIONDB_RETURN_IF_ERROR(restore.Check(cancelled));
   // Nobody creates a database from here on.
-  std::unique_lock naming(naming_mutex_, std::defer_lock);
-  MOTIONDB_RETURN_IF_ERROR(storage::Lock(naming, cancelled));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(cancelled));
   MOTIONDB_RETURN_IF_ERROR(restore.Finish(cancelled));
   // All of it is stored, and is served whether or not the caller still waits.
   const core::Cancelled never;

@@ -54,18 +54,14 @@ Executor::Work Counted(std::atomic<int>& queued, Executor::Work work) {
 }  // namespace
 
 int Workers::ThreadCount(const EngineOptions& options) {
-  constexpr int kOfOneThread = 4;  // extensions, changes, urgent changes, upkeep
-  return RequestThreads(options) + BuildThreads(options) + kOfOneThread;
+  constexpr int kOthers = 4;  // extensions, changes (two), upkeep
+  return RequestThreads(options) + BuildThreads(options) + kOthers;
 }
 
 Workers::Workers(const EngineOptions& options)
-    : pools_{Threads(RequestThreads(options)),
-             Threads(BuildThreads(options)),
-             Threads(1),
-             Threads(1),
-             Threads(1),
-             Threads(1)},
-      heavy_requests_(At(Pool::kRequests).threads, HeavyThreads(options)) {}
+    : pools_{Threads(RequestThreads(options), HeavyThreads(options)),
+             Threads(BuildThreads(options), BuildThreads(options)), Threads(1, 1), Threads(2, 1),
+             Threads(1, 1)} {}
 
 Workers::~Workers() { Join(); }
 
@@ -74,8 +70,9 @@ void Workers::Post(Pool pool, Work work) {
   boost::asio::post(to.threads.executor(), Counted(to.queued, std::move(work)));
 }
 
-void Workers::PostHeavy(const std::string& client, Work work) {
-  heavy_requests_.Post(client, Counted(queued_heavy_, std::move(work)));
+void Workers::PostInTurn(Pool pool, const std::string& client, Work work) {
+  Threads& to = At(pool);
+  to.lane.Post(client, Counted(to.queued_in_turn, std::move(work)));
 }
 
 std::unique_ptr<Executor::Timer> Workers::MakeTimer(Pool pool) {
@@ -91,17 +88,18 @@ core::ParallelFor Workers::Parallel(Pool pool) {
 }
 
 QueueLengths Workers::queued() const {
-  return {.requests = queued(Pool::kRequests),
-          .heavy_requests = queued_heavy_.load(std::memory_order_relaxed),
-          .changes = queued(Pool::kChanges),
-          .urgent_changes = queued(Pool::kUrgentChanges),
+  return {.requests = At(Pool::kRequests).queued,
+          .heavy_requests = At(Pool::kRequests).queued_in_turn,
+          .changes = At(Pool::kChanges).queued_in_turn,
+          .urgent_changes = At(Pool::kChanges).queued,
           .upkeep = queued(Pool::kUpkeep)};
 }
 
 void Workers::Join() {
-  // Builds and extensions last: the others ask for them.
-  for (const Pool pool : {Pool::kRequests, Pool::kChanges, Pool::kUrgentChanges, Pool::kUpkeep,
-                          Pool::kBuilds, Pool::kExtensions}) {
+  // Each before those that it may post to: audit entries may be left to the thread for upkeep, and
+  // all ask for builds and extensions.
+  for (const Pool pool :
+       {Pool::kRequests, Pool::kChanges, Pool::kUpkeep, Pool::kBuilds, Pool::kExtensions}) {
     At(pool).threads.Join();
   }
 }

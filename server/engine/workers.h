@@ -1,5 +1,5 @@
 // The engine's threads: one pool for requests, one for building models, so that a build never takes
-// the last core from queries, and one thread each of the others (executor.h).
+// the last core from queries, two threads for changes and one each of the others (executor.h).
 // All have the same priority: nicer threads would build nothing on a machine that is always asked.
 // Thread-safe.
 #pragma once
@@ -39,33 +39,34 @@ class Workers : public Executor {
   std::unique_ptr<Timer> MakeTimer(Pool pool) override;
   core::ParallelFor Parallel(Pool pool) override;
 
-  // Runs work that takes long on a request thread: some of these always stay with the rest, and
-  // clients take turns.
-  void PostHeavy(const std::string& client, Work work);
+  // Runs work that takes long, or waits for others, on a pool's thread: where a pool has several,
+  // some stay with what is posted otherwise, and clients take turns.
+  void PostInTurn(Pool pool, const std::string& client, Work work);
   QueueLengths queued() const;
-  // Posted work that no thread has begun.
-  int queued(Pool pool) const { return At(pool).queued.load(std::memory_order_relaxed); }
+  // Work that no thread has begun.
+  int queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
   int request_threads() const { return At(Pool::kRequests).thread_count; }
   // Heavy work that has a thread or is next for one.
-  int running_heavy() { return heavy_requests_.running(); }
+  int running_heavy() { return At(Pool::kRequests).lane.running(); }
 
   // Returns when all work is done. Nothing may be posted afterwards.
   void Join();
 
  private:
   struct Threads {
-    explicit Threads(int count) : thread_count(count), threads(count) {}
+    // `in_turn`: threads that work that takes turns may have.
+    Threads(int count, int in_turn) : thread_count(count), threads(count), lane(threads, in_turn) {}
     const int thread_count;
     std::atomic<int> queued{0};
+    std::atomic<int> queued_in_turn{0};
     ThreadPool threads;
+    Lane lane;
   };
 
   Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }
   const Threads& At(Pool pool) const { return pools_[static_cast<std::size_t>(pool)]; }
 
-  std::array<Threads, 6> pools_;  // by Pool
-  std::atomic<int> queued_heavy_{0};
-  Lane heavy_requests_;
+  std::array<Threads, 5> pools_;  // by Pool
 };
 
 }  // namespace motiondb::server

@@ -6,10 +6,11 @@
 #include <cstring>
 #include <utility>
 
-#include "server/http2/parsed_size.h"
-#include "server/rpc/call_evidence.h"
+#include "server/http2/grpc_wire.h"
+#include "server/rpc/call_entry.h"
+#include "server/rpc/call_identity.h"
 #include "server/security/attempt_limit.h"
-#include "server/security/caller.h"
+#include "server/security/authorize.h"
 #include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
@@ -25,11 +26,8 @@ constexpr std::size_t kOwnHeaderBytes = 16 << 10;
 constexpr int kHeaderLimits = 4;            // times the limit, and the connection ends
 constexpr std::size_t kHeaderCost = 32;     // of each header, as HTTP/2 counts it
 constexpr std::size_t kQueuedMessages = 2;  // beyond them the client gets no new window
-constexpr std::int64_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
-grpc::Status Refusal(grpc::StatusCode code, std::string message) {
-  return {code, std::move(message)};
-}
+grpc::Status Refusal(grpc::StatusCode code, const std::string& message) { return {code, message}; }
 
 std::vector<nghttp2_nv> Views(const HeaderList& headers) {
   std::vector<nghttp2_nv> views;
@@ -120,6 +118,8 @@ void CallStream::BeginCall() {
     return;
   }
   request_latest_ = Clock::time_point::max();
+  // gRPC 1.51 crashes if a call within the process begins when its server has been shut down.
+  if (host_->draining()) return Refuse(Stopping());
   context_.AddMetadata(kPeerMetadata, host_->peer());
   if (!host_->common_name().empty()) {
     context_.AddMetadata(kCommonNameMetadata, host_->common_name());

@@ -52,6 +52,8 @@ class StreamHost {
   // Of the client: "ipv4:127.0.0.1:50000", and the common name of its certificate or nothing.
   virtual const std::string& peer() const = 0;
   virtual const std::string& common_name() const = 0;
+  // No call begins any more: gRPC is about to be shut down.
+  virtual bool draining() const = 0;
 };
 
 class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::ByteBuffer>,

@@ -13,15 +13,15 @@ namespace motiondb::server {
 
 namespace {
 
-using std::chrono::seconds;
-constexpr seconds kGreetingTime{20};      // for the TLS handshake and the first frame
-constexpr seconds kSilenceToPing{60};     // after which the client is asked whether it is there
-constexpr seconds kPingTime{20};          // for its answer
-constexpr std::size_t kChunk = 64 << 10;  // read or written at a time, at most
+constexpr std::chrono::seconds kGreetingTime{20};  // for the TLS handshake and the first frame
+constexpr std::chrono::seconds kSilenceToPing{
+    60};  // after which the client is asked whether it is there
+constexpr std::chrono::seconds kPingTime{20};  // for its answer
+constexpr std::size_t kChunk = 64 << 10;       // read or written at a time, at most
 // Read at a time where calls begin: at most some 200 of them before other connections have a turn.
 constexpr std::size_t kSmallChunk = 4 << 10;
 constexpr int kChunksInTurn = 4;
-constexpr seconds kLeavingTime{1};  // for a client to close, once it was told to
+constexpr std::chrono::seconds kLeavingTime{1};  // for a client to close, once it was told to
 constexpr std::int64_t kMostDropped = 4 << 20;
 
 // The windows for what a client sends: of a stream, and of all of a connection.
@@ -246,6 +246,7 @@ void Connection::Tick(Clock::time_point now) {
 }
 
 void Connection::Drain() {
+  draining_ = true;
   if (closed_ || leaving_.has_value()) return;
   nghttp2_submit_goaway(session_.get(), NGHTTP2_FLAG_NONE,
                         nghttp2_session_get_last_proc_stream_id(session_.get()), NGHTTP2_NO_ERROR,

@@ -45,7 +45,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   void Start();
   // To be called about once a second: looks after everything that takes too long.
   void Tick(Clock::time_point now);
-  // Tells the client to make its next calls elsewhere.
+  // Tells the client to make its next calls elsewhere, and begins none any more.
   void Drain();
   void Close();
 
@@ -57,6 +57,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   void Post(std::function<void()> work) override;
   const std::string& peer() const override { return peer_; }
   const std::string& common_name() const override { return common_name_; }
+  bool draining() const override { return draining_; }
 
  private:
   friend struct SessionCallbacks;
@@ -93,6 +94,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   bool serving_ = false;
   bool flushing_ = false;  // soon
   bool closed_ = false;
+  bool draining_ = false;
   std::optional<Clock::time_point> leaving_;  // since when nothing is sent any more
   std::int64_t dropped_ = 0;                  // bytes that came since
   std::string reason_;                        // why it has to end

@@ -1,21 +1,26 @@
 #include "server/http2/grpc_wire.h"
 
+#include <google/protobuf/io/coded_stream.h>
+#include <google/protobuf/message.h>
+#include <google/protobuf/wire_format_lite.h>
+
 #include <algorithm>
 #include <charconv>
+#include <string>
 
+#include "absl/strings/ascii.h"
 #include "absl/strings/escaping.h"
 
 namespace motiondb::server {
-namespace {
 
-bool IsPrintable(char c) { return c >= 0x20 && c < 0x7f; }
+namespace {
 
 // As grpc-message has it: all but printable ASCII, and '%', as % and two hexadecimal digits.
 std::string PercentEncoded(std::string_view text) {
   constexpr char kDigits[] = "0123456789ABCDEF";
   std::string encoded;
   for (const char c : text) {
-    if (IsPrintable(c) && c != '%') {
+    if (absl::ascii_isprint(static_cast<unsigned char>(c)) && c != '%') {
       encoded += c;
       continue;
     }
@@ -85,8 +90,77 @@ HeaderList TrailersOf(const grpc::Status& status) {
 std::string PrintableAscii(std::string_view text) {
   std::string printable(text);
   std::ranges::replace_if(
-      printable, [](char c) { return !IsPrintable(c); }, '?');
+      printable, [](unsigned char c) { return !absl::ascii_isprint(c); }, '?');
   return printable;
+}
+
+namespace {
+
+using google::protobuf::Descriptor;
+using google::protobuf::DescriptorPool;
+using google::protobuf::FieldDescriptor;
+using google::protobuf::MessageFactory;
+using google::protobuf::io::CodedInputStream;
+using Wire = google::protobuf::internal::WireFormatLite;
+
+// What an allocation costs beyond its bytes, a pointer to it, and what a growing array has to
+// spare.
+constexpr std::int64_t kAllocation = 64;
+constexpr std::int64_t kOfAnyMessage = 512;  // what it keeps of fields that are wrong or cut off
+constexpr std::int64_t kUnknownByte = 32;    // of a group: it may hold many small fields
+constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by doubling
+constexpr int kDeepest = 100;                               // as protobuf itself allows
+
+std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) {
+  const auto* const prototype = MessageFactory::generated_factory()->GetPrototype(&type);
+  std::int64_t size =
+      prototype == nullptr ? 0 : static_cast<std::int64_t>(prototype->SpaceUsedLong());
+  while (const std::uint32_t tag = input.ReadTag()) {
+    const FieldDescriptor* const field = type.FindFieldByNumber(Wire::GetTagFieldNumber(tag));
+    size += field == nullptr ? kAllocation : kScalar;
+    if (Wire::GetTagWireType(tag) != Wire::WIRETYPE_LENGTH_DELIMITED) {
+      const int before = input.CurrentPosition();
+      const bool is_whole = Wire::SkipField(&input, tag);
+      if (Wire::GetTagWireType(tag) == Wire::WIRETYPE_START_GROUP) {
+        size += kUnknownByte * (input.CurrentPosition() - before);
+      }
+      if (!is_whole) return size;
+      continue;
+    }
+    std::uint32_t length = 0;
+    if (!input.ReadVarint32(&length)) return size;
+    const std::int64_t left = std::max(0, input.BytesUntilLimit());
+    const auto present = static_cast<int>(std::min<std::int64_t>(length, left));
+    const bool is_known = field != nullptr;
+    if (is_known && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && depth < kDeepest) {
+      const CodedInputStream::Limit outer = input.PushLimit(present);
+      size += kAllocation + SizeIn(*field->message_type(), input, depth + 1);
+      input.Skip(std::max(0, input.BytesUntilLimit()));
+      input.PopLimit(outer);
+      continue;
+    }
+    // A packed number takes at least a byte.
+    const bool is_packed = is_known && field->cpp_type() != FieldDescriptor::CPPTYPE_STRING;
+    size += kAllocation + (is_packed ? kScalar * present : present);
+    if (!input.Skip(present)) return size;
+  }
+  return size;
+}
+
+}  // namespace
+
+const google::protobuf::MethodDescriptor* FindRpc(std::string_view path) {
+  std::string name(path.substr(std::min<std::size_t>(1, path.size())));
+  std::ranges::replace(name, '/', '.');
+  return DescriptorPool::generated_pool()->FindMethodByName(name);
+}
+
+std::int64_t ParsedSize(const Descriptor& type, std::span<const std::uint8_t> bytes) {
+  CodedInputStream input(bytes.data(), static_cast<int>(bytes.size()));
+  const CodedInputStream::Limit whole = input.PushLimit(static_cast<int>(bytes.size()));
+  const std::int64_t size = kOfAnyMessage + SizeIn(type, input, 0);
+  input.PopLimit(whole);
+  return size;
 }
 
 }  // namespace motiondb::server

@@ -1,12 +1,14 @@
 // How gRPC writes itself into HTTP/2 headers and data ("gRPC over HTTP2"). Functions keep no state.
 #pragma once
 
+#include <google/protobuf/descriptor.h>
 #include <grpcpp/support/status.h>
 
 #include <array>
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -32,5 +34,16 @@ HeaderList TrailersOf(const grpc::Status& status);
 // `text` with everything but printable ASCII replaced by '?': gRPC ends the process for metadata
 // that is not.
 std::string PrintableAscii(std::string_view text);
+
+// What a protobuf message takes in memory once it is read, before it is read: many times its bytes
+// where it has many small parts.
+
+// The call by its HTTP/2 path, "/motiondb.v1.QueryService/Recognize"; null for one that this
+// program does not know.
+const google::protobuf::MethodDescriptor* FindRpc(std::string_view path);
+
+// Of a message of the type, which need not be valid; from above. O(bytes).
+std::int64_t ParsedSize(const google::protobuf::Descriptor& type,
+                        std::span<const std::uint8_t> bytes);
 
 }  // namespace motiondb::server

@@ -10,6 +10,7 @@
 #include <boost/asio/post.hpp>
 #include <cerrno>
 #include <csignal>
+#include <latch>
 #include <new>
 #include <utility>
 
@@ -186,7 +187,7 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
 
 // Counts one more connection of the address. False if it has too many, and none makes room.
 bool Listener::MakeRoom(const std::string& address) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   auto& connections = by_address_[address];
   if (connections.size() >= kPerAddress) {
     std::shared_ptr<Connection> oldest;
@@ -223,7 +224,7 @@ void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
   loop.connections.insert(connection);
   ++meter_.open;
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     auto& connections = by_address_[address];
     connections.erase(connections.find(nullptr));
     connections.insert(connection);
@@ -236,7 +237,7 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
   meter_.open -= static_cast<int>(loop.connections.erase(connection));
   if (closing_ && loop.connections.empty()) loop.ticks.cancel();
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     const auto found = by_address_.find(address);
     if (found == by_address_.end()) return;
     const auto one = found->second.find(connection);
@@ -263,8 +264,10 @@ void Listener::Tick(Loop& loop) {
 
 void Listener::Close(std::chrono::milliseconds grace) {
   if (closing_.exchange(true)) return;
+  if (!loops_.front()->thread.joinable()) return;  // it has not begun to listen
+  std::latch drained(static_cast<std::ptrdiff_t>(loops_.size()));
   for (const auto& loop : loops_) {
-    boost::asio::post(loop->context, [this, &loop = *loop, grace] {
+    boost::asio::post(loop->context, [this, &loop = *loop, &drained, grace] {
       if (&loop == loops_.front().get()) {
         rest_.cancel();
         acceptors_.clear();
@@ -272,6 +275,7 @@ void Listener::Close(std::chrono::milliseconds grace) {
       // It closes with its last call.
       const auto draining = loop.connections;
       for (const auto& connection : draining) connection->Drain();
+      drained.count_down();
       loop.ticks.expires_after(loop.connections.empty() ? std::chrono::milliseconds(0) : grace);
       loop.ticks.async_wait([&loop](const auto&) {
         const auto left = loop.connections;
@@ -279,6 +283,7 @@ void Listener::Close(std::chrono::milliseconds grace) {
       });
     });
   }
+  drained.wait();
 }
 
 }  // namespace motiondb::server

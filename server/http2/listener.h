@@ -15,7 +15,6 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <mutex>
 #include <set>
 #include <string>
 #include <thread>
@@ -26,6 +25,7 @@
 #include "server/http2/connection.h"
 #include "server/observability/call_meter.h"
 #include "server/security/attempt_limit.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -46,7 +46,8 @@ class Listener {
   ~Listener();
 
   int port() const;
-  // Takes no connections any more, tells clients to go, and cuts those that have not after `grace`.
+  // Takes no connections and begins no calls any more once it has returned, tells clients to go,
+  // and cuts those that have not after `grace`.
   void Close(std::chrono::milliseconds grace);
 
  private:
@@ -82,9 +83,10 @@ class Listener {
   std::atomic<bool> closing_ = false;
   std::size_t next_loop_ = 0;
   AttemptLimit warnings_;
-  std::mutex mutex_;
+  storage::Mutex mutex_;
   // By address; connections that are being set up are null.
-  std::map<std::string, std::multiset<std::shared_ptr<Connection>>> by_address_;
+  std::map<std::string, std::multiset<std::shared_ptr<Connection>>> by_address_
+      ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

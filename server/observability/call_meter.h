@@ -3,6 +3,7 @@
 // a histogram, which calls of one method share.
 #pragma once
 
+#include <prometheus/client_metric.h>
 #include <prometheus/registry.h>
 
 #include <array>
@@ -17,7 +18,6 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "server/observability/call_quantiles.h"
 
 namespace prometheus {
 class Counter;
@@ -25,6 +25,20 @@ class Histogram;
 }  // namespace prometheus
 
 namespace motiondb::server {
+
+// In seconds; all 0 of an empty histogram.
+struct CallQuantiles {
+  double p50 = 0;
+  double p95 = 0;
+  double p99 = 0;
+};
+
+// The value that a share `quantile` (0 to 1) of the observations does not exceed, linear between
+// the bounds of its bucket, the lowest of which begins at 0: what Prometheus' histogram_quantile
+// says. Of the last bucket, which has no end, its beginning. 0 of an empty histogram.
+double EstimateQuantile(const prometheus::ClientMetric::Histogram& histogram, double quantile);
+
+CallQuantiles EstimateQuantiles(const prometheus::ClientMetric::Histogram& histogram);
 
 // Who decides how long a call lasts.
 enum class CallKind {

@@ -1,4 +1,5 @@
-// The health pages on a port of their own.
+// The pages that the server shows over HTTP, on a port of their own: /metrics, /livez, /readyz, and
+// / that lists them. The monitor must outlive them.
 #pragma once
 
 #include <memory>
@@ -6,7 +7,7 @@
 
 #include "absl/status/statusor.h"
 #include "server/observability/http_server.h"
-#include "server/observability/log_formatter.h"
+#include "server/observability/log.h"
 #include "server/observability/monitor.h"
 
 namespace motiondb::server {
@@ -21,5 +22,8 @@ inline constexpr char kDefaultHttpListen[] = "127.0.0.1:9464";
 absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
                                                               const Monitor& monitor,
                                                               LogFormat format = LogFormat::kText);
+
+// The monitor must outlive the pages.
+HttpPages HealthPages(const Monitor& monitor);
 
 }  // namespace motiondb::server

@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 #include <prometheus/text_serializer.h>
+#include <spdlog/spdlog.h>
 #include <sys/statvfs.h>
 
+#include <cmath>
 #include <filesystem>
 #include <mutex>
 #include <utility>
@@ -11,9 +13,11 @@
 #include "server/engine/clock.h"
 #include "server/engine/engine.h"
 #include "server/engine/snapshot.h"
-#include "server/observability/metric_families.h"
+#include "server/observability/log.h"
+#include "server/observability/server_figures.h"
 
 namespace motiondb::server {
+
 namespace {
 
 std::int64_t FileBytes(const std::string& path) {
@@ -34,9 +38,9 @@ DatabaseFigures FiguresOf(Engine& engine, const LiveDatabase& database) {
   DatabaseFigures figures{.name = database.name(),
                           .stored = database.stored(),
                           .operation = engine.CurrentOperation(database),
-                          .rebuilds = database.rebuilds(),
+                          .rebuilds = database.lifecycle().rebuilds(),
                           .open_streams = database.open_streams()};
-  if (const auto snapshot = database.snapshot()) {
+  if (const auto snapshot = database.lifecycle().snapshot()) {
     figures.model = snapshot->record;
     const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;
     figures.model_age_seconds = std::max(0.0, static_cast<double>(age_us) * 1e-6);
@@ -57,12 +61,12 @@ void Monitor::SetTransport(bool encrypted, bool authenticated) {
 }
 
 Monitor::Attachment::Attachment(Monitor& monitor, Engine& engine) : monitor_(monitor) {
-  const std::unique_lock lock(monitor_.engine_mutex_);
+  const storage::MutexLock lock(monitor_.engine_mutex_);
   monitor_.engine_ = &engine;
 }
 
 Monitor::Attachment::~Attachment() {
-  const std::unique_lock lock(monitor_.engine_mutex_);
+  const storage::MutexLock lock(monitor_.engine_mutex_);
   monitor_.engine_ = nullptr;
 }
 
@@ -88,7 +92,7 @@ ServerFigures Monitor::Figures() const {
     figures.log_bytes = FileBytes(options_.store_path + "-wal");
     SetDisk(options_.store_path, figures);
   }
-  const std::shared_lock lock(engine_mutex_);
+  const storage::ReadLock lock(engine_mutex_);
   if (engine_ == nullptr) return figures;
   figures.queued = engine_->workers().queued();
   figures.request_threads = engine_->workers().request_threads();
@@ -104,7 +108,7 @@ ServerFigures Monitor::Figures() const {
 Readiness Monitor::CheckReadiness() const {
   const Phase phase = phase_;
   if (phase == Phase::kDraining) return {false, "draining: the server is about to stop"};
-  const std::shared_lock lock(engine_mutex_);
+  const storage::ReadLock lock(engine_mutex_);
   if (phase == Phase::kStarting || engine_ == nullptr) {
     return {false, "starting: models are being read"};
   }
@@ -125,6 +129,64 @@ std::string Monitor::Exposition() const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
   for (auto& family : FamiliesOf(Figures())) families.push_back(std::move(family));
   return prometheus::TextSerializer().Serialize(families);
+}
+
+CallWatch::CallWatch(Monitor& monitor, std::string_view method, CallKind kind)
+    : monitor_(monitor), method_(monitor.calls().Find(method)), kind_(kind) {
+  monitor_.calls().Begin(kind_);
+}
+
+CallWatch::~CallWatch() {
+  if (!ended_) Count(absl::StatusCode::kCancelled);
+}
+
+void CallWatch::End(absl::StatusCode code, const std::string& message,
+                    const std::string& request_id, const std::string& peer) {
+  const double seconds = Count(code);
+  LogCall({.method = method_.name(),
+           .request_id = request_id,
+           .peer = peer,
+           .kind = kind_,
+           .code = code,
+           .message = message,
+           .seconds = seconds},
+          monitor_.slow_call());
+}
+
+double CallWatch::Count(absl::StatusCode code) {
+  ended_ = true;
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began_;
+  monitor_.calls().End(method_, kind_, code, took.count());
+  return took.count();
+}
+
+namespace {
+
+spdlog::level::level_enum LevelOf(const EndedCall& call, std::chrono::duration<double> slow) {
+  if (IsOwnFault(call.code)) return spdlog::level::err;
+  const bool is_slow =
+      call.kind == CallKind::kWork && slow.count() > 0 && call.seconds >= slow.count();
+  return is_slow ? spdlog::level::warn : spdlog::level::debug;
+}
+
+}  // namespace
+
+void LogCall(const EndedCall& call, std::chrono::duration<double> slow) {
+  const auto level = LevelOf(call, slow);
+  if (!spdlog::should_log(level)) return;
+  const LogFields fields{{"request_id", call.request_id},
+                         {"method", call.method},
+                         {"code", std::string(CodeName(call.code))},
+                         {"milliseconds", std::round(call.seconds * 1e6) / 1e3},
+                         {"peer", call.peer}};
+  const char* const what = level == spdlog::level::err    ? "call failed"
+                           : level == spdlog::level::warn ? "slow call"
+                                                          : "call";
+  if (call.message.empty()) {
+    spdlog::log(level, "{}", what);
+  } else {
+    spdlog::log(level, "{}: {}", what, call.message);
+  }
 }
 
 }  // namespace motiondb::server

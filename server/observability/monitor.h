@@ -8,12 +8,14 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
-#include <shared_mutex>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "absl/status/status.h"
 #include "server/observability/call_meter.h"
 #include "server/observability/server_figures.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -73,8 +75,48 @@ class Monitor {
   std::atomic<bool> encrypted_ = false;
   std::atomic<bool> authenticated_ = false;
   std::atomic<std::int64_t> certificate_end_time_s_ = 0;
-  mutable std::shared_mutex engine_mutex_;
-  Engine* engine_ = nullptr;
+  mutable storage::SharedMutex engine_mutex_;
+  Engine* engine_ ABSL_GUARDED_BY(engine_mutex_) = nullptr;
 };
+
+// One call as the monitor sees it: counted from its first moment to its last, then timed and
+// logged: those that failed by the server's fault as errors, slow ones as warnings, all others on
+// the level debug. Used by one thread at a time.
+class CallWatch {
+ public:
+  // The monitor must outlive the watch.
+  CallWatch(Monitor& monitor, std::string_view method, CallKind kind);
+  // A call that had no end is counted as CANCELLED: its client went away.
+  ~CallWatch();
+  CallWatch(const CallWatch&) = delete;
+  CallWatch& operator=(const CallWatch&) = delete;
+
+  // Once. `message` is the status's, for the log.
+  void End(absl::StatusCode code, const std::string& message, const std::string& request_id,
+           const std::string& peer);
+
+ private:
+  double Count(absl::StatusCode code);
+
+  Monitor& monitor_;
+  CallMeter::Method& method_;
+  const CallKind kind_;
+  const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
+  bool ended_ = false;
+};
+
+// A call that has ended.
+struct EndedCall {
+  std::string method;      // "QueryService.Recognize"
+  std::string request_id;  // as the client sent it, or the server made it
+  std::string peer;        // address of the client
+  CallKind kind = CallKind::kWork;
+  absl::StatusCode code = absl::StatusCode::kOk;
+  std::string message;  // of the status
+  double seconds = 0;
+};
+
+// Only work can be slow: how long other calls last is up to somebody else. 0: none is slow.
+void LogCall(const EndedCall& call, std::chrono::duration<double> slow);
 
 }  // namespace motiondb::server

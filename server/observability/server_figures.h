@@ -1,6 +1,7 @@
-// How the server is doing at one moment: what its metrics, GetServerStatus and readiness tell, each
-// in its own words.
+// How the server is doing at one moment, and the same as Prometheus metrics.
 #pragma once
+
+#include <prometheus/metric_family.h>
 
 #include <cstdint>
 #include <optional>
@@ -8,15 +9,30 @@
 #include <vector>
 
 #include "server/engine/live_database.h"
+#include "server/engine/model_lifecycle.h"
 #include "server/engine/workers.h"
 #include "server/observability/call_meter.h"
-#include "server/observability/process_figures.h"
 #include "storage/motion_store.h"
 #include "storage/records.h"
 #include "storage/store_upkeep.h"
 
 namespace motiondb::server {
 
+// What the operating system knows about this process.
+struct ProcessFigures {
+  std::int64_t resident_bytes = 0;
+  std::int64_t virtual_bytes = 0;
+  double cpu_seconds = 0;  // user and system, of all threads, since the start
+  int thread_count = 0;
+  int open_descriptors = 0;
+  std::int64_t max_descriptors = 0;
+};
+
+// Reads /proc/self; a figure that cannot be read is 0. Thread-safe.
+ProcessFigures ReadProcessFigures();
+
+// How the server is doing at one moment: what its metrics, GetServerStatus and readiness tell, each
+// in its own words.
 enum class Phase {
   kStarting,  // models are being read
   kServing,
@@ -61,5 +77,10 @@ struct ServerFigures {
   std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
   std::vector<storage::Damage> damages;    // found since the start, at most 100
 };
+
+// The server's figures as Prometheus metrics. server/observability/README.md lists them all.
+
+// A database that is gone has no series.
+std::vector<prometheus::MetricFamily> FamiliesOf(const ServerFigures& figures);
 
 }  // namespace motiondb::server

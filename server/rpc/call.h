@@ -3,6 +3,7 @@
 
 #include <grpcpp/server_context.h>
 #include <grpcpp/support/server_callback.h>
+#include <grpcpp/support/status.h>
 
 #include <chrono>
 #include <cstddef>
@@ -14,11 +15,12 @@
 #include "core/motion/cancellation.h"
 #include "core/motion/error.h"
 #include "server/engine/engine.h"
+#include "server/engine/query.h"
 #include "server/engine/representation.h"
-#include "server/observability/log_fields.h"
+#include "server/observability/log.h"
 #include "server/rpc/call_entry.h"
 #include "server/rpc/call_host.h"
-#include "server/rpc/run_handler.h"
+#include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 
@@ -32,9 +34,17 @@ struct Call {
 
   WorkTerms terms() const {
     return {entry.allowed(), cancelled,
-            [&entry = entry](std::int64_t bytes) { return entry.ReserveWork(bytes); }};
+            [&entry = entry](std::int64_t bytes) { return entry.ReserveWork(bytes); }, deadline};
   }
 };
+
+// How a call that asks a database begins. `name` is that of the database, as the request has it in
+// `field`. INVALID_ARGUMENT, and the codes of Query::Begin.
+inline absl::StatusOr<Query> BeginQuery(const Call& call, const std::string& name,
+                                        std::string_view field = "database") {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName(field, name));
+  return Query::Begin(call.engine, id, call.terms());
+}
 
 // Owned by gRPC: deletes itself when the call is over.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
@@ -91,5 +101,13 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
   });
   return reactor;
 }
+
+// A piece of a call's work, whatever it does, comes to a status.
+
+// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL.
+// CANCELLED, without running the handler, where nobody waits any more, and where that is so while
+// the handler waits for its turn to read the store.
+grpc::Status RunHandler(const core::Cancelled& cancelled,
+                        const std::function<absl::Status()>& handler);
 
 }  // namespace motiondb::server

@@ -5,14 +5,13 @@
 
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-#include "server/observability/log_fields.h"
-#include "server/rpc/call_evidence.h"
+#include "server/observability/log.h"
+#include "server/rpc/call.h"
+#include "server/rpc/call_identity.h"
 #include "server/rpc/call_memory.h"
-#include "server/rpc/run_handler.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
-#include "server/translate/field_text.h"
-#include "server/translate/request_info.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 #include "server/translate/status_mapping.h"
 #include "text/display_text.h"
@@ -25,24 +24,15 @@ constexpr std::size_t kResourceLimit = 256;
 // Of requests and answers; 40 s of 34 markers at 60 Hz.
 constexpr std::size_t kLarge = 1 << 20;
 constexpr std::int64_t kSmall = 64 << 10;  // of which there may be as many as there are calls
-constexpr std::size_t kSlowestBytesPerMillisecond = 64;  // at which an answer may be taken
 
 using TimePoint = std::chrono::system_clock::time_point;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
 TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& method) {
-  switch (method.weight) {
-    case CallWeight::kStream:
-    case CallWeight::kUpkeep:
-    case CallWeight::kWait:
-      return of_client;
-    case CallWeight::kLight:
-    case CallWeight::kChange:
-    case CallWeight::kUrgentChange:
-    case CallWeight::kHeavy:
-      break;
-  }
+  const bool has_own =
+      method.request_class == RequestClass::kStream || method.waits || method.pool == Pool::kUpkeep;
+  if (has_own) return of_client;
   return std::min(of_client, std::chrono::system_clock::now() + host.limits.options().longest_call);
 }
 
@@ -59,8 +49,8 @@ core::Cancelled AtOnce() {
 }
 
 CallKind KindOf(const Method& method) {
-  if (method.weight == CallWeight::kStream) return CallKind::kFrames;
-  if (method.weight == CallWeight::kWait || method.streaming) return CallKind::kWait;
+  if (method.request_class == RequestClass::kStream) return CallKind::kFrames;
+  if (method.waits || method.streaming) return CallKind::kWait;
   return CallKind::kWork;
 }
 
@@ -73,14 +63,14 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
     : host_(host),
       context_(context),
       method_(method),
-      weight_(method.weight),
+      request_class_(method.request_class),
       peer_(PeerOf(context)),
       request_id_(RequestIdOf(context)),
       watch_(host.monitor, method.name, KindOf(method)),
       client_deadline_(context.deadline()),
       deadline_(Deadline(host, client_deadline_, method)),
       client_may_give_up_(Earliest(client_deadline_)),
-      place_(host.limits.Enter(CallWeight::kLight, SourceOf(AddressOf(peer_)))),
+      place_(host.limits.Enter(RequestClass::kLight, SourceOf(AddressOf(peer_)))),
       client_(SourceOf(AddressOf(peer_))),
       request_memory_(host.memory, client_),
       response_memory_(host.memory, client_),
@@ -89,7 +79,8 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
 void CallEntry::Weigh(std::size_t request_bytes) {
-  if (weight_ == CallWeight::kLight && request_bytes > kLarge) weight_ = CallWeight::kHeavy;
+  const bool is_query = request_class_ == RequestClass::kLight && method_.pool == Pool::kRequests;
+  if (is_query && request_bytes > kLarge) request_class_ = RequestClass::kHeavy;
 }
 
 grpc::Status CallEntry::Admission() const {
@@ -105,15 +96,14 @@ void CallEntry::Begin(const google::protobuf::Message& request,
   host_.engine.workers().Post(Pool::kRequests, [this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
-    const bool here = weight_ == CallWeight::kLight || weight_ == CallWeight::kStream ||
-                      weight_ == CallWeight::kWait;
+    const bool here = method_.pool == Pool::kRequests && !method_.TakesTurns(request_class_);
     if (!checked.ok() || here) return work(std::move(checked));
     Post([work] { work(grpc::Status::OK); });
   });
 }
 
 void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
-  weight_ = CallWeight::kHeavy;
+  request_class_ = RequestClass::kHeavy;
   const absl::Status entered = EnterOwnPlace();
   if (!entered.ok()) return work(ToGrpcStatus(entered));
   Post([work = std::move(work)] { work(grpc::Status::OK); });
@@ -165,20 +155,10 @@ void CallEntry::SetClient(const std::string& client) {
 
 void CallEntry::Post(std::function<void()> work) {
   Workers& workers = host_.engine.workers();
-  switch (weight_) {
-    case CallWeight::kHeavy:
-      return workers.PostHeavy(client_, std::move(work));
-    case CallWeight::kUpkeep:
-      return workers.Post(Pool::kUpkeep, std::move(work));
-    case CallWeight::kChange:
-      return workers.Post(Pool::kChanges, std::move(work));
-    case CallWeight::kUrgentChange:
-      return workers.Post(Pool::kUrgentChanges, std::move(work));
-    case CallWeight::kLight:
-    case CallWeight::kWait:
-    case CallWeight::kStream:
-      return workers.Post(Pool::kRequests, std::move(work));
+  if (method_.TakesTurns(request_class_)) {
+    return workers.PostInTurn(method_.pool, client_, std::move(work));
   }
+  workers.Post(method_.pool, std::move(work));
 }
 
 core::Cancelled CallEntry::cancelled() const {
@@ -204,13 +184,13 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
     MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
   }
   if (caller.principal != kAnonymous) SetClient(caller.principal);
-  if (CallLimits::HasOwnLimit(weight_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace());
+  if (CallLimits::HasOwnLimit(request_class_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace());
   caller_ = std::move(caller);
   return absl::OkStatus();
 }
 
 absl::Status CallEntry::EnterOwnPlace() {
-  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(weight_, client_));
+  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(request_class_, client_));
   return absl::OkStatus();
 }
 
@@ -265,7 +245,8 @@ grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
-  ticket_.SetEnded(std::chrono::milliseconds(answer_bytes / kSlowestBytesPerMillisecond));
+  ticket_.SetEnded(std::chrono::milliseconds(static_cast<std::int64_t>(answer_bytes) /
+                                             kSlowestBytesPerMillisecond));
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }
 

@@ -20,10 +20,10 @@
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
 #include "server/engine/representation.h"
-#include "server/observability/call_watch.h"
+#include "server/observability/monitor.h"
 #include "server/rpc/call_host.h"
-#include "server/rpc/method.h"
-#include "server/security/caller.h"
+#include "server/rpc/call_identity.h"
+#include "server/security/authorize.h"
 
 namespace motiondb::server {
 
@@ -36,26 +36,26 @@ class CallEntry {
   CallEntry(CallHost& host, const grpc::CallbackServerContext& context, const Method& method,
             std::function<void()> on_close = {});
 
-  // A light call with a large request, such as a long motion, counts and works as a heavy one. To
-  // be told before anything else is asked.
+  // A query with a large request, such as a long motion, counts and works as a heavy call. To be
+  // told before anything else is asked.
   void Weigh(std::size_t request_bytes);
 
   // Not OK: the call is to be refused with this. UNAVAILABLE (the server stops),
   // RESOURCE_EXHAUSTED.
   grpc::Status Admission() const;
   // Holds the request, checks it on a request thread and then runs `work`, which must not throw,
-  // with what that came to: where it is OK in the place that Post has, so that nobody waits in a
-  // lane who may not be there. The request must outlive the check.
+  // with what that came to: where it is OK in the place that Post has, so that nobody waits for a
+  // turn who may not have one. The request must outlive the check.
   void Begin(const google::protobuf::Message& request, std::function<void(grpc::Status)> work);
   // For a light call whose work turns out to be heavy: runs `work`, as Begin does, in the place of
   // a heavy one, or with RESOURCE_EXHAUSTED. REQUIRES: the call passed its check.
   void BeginHeavy(std::function<void(grpc::Status)> work);
   // What the call may do where it is.
   Allowed allowed() const {
-    return weight_ == CallWeight::kLight ? Allowed::kLightWork : Allowed::kAllWork;
+    return request_class_ == RequestClass::kLight ? Allowed::kLightWork : Allowed::kAllWork;
   }
-  // Runs a further piece of the call's work, which must not throw, on a request thread; heavy calls
-  // in their lane, upkeep on its thread.
+  // Runs a further piece of the call's work, which must not throw, on a thread of its pool, when
+  // the client has its turn.
   void Post(std::function<void()> work);
   // The client's deadline or the server's own, whichever comes first.
   std::chrono::system_clock::time_point deadline() const { return deadline_; }
@@ -89,7 +89,7 @@ class CallEntry {
   // To be called once, with the status that the call ends with, before it is sent: returns it with
   // the request's id, and keeps what the role table says in the record of changes. From then on the
   // client may take as long to take the answer as it may be silent, and a second for each 64 kB.
-  // With a large answer the call keeps its place among those of its weight until it is taken.
+  // With a large answer the call keeps its place among those of its class until it is taken.
   grpc::Status End(grpc::Status status, std::size_t answer_bytes = 0);
 
   const Method& method() const { return method_; }
@@ -123,7 +123,7 @@ class CallEntry {
   CallHost& host_;
   const grpc::CallbackServerContext& context_;
   const Method& method_;
-  CallWeight weight_;
+  RequestClass request_class_;
   const std::string peer_;  // kept: gRPC may forget it when the client goes away
   const std::string request_id_;
   CallWatch watch_;
@@ -132,7 +132,7 @@ class CallEntry {
   const std::chrono::system_clock::time_point deadline_;
   const std::chrono::system_clock::time_point client_may_give_up_;
   const absl::StatusOr<CallLimits::Slot> place_;  // among all calls
-  CallLimits::Slot own_place_;                    // among those of its weight
+  CallLimits::Slot own_place_;                    // among those of its class
   std::string client_;  // whose limits the call counts for: an address until the caller is known
   std::int64_t request_size_ = 0;  // bytes of the last message
   std::int64_t file_size_ = 0;

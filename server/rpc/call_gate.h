@@ -5,11 +5,11 @@
 
 #include <atomic>
 #include <chrono>
-#include <condition_variable>
 #include <functional>
-#include <mutex>
 #include <unordered_set>
 #include <utility>
+
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -61,10 +61,10 @@ class CallGate {
   bool Enter(const Ticket& ticket);
   void Leave(const Ticket& ticket);
 
-  std::mutex mutex_;
-  std::condition_variable empty_;
-  std::unordered_set<const Ticket*> calls_;
-  bool closed_ = false;
+  storage::Mutex mutex_;
+  storage::ConditionVariable empty_;
+  std::unordered_set<const Ticket*> calls_ ABSL_GUARDED_BY(mutex_);
+  bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 
 }  // namespace motiondb::server

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <utility>
 
-#include "server/translate/retry_info.h"
+#include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
 namespace {
@@ -22,28 +22,15 @@ constexpr Words kWords[] = {{"calls", "calls", std::chrono::milliseconds(100)},
                             {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
                             {"streams", "streams", std::chrono::milliseconds(10'000)}};
 
-constexpr std::size_t Index(CallWeight weight) {
-  switch (weight) {
-    case CallWeight::kLight:
-    case CallWeight::kChange:
-    case CallWeight::kUrgentChange:
-    case CallWeight::kWait:
-      return 0;
-    case CallWeight::kHeavy:
-    case CallWeight::kUpkeep:
-      return 1;
-    case CallWeight::kStream:
-      return 2;
-  }
-  return 0;
+constexpr std::size_t Index(RequestClass request_class) {
+  return static_cast<std::size_t>(request_class);
 }
 
-absl::Status TooMany(const Words& words, int open, std::string_view whose,
-                     std::string_view setting) {
+absl::Status TooMany(const Words& words, int open, std::string_view whose, std::string_view share) {
   return RetryLater(words.retry_after,
-                    "{} {} are under way {}, as many as there may be (--max-{}{}): try again in "
+                    "{} {} are under way {}, as many as there may be ({}--max-{}): try again in "
                     "{:g} s, or when one has ended",
-                    open, words.what, whose, words.setting, setting,
+                    open, words.what, whose, share, words.setting,
                     std::chrono::duration<double>(words.retry_after).count());
 }
 
@@ -51,31 +38,30 @@ absl::Status TooMany(const Words& words, int open, std::string_view whose,
 
 CallLimits::Slot& CallLimits::Slot::operator=(Slot&& other) noexcept {
   std::swap(limits_, other.limits_);
-  std::swap(weight_, other.weight_);
+  std::swap(request_class_, other.request_class_);
   client_.swap(other.client_);
   return *this;
 }
 
 void CallLimits::Slot::Release() {
-  if (limits_ != nullptr) limits_->Leave(weight_, client_);
+  if (limits_ != nullptr) limits_->Leave(request_class_, client_);
   limits_ = nullptr;
 }
 
-bool CallLimits::HasOwnLimit(CallWeight weight) { return Index(weight) != 0; }
-
-absl::StatusOr<CallLimits::Slot> CallLimits::Enter(CallWeight weight, const std::string& client) {
-  const std::size_t i = Index(weight);
-  const std::lock_guard lock(mutex_);
+absl::StatusOr<CallLimits::Slot> CallLimits::Enter(RequestClass request_class,
+                                                   const std::string& client) {
+  const std::size_t i = Index(request_class);
+  const storage::MutexLock lock(mutex_);
   if (in_all_[i] >= limits_[i].in_all) return TooMany(kWords[i], in_all_[i], "in all", "");
   const auto own = per_client_.find(client);
   if (own != per_client_.end() && own->second[i] >= limits_[i].per_client) {
-    return TooMany(kWords[i], own->second[i], "for this client", "-per-client");
+    return TooMany(kWords[i], own->second[i], "for this client", "a quarter of ");
   }
   ++in_all_[i];
   ++(own == per_client_.end() ? per_client_[client] : own->second)[i];
   Slot slot;
   slot.limits_ = this;
-  slot.weight_ = weight;
+  slot.request_class_ = request_class;
   slot.client_ = client;
   return slot;
 }
@@ -83,21 +69,21 @@ absl::StatusOr<CallLimits::Slot> CallLimits::Enter(CallWeight weight, const std:
 absl::Status CallLimits::CheckMetadata(std::size_t bytes) const {
   if (bytes <= static_cast<std::size_t>(options_.max_metadata_bytes)) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      fmt::format("the call comes with {} bytes of metadata, more than the {} that it may "
-                  "(--max-metadata-kib): try again with less",
+      fmt::format("the call comes with {} bytes of metadata, more than the {} that it may: "
+                  "try again with less",
                   bytes, options_.max_metadata_bytes));
 }
 
-int CallLimits::open(CallWeight weight) const {
-  const std::lock_guard lock(mutex_);
-  return in_all_[Index(weight)];
+int CallLimits::open(RequestClass request_class) const {
+  const storage::MutexLock lock(mutex_);
+  return in_all_[Index(request_class)];
 }
 
-void CallLimits::Leave(CallWeight weight, const std::string& client) {
-  const std::lock_guard lock(mutex_);
-  --in_all_[Index(weight)];
+void CallLimits::Leave(RequestClass request_class, const std::string& client) {
+  const storage::MutexLock lock(mutex_);
+  --in_all_[Index(request_class)];
   const auto own = per_client_.find(client);
-  --own->second[Index(weight)];
+  --own->second[Index(request_class)];
   if (std::ranges::all_of(own->second, [](int count) { return count == 0; })) {
     per_client_.erase(own);
   }

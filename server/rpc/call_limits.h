@@ -8,13 +8,16 @@
 #include <chrono>
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 
 #include "absl/status/statusor.h"
 #include "server/security/role_table.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
+
+// A client that takes an answer slower than this ends its call.
+inline constexpr std::int64_t kSlowestBytesPerMillisecond = 64;
 
 struct CallLimit {
   int in_all = 0;
@@ -22,7 +25,7 @@ struct CallLimit {
 };
 
 struct CallLimitOptions {
-  CallLimit calls{4096, 1024};  // of every weight
+  CallLimit calls{4096, 1024};  // of every class
   CallLimit heavy{256, 64};
   CallLimit streams{1024, 256};
   // Whatever the client's own deadline. Streams of frames may go on; a wait for an operation, which
@@ -52,7 +55,7 @@ class CallLimits {
     void Release();
 
     CallLimits* limits_ = nullptr;
-    CallWeight weight_ = CallWeight::kLight;
+    RequestClass request_class_ = RequestClass::kLight;
     std::string client_;
   };
 
@@ -65,29 +68,32 @@ class CallLimits {
     return std::min(options_.longest_silence, options_.longest_first_silence);
   }
 
-  // Whether calls of a weight are limited by themselves. All others count as kLight, and so do
-  // these: they enter twice.
-  static bool HasOwnLimit(CallWeight weight);
+  // Whether calls of a class are limited by themselves. All calls count as kLight: these enter
+  // twice.
+  static bool HasOwnLimit(RequestClass request_class) {
+    return request_class != RequestClass::kLight;
+  }
   // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.
-  absl::StatusOr<Slot> Enter(CallWeight weight, const std::string& client);
+  absl::StatusOr<Slot> Enter(RequestClass request_class, const std::string& client);
 
   // RESOURCE_EXHAUSTED for a call that comes with more metadata than it may.
   absl::Status CheckMetadata(std::size_t bytes) const;
 
-  // Calls of a kind that are under way.
-  int open(CallWeight weight) const;
+  // Calls of a class that are under way.
+  int open(RequestClass request_class) const;
 
  private:
-  // By weight.
+  // By class.
   using Counts = std::array<int, 3>;
 
-  void Leave(CallWeight weight, const std::string& client);
+  void Leave(RequestClass request_class, const std::string& client);
 
   const CallLimitOptions options_;
   const std::array<CallLimit, 3> limits_;
-  mutable std::mutex mutex_;
-  Counts in_all_{};
-  std::map<std::string, Counts> per_client_;  // of those with a call under way
+  mutable storage::Mutex mutex_;
+  Counts in_all_ ABSL_GUARDED_BY(mutex_){};
+  std::map<std::string, Counts> per_client_
+      ABSL_GUARDED_BY(mutex_);  // of those with a call under way
 };
 
 }  // namespace motiondb::server

@@ -4,7 +4,7 @@
 
 #include <chrono>
 
-#include "server/translate/retry_info.h"
+#include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
 
@@ -19,7 +19,7 @@ absl::Status CallMemory::Reservation::Resize(std::int64_t bytes) {
 
 void CallMemory::Reservation::SetClient(const std::string& client) {
   if (bytes_ > 0 && client != client_) {
-    const std::lock_guard lock(memory_.mutex_);
+    const storage::MutexLock lock(memory_.mutex_);
     memory_.Add(client_, -bytes_);
     memory_.Add(client, bytes_);
   }
@@ -27,7 +27,7 @@ void CallMemory::Reservation::SetClient(const std::string& client) {
 }
 
 std::int64_t CallMemory::reserved() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return reserved_;
 }
 
@@ -38,7 +38,7 @@ absl::Status CallMemory::Change(const std::string& client, std::int64_t from, st
                     "(half of --message-memory-mib): send or ask for less",
                     Mebibytes(to), Mebibytes(client_limit_)));
   }
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   const std::int64_t more = to - from;
   const auto own = per_client_.find(client);
   const std::int64_t of_client = own == per_client_.end() ? 0 : own->second;

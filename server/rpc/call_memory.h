@@ -5,11 +5,11 @@
 
 #include <cstdint>
 #include <map>
-#include <mutex>
 #include <string>
 #include <utility>
 
 #include "absl/status/status.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -50,13 +50,14 @@ class CallMemory {
  private:
   absl::Status Change(const std::string& client, std::int64_t from, std::int64_t to);
   // Under the mutex.
-  void Add(const std::string& client, std::int64_t bytes);
+  void Add(const std::string& client, std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::int64_t limit_;
   const std::int64_t client_limit_;
-  mutable std::mutex mutex_;
-  std::int64_t reserved_ = 0;
-  std::map<std::string, std::int64_t> per_client_;  // of clients with a reservation
+  mutable storage::Mutex mutex_;
+  std::int64_t reserved_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::map<std::string, std::int64_t> per_client_
+      ABSL_GUARDED_BY(mutex_);  // of clients with a reservation
 };
 
 // What one call may reserve, by its size: the decompressed bytes that it sends and the stored bytes

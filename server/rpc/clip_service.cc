@@ -5,18 +5,16 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "server/rpc/call.h"
-#include "server/rpc/ingest_reactor.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
-#include "server/translate/clip_message.h"
-#include "server/translate/operation_message.h"
 #include "server/translate/page.h"
+#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kBlockBytes = std::size_t{1} << 20;
+constexpr std::size_t kSentBlockBytes = std::size_t{1} << 20;
 // That are read of a list: one may take a megabyte, and two fill a page.
 constexpr int kSkeletonsAtOnce = 8;
 
@@ -88,7 +86,7 @@ absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& req
 // Moves the next block of `bytes` from `begin` on into the message; false where none is left.
 bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block) {
   if (begin == bytes.size()) return false;
-  block.assign(bytes, begin, kBlockBytes);
+  block.assign(bytes, begin, kSentBlockBytes);
   begin += block.size();
   return true;
 }

@@ -2,8 +2,8 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
-#include "server/translate/database_message.h"
 #include "server/translate/page.h"
+#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
@@ -74,7 +74,16 @@ absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseReques
                               v1::DescribeDatabaseResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
-  SetDescription(*live, live->snapshot().get(), response);
+  SetDescription(*live, live->lifecycle().snapshot().get(), response);
+  return absl::OkStatus();
+}
+
+absl::Status ReprocessDatabase(const Call& call, const v1::ReprocessDatabaseRequest& request,
+                               v1::ReprocessDatabaseResponse& response) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto operation,
+                            call.engine.ReprocessDatabase(id, call.cancelled));
+  SetOperation(operation, *response.mutable_operation());
   return absl::OkStatus();
 }
 
@@ -106,6 +115,11 @@ class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
                                              const v1::DescribeDatabaseRequest* request,
                                              v1::DescribeDatabaseResponse* response) override {
     return Answer<server::DescribeDatabase>(host_, context, request, response);
+  }
+  grpc::ServerUnaryReactor* ReprocessDatabase(grpc::CallbackServerContext* context,
+                                              const v1::ReprocessDatabaseRequest* request,
+                                              v1::ReprocessDatabaseResponse* response) override {
+    return Answer<server::ReprocessDatabase>(host_, context, request, response);
   }
 
  private:

@@ -8,41 +8,40 @@
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
 #include "server/rpc/stream_reactor.h"
-#include "server/translate/field_violation.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/model_message.h"
-#include "server/translate/model_page.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
 
-using SnapshotPointer = std::shared_ptr<const Snapshot>;
-
 // The current model, by that name or its version: the only one that can be read.
 absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
   MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot, call.engine.CurrentModel(*live));
-  const int current = snapshot->record.version;
-  if (id.version == 0 || id.version == current) return snapshot;
+  const bool is_current = snapshot->is_stored() && id.version == snapshot->record.version;
+  if (id.version == 0 || is_current) return snapshot;
   MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
   return core::FailedPrecondition(
-      "of model {} of database '{}' only the figures are kept; model {} took its place: read {}",
-      id.version, id.database, current, ModelName(id.database, current));
+      "of model {} of database '{}' only the figures are kept; a newer model took its place: read "
+      "{}",
+      id.version, id.database, CurrentModelName(id.database));
 }
 
 absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,
                       v1::GetModelResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(ModelId id, ParseModelName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
-  SnapshotPointer snapshot = live->snapshot();
   if (id.version == 0) {
-    MOTIONDB_ASSIGN_OR_RETURN(snapshot, call.engine.CurrentModel(*live));
-    id.version = snapshot->record.version;
+    MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer current, call.engine.CurrentModel(*live));
+    SetModel(current->record, live->settings(), current.get(), *response.mutable_model());
+    return absl::OkStatus();
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.store().GetModel(id.database, id.version));
-  SetModel(record, live->settings(), snapshot.get(), *response.mutable_model());
+  const SnapshotPointer current = live->lifecycle().snapshot();
+  SetModel(record, live->settings(), current.get(), *response.mutable_model());
   return absl::OkStatus();
 }
 
@@ -57,7 +56,7 @@ absl::Status ListModels(const Call& call, const v1::ListModelsRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
   MOTIONDB_ASSIGN_OR_RETURN(const auto records,
                             call.engine.store().ListModels(id, before, size + 1));
-  const SnapshotPointer snapshot = live->snapshot();
+  const SnapshotPointer snapshot = live->lifecycle().snapshot();
   const auto make = [&](const storage::ModelRecord& record, v1::Model& to) {
     SetModel(record, live->settings(), snapshot.get(), to);
   };
@@ -85,8 +84,9 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
     SetNode(model, *layer, position.index + i, node);
   });
   if (taken < count) {
-    response.set_next_page_token(
-        EncodeModelPosition(scope, {snapshot->record.version, position.index + taken}));
+    response.set_next_page_token(EncodeModelPosition(
+        scope,
+        {snapshot->record.version, snapshot->record.create_time_us, position.index + taken}));
   }
   return absl::OkStatus();
 }
@@ -128,8 +128,9 @@ absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest&
       count, size, *response.mutable_transitions(),
       [&](int i, v1::Transition& to) { transitions.SetTransition(position.index + i, to); });
   if (taken < count) {
-    response.set_next_page_token(
-        EncodeModelPosition(scope, {snapshot->record.version, position.index + taken}));
+    response.set_next_page_token(EncodeModelPosition(
+        scope,
+        {snapshot->record.version, snapshot->record.create_time_us, position.index + taken}));
   }
   return absl::OkStatus();
 }

@@ -1,22 +1,209 @@
+#include <atomic>
+#include <memory>
+
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.grpc.pb.h"
+#include "motiondb/v1/observe.pb.h"
+#include "server/engine/observe_session.h"
 #include "server/rpc/call.h"
-#include "server/rpc/observe_reactor.h"
-#include "server/rpc/query_subject.h"
 #include "server/rpc/services.h"
+#include "server/rpc/silence_limit.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/observation.h"
-#include "server/translate/observe_message.h"
+#include "server/translate/resource_name.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
+
+namespace {
+
+class ObserveReactor final
+    : public grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse> {
+ public:
+  ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
+      : engine_(host.engine),
+        context_(context),
+        entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
+        silence_(engine_.workers(), host.limits.first_silence(),
+                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
+    if (grpc::Status admission = entry_.Admission(); admission.ok()) {
+      StartReading();
+    } else {
+      End(std::move(admission));
+    }
+  }
+
+  void OnReadDone(bool ok) override {
+    Do(Turn::kServer, [this, ok] {
+      const absl::Status held = ok ? entry_.ReserveRequest(request_) : absl::OkStatus();
+      entry_.Post([this, ok, held] { ok ? Work(held) : Close(); });
+    });
+  }
+  void OnWriteDone(bool ok) override {
+    writing_ = false;
+    if (!ok && silent_) return End(entry_.Silent());
+    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
+    Read();
+  }
+  void OnDone() override { delete this; }
+
+ private:
+  // Who has something to do before the call goes on.
+  enum class Turn { kClient, kServer, kNobody };
+
+  // Starts what comes next, unless the call has ended. Under the lock, so that nobody ends the
+  // call, which deletes this, in between.
+  template <typename Start>
+  void Do(Turn turn, Start start) {
+    const storage::MutexLock lock(mutex_);
+    if (turn_ == Turn::kNobody) return;
+    turn_ = turn;
+    start();
+  }
+
+  void Work(const absl::Status& held) {
+    const grpc::Status status =
+        RunHandler(entry_.cancelled(), [&] { return held.ok() ? Take() : held; });
+    if (!status.ok()) return End(status);
+    if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
+    silence_.Restart();
+    Do(Turn::kClient, [this] {
+      writing_ = true;
+      StartWrite(&response_);
+    });
+  }
+
+  // Half-closed; where the call was cancelled instead, nobody reads the status. A stream without
+  // any message was not checked yet.
+  void Close() {
+    End(session_ != nullptr ? grpc::Status::OK : RunHandler(entry_.cancelled(), [this] {
+      return entry_.Check(request_);
+    }));
+  }
+
+  void Read() {
+    silence_.Restart();
+    StartReading();
+  }
+
+  void StartReading() {
+    {
+      const storage::MutexLock lock(mutex_);
+      if (turn_ == Turn::kNobody) return;
+      turn_ = stopping_ ? Turn::kNobody : Turn::kClient;
+      if (turn_ == Turn::kClient) return StartRead(&request_);
+    }
+    Finish(entry_.End(Stopping()));
+  }
+
+  // Once, whoever comes first; the last thing that its thread does here.
+  void End(grpc::Status status) {
+    bool first = false;
+    Do(Turn::kNobody, [&] { first = true; });
+    if (first) Finish(entry_.End(std::move(status)));
+  }
+
+  // The server stops. A call that waits for its client ends at once, one that works when it has
+  // answered.
+  void Stop() {
+    stopping_ = true;
+    EndInClientsTurn(Stopping);
+  }
+
+  void EndSilence() {
+    // A status would wait behind the answer that the client does not take.
+    if (!writing_) return EndInClientsTurn([this] { return entry_.Silent(); });
+    silent_ = true;
+    context_.TryCancel();
+  }
+
+  // `status_of` is asked when nobody else works on the call any more.
+  template <typename StatusOf>
+  void EndInClientsTurn(StatusOf status_of) {
+    {
+      const storage::MutexLock lock(mutex_);
+      if (turn_ != Turn::kClient) return;
+      turn_ = Turn::kNobody;
+    }
+    Finish(entry_.End(status_of()));
+  }
+
+  absl::Status Take() {
+    MOTIONDB_RETURN_IF_ERROR(session_ == nullptr ? entry_.Check(request_) : entry_.Recheck());
+    switch (request_.part_case()) {
+      case v1::ObserveRequest::kStart:
+        return Open();
+      case v1::ObserveRequest::kFrames:
+        return Answer();
+      case v1::ObserveRequest::PART_NOT_SET:
+        return FieldViolation("part", "expected one of start, frames");
+    }
+    return absl::OkStatus();
+  }
+
+  absl::Status Open() {
+    if (session_ != nullptr) return FieldViolation("start", "expected once, at the beginning");
+    auto session = OpenSession(request_.start());
+    if (!session.ok()) return core::Within("start", session.status());
+    session_ = *std::move(session);
+    return absl::OkStatus();
+  }
+
+  absl::StatusOr<std::unique_ptr<ObserveSession>> OpenSession(const v1::ObserveStart& start) {
+    MOTIONDB_ASSIGN_OR_RETURN(const std::string id,
+                              ParseDatabaseName("database", start.database()));
+    MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup, SetupFrom(start));
+    top_count_ = start.top_count();
+    MOTIONDB_ASSIGN_OR_RETURN(Query query, Query::Begin(engine_, id,
+                                                        {.cancelled = entry_.cancelled(),
+                                                         .reserve = [this](std::int64_t bytes) {
+                                                           return entry_.ReserveWork(bytes);
+                                                         }}));
+    return ObserveSession::Open(std::move(query), std::move(setup));
+  }
+
+  absl::Status Answer() {
+    if (session_ == nullptr) return FieldViolation("part", "expected a start first");
+    const v1::ObservedFrames& frames = request_.frames();
+    MOTIONDB_ASSIGN_OR_RETURN(const ObserveStep step,
+                              session_->Take(frames.first_frame(), FramesFrom(frames)));
+    response_.Clear();
+    SetStep(step, top_count_, response_);
+    return absl::OkStatus();
+  }
+
+  Engine& engine_;
+  v1::ObserveRequest request_;
+  v1::ObserveResponse response_;
+  int top_count_ = 0;
+  std::unique_ptr<ObserveSession> session_;
+  std::atomic<bool> stopping_ = false;
+  storage::Mutex mutex_;
+  Turn turn_ ABSL_GUARDED_BY(mutex_) = Turn::kClient;
+  std::atomic<bool> writing_ = false;  // until the client has room for the answer
+  std::atomic<bool> silent_ = false;
+  grpc::CallbackServerContext& context_;
+  // Last, for they call what is above.
+  CallEntry entry_;
+  SilenceLimit silence_;
+};
+
+}  // namespace
+
+grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* NewObserveReactor(
+    CallHost& host, grpc::CallbackServerContext& context) {
+  return new ObserveReactor(host, context);
+}
+
 namespace {
 
 absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
                        v1::RepresentResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const QuerySubject subject,
-                            FindSubject(call.engine, "database", request.database()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto markers,
-                            MarkersFrom("observation", request.observation(), call.engine,
-                                        *subject.database, call.terms()));
+  MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const Observation observation,
+      ObservationFrom("observation", request.observation(), query.database()->name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto markers, query.Markers(observation));
   SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();
 }

@@ -1,7 +1,8 @@
 #include "server/rpc/silence_limit.h"
 
-#include <mutex>
 #include <utility>
+
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -14,46 +15,47 @@ struct SilenceLimit::State {
         latest(runs_on.Now() + first),
         on_silence(std::move(to_tell)) {}
 
-  std::recursive_mutex mutex;  // who is told may destroy the limit
+  // Sets the timer, which sets itself again.
+  static void Wait(const std::shared_ptr<State>& state)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(state->mutex) {
+    state->timer->Set(state->latest, [state] {
+      const storage::MutexLock lock(state->mutex);
+      if (state->over) return;
+      if (state->executor.Now() >= state->latest) {
+        state->latest = state->executor.Now() + state->longest;
+        state->on_silence();
+        if (state->over) return;
+      }
+      Wait(state);
+    });
+  }
+
+  storage::RecursiveMutex mutex;  // who is told may destroy the limit
   Executor& executor;
   const std::unique_ptr<Executor::Timer> timer;
   const std::chrono::milliseconds longest;
-  Executor::Clock::time_point latest;
+  Executor::Clock::time_point latest ABSL_GUARDED_BY(mutex);
   const std::function<void()> on_silence;
-  bool over = false;
+  bool over ABSL_GUARDED_BY(mutex) = false;
 };
 
 SilenceLimit::SilenceLimit(Executor& executor, std::chrono::milliseconds first,
                            std::chrono::milliseconds longest, std::function<void()> on_silence)
     : state_(std::make_shared<State>(executor, first, longest, std::move(on_silence))) {
-  const std::lock_guard lock(state_->mutex);
-  Wait(state_);
+  const storage::MutexLock lock(state_->mutex);
+  State::Wait(state_);
 }
 
 SilenceLimit::~SilenceLimit() {
-  const std::lock_guard lock(state_->mutex);
+  const storage::MutexLock lock(state_->mutex);
   state_->over = true;
   state_->timer->Cancel();
 }
 
 void SilenceLimit::Restart() {
   // The timer looks when it fires, so that a message costs no timer.
-  const std::lock_guard lock(state_->mutex);
+  const storage::MutexLock lock(state_->mutex);
   state_->latest = state_->executor.Now() + state_->longest;
-}
-
-// REQUIRES: the state's mutex is held.
-void SilenceLimit::Wait(const std::shared_ptr<State>& state) {
-  state->timer->Set(state->latest, [state] {
-    const std::lock_guard lock(state->mutex);
-    if (state->over) return;
-    if (state->executor.Now() >= state->latest) {
-      state->latest = state->executor.Now() + state->longest;
-      state->on_silence();
-      if (state->over) return;
-    }
-    Wait(state);
-  });
 }
 
 }  // namespace motiondb::server

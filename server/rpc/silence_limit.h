@@ -26,7 +26,6 @@ class SilenceLimit {
 
  private:
   struct State;
-  static void Wait(const std::shared_ptr<State>& state);
 
   const std::shared_ptr<State> state_;  // shared with the timer, which may fire late
 };

@@ -10,7 +10,7 @@
 #include "server/engine/audit_trail.h"
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
-#include "server/translate/retry_info.h"
+#include "server/translate/status_mapping.h"
 
 namespace motiondb::server {
 namespace {
@@ -96,12 +96,12 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
 }
 
 std::shared_ptr<const KnownToken> AccessControl::FindAdminToken(const std::string& bearer) const {
-  const std::shared_lock lock(admin_mutex_);
+  const storage::MutexLock lock(admin_mutex_);
   return admin_token_ != nullptr && admin_token_->HasSecret(bearer) ? admin_token_ : nullptr;
 }
 
 bool AccessControl::ReplaceAdminToken(const std::string& token) {
-  const std::lock_guard lock(admin_mutex_);
+  const storage::MutexLock lock(admin_mutex_);
   if (admin_token_ != nullptr) {
     if (admin_token_->HasSecret(token)) return false;
     admin_token_->End();
@@ -111,7 +111,7 @@ bool AccessControl::ReplaceAdminToken(const std::string& token) {
 }
 
 bool AccessControl::CanAdministerWithoutToken() const {
-  const std::shared_lock lock(admin_mutex_);
+  const storage::MutexLock lock(admin_mutex_);
   return !options_.authentication || admin_token_ != nullptr ||
          options_.certificate_role == storage::Role::kAdmin;
 }

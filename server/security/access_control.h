@@ -2,26 +2,18 @@
 #pragma once
 
 #include <memory>
-#include <optional>
-#include <shared_mutex>
 #include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
 #include "server/security/attempt_limit.h"
-#include "server/security/caller.h"
+#include "server/security/authorize.h"
+#include "server/security/security_options.h"
 #include "server/security/token_book.h"
 #include "storage/access_store.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
-
-struct AccessOptions {
-  bool authentication = false;  // without it everybody is an anonymous administrator
-  std::string admin_token;      // counts as an administrator's token; empty: none
-  // What a client may do that shows a certificate and no token; without it, nothing.
-  std::optional<storage::Role> certificate_role;
-  int failures_per_minute = 10;  // of one address, before its wrong tokens are not looked at
-};
 
 class AccessControl {
  public:
@@ -70,8 +62,8 @@ class AccessControl {
 
   storage::AccessStore& store_;
   const AccessOptions options_;
-  mutable std::shared_mutex admin_mutex_;
-  std::shared_ptr<KnownToken> admin_token_;  // null: there is none
+  mutable storage::Mutex admin_mutex_;
+  std::shared_ptr<KnownToken> admin_token_ ABSL_GUARDED_BY(admin_mutex_);  // null: there is none
   TokenBook tokens_;
   AttemptLimit failures_;
   AttemptLimit recorded_in_vain_;

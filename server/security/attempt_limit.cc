@@ -7,7 +7,7 @@
 namespace motiondb::server {
 
 bool AttemptLimit::Count(const std::string& source, Clock::time_point now) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   auto found = windows_.find(source);
   if (found == windows_.end()) {
     MakeRoom(now);
@@ -22,7 +22,7 @@ bool AttemptLimit::Count(const std::string& source, Clock::time_point now) {
 
 std::chrono::milliseconds AttemptLimit::Wait(const std::string& source,
                                              Clock::time_point now) const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   const auto found = windows_.find(source);
   if (found == windows_.end() || found->second.count < most_) return {};
   const auto left = found->second.began + window_ - now;
@@ -30,7 +30,7 @@ std::chrono::milliseconds AttemptLimit::Wait(const std::string& source,
 }
 
 std::size_t AttemptLimit::size() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return windows_.size();
 }
 

@@ -4,9 +4,10 @@
 
 #include <chrono>
 #include <cstddef>
-#include <mutex>
 #include <string>
 #include <unordered_map>
+
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -31,13 +32,13 @@ class AttemptLimit {
     Clock::time_point began;
     int count = 0;
   };
-  void MakeRoom(Clock::time_point now);
+  void MakeRoom(Clock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const int most_;
   const std::chrono::milliseconds window_;
   const std::size_t capacity_;
-  mutable std::mutex mutex_;
-  std::unordered_map<std::string, Window> windows_;
+  mutable storage::Mutex mutex_;
+  std::unordered_map<std::string, Window> windows_ ABSL_GUARDED_BY(mutex_);
 };
 
 // What stands for a peer in such counts: the address itself, or the network of an IPv6 address (64

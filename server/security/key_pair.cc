@@ -11,7 +11,7 @@
 #include <memory>
 
 #include "core/motion/error.h"
-#include "server/security/text_file.h"
+#include "server/security/operator_file.h"
 
 namespace motiondb::server {
 namespace {

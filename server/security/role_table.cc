@@ -6,25 +6,31 @@ namespace motiondb::server {
 namespace {
 
 using enum storage::Role;
-using enum CallWeight;
+using enum RequestClass;
 using enum Scope;
 
 constexpr bool kReads = false;
 constexpr bool kChanges = true;
 constexpr bool kCopiesAll = true;
+constexpr bool kUrgent = true;
+constexpr std::string_view kFullName;
 
 constexpr CallRule kRules[] = {
-    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kChange, kServer, "database_id",
-     "databases/"},
+    {"DatabaseService.CreateDatabase", kAdmin, kChanges, kLight, kServer, "database_id",
+     "databases/", Pool::kChanges},
     {"DatabaseService.GetDatabase", kReader, kReads, kLight, kDatabase, "name"},
     {"DatabaseService.ListDatabases", kReader, kReads, kLight, kList, ""},
-    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kChange, kDatabase, "name"},
+    {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kLight, kDatabase, "name", kFullName,
+     Pool::kChanges},
     {"DatabaseService.DescribeDatabase", kReader, kReads, kLight, kDatabase, "name"},
+    {"DatabaseService.ReprocessDatabase", kIngester, kChanges, kLight, kDatabase, "name", kFullName,
+     Pool::kChanges},
 
     {"ClipService.IngestClip", kIngester, kChanges, kHeavy, kDatabase, "header.parent"},
     {"ClipService.GetClip", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListClips", kReader, kReads, kLight, kDatabase, "parent"},
-    {"ClipService.DeleteClip", kIngester, kChanges, kChange, kDatabase, "name"},
+    {"ClipService.DeleteClip", kIngester, kChanges, kLight, kDatabase, "name", kFullName,
+     Pool::kChanges},
     {"ClipService.ExportClip", kReader, kReads, kHeavy, kDatabase, "name"},
     {"ClipService.GetSkeleton", kReader, kReads, kLight, kDatabase, "name"},
     {"ClipService.ListSkeletons", kReader, kReads, kLight, kDatabase, "parent"},
@@ -46,18 +52,21 @@ constexpr CallRule kRules[] = {
 
     {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
     {"OperationService.ListOperations", kReader, kReads, kLight, kList, "database"},
-    {"OperationService.WaitOperation", kReader, kReads, kWait, kOperation, "name"},
-    {"OperationService.CancelOperation", kIngester, kChanges, kUrgentChange, kOperation, "name"},
+    {"OperationService.WaitOperation", kReader, kReads, kLight, kOperation, "name"},
+    {"OperationService.CancelOperation", kIngester, kChanges, kLight, kOperation, "name", kFullName,
+     Pool::kChanges, kUrgent},
 
-    {"AccessService.CreateToken", kAdmin, kChanges, kChange, kServer, "database"},
+    {"AccessService.CreateToken", kAdmin, kChanges, kLight, kServer, "database", kFullName,
+     Pool::kChanges},
     {"AccessService.ListTokens", kAdmin, kReads, kLight, kServer, ""},
-    {"AccessService.RevokeToken", kAdmin, kChanges, kUrgentChange, kServer, "name"},
+    {"AccessService.RevokeToken", kAdmin, kChanges, kLight, kServer, "name", kFullName,
+     Pool::kChanges, kUrgent},
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
     {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
-    {"StoreService.VerifyStore", kAdmin, kReads, kUpkeep, kServer, ""},
-    {"StoreService.BackupStore", kAdmin, kCopiesAll, kUpkeep, kServer, ""},
-    {"StoreService.RestoreStore", kAdmin, kChanges, kUpkeep, kServer, ""},
+    {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
+    {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
+    {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
 };
 
 }  // namespace

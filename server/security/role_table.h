@@ -6,19 +6,16 @@
 #include <span>
 #include <string_view>
 
+#include "server/engine/executor.h"
 #include "storage/access_store.h"
 
 namespace motiondb::server {
 
-// What a call asks of the server.
-enum class CallWeight {
-  kLight,         // milliseconds; with a large request it is heavy
-  kChange,        // light, but waits for its turn to write: on a thread of its own
-  kUrgentChange,  // the same, on a thread that no other change keeps waiting
-  kWait,          // takes no thread, and has a timeout of its own
-  kHeavy,         // much processor time, memory or disk: goes through a lane of its own
-  kStream,        // as long as the client likes, a little at a time
-  kUpkeep,        // heavy, and all of the store in one: as long as it takes, on a thread of its own
+// What a call costs the server. Calls of a class share its limits.
+enum class RequestClass {
+  kLight,   // milliseconds; a query with a large request is heavy
+  kHeavy,   // much processor time, memory or disk: few run at a time, and clients take turns
+  kStream,  // as long as the client likes, a little at a time
 };
 
 // What a call touches, for callers who may touch one database alone.
@@ -33,10 +30,14 @@ struct CallRule {
   std::string_view method;  // "DatabaseService.GetDatabase", of motiondb.v1
   storage::Role least_role;
   bool recorded;  // in the record of changes: it changes something, or copies all there is
-  CallWeight weight;
+  RequestClass request_class;
   Scope scope;
   std::string_view field;  // path in the request, or in the first of a stream: what it is about
   std::string_view collection = {};  // what the field's value is an id in, where it is no full name
+  // Whose threads do the work: Pool::kChanges where it may wait for the store's writer, kUpkeep
+  // where it is about all that is stored, and takes as long as it takes.
+  Pool pool = Pool::kRequests;
+  bool urgent = false;  // a change that waits for no other to be made
 };
 
 std::span<const CallRule> CallRules();

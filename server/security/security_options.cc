@@ -4,8 +4,7 @@
 #include <sys/stat.h>
 
 #include "core/motion/error.h"
-#include "server/security/admin_token_file.h"
-#include "server/security/secret_file.h"
+#include "server/security/operator_file.h"
 
 namespace motiondb::server {
 namespace {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/security/access_control.h"
 #include "server/security/key_pair.h"
+#include "storage/access_store.h"
 
 namespace motiondb::server {
 
@@ -15,6 +15,15 @@ enum class Authentication {
   kByAddress,  // none on loopback, token elsewhere
   kNone,
   kToken
+};
+
+// What follows for who may call.
+struct AccessOptions {
+  bool authentication = false;  // without it everybody is an anonymous administrator
+  std::string admin_token;      // counts as an administrator's token; empty: none
+  // What a client may do that shows a certificate and no token; without it, nothing.
+  std::optional<storage::Role> certificate_role;
+  int failures_per_minute = 10;  // of one address, before its wrong tokens are not looked at
 };
 
 struct SecurityOptions {

@@ -1,8 +1,10 @@
 #include "server/security/tls.h"
 
+#include <fmt/chrono.h>
 #include <openssl/err.h>
 #include <openssl/pem.h>
 #include <openssl/x509.h>
+#include <spdlog/spdlog.h>
 
 #include <ctime>
 #include <string_view>
@@ -11,6 +13,46 @@
 #include "core/motion/error.h"
 
 namespace motiondb::server {
+
+FileWatch::FileWatch(std::string what, std::string file, Take take,
+                     std::chrono::milliseconds period)
+    : what_(std::move(what)),
+      file_(std::move(file)),
+      take_(std::move(take)),
+      period_(period),
+      thread_([this] { Watch(); }) {}
+
+FileWatch::~FileWatch() {
+  {
+    const storage::MutexLock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.NotifyAll();
+  thread_.join();
+}
+
+// The files are small: they are read, rather than asked for their times, which a change within one
+// tick of the clock would leave as they were.
+void FileWatch::Watch() {
+  const storage::MutexLock lock(mutex_);
+  const auto stopping = [this] {
+    mutex_.AssertHeld();
+    return stopping_;
+  };
+  while (!wake_.WaitUntil(mutex_, storage::WaitClock::now() + period_, stopping)) Look();
+}
+
+void FileWatch::Look() {
+  const absl::StatusOr<bool> taken = take_();
+  if (taken.ok()) {
+    fault_.clear();
+    if (*taken) spdlog::info("new {}, from {}", what_, file_);
+  } else if (fault_ != taken.status().message()) {
+    fault_ = std::string(taken.status().message());
+    spdlog::warn("no new {}, what was read before stays in force: {}", what_, fault_);
+  }
+}
+
 namespace {
 
 using Memory = std::unique_ptr<BIO, decltype(&BIO_free)>;
@@ -110,7 +152,7 @@ Tls::Tls(const TlsFiles& files, TlsTexts texts, std::shared_ptr<SSL_CTX> context
       watch_("certificates", files.certificate, [this] { return TakeChange(); }) {}
 
 std::shared_ptr<SSL_CTX> Tls::context() const {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return context_;
 }
 
@@ -119,12 +161,35 @@ absl::StatusOr<bool> Tls::TakeChange() {
   const bool changed = texts != texts_;
   if (changed) {
     MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     context_ = std::move(context);
     texts_ = texts;
   }
   end_.Look(texts_.first_to_end, texts_.end_time_s, std::time(nullptr));
   return changed;
+}
+
+namespace {
+
+// As in the alert of deploy/prometheus.
+constexpr std::int64_t kSoonSeconds = std::int64_t{14} * 24 * 3600;
+
+}  // namespace
+
+CertificateEnd::CertificateEnd(Tell tell) : tell_(std::move(tell)) {}
+
+void CertificateEnd::Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s) {
+  if (end_time_s != end_time_s_) {
+    end_time_s_ = end_time_s;
+    warned_ = false;
+    if (tell_) tell_(end_time_s);
+  }
+  if (warned_ || end_time_s - now_s > kSoonSeconds) return;
+  warned_ = true;
+  spdlog::warn(
+      "{}: a certificate in it ends on {:%Y-%m-%d %H:%M} UTC, and then no client connects that "
+      "needs it: put a new one in its place, which is taken while the server runs",
+      file, fmt::gmtime(static_cast<std::time_t>(end_time_s)));
 }
 
 }  // namespace motiondb::server

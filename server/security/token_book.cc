@@ -7,7 +7,6 @@
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
-#include "storage/cancellable_lock.h"
 #include "text/display_text.h"
 
 namespace motiondb::server {
@@ -45,7 +44,7 @@ bool KnownToken::HasEnded(std::int64_t now_us) const {
 }
 
 absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   std::string after;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(auto page, store_.ListTokens(after, kPage));
@@ -78,7 +77,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   if (audit) entry = audit(record);
   MOTIONDB_RETURN_IF_ERROR(store_.AddToken(record, {entry ? &*entry : nullptr, cancelled}));
   made.secret = JoinToken(record.id, secret);
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   if (revocations_ == revocations_before) Keep(record, now_us);
   return made;
 }
@@ -110,19 +109,19 @@ absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t 
 absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
                                                        const storage::ChangeTerms& terms,
                                                        LastAdmin last_admin) {
-  std::unique_lock revoking(revoking_mutex_, std::defer_lock);
+  storage::CancellableMutex::Holder revoking;
   if (last_admin == LastAdmin::kKeep) {
-    MOTIONDB_RETURN_IF_ERROR(storage::Lock(revoking, terms.cancelled));
+    MOTIONDB_ASSIGN_OR_RETURN(revoking, revoking_mutex_.Lock(terms.cancelled));
     MOTIONDB_RETURN_IF_ERROR(CheckIsNotLastAdmin(id, now_us));
   }
   std::shared_ptr<KnownToken> suspended;
   {
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     const auto found = known_.find(id);
     if (found != known_.end() && found->second->Suspend()) suspended = found->second;
   }
   auto record = store_.RevokeToken(id, now_us, terms);
-  const std::lock_guard lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   if (!record.ok()) {
     if (suspended != nullptr) suspended->Resume();
     return record;
@@ -133,7 +132,7 @@ absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, st
 }
 
 std::int64_t TokenBook::revocations() const {
-  const std::shared_lock lock(mutex_);
+  const storage::MutexLock lock(mutex_);
   return revocations_;
 }
 
@@ -142,7 +141,7 @@ std::shared_ptr<const KnownToken> TokenBook::FindInMemory(std::string_view text)
   if (!token.has_value()) return nullptr;
   std::shared_ptr<const KnownToken> known;
   {
-    const std::shared_lock lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     const auto found = known_.find(std::string(token->id));
     if (found == known_.end()) return nullptr;
     known = found->second;
@@ -157,7 +156,7 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
   while (true) {
     std::int64_t revocations_before = 0;
     {
-      const std::shared_lock lock(mutex_);
+      const storage::MutexLock lock(mutex_);
       const auto found = known_.find(id);
       if (found != known_.end()) {
         return found->second->HasSecret(token->secret) ? found->second : nullptr;
@@ -168,7 +167,7 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
     if (absl::IsNotFound(record.status())) return nullptr;
     if (!record.ok()) return record.status();
     if (!KnownToken(*record).HasSecret(token->secret)) return nullptr;
-    const std::lock_guard lock(mutex_);
+    const storage::MutexLock lock(mutex_);
     if (revocations_ == revocations_before) return Keep(*std::move(record), NowMicroseconds());
   }
 }

@@ -8,14 +8,14 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
-#include <shared_mutex>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 
 #include "absl/status/statusor.h"
 #include "storage/access_store.h"
+#include "storage/cancellable_lock.h"
+#include "storage/mutex.h"
 
 namespace motiondb::server {
 
@@ -104,18 +104,20 @@ class TokenBook {
   absl::Status CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us);
   // Keeps a token in memory, and from time to time drops those that have ended: as many are there
   // as there are good ones, and half of that again. REQUIRES: the mutex is held.
-  std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us);
+  std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us)
+      ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   storage::AccessStore& store_;
   // Held over the whole of a revocation that keeps the last administrator: of two who revoke each
   // other at once, the second one finds the other gone.
-  std::timed_mutex revoking_mutex_;
-  mutable std::shared_mutex mutex_;
-  std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_;
+  storage::CancellableMutex revoking_mutex_;
+  mutable storage::Mutex mutex_;
+  std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_ ABSL_GUARDED_BY(mutex_);
   // Nobody waits for the store under the mutex, so what was read there may be old by the time it is
   // kept: it is not kept if a token was revoked meanwhile.
-  std::int64_t revocations_ = 0;
-  std::size_t next_sweep_ = 1024;  // as many known: time to drop those that have ended
+  std::int64_t revocations_ ABSL_GUARDED_BY(mutex_) = 0;
+  std::size_t next_sweep_ ABSL_GUARDED_BY(mutex_) =
+      1024;  // as many known: time to drop those that have ended
 };
 
 }  // namespace motiondb::server

@@ -1,4 +1,4 @@
-// The groups of settings. One file a group, named after it: its `Add` declares each setting once,
+// The groups of settings. Each has its own: its `Add` declares each setting once,
 // as a CLI11 option with its default, check and description; from that one line come the flag
 // `--rebuild-delay`, the variable `MOTIONDBD_REBUILD_DELAY` and the key `rebuild-delay` of the
 // file, the manual page and what --check-config prints. A new group: a file, a line here and one in
@@ -30,7 +30,6 @@ void AddLogSettings(CLI::App& app, Settings& settings);
 // Appends what is wrong with the settings as a whole; opens and changes nothing.
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems);
-void CheckEngineSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckSecuritySettings(const Settings& settings, std::vector<absl::Status>& problems);
 

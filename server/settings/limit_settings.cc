@@ -1,8 +1,9 @@
 #include <algorithm>
+#include <string>
 
 #include "server/settings/groups.h"
-#include "server/settings/memory_limit.h"
 #include "server/settings/options.h"
+#include "server/settings/process_limits.h"
 
 namespace motiondb::server {
 
@@ -18,14 +19,19 @@ void AddLimit(CLI::App& app, const std::string& name, Count& limit, int least, i
   AddCount(app, name, limit, least, most, description)->group("Limits");
 }
 
-constexpr char kByCaller[] = "client: a token or certificate, else an address";
-
-// `whose` tells what one client is. A call is counted before its token is looked at.
+// One client may have a quarter of what all may, so that four are needed to keep the others out.
+// `whose` tells what one client is: a call is counted before its token is looked at.
 void AddCallLimit(CLI::App& app, const std::string& name, CallLimit& limit, const std::string& what,
-                  const std::string& whose = kByCaller) {
-  AddLimit(app, name, limit.in_all, 1, 1'000'000, "Most " + what + " under way, in all");
-  AddLimit(app, name + "-per-client", limit.per_client, 1, 1'000'000,
-           "Most " + what + " under way of one " + whose);
+                  const std::string& whose = "client: a token or certificate, else an address") {
+  app.add_option_function<int>(
+         name,
+         [&limit](int count) { limit = {.in_all = count, .per_client = std::max(1, count / 4)}; },
+         "Most " + what + " under way; a quarter of them for one " + whose)
+      ->type_name("N")
+      ->check(WholeNumber())
+      ->check(CLI::Range(1, 1'000'000))
+      ->default_str(std::to_string(limit.in_all))
+      ->group("Limits");
 }
 
 }  // namespace
@@ -48,9 +54,6 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
       "responses, half of it for one client. If not set, a fifth of the memory that the machine "
       "and its control groups give the server, from 80 to 512",
       1 << 20)
-      ->group("Limits");
-  AddKibibytes(app, "--max-metadata-kib", calls.max_metadata_bytes,
-               "Largest metadata taken with a call: names and values, and 32 bytes for each")
       ->group("Limits");
   AddLimit(
       app, "--max-frames", engine.max_frames, 2, 100'000'000,

@@ -40,16 +40,11 @@ CLI::Option* AddBytes(CLI::App& app, const std::string& name, Bytes& bytes, cons
       ->default_str(std::to_string(bytes >> kBits));
 }
 
-// The same in mebibytes, and in kibibytes.
+// The same in mebibytes.
 template <std::integral Bytes>
 CLI::Option* AddMebibytes(CLI::App& app, const std::string& name, Bytes& bytes,
                           const std::string& description, int most = 1024, int least = 1) {
   return AddBytes<20>(app, name, bytes, "MIB", description, most, least);
-}
-template <std::integral Bytes>
-CLI::Option* AddKibibytes(CLI::App& app, const std::string& name, Bytes& bytes,
-                          const std::string& description, int most = 1024) {
-  return AddBytes<10>(app, name, bytes, "KIB", description, most);
 }
 
 // Of what is listened on: HOST:PORT, [IPV6]:PORT, port from 0 (a free one) to 65535.

@@ -5,10 +5,21 @@
 #include <cstdint>
 #include <string>
 
-#include "server/observability/log_formatter.h"
-#include "server/settings/server_options.h"
+#include "server/engine/options.h"
+#include "server/observability/log.h"
+#include "server/rpc/call_limits.h"
+#include "server/security/security_options.h"
 
 namespace motiondb::server {
+
+// What a server is started with.
+struct ServerOptions {
+  std::string listen = "127.0.0.1:50051";  // port 0: a free one
+  int max_message_bytes = 16 << 20;        // largest request taken; a query may carry a whole file
+  CallLimitOptions calls;
+  SecurityOptions security;
+  EngineOptions engine;
+};
 
 struct LogSettings {
   std::string level = "info";

@@ -1,17 +1,127 @@
 #include "server/settings/settings_reader.h"
 
 #include <fmt/format.h>
+#include <toml++/toml.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cctype>
+#include <cerrno>
+#include <fstream>
+#include <optional>
 #include <string_view>
 #include <utility>
 
 #include "core/motion/error.h"
 #include "server/settings/groups.h"
-#include "server/settings/settings_file.h"
 
 namespace motiondb::server {
+
+namespace {
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 20;
+
+// A string as it is, a number or truth as it is written; nothing for what no setting has.
+std::optional<std::string> TextOf(const toml::node& node) {
+  if (const auto* text = node.as_string()) return text->get();
+  if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());
+  if (const auto* number = node.as_floating_point()) return fmt::format("{}", number->get());
+  if (const auto* truth = node.as_boolean()) return fmt::format("{}", truth->get());
+  return std::nullopt;
+}
+
+absl::StatusOr<std::vector<std::string>> ValuesOf(const toml::node& node) {
+  std::vector<std::string> values;
+  const auto add = [&](const toml::node& element) {
+    std::optional<std::string> text = TextOf(element);
+    if (text) values.push_back(*std::move(text));
+    return text.has_value();
+  };
+  const toml::array* const array = node.as_array();
+  if (array == nullptr ? add(node) : std::ranges::all_of(*array, add)) return values;
+  if (node.is_table()) return core::InvalidArgument("expected `key = value`; there are no tables");
+  return core::InvalidArgument("expected a string, a number, true or false, or an array of these");
+}
+
+// Whether TOML has the value without quotes, and reads it as the same text.
+bool IsBare(const std::string& value) {
+  try {
+    const toml::table table = toml::parse("v = " + value);
+    const toml::node* const node = table.get("v");
+    return table.size() == 1 && node != nullptr && !node->is_string() && TextOf(*node) == value;
+  } catch (const toml::parse_error&) {
+    return false;
+  }
+}
+
+std::string Quote(const std::string& value) {
+  std::string quoted = "\"";
+  for (const char c : value) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    if (c == '\n') {
+      quoted += "\\n";
+    } else if (c == '\t') {
+      quoted += "\\t";
+    } else {
+      quoted += c;
+    }
+  }
+  return quoted + '"';
+}
+
+}  // namespace
+
+std::vector<FileSetting> ParseSettings(const std::string& name, const std::string& text,
+                                       std::vector<absl::Status>& problems) {
+  toml::table table;
+  try {
+    table = toml::parse(text);
+  } catch (const toml::parse_error& error) {
+    problems.push_back(core::InvalidArgument("{}:{}: {}", name, error.source().begin.line,
+                                             std::string(error.description())));
+    return {};
+  }
+  std::vector<FileSetting> settings;
+  for (const auto& [key, node] : table) {
+    const int line = static_cast<int>(key.source().begin.line);
+    auto values = ValuesOf(node);
+    if (values.ok()) {
+      settings.push_back({line, std::string(key.str()), *std::move(values)});
+    } else {
+      problems.push_back(core::InvalidArgument("{}:{}: {}: {}", name, line, std::string(key.str()),
+                                               std::string(values.status().message())));
+    }
+  }
+  std::ranges::sort(settings, {}, &FileSetting::line);
+  return settings;
+}
+
+absl::StatusOr<std::string> ReadSettingsFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string text;
+  if (file) {
+    text.resize(kLargestFile + 1);
+    errno = 0;
+    file.read(text.data(), static_cast<std::streamsize>(text.size()));
+    text.resize(static_cast<std::size_t>(file.gcount()));
+  }
+  if (!file.is_open() || file.bad()) {
+    return absl::ErrnoToStatus(errno, fmt::format("{}: cannot be read", path));
+  }
+  if (text.size() > kLargestFile) {
+    return core::InvalidArgument("{}: is larger than 1 MiB, which no configuration is", path);
+  }
+  return text;
+}
+
+std::string FormatValues(const std::vector<std::string>& values, bool is_array) {
+  const auto format = [](const std::string& value) { return IsBare(value) ? value : Quote(value); };
+  if (!is_array) return values.empty() ? "\"\"" : format(values.front());
+  std::string array;
+  for (const std::string& value : values) array += (array.empty() ? "" : ", ") + format(value);
+  return "[" + array + "]";
+}
+
 namespace {
 
 constexpr std::string_view kPrefix = "MOTIONDBD_";
@@ -46,6 +156,23 @@ std::vector<std::string> DefaultOf(const CLI::Option& option) {
   return text.empty() ? std::vector<std::string>() : CLI::detail::split(text, ',');
 }
 
+// What was a setting once, and what holds in its place. An existing file still starts a server.
+constexpr std::pair<const char*, const char*> kRemoved[] = {
+    {"heavy-threads", "all threads but one may be at long work (threads)"},
+    {"rebuild-delay-limit", "10 s, or rebuild-delay if that is more"},
+    {"max-metadata-kib", "a call may come with 8 KiB of metadata"},
+    {"max-calls-per-client", "one client may have a quarter of max-calls"},
+    {"max-heavy-calls-per-client", "one client may have a quarter of max-heavy-calls"},
+    {"max-streams-per-client", "one client may have a quarter of max-streams"},
+};
+
+const char* ReplacementOf(const std::string& key) {
+  for (const auto& [removed, replacement] : kRemoved) {
+    if (key == removed) return replacement;
+  }
+  return nullptr;
+}
+
 }  // namespace
 
 Environment ReadEnvironment() {
@@ -74,6 +201,9 @@ SettingsReader::SettingsReader()
           "Check all settings and the files they name, print them, and exit; the store is not "
           "opened")
       ->configurable(false);
+  for (const auto& [key, replacement] : kRemoved) {  // not shown
+    app_.add_option("--" + std::string(key), removed_)->configurable(false)->group("");
+  }
   AddStoreSettings(app_, settings_);
   AddNetworkSettings(app_, settings_);
   AddHttpSettings(app_, settings_);
@@ -90,7 +220,6 @@ SettingsReader::SettingsReader()
 std::vector<absl::Status> SettingsReader::CheckToServe() const {
   std::vector<absl::Status> problems;
   CheckHttpSettings(settings_, problems);
-  CheckEngineSettings(settings_, problems);
   CheckLimitSettings(settings_, problems);
   CheckSecuritySettings(settings_, problems);
   return problems;
@@ -117,6 +246,12 @@ std::vector<absl::Status> SettingsReader::Read(int argc, const char* const* argv
   for (const CLI::Option* const option : Options()) {
     if (option->count() > 0) origins_[option] = {"--" + KeyOf(*option), option->results()};
   }
+  for (const auto& [key, replacement] : kRemoved) {
+    const std::string flag = "--" + std::string(key);
+    if (app_.count(flag) > 0) WarnOfRemoved(flag, key);
+  }
+  EngineOptions& engine = settings_.server.engine;
+  engine.rebuild_delay_limit = std::max(engine.rebuild_delay_limit, engine.rebuild_delay);
   if (settings_.store_path.empty()) {
     problems.push_back(absl::InvalidArgumentError(
         "store: not set; give --store FILE, MOTIONDBD_STORE or a line `store = \"FILE\"`"));
@@ -143,6 +278,10 @@ std::vector<const CLI::Option*> SettingsReader::Options() const {
 
 absl::Status SettingsReader::Apply(const std::string& place, const std::string& key,
                                    std::vector<std::string> values) {
+  if (ReplacementOf(key) != nullptr) {
+    WarnOfRemoved(place, key);
+    return absl::OkStatus();
+  }
   CLI::Option* const found = app_.get_option_no_throw("--" + key);
   if (found == nullptr || !found->get_configurable()) {
     return core::InvalidArgument("{}: no such setting: {}", place, key);
@@ -166,6 +305,11 @@ absl::Status SettingsReader::Apply(const std::string& place, const std::string& 
   }
   origins_[&option] = {place, std::move(values)};
   return absl::OkStatus();
+}
+
+void SettingsReader::WarnOfRemoved(const std::string& place, const std::string& key) {
+  warnings_.push_back(fmt::format("{}: {} is no setting any more and is ignored: {}", place, key,
+                                  ReplacementOf(key)));
 }
 
 void SettingsReader::ApplyFile(std::vector<absl::Status>& problems) {
@@ -195,6 +339,9 @@ void SettingsReader::ApplyEnvironment(const Environment& environment,
     const absl::Status status = Apply(variable, KeyOf(*option), values);
     if (!status.ok()) problems.push_back(status);
     unknown.erase(found);
+  }
+  for (const auto& [key, replacement] : kRemoved) {
+    if (unknown.erase(VariableOf(key)) > 0) WarnOfRemoved(VariableOf(key), key);
   }
   for (const auto& [variable, value] : unknown) {
     problems.push_back(core::InvalidArgument("{}: no such setting", variable));

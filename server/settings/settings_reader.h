@@ -1,9 +1,4 @@
-// Reads motiondbd's settings from its three places, the stronger over the weaker: flags,
-// environment variables, the configuration file, and defaults below them all.
-//
-//   --rebuild-delay 0.5      MOTIONDBD_REBUILD_DELAY=0.5      rebuild-delay = 0.5
-//
-// Not thread-safe. Owns the settings.
+// Reads motiondbd's settings: from a file, the environment and flags.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -12,9 +7,36 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "server/settings/settings.h"
 
 namespace motiondb::server {
+
+// Reads a configuration file: TOML without tables.
+struct FileSetting {
+  int line = 0;  // from 1
+  std::string key;
+  std::vector<std::string> values;  // one, or an array's
+};
+
+// In order of lines. Appends a problem, with `name` and line, for what is no TOML (the first place
+// only, and nothing is returned) and for each value that is no string, number, truth or array of
+// these.
+std::vector<FileSetting> ParseSettings(const std::string& name, const std::string& text,
+                                       std::vector<absl::Status>& problems);
+
+// The file's text. NOT_FOUND, PERMISSION_DENIED; INVALID_ARGUMENT if it is larger than 1 MiB.
+absl::StatusOr<std::string> ReadSettingsFile(const std::string& path);
+
+// `values` as the file would have them: bare if one number, true or false, quoted or an array else.
+std::string FormatValues(const std::vector<std::string>& values, bool is_array);
+
+// Reads motiondbd's settings from its three places, the stronger over the weaker: flags,
+// environment variables, the configuration file, and defaults below them all.
+//
+//   --rebuild-delay 0.5      MOTIONDBD_REBUILD_DELAY=0.5      rebuild-delay = 0.5
+//
+// Not thread-safe. Owns the settings.
 
 using Environment = std::map<std::string, std::string>;
 
@@ -44,6 +66,8 @@ class SettingsReader {
 
   Task task() const { return task_; }
   const Settings& settings() const { return settings_; }
+  // What was set that is no setting any more, each with its place and what holds instead.
+  const std::vector<std::string>& warnings() const { return warnings_; }
   // In the order of the groups.
   std::vector<EffectiveSetting> Effective() const;
   // What the settings as a whole are wrong about, see groups.h: with these it does not serve.
@@ -64,6 +88,7 @@ class SettingsReader {
   // Sets what `key` names to what `place` says.
   absl::Status Apply(const std::string& place, const std::string& key,
                      std::vector<std::string> values);
+  void WarnOfRemoved(const std::string& place, const std::string& key);
   void ApplyFile(std::vector<absl::Status>& problems);
   void ApplyEnvironment(const Environment& environment, std::vector<absl::Status>& problems);
 
@@ -71,6 +96,8 @@ class SettingsReader {
   Settings settings_;
   Task task_ = Task::kServe;
   std::string file_;
+  std::string removed_;  // a value that is not looked at
+  std::vector<std::string> warnings_;
   std::map<const CLI::Option*, Origin> origins_;
 };
 

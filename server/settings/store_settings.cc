@@ -47,4 +47,18 @@ void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& pro
   if (fs::exists(store, ignored)) require(store, "cannot read and write", R_OK | W_OK);
 }
 
+void AddEngineSettings(CLI::App& app, Settings& settings) {
+  EngineOptions& engine = settings.server.engine;
+  AddCount(app, "--threads", engine.query_threads, 0, 1024, "Threads for requests; 0: one a core")
+      ->group("Engine");
+  AddCount(app, "--build-threads", engine.build_threads, 0, 1024,
+           "Threads for building models; 0: one for two cores")
+      ->group("Engine");
+  AddSeconds(
+      app, "--rebuild-delay", engine.rebuild_delay, 0, 3600,
+      "Time without an ingest after which the model is rebuilt; at most 10 s, or this if it is "
+      "more, after the first")
+      ->group("Engine");
+}
+
 }  // namespace motiondb::server

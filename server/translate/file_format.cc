@@ -1,8 +1,7 @@
 #include "server/translate/file_format.h"
 
 #include "core/motion/error.h"
-#include "server/translate/field_violation.h"
-#include "server/translate/numbers.h"
+#include "server/translate/message_fields.h"
 
 namespace motiondb::server {
 

@@ -5,15 +5,13 @@
 #include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
 #include "server/engine/file_names.h"
-#include "server/translate/field_violation.h"
 #include "server/translate/file_format.h"
-#include "server/translate/plain_text.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
 constexpr std::size_t kLongestText = 255;
 
 // Of a file that another user exports into a folder: hidden it would be overlooked there, and with

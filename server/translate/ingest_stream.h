@@ -15,6 +15,9 @@ class IngestClipRequest;
 
 namespace motiondb::server {
 
+// Of a file that is sent, in one message.
+inline constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
+
 class IngestStream {
  public:
   explicit IngestStream(std::size_t max_file_bytes) : max_file_bytes_(max_file_bytes) {}

@@ -5,29 +5,26 @@
 #include "core/model/model.h"
 #include "motiondb/v1/model.pb.h"
 #include "server/engine/snapshot.h"
-#include "server/translate/packed_floats.h"
+#include "server/translate/message_fields.h"
+#include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
-#include "server/translate/scaling.h"
-#include "server/translate/timestamp.h"
 
 namespace motiondb::server {
 
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
               const Snapshot* snapshot, v1::Model& message) {
-  const bool current = snapshot != nullptr && snapshot->record.version == record.version;
-  message.set_name(ModelName(record.database, record.version));
+  // One that is not stored has the version of another, but a time of its own.
+  const bool current = snapshot != nullptr && snapshot->record.version == record.version &&
+                       snapshot->record.create_time_us == record.create_time_us;
+  const Calibration calibration = current ? snapshot->calibration : Calibration::kOwn;
+  message.set_name(calibration == Calibration::kOwn ? ModelName(record.database, record.version)
+                                                    : CurrentModelName(record.database));
+  message.set_calibration(ToProto(calibration));
   message.set_version(record.version);
   message.set_state(current ? v1::MODEL_STATE_CURRENT : v1::MODEL_STATE_SUPERSEDED);
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
-  message.set_build_seconds(record.build_seconds);
-  message.set_frame_count(record.frame_count);
-  message.set_clip_count(record.clip_count);
-  message.mutable_nodes_per_layer()->Add(record.nodes_per_layer.begin(),
-                                         record.nodes_per_layer.end());
-  message.set_dimension_count(record.dimension_count);
-  message.set_added_clip_count(record.added_clip_count);
+  SetModelFigures(record, message);
   message.set_added_frame_count(record.added_frame_count);
-  message.set_stale_share(record.stale_share);
   message.set_scaling(ToProto(settings.scaling));
   if (!current) return;
   const auto& divisor = snapshot->model.scale().divisor;

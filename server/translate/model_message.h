@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "core/graph/transition_graph.h"
-#include "server/engine/live_database.h"
+#include "server/engine/snapshot.h"
 
 namespace motiondb::core {
 class Model;
@@ -19,7 +19,7 @@ class ReadStatesResponse;
 
 namespace motiondb::server {
 
-// Figures of a model; `snapshot` is the database's current model, or null.
+// Figures of a model, stored or current; `snapshot` is the database's current model, or null.
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
               const Snapshot* snapshot, v1::Model& message);
 

@@ -1,32 +1,38 @@
-// An observation of a request -> states as the models of a database know them. Safe to call from
-// any thread.
+// An observation of a request -> the engine's. Safe to call from any thread.
 #pragma once
 
+#include <string>
 #include <string_view>
 
 #include "absl/status/statusor.h"
-#include "core/motion/states.h"
-#include "server/engine/engine.h"
-#include "server/engine/representation.h"
+#include "server/engine/observation.h"
+#include "server/engine/observe_session.h"
 
 namespace motiondb::v1 {
+class MarkerObservation;
 class Observation;
-}
+class ObserveResponse;
+class ObserveStart;
+class ObservedFrames;
+}  // namespace motiondb::v1
 
 namespace motiondb::server {
 
-// Not scaled; NaN where a marker was missing. `field` is the observation's own name in the request,
-// and leads the names of fields in errors. Codes: INVALID_ARGUMENT, NOT_FOUND (a skeleton),
-// CANCELLED; and IsHeavyWork.
-absl::StatusOr<core::StateSequence> StatesFrom(std::string_view field,
-                                               const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database,
-                                               const WorkTerms& terms);
+// Refers to `message`. `field` is the observation's own name in the request, and leads the names of
+// fields in errors; `database` the id of the one that is asked. INVALID_ARGUMENT.
+absl::StatusOr<Observation> ObservationFrom(std::string_view field, const v1::Observation& message,
+                                            const std::string& database);
 
-// The database's markers, at the observation's own frame rate.
-absl::StatusOr<core::MarkerMotion> MarkersFrom(std::string_view field,
-                                               const v1::Observation& observation, Engine& engine,
-                                               const LiveDatabase& database,
-                                               const WorkTerms& terms);
+// The messages of Observe. Safe to call from any thread.
+
+absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start);
+
+// Refers to the message.
+PackedFrames FramesFrom(const v1::ObservedFrames& frames);
+
+// `top_count` labels; 0 means all.
+void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& message);
+
+void SetMarkers(const core::MarkerMotion& motion, v1::MarkerObservation& message);
 
 }  // namespace motiondb::server

@@ -1,12 +1,16 @@
 #include "server/translate/page.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 
 #include "absl/strings/escaping.h"
 #include "core/motion/error.h"
-#include "server/translate/field_violation.h"
+#include "server/translate/message_fields.h"
 
 namespace motiondb::server {
+
 namespace {
 
 constexpr char kSeparator = '\n';  // in no scope
@@ -40,6 +44,47 @@ bool PageBudget::Take(std::size_t bytes) {
   --items_left_;
   bytes_left_ -= std::min(bytes, bytes_left_);
   return true;
+}
+
+std::string EncodeModelPosition(std::string_view scope, const ModelPosition& position) {
+  return EncodePageToken(
+      scope, fmt::format("{}:{}:{}", position.version, position.create_time_us, position.index));
+}
+
+absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
+                                                  const std::string& token) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string text, DecodePageToken(scope, token));
+  ModelPosition position;
+  if (text.empty()) return position;
+  const char* const end = text.data() + text.size();
+  // Reads a number and the separator behind it; null where there is none.
+  const auto read = [end](const char* from, auto& number, bool is_last) -> const char* {
+    if (from == nullptr) return nullptr;
+    const auto [after, error] = std::from_chars(from, end, number);
+    if (error != std::errc() || (after == end) != is_last) return nullptr;
+    if (is_last) return after;
+    return *after == ':' ? after + 1 : nullptr;
+  };
+  const char* const time = read(text.data(), position.version, false);
+  const char* const index = read(time, position.create_time_us, false);
+  if (read(index, position.index, true) == nullptr || position.index < 0) {
+    return FieldViolation("page_token", "expected the next_page_token of the page before");
+  }
+  return position;
+}
+
+ModelId PinnedTo(const ModelPosition& position, const ModelId& id) {
+  return {id.database, position.create_time_us == 0 ? id.version : 0};
+}
+
+absl::Status CheckStillCurrent(const ModelPosition& position, const storage::ModelRecord& current) {
+  if (position.create_time_us == 0 ||
+      (position.version == current.version && position.create_time_us == current.create_time_us)) {
+    return absl::OkStatus();
+  }
+  return absl::AbortedError(
+      "the model was replaced by another while it was being listed: list again from the first "
+      "page");
 }
 
 }  // namespace motiondb::server

@@ -1,5 +1,6 @@
 // Pages of a list: sizes, and tokens that are opaque to the client but name the list that they
-// belong to, so that one of another list is refused. Safe to call from any thread.
+// belong to, so that one of another list is refused. A token of a model that has been replaced
+// meanwhile is ABORTED. Safe to call from any thread.
 #pragma once
 
 #include <cstddef>
@@ -9,6 +10,8 @@
 #include <utility>
 
 #include "absl/status/statusor.h"
+#include "server/translate/resource_name.h"
+#include "storage/records.h"
 
 namespace motiondb::server {
 
@@ -60,5 +63,25 @@ std::string FillPageFrom(const Records& records, int size, std::string_view scop
   const int taken = FillPage(count, size, page, [&](int i, auto& to) { make(records[i], to); });
   return taken == count ? std::string() : EncodePageToken(scope, position(records[taken - 1]));
 }
+
+// A place in a list of one model's parts. A model is told by its version and its time: one that is
+// not stored yet has the version of another.
+struct ModelPosition {
+  int version = 0;
+  std::int64_t create_time_us = 0;  // 0: the list begins
+  int index = 0;
+};
+
+std::string EncodeModelPosition(std::string_view scope, const ModelPosition& position);
+
+// INVALID_ARGUMENT if the token was not given out for this list.
+absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope, const std::string& token);
+
+// The model to look for: on a later page the current one, whatever its version, so that a model
+// that was replaced is found out by CheckStillCurrent.
+ModelId PinnedTo(const ModelPosition& position, const ModelId& id);
+
+// ABORTED if the position is of another model than `current`.
+absl::Status CheckStillCurrent(const ModelPosition& position, const storage::ModelRecord& current);
 
 }  // namespace motiondb::server

@@ -1,15 +1,19 @@
 #include "server/translate/plan_message.h"
 
-#include "core/format/bvh_writer.h"
-#include "core/format/joint_table_writer.h"
+#include <fmt/format.h>
+
+#include <map>
+
+#include "core/format/writers.h"
 #include "core/motion/error.h"
 #include "motiondb/v1/plan.pb.h"
-#include "server/translate/dof_names.h"
-#include "server/translate/packed_floats.h"
+#include "server/translate/message_fields.h"
+#include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
 #include "text/utf8.h"
 
 namespace motiondb::server {
+
 namespace {
 
 v1::PlanOutcome ToProto(core::PlanOutcome outcome) {
@@ -94,9 +98,9 @@ absl::Status SetFile(const core::JointMotion& joints, const PlanBody& body, int 
 
 }  // namespace
 
-absl::Status SetPlan(const core::PlanAnswer& answer, const std::string& database,
-                     const core::Model& model, const PlanBody& body, bool with_files,
-                     const core::Cancelled& cancelled, v1::PlanResponse& message) {
+absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
+                     bool with_files, const core::Cancelled& cancelled, v1::PlanResponse& message) {
+  const core::PlanAnswer& answer = plan.answer;
   message.set_outcome(ToProto(answer.outcome));
   message.set_missing(text::ValidUtf8(answer.missing));
   message.set_leg_length_m(answer.leg_length_m);
@@ -104,6 +108,8 @@ absl::Status SetPlan(const core::PlanAnswer& answer, const std::string& database
   effort.set_expansions(answer.effort.expansions);
   effort.set_improvements(answer.effort.improvements);
   effort.set_complete(answer.effort.complete);
+  effort.set_search_seconds(plan.search_seconds);
+  effort.set_total_seconds(plan.total_seconds);
   int number = 0;
   for (const core::PlannedMotion& motion : answer.motions) {
     if (cancelled()) return absl::CancelledError("nobody waits for the plan");
@@ -117,9 +123,151 @@ absl::Status SetPlan(const core::PlanAnswer& answer, const std::string& database
     SetFrames(motion, to);
     SetQuality(motion.quality, *to.mutable_quality());
     if (!with_files || !motion.joints) continue;
-    MOTIONDB_RETURN_IF_ERROR(SetFile(*motion.joints, body, number, *to.mutable_file()));
+    MOTIONDB_RETURN_IF_ERROR(SetFile(*motion.joints, plan.body, number, *to.mutable_file()));
   }
   return absl::OkStatus();
+}
+
+namespace {
+
+// "tx", "rz": what the degree of freedom does, and along or about which axis.
+std::string Movement(const core::Dof& dof) {
+  Eigen::Index axis = 0;
+  dof.axis.cwiseAbs().maxCoeff(&axis);
+  return {dof.kind == core::Dof::Kind::kTranslation ? 't' : 'r', "xyz"[axis]};
+}
+
+}  // namespace
+
+std::vector<std::string> DofNames(const core::Skeleton& skeleton) {
+  std::vector<std::string> names;
+  for (const core::Joint& joint : skeleton.joints()) {
+    if (joint.dofs.size() == 1) {
+      names.push_back(joint.name);
+      continue;
+    }
+    std::map<std::string, int> seen;
+    for (const core::Dof& dof : joint.dofs) {
+      const std::string movement = Movement(dof);
+      const int count = ++seen[movement];
+      names.push_back(fmt::format("{}.{}", joint.name, movement));
+      if (count > 1) names.back() += std::to_string(count);
+    }
+  }
+  return names;
+}
+
+namespace {
+
+absl::StatusOr<core::FloorPose> GoalFrom(const v1::PlanRequest& request) {
+  if (!request.has_goal()) return FieldViolation("goal", "is missing");
+  const v1::FloorPose& goal = request.goal();
+  return core::FloorPose{goal.x_m(), goal.y_m(), goal.heading_rad()};
+}
+
+absl::StatusOr<core::PlanMethod> PlanMethodFrom(v1::PlanMethod method) {
+  switch (method) {
+    case v1::PLAN_METHOD_UNSPECIFIED:
+    case v1::PLAN_METHOD_SEGMENT_SEARCH:
+      return core::PlanMethod::kSegmentSearch;
+    case v1::PLAN_METHOD_RANDOM_SAMPLING:
+      return core::PlanMethod::kRandomSampling;
+    default:
+      return FieldViolation("method",
+                            "unknown method {}; expected segment search or random sampling",
+                            static_cast<int>(method));
+  }
+}
+
+Eigen::Vector2d PointFrom(const v1::FloorPoint& point) { return {point.x_m(), point.y_m()}; }
+
+absl::StatusOr<core::Obstacles> ObstaclesFrom(const v1::Obstacles& message) {
+  core::Obstacles obstacles;
+  for (const v1::Disc& disc : message.discs()) {
+    if (!disc.has_centre()) {
+      return FieldViolation(fmt::format("obstacles.discs[{}].centre", obstacles.discs.size()),
+                            "is missing");
+    }
+    obstacles.discs.push_back({PointFrom(disc.centre()), disc.radius_m()});
+  }
+  for (const v1::Polygon& polygon : message.polygons()) {
+    auto& corners = obstacles.polygons.emplace_back().corners;
+    for (const v1::FloorPoint& corner : polygon.corners()) corners.push_back(PointFrom(corner));
+  }
+  if (message.has_clearance_m()) obstacles.clearance_m = message.clearance_m();
+  return obstacles;
+}
+
+// 0 means not given.
+void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
+  core::PlanProblem& problem = plan.problem;
+  if (request.has_position_tolerance_m()) {
+    problem.position_tolerance_m = request.position_tolerance_m();
+  }
+  if (request.has_heading_tolerance_rad()) {
+    problem.heading_tolerance_rad = request.heading_tolerance_rad();
+  }
+  if (request.max_duration_seconds() != 0) {
+    problem.max_duration_seconds = request.max_duration_seconds();
+  }
+  if (request.max_search_seconds() != 0) plan.max_search_seconds = request.max_search_seconds();
+  problem.coarse_layer = request.coarse_layer();
+  problem.alternative_count = request.alternative_count();
+  problem.frame_rate_hz = request.frame_rate_hz();
+  problem.seed = request.seed();
+  problem.respect_joint_limits = !request.ignore_joint_limits();
+}
+
+// An id within `database` of a name of the request.
+absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view field,
+                                 std::string_view what, const std::string& name,
+                                 const absl::StatusOr<MemberId>& parsed) {
+  if (!parsed.ok()) return parsed.status();
+  if (parsed->database == database) return parsed->id;
+  return FieldViolation(field, "expected a {} of databases/{}, got '{}'", what, database, name);
+}
+
+absl::Status SetStart(const v1::PlanRequest& request, const std::string& database,
+                      PlanRequest& plan) {
+  if (request.has_clip_start()) {
+    const v1::ClipMoment& moment = request.clip_start();
+    MOTIONDB_ASSIGN_OR_RETURN(std::string clip,
+                              IdIn(database, "clip_start.clip", "clip", moment.clip(),
+                                   ParseClipName("clip_start.clip", moment.clip())));
+    plan.problem.start.clip = core::ClipMoment{std::move(clip), moment.seconds()};
+  } else if (request.has_observation_start()) {
+    MOTIONDB_ASSIGN_OR_RETURN(
+        plan.observation_start,
+        ObservationFrom("observation_start", request.observation_start(), database));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status SetBody(const v1::PlanRequest& request, const std::string& database,
+                     PlanRequest& plan) {
+  if (request.has_robot()) {
+    plan.body = core::SourceFile{request.robot().file_name(), request.robot().urdf()};
+  } else if (request.body_case() == v1::PlanRequest::kSkeleton) {
+    MOTIONDB_ASSIGN_OR_RETURN(plan.body, IdIn(database, "skeleton", "skeleton", request.skeleton(),
+                                              ParseSkeletonName("skeleton", request.skeleton())));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+absl::StatusOr<PlanRequest> PlanRequestFrom(const v1::PlanRequest& request,
+                                            const std::string& database) {
+  PlanRequest plan;
+  MOTIONDB_ASSIGN_OR_RETURN(plan.problem.goal, GoalFrom(request));
+  SetNumbers(request, plan);
+  MOTIONDB_ASSIGN_OR_RETURN(plan.problem.method, PlanMethodFrom(request.method()));
+  plan.problem.labels = {request.labels().begin(), request.labels().end()};
+  MOTIONDB_ASSIGN_OR_RETURN(plan.problem.obstacles, ObstaclesFrom(request.obstacles()));
+  MOTIONDB_RETURN_IF_ERROR(SetStart(request, database, plan));
+  MOTIONDB_RETURN_IF_ERROR(SetBody(request, database, plan));
+  plan.with_files = request.include_files();
+  return plan;
 }
 
 }  // namespace motiondb::server

@@ -3,11 +3,14 @@
 #include <algorithm>
 
 #include "core/model/model.h"
+#include "core/motion/error.h"
+#include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/field_violation.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
+
 namespace {
 
 constexpr std::size_t kMostScores = 1 << 20;  // of an answer, some 100 bytes each
@@ -110,6 +113,101 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
     for (const int clip : next.clips) to.add_clips(ClipName(database, model.clips()[clip].id));
   }
   SetHorizons(prediction.horizons, *message.mutable_horizons());
+}
+
+namespace {
+
+// 0 means not given.
+template <typename Number>
+void SetIfGiven(Number value, Number& option) {
+  if (value != 0) option = value;
+}
+
+absl::Status CheckTopCount(int top_count) {
+  if (top_count >= 0) return absl::OkStatus();
+  return FieldViolation("top_count", "expected 0 or more, got {}", top_count);
+}
+
+absl::StatusOr<core::Method> MethodFrom(v1::Method method) {
+  switch (method) {
+    case v1::METHOD_UNSPECIFIED:
+    case v1::BEST:
+      return core::Method::kBest;
+    case v1::PAPER:
+      return core::Method::kPaper;
+    default:
+      return FieldViolation("method", "unknown method {}; expected best or paper",
+                            static_cast<int>(method));
+  }
+}
+
+absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
+  switch (generation) {
+    case v1::GENERATION_UNSPECIFIED:
+    case v1::GENERATION_EXACT:
+      return core::Generation::kExact;
+    case v1::GENERATION_TOP_PATHS:
+      return core::Generation::kTopPaths;
+    default:
+      return FieldViolation("generation", "unknown generation {}; expected exact or top paths",
+                            static_cast<int>(generation));
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request) {
+  core::RecognizeOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
+  MOTIONDB_ASSIGN_OR_RETURN(options.generation, GenerationFrom(request.generation()));
+  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(request.top_count()));
+  options.whole = request.whole();
+  SetIfGiven(request.window_seconds(), options.window_seconds);
+  SetIfGiven(request.hop_seconds(), options.hop_seconds);
+  options.layer = request.layer();
+  if (request.has_transition_floor()) options.transition_floor = request.transition_floor();
+  SetIfGiven(request.path_count(), options.path_count);
+  return options;
+}
+
+core::EstimateOptions OptionsFrom(const v1::EstimateRequest& request) {
+  core::EstimateOptions options;
+  options.search.layer = request.layer();
+  SetIfGiven(request.path_count(), options.search.path_count);
+  if (request.has_transition_floor()) options.search.transition_floor = request.transition_floor();
+  if (request.has_max_candidates()) options.search.max_candidates = request.max_candidates();
+  if (request.fill_every_frame()) options.fill = core::Fill::kEveryFrame;
+  return options;
+}
+
+absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& request) {
+  core::PredictOptions options;
+  MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
+  if (request.has_at_seconds()) options.at_seconds = request.at_seconds();
+  SetIfGiven(request.history_seconds(), options.history_seconds);
+  if (!request.horizon_seconds().empty()) {
+    options.horizon_seconds = {request.horizon_seconds().begin(), request.horizon_seconds().end()};
+  }
+  options.layer = request.layer();
+  if (request.has_transition_floor()) options.transition_floor = request.transition_floor();
+  return options;
+}
+
+absl::StatusOr<SeriesOptions> OptionsFrom(const v1::PredictSeriesRequest& request) {
+  auto prediction = OptionsFrom(request.prediction());
+  if (!prediction.ok()) return core::Within("prediction", prediction.status());
+  return SeriesOptions{*std::move(prediction), request.every_seconds()};
+}
+
+absl::StatusOr<core::ObserverOptions> OptionsFrom(const v1::ObserveStart& start) {
+  core::ObserverOptions options;
+  SetIfGiven(start.window_seconds(), options.window_seconds);
+  SetIfGiven(start.history_seconds(), options.history_seconds);
+  options.horizon_seconds = {start.horizon_seconds().begin(), start.horizon_seconds().end()};
+  options.layer = start.layer();
+  if (start.has_transition_floor()) options.transition_floor = start.transition_floor();
+  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(start.top_count()));
+  return options;
 }
 
 }  // namespace motiondb::server

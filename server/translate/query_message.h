@@ -7,16 +7,24 @@
 #include <vector>
 
 #include "absl/status/status.h"
+#include "absl/status/statusor.h"
 #include "core/estimation/estimate.h"
+#include "core/observe/observer.h"
 #include "core/prediction/predict.h"
 #include "core/recognition/recognize.h"
+#include "server/engine/prediction_series.h"
 
 namespace motiondb::v1 {
+class EstimateRequest;
 class EstimateResponse;
 class LabelProbability;
 class NodeState;
-class PredictedFrame;
+class ObserveStart;
+class PredictRequest;
 class PredictResponse;
+class PredictSeriesRequest;
+class PredictedFrame;
+class RecognizeRequest;
 class RecognizeResponse;
 }  // namespace motiondb::v1
 
@@ -40,5 +48,14 @@ void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
                google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages);
 void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
+
+// The settings of a query -> core's options, with core's defaults for those not given. Core checks
+// them; INVALID_ARGUMENT here is for what core has no word for. Safe to call from any thread.
+
+absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request);
+core::EstimateOptions OptionsFrom(const v1::EstimateRequest& request);
+absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& request);
+absl::StatusOr<SeriesOptions> OptionsFrom(const v1::PredictSeriesRequest& request);
+absl::StatusOr<core::ObserverOptions> OptionsFrom(const v1::ObserveStart& start);
 
 }  // namespace motiondb::server

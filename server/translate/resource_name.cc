@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "server/translate/field_violation.h"
-#include "server/translate/plain_text.h"
+#include "server/translate/message_fields.h"
 
 namespace motiondb::server {
 namespace {
@@ -103,6 +102,10 @@ std::string SkeletonName(std::string_view database, std::string_view skeleton) {
 
 std::string ModelName(std::string_view database, int version) {
   return fmt::format("databases/{}/models/{}", database, version);
+}
+
+std::string CurrentModelName(std::string_view database) {
+  return fmt::format("databases/{}/models/current", database);
 }
 
 std::string OperationName(std::string_view operation) {

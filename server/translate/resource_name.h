@@ -32,6 +32,7 @@ std::string DatabaseName(std::string_view database);
 std::string ClipName(std::string_view database, std::string_view clip);
 std::string SkeletonName(std::string_view database, std::string_view skeleton);
 std::string ModelName(std::string_view database, int version);
+std::string CurrentModelName(std::string_view database);
 std::string OperationName(std::string_view operation);
 std::string TokenName(std::string_view token);
 

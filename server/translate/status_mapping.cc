@@ -3,13 +3,16 @@
 #include <string>
 
 #include "absl/strings/cord.h"
+#include "core/motion/error.h"
 #include "motiondb/v1/error.pb.h"
 #include "text/display_text.h"
 #include "text/utf8.h"
 
 namespace motiondb::server {
+
 namespace {
 
+// gRPC carries details in a trailer of 8 KiB, together with the message.
 constexpr std::size_t kMessageLimit = 1024;
 
 // Written out, although the numbers agree, so that a new code on either side does not slip through.
@@ -54,6 +57,20 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
   }
 }
 
+// The field that an error names, as google.rpc.BadRequest; its description is the message without
+// the field.
+void AddFieldViolation(const absl::Status& status, const std::string& field, v1::Status& details) {
+  std::string_view description(status.message().data(), status.message().size());
+  if (description.starts_with(field + ": ")) description.remove_prefix(field.size() + 2);
+  v1::BadRequest bad_request;
+  v1::BadRequest::FieldViolation& violation = *bad_request.add_field_violations();
+  violation.set_field(field);
+  violation.set_description(text::ValidUtf8(text::SafeText(description), kMessageLimit));
+  google::protobuf::Any& detail = *details.add_details();
+  detail.set_type_url("type.googleapis.com/google.rpc.BadRequest");
+  detail.set_value(bad_request.SerializeAsString());
+}
+
 }  // namespace
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
@@ -63,12 +80,37 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   details.set_message(
       text::ValidUtf8(text::SafeText(std::string(status.message())), kMessageLimit));
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+    if (url == core::kFieldUrl) return AddFieldViolation(status, std::string(payload), details);
     google::protobuf::Any& detail = *details.add_details();
     detail.set_type_url(std::string(url));
     detail.set_value(std::string(payload));
   });
   return {ToGrpcCode(status.code()), details.message(),
           details.details().empty() ? std::string() : details.SerializeAsString()};
+}
+
+absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message) {
+  v1::RetryInfo retry;
+  retry.mutable_retry_delay()->set_seconds(delay.count() / 1000);
+  retry.mutable_retry_delay()->set_nanos(static_cast<int>(delay.count() % 1000) * 1'000'000);
+  absl::Status status = absl::ResourceExhaustedError(std::string(message));
+  status.SetPayload(kRetryInfoUrl, absl::Cord(retry.SerializeAsString()));
+  return status;
+}
+
+grpc::Status WithRequestInfo(const grpc::Status& error, const std::string& request_id) {
+  v1::Status details;
+  // Details that are there were made by ToGrpcStatus; where there are none the rest is filled in.
+  if (error.error_details().empty() || !details.ParseFromString(error.error_details())) {
+    details.set_code(error.error_code());
+    details.set_message(error.error_message());
+  }
+  v1::RequestInfo info;
+  info.set_request_id(request_id);
+  google::protobuf::Any& detail = *details.add_details();
+  detail.set_type_url(kRequestInfoUrl);
+  detail.set_value(info.SerializeAsString());
+  return {error.error_code(), error.error_message(), details.SerializeAsString()};
 }
 
 }  // namespace motiondb::server

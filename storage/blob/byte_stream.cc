@@ -25,4 +25,42 @@ absl::Status SpanSource::Finish() {
   return absl::OkStatus();
 }
 
+void FieldWriter::PutText(std::string_view text) {
+  PutCount(text.size());
+  PutElements(std::span(text.data(), text.size()));
+}
+
+void FieldWriter::PutCount(std::size_t count) {
+  if (status_.ok() && count > std::numeric_limits<std::uint32_t>::max()) {
+    status_ = core::InvalidArgument("{} items are too many to store", count);
+  }
+  Put(static_cast<std::uint32_t>(count));
+}
+
+std::string FieldReader::GetText() {
+  std::string text(GetCount(1), '\0');
+  GetElements(std::span(text));
+  return text;
+}
+
+std::size_t FieldReader::GetCount(std::size_t item_bytes) {
+  const auto count = Get<std::uint32_t>();
+  if (!ok()) return 0;
+  if (count > remaining() / item_bytes) {
+    Fail(core::DataLoss("expected {} items of {} bytes or more, got {} bytes", count, item_bytes,
+                        remaining()));
+    return 0;
+  }
+  return count;
+}
+
+void FieldReader::Fail(absl::Status status) {
+  if (ok()) status_ = std::move(status);
+}
+
+absl::Status FieldReader::Finish() {
+  if (ok()) status_ = source_.Finish();
+  return status_;
+}
+
 }  // namespace motiondb::storage

@@ -3,18 +3,14 @@
 #include <cmath>
 #include <utility>
 
-#include "storage/blob/fields.h"
-#include "storage/blob/graph_codec.h"
-#include "storage/blob/matrix_fields.h"
-#include "storage/blob/prediction_codec.h"
-#include "storage/blob/recognition_codec.h"
+#include "storage/blob/byte_stream.h"
 
 namespace motiondb::storage {
 namespace {
 
 using core::Branch;
 
-constexpr std::uint32_t kVersion = 3;
+constexpr std::uint32_t kPartsVersion = 3;
 constexpr std::uint32_t kPlainVersion = 1;  // knows nothing of subjects, metric, prior, calibration
 constexpr std::uint32_t kPlaneVersion = 3;  // the first that knows where the tree is divided
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
@@ -223,7 +219,7 @@ void GetSubjects(FieldReader& reader, std::vector<core::ModelClip>& clips) {
 
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
   FieldWriter writer(sink);
-  writer.Put(kVersion);
+  writer.Put(kPartsVersion);
   PutSettings(writer, parts.settings);
   PutMarkerSet(writer, parts.marker_set);
   PutClips(writer, parts.clips);
@@ -247,8 +243,8 @@ absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink) {
 absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
   FieldReader reader(source);
   const auto version = reader.Get<std::uint32_t>();
-  if (reader.ok() && (version < kPlainVersion || version > kVersion)) {
-    return core::DataLoss("parts: expected version {} to {}, got {}", kPlainVersion, kVersion,
+  if (reader.ok() && (version < kPlainVersion || version > kPartsVersion)) {
+    return core::DataLoss("parts: expected version {} to {}, got {}", kPlainVersion, kPartsVersion,
                           version);
   }
   core::ModelParts parts;

@@ -5,17 +5,20 @@
 
 namespace motiondb::storage {
 
+absl::Status WriteChunk(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                        std::uint32_t position, std::span<const std::byte> chunk) {
+  return connection
+      .Query(fmt::format("INSERT INTO {0}_chunk ({0}_key, kind, position, chunk) "
+                         "VALUES (?, ?, ?, ?)",
+                         owner.table),
+             owner.key, static_cast<int>(kind), position, chunk)
+      .Run();
+}
+
 absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,
                        const std::function<absl::Status(ByteSink&)>& encode) {
-  Statement insert = connection.Query(fmt::format(
-      "INSERT INTO {0}_chunk ({0}_key, kind, position, chunk) VALUES (?, ?, ?, ?)", owner.table));
   ChunkSink sink(kind, [&](std::uint32_t position, std::span<const std::byte> chunk) {
-    insert.Reset();
-    insert.Bind(owner.key);
-    insert.Bind(static_cast<int>(kind));
-    insert.Bind(position);
-    insert.Bind(chunk);
-    return insert.Run();
+    return WriteChunk(connection, owner, kind, position, chunk);
   });
   MOTIONDB_RETURN_IF_ERROR(encode(sink));
   return sink.Finish();

@@ -9,7 +9,7 @@
 
 #include "absl/status/statusor.h"
 #include "storage/blob/byte_stream.h"
-#include "storage/blob/chunk.h"
+#include "storage/blob/chunk_stream.h"
 #include "storage/sqlite/connection.h"
 
 namespace motiondb::storage {
@@ -19,6 +19,10 @@ struct BlobOwner {
   std::string_view table;  // "clip", "skeleton", "model"
   std::int64_t key = 0;
 };
+
+// Stores one chunk of a blob, as ChunkSink makes it.
+absl::Status WriteChunk(Connection& connection, const BlobOwner& owner, BlobKind kind,
+                        std::uint32_t position, std::span<const std::byte> chunk);
 
 // Stores what `encode` writes.
 absl::Status WriteBlob(Connection& connection, const BlobOwner& owner, BlobKind kind,

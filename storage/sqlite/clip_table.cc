@@ -3,12 +3,11 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/blob/crc32.h"
-#include "storage/blob/states_codec.h"
+#include "storage/blob/checksums.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/sqlite/clip_bytes.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/enum_text.h"
-#include "storage/sqlite/free_id.h"
 #include "storage/sqlite/row_checksum.h"
 #include "storage/sqlite/skeleton_table.h"
 
@@ -20,18 +19,24 @@ constexpr char kRemoved[] =
     "deleted = 1 AND NOT EXISTS (SELECT 1 FROM model_clip WHERE model_clip.clip_key = "
     "clip.clip_key)";
 
-// A query for clips as ToRecord reads them; `rest` follows the database in the condition.
-std::string SelectWhere(std::string_view rest) {
+// A query for clips as ToClipRecord reads them; `rest` follows the database in the condition.
+std::string SelectClips(std::string_view rest) {
   return fmt::format(
       "SELECT clip.id, label, subject, file_name, skeleton_file_name, format, frame_count, "
       "duration_seconds, source_frame_rate_hz, leg_length_m, ifnull(skeleton.id, ''), "
-      "source_report, content_hash, create_time_us, "
-      "ifnull(byte_count, 0) FROM clip LEFT JOIN skeleton "
+      "source_report, content_hash, create_time_us, ifnull(byte_count, 0), "
+      "representation_version, tried_version, tried_time_us, derive_error, "
+      "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m FROM clip "
+      "LEFT JOIN skeleton "
       "USING (skeleton_key) WHERE clip.database_key = ? AND deleted = 0 AND {}",
       rest);
 }
 
-absl::StatusOr<ClipRecord> ToRecord(const std::string& database, const Statement& row) {
+std::optional<double> OptionalReal(const Statement& row, int column) {
+  return row.IsNull(column) ? std::nullopt : std::optional(row.Real(column));
+}
+
+absl::StatusOr<ClipRecord> ToClipRecord(const std::string& database, const Statement& row) {
   ClipRecord record;
   record.database = database;
   record.id = row.Text(0);
@@ -49,10 +54,20 @@ absl::StatusOr<ClipRecord> ToRecord(const std::string& database, const Statement
   record.content_hash = row.Integer<std::uint64_t>(12);
   record.create_time_us = row.Integer(13);
   record.byte_count = row.Integer(14);
+  record.representation_version = row.Integer<std::int32_t>(15);
+  record.tried_version = row.Integer<std::int32_t>(16);
+  record.tried_time_us = row.Integer(17);
+  record.derive_error = row.Text(18);
+  record.given.metres_per_unit = OptionalReal(row, 19);
+  if (!row.IsNull(20)) {
+    MOTIONDB_ASSIGN_OR_RETURN(record.given.up_axis, FromText<core::UpAxis>(row.Text(20)));
+  }
+  record.given.frame_rate_hz = OptionalReal(row, 21);
+  record.given_leg_length_m = OptionalReal(row, 22);
   return record;
 }
 
-std::string Place(const std::string& database, const std::string& clip) {
+std::string DescribeClip(const std::string& database, const std::string& clip) {
   return fmt::format("database '{}', clip '{}'", database, clip);
 }
 
@@ -68,6 +83,14 @@ absl::StatusOr<std::int64_t> FindClip(Connection& connection, const std::string&
       clip);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoClip(database, clip);
+  return row.Integer(0);
+}
+
+// 0: it has none.
+absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t clip_key) {
+  Statement row =
+      connection.Query("SELECT ifnull(skeleton_key, 0) FROM clip WHERE clip_key = ?", clip_key);
+  MOTIONDB_RETURN_IF_ERROR(row.Step().status());
   return row.Integer(0);
 }
 
@@ -95,48 +118,112 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
   return free;
 }
 
+// `record` under its id; `skeleton_key` 0: it has none.
 absl::Status InsertRow(Connection& connection, std::int64_t database_key, std::int64_t skeleton_key,
-                       const NewClip& clip, const std::string& id) {
-  const ClipRecord& record = clip.record;
-  const core::RootPath& path = clip.states.root_path;
+                       const ClipRecord& record, const core::RootPath& path) {
   const auto path_bytes =
       std::as_bytes(std::span(path.data(), static_cast<std::size_t>(path.size())));
-  Statement insert = connection.Query(
-      "INSERT INTO clip (database_key, id, label, subject, file_name, skeleton_file_name, format, "
-      "frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, source_report, "
-      "content_hash, root_path_crc, create_time_us, skeleton_key) "
-      "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)",
-      database_key, id, record.label, record.subject, record.file_name, record.skeleton_file_name,
-      ToText(record.format), record.frame_count, record.duration_seconds,
-      record.source_frame_rate_hz, record.leg_length_m, record.source_report, record.content_hash,
-      Crc32(path_bytes), record.create_time_us);
-  if (skeleton_key == 0) {
-    insert.Bind(nullptr);
-  } else {
-    insert.Bind(skeleton_key);
-  }
-  return insert.Run();
+  const auto& up = record.given.up_axis;
+  return connection
+      .Query(
+          "INSERT INTO clip (database_key, id, label, subject, file_name, skeleton_file_name, "
+          "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
+          "source_report, content_hash, root_path_crc, create_time_us, skeleton_key, "
+          "representation_version, tried_version, tried_time_us, derive_error, "
+          "given_metres_per_unit, given_up_axis, given_frame_rate_hz, given_leg_length_m) "
+          "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, nullif(?, 0), ?, ?, ?, ?, ?, ?, ?, "
+          "?)",
+          database_key, record.id, record.label, record.subject, record.file_name,
+          record.skeleton_file_name, ToText(record.format), record.frame_count,
+          record.duration_seconds, record.source_frame_rate_hz, record.leg_length_m,
+          record.source_report, record.content_hash, Crc32(path_bytes), record.create_time_us,
+          skeleton_key, record.representation_version, record.tried_version, record.tried_time_us,
+          record.derive_error, record.given.metres_per_unit,
+          up ? std::optional<std::string>(ToText(*up)) : std::nullopt, record.given.frame_rate_hz,
+          record.given_leg_length_m)
+      .Run();
+}
+
+absl::Status WriteStates(Connection& connection, std::int64_t clip_key,
+                         const core::StateSequence& states) {
+  return WriteBlob(connection, ClipOwner(clip_key), BlobKind::kStates,
+                   [&](ByteSink& sink) { return EncodeStates(states, sink); });
 }
 
 absl::Status InsertBlobs(Connection& connection, const BlobOwner& owner, const NewClip& clip) {
   MOTIONDB_RETURN_IF_ERROR(WriteBlob(connection, owner, BlobKind::kMotionFile, clip.file_bytes));
   MOTIONDB_RETURN_IF_ERROR(
       WriteBlob(connection, owner, BlobKind::kSkeletonFile, clip.skeleton_bytes));
-  return WriteBlob(connection, owner, BlobKind::kStates,
-                   [&](ByteSink& sink) { return EncodeStates(clip.states, sink); });
+  return WriteStates(connection, owner.key, clip.states);
+}
+
+absl::Status CheckFrameCount(const ClipRecord& record, const core::StateSequence& states) {
+  if (record.frame_count == states.frame_count()) return absl::OkStatus();
+  return core::InvalidArgument("clip '{}': frame_count is {}, but there are {} states", record.id,
+                               record.frame_count, states.frame_count());
+}
+
+// The row leaves its id, its content and its skeleton to another, and keeps its states.
+absl::Status MarkDeleted(Connection& connection, std::int64_t clip_key) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", clip_key)
+          .Run());
+  return SetRowChecksum(connection, "clip", clip_key);
+}
+
+// A row with the states takes the place of one, with its files and its skeleton. What is left of
+// that one is of no version, so that a model that knows it is not extended.
+absl::Status ReplaceRow(Connection& connection, std::int64_t database_key, std::int64_t clip_key,
+                        const ClipRecord& record, const core::StateSequence& states) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, clip_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      connection.Query("UPDATE clip SET representation_version = 0 WHERE clip_key = ?", clip_key)
+          .Run());
+  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, clip_key));
+  MOTIONDB_RETURN_IF_ERROR(
+      InsertRow(connection, database_key, skeleton_key, record, states.root_path));
+  const std::int64_t key = connection.last_insert_key();
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE clip_chunk SET clip_key = ? WHERE clip_key = ? AND kind IN (?, ?)", key,
+                 clip_key, static_cast<int>(BlobKind::kMotionFile),
+                 static_cast<int>(BlobKind::kSkeletonFile))
+          .Run());
+  MOTIONDB_RETURN_IF_ERROR(WriteStates(connection, key, states));
+  return CountBytes(connection, key);
+}
+
+absl::Status UpdateRow(Connection& connection, std::int64_t clip_key, const ClipRecord& record) {
+  MOTIONDB_RETURN_IF_ERROR(
+      connection
+          .Query("UPDATE clip SET source_report = ?, representation_version = ?, "
+                 "tried_version = ?, tried_time_us = ?, derive_error = ? WHERE clip_key = ?",
+                 record.source_report, record.representation_version, record.tried_version,
+                 record.tried_time_us, record.derive_error, clip_key)
+          .Run());
+  return SetRowChecksum(connection, "clip", clip_key);
+}
+
+// The key of the clip that was listed as `record`; 0: it is not there any more.
+absl::StatusOr<std::int64_t> FindListed(Connection& connection, std::int64_t database_key,
+                                        const ClipRecord& record) {
+  Statement row = connection.Query(
+      "SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND deleted = 0 AND "
+      "content_hash = ? AND create_time_us = ?",
+      database_key, record.id, record.content_hash, record.create_time_us);
+  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+  return found ? row.Integer(0) : 0;
 }
 
 }  // namespace
 
 absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip) {
-  if (clip.record.frame_count != clip.states.frame_count()) {
-    return core::InvalidArgument("clip '{}': frame_count is {}, but there are {} states",
-                                 clip.record.id, clip.record.frame_count,
-                                 clip.states.frame_count());
-  }
+  MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, clip.states));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key,
                             FindDatabase(connection, clip.record.database));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ChooseId(connection, database_key, clip));
+  ClipRecord record = clip.record;
+  MOTIONDB_ASSIGN_OR_RETURN(record.id, ChooseId(connection, database_key, clip));
   if (clip.marker_set_text) {
     MOTIONDB_RETURN_IF_ERROR(SetMarkerSetText(connection, database_key, *clip.marker_set_text));
   }
@@ -145,32 +232,52 @@ absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& cli
     MOTIONDB_ASSIGN_OR_RETURN(skeleton_key,
                               FindOrInsertSkeleton(connection, database_key, *clip.skeleton));
   }
-  MOTIONDB_RETURN_IF_ERROR(InsertRow(connection, database_key, skeleton_key, clip, id));
+  MOTIONDB_RETURN_IF_ERROR(
+      InsertRow(connection, database_key, skeleton_key, record, clip.states.root_path));
   const std::int64_t key = connection.last_insert_key();
   MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(key), clip));
   MOTIONDB_RETURN_IF_ERROR(CountBytes(connection, key));
-  return SelectClip(connection, clip.record.database, id);
+  return SelectClip(connection, record.database, record.id);
+}
+
+absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
+                                                        const std::string& database,
+                                                        std::span<const DerivedClip> clips) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
+  std::vector<ClipRecord> stored;
+  for (const DerivedClip& clip : clips) {
+    if (clip.states) MOTIONDB_RETURN_IF_ERROR(CheckFrameCount(clip.record, *clip.states));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key,
+                              FindListed(connection, database_key, clip.record));
+    if (key == 0) continue;
+    MOTIONDB_RETURN_IF_ERROR(
+        clip.states ? ReplaceRow(connection, database_key, key, clip.record, *clip.states)
+                    : UpdateRow(connection, key, clip.record));
+    MOTIONDB_ASSIGN_OR_RETURN(stored.emplace_back(),
+                              SelectClip(connection, database, clip.record.id));
+  }
+  return stored;
 }
 
 absl::StatusOr<ClipRecord> SelectClip(Connection& connection, const std::string& database,
                                       const std::string& clip) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(SelectWhere("clip.id = ?"), database_key, clip);
+  Statement row = connection.Query(SelectClips("clip.id = ?"), database_key, clip);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoClip(database, clip);
-  return ToRecord(database, row);
+  return ToClipRecord(database, row);
 }
 
 absl::StatusOr<std::vector<ClipRecord>> SelectClips(Connection& connection,
                                                     const std::string& database, const Page& page) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  Statement row = connection.Query(SelectWhere("clip.id > ? ORDER BY clip.id LIMIT ?"),
+  Statement row = connection.Query(SelectClips("clip.id > ? ORDER BY clip.id LIMIT ?"),
                                    database_key, page.after, page.limit);
   std::vector<ClipRecord> records;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(database, row));
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToClipRecord(database, row));
   }
 }
 
@@ -178,9 +285,9 @@ absl::StatusOr<ClipSource> SelectClipSource(Connection& connection, const std::s
                                             const std::string& clip) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
   auto file = ReadBlob(connection, ClipOwner(key), BlobKind::kMotionFile);
-  if (!file.ok()) return In(Place(database, clip), file.status());
+  if (!file.ok()) return In(DescribeClip(database, clip), file.status());
   auto skeleton = ReadBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile);
-  if (!skeleton.ok()) return In(Place(database, clip), skeleton.status());
+  if (!skeleton.ok()) return In(DescribeClip(database, clip), skeleton.status());
   return ClipSource{*std::move(file), *std::move(skeleton)};
 }
 
@@ -194,37 +301,31 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
                                        MOTIONDB_ASSIGN_OR_RETURN(states, DecodeStates(source));
                                        return absl::OkStatus();
                                      });
-  if (!read.ok()) return In(Place(database, clip), read);
+  if (!read.ok()) return In(DescribeClip(database, clip), read);
   return states;
 }
 
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
                                       const std::string& clip, Remains remains) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
   MOTIONDB_ASSIGN_OR_RETURN(ClipRecord record, SelectClip(connection, database, clip));
-  MOTIONDB_RETURN_IF_ERROR(
-      connection.Query("UPDATE clip SET deleted = 1, skeleton_key = NULL WHERE clip_key = ?", key)
-          .Run());
-  MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "clip", key));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, key));
+  MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, key));
   if (remains == Remains::kFree) {
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
   }
-  MOTIONDB_RETURN_IF_ERROR(DeleteUnusedSkeletons(connection, database_key));
+  MOTIONDB_RETURN_IF_ERROR(DeleteUnusedSkeleton(connection, skeleton_key));
   return record;
 }
 
-absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key) {
-  return connection
-      .Query(fmt::format("DELETE FROM clip WHERE database_key = ? AND {}", kRemoved), database_key)
-      .Run();
-}
-
-absl::Status PurgeRemovedClip(Connection& connection, std::int64_t clip_key) {
-  return connection
-      .Query(fmt::format("DELETE FROM clip WHERE clip_key = ? AND {}", kRemoved), clip_key)
-      .Run();
+absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int64_t> clip_keys) {
+  for (const std::int64_t key : clip_keys) {
+    MOTIONDB_RETURN_IF_ERROR(
+        connection.Query(fmt::format("DELETE FROM clip WHERE clip_key = ? AND {}", kRemoved), key)
+            .Run());
+  }
+  return absl::OkStatus();
 }
 
 absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
@@ -245,17 +346,21 @@ absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connect
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
                                            std::span<const double> root_path, Deleted deleted) {
-  Statement row = connection.Query(
-      "SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND deleted <= ? AND "
-      "frame_count = ? AND root_path_crc = ? ORDER BY deleted LIMIT 1",
-      database_key, clip.id, deleted == Deleted::kToo ? 1 : 0, clip.frame_count,
-      Crc32(std::as_bytes(root_path)));
-  MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) {
-    return core::NotFound("the clip '{}' that the model was built from is not stored any more",
-                          clip.id);
+  const std::uint32_t crc = Crc32(std::as_bytes(root_path));
+  // One query for each index: with `deleted` as a parameter SQLite would use neither. The newest:
+  // one whose states were replaced since, and that was then deleted, left both.
+  for (const char* const condition : {"deleted = 0", "deleted = 1"}) {
+    Statement row = connection.Query(
+        fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND {} AND "
+                    "frame_count = ? AND root_path_crc = ? ORDER BY clip_key DESC LIMIT 1",
+                    condition),
+        database_key, clip.id, clip.frame_count, crc);
+    MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
+    if (found) return row.Integer(0);
+    if (deleted == Deleted::kNot) break;
   }
-  return row.Integer(0);
+  return core::NotFound("the clip '{}' that the model was built from is not stored any more",
+                        clip.id);
 }
 
 }  // namespace motiondb::storage

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,10 @@ namespace motiondb::storage {
 
 // As MotionStore::AddClip. INVALID_ARGUMENT if the record does not tell the frames of the states.
 absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip);
+// As MotionStore::PutDerived.
+absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
+                                                        const std::string& database,
+                                                        std::span<const DerivedClip> clips);
 absl::StatusOr<ClipRecord> SelectClip(Connection& connection, const std::string& database,
                                       const std::string& clip);
 absl::StatusOr<std::vector<ClipRecord>> SelectClips(Connection& connection,
@@ -36,10 +41,9 @@ enum class Remains { kFree, kLeave };
 // being built.
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
                                       const std::string& clip, Remains remains);
-// Deletes what is left of deleted clips that no model needs.
-absl::Status PurgeRemovedClips(Connection& connection, std::int64_t database_key);
-// The same of one clip. The keys of those there are, ascending.
-absl::Status PurgeRemovedClip(Connection& connection, std::int64_t clip_key);
+// Deletes what is left of those of the clips that are deleted and that no model needs.
+absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int64_t> clip_keys);
+// The keys of all such clips, ascending.
 absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
                                                              const std::string& database);
 

@@ -4,7 +4,7 @@
 
 #include "core/motion/error.h"
 #include "storage/sqlite/row_checksum.h"
-#include "storage/sqlite/sqlite_status.h"
+#include "storage/sqlite/statement.h"
 
 namespace motiondb::storage {
 

@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "storage/sqlite/sqlite_status.h"
+#include "storage/sqlite/statement.h"
 
 namespace motiondb::storage {
 namespace {

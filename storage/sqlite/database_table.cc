@@ -9,15 +9,15 @@
 namespace motiondb::storage {
 namespace {
 
-// A query for databases as ToRecord reads them.
-std::string SelectWhere(std::string_view condition) {
+// A query for databases as ToDatabaseRecord reads them.
+std::string SelectDatabases(std::string_view condition) {
   return fmt::format(
       "SELECT name, frame_rate_hz, min_frames, scaling, marker_set, marker_set_text, "
-      "create_time_us FROM database WHERE deleted = 0 AND {}",
+      "create_time_us, glitches FROM database WHERE deleted = 0 AND {}",
       condition);
 }
 
-absl::StatusOr<DatabaseRecord> ToRecord(const Statement& row) {
+absl::StatusOr<DatabaseRecord> ToDatabaseRecord(const Statement& row) {
   DatabaseRecord record;
   record.name = row.Text(0);
   record.settings.frame_rate_hz = row.Real(1);
@@ -26,6 +26,7 @@ absl::StatusOr<DatabaseRecord> ToRecord(const Statement& row) {
   record.marker_set = row.Text(4);
   record.marker_set_text = row.Text(5);
   record.create_time_us = row.Integer(6);
+  MOTIONDB_ASSIGN_OR_RETURN(record.settings.glitches, FromText<core::GlitchPolicy>(row.Text(7)));
   return record;
 }
 
@@ -40,10 +41,10 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
       connection
           .Query(
               "INSERT INTO database (name, frame_rate_hz, min_frames, scaling, marker_set, "
-              "marker_set_text, create_time_us) VALUES (?, ?, ?, ?, ?, ?, ?)",
+              "marker_set_text, create_time_us, glitches) VALUES (?, ?, ?, ?, ?, ?, ?, ?)",
               record.name, record.settings.frame_rate_hz, record.settings.min_frames,
               ToText(record.settings.scaling), record.marker_set, record.marker_set_text,
-              record.create_time_us)
+              record.create_time_us, ToText(record.settings.glitches))
           .Run();
   if (absl::IsAlreadyExists(inserted)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
@@ -53,21 +54,21 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
 }
 
 absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name) {
-  Statement row = connection.Query(SelectWhere("name = ?"), name);
+  Statement row = connection.Query(SelectDatabases("name = ?"), name);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoDatabase(name);
-  return ToRecord(row);
+  return ToDatabaseRecord(row);
 }
 
 absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connection,
                                                             const Page& page) {
   Statement row =
-      connection.Query(SelectWhere("name > ? ORDER BY name LIMIT ?"), page.after, page.limit);
+      connection.Query(SelectDatabases("name > ? ORDER BY name LIMIT ?"), page.after, page.limit);
   std::vector<DatabaseRecord> records;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(row));
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToDatabaseRecord(row));
   }
 }
 

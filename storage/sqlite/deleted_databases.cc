@@ -2,12 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdint>
 #include <limits>
 #include <string>
 #include <string_view>
-#include <thread>
 
 #include "core/motion/error.h"
 
@@ -59,14 +57,10 @@ class Freeing {
   }
 
  private:
-  // One transaction, then a rest as long as it took, so that others write: who ends one and begins
-  // the next at once is before those who wait. CANCELLED before it.
+  // One transaction. CANCELLED before it.
   absl::Status Write(const std::function<absl::Status(Connection&)>& piece) {
     if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
-    const auto began = std::chrono::steady_clock::now();
-    absl::Status written = write_(piece);
-    std::this_thread::sleep_for(std::chrono::steady_clock::now() - began);
-    return written;
+    return write_(piece);
   }
 
   // Notes that something stays because of `status`; what may pass is an error.

@@ -1,12 +1,18 @@
 // Room on the disk of a store that additions leave free: a change takes room in the log before it
-// frees any, so what has filled its own disk could not be emptied. Not thread-safe but const.
+// frees any, so what has filled its own disk could not be emptied; and how many bytes an addition
+// brings. Not thread-safe but const.
 #pragma once
 
 #include <cstdint>
 #include <string>
 
 #include "absl/status/status.h"
+#include "storage/records.h"
 #include "storage/sqlite/connection.h"
+
+namespace motiondb::core {
+class Model;
+}
 
 namespace motiondb::storage {
 
@@ -18,7 +24,7 @@ class DiskReserve {
   bool is_off() const { return bytes_ == 0; }
   // Whether there is room for so many more bytes: in the log, then in the file, beyond what the log
   // holds already and what is to stay free. RESOURCE_EXHAUSTED, saying what there is and what has
-  // to be. Empties the log where that may give room. REQUIRES: the caller may write, and `writer`
+  // to be. Empties the log where that may give room. REQUIRES: on the writer's thread, and `writer`
   // is in no transaction.
   absl::Status Check(Connection& writer, std::int64_t added_bytes) const;
 
@@ -46,5 +52,12 @@ class DiskReserve {
   const std::string path_;
   const std::int64_t bytes_;
 };
+
+// A skeleton's own encoding and the record, some kilobytes, are not counted.
+std::int64_t AddedBytes(const NewClip& clip);
+// With the files, which are written again where they get other states.
+std::int64_t AddedBytes(const DerivedClip& clip);
+// Takes as long as copying them does.
+std::int64_t AddedBytes(const core::Model& model);
 
 }  // namespace motiondb::storage

@@ -20,11 +20,26 @@ constexpr Spellings<core::Scaling, 3> kScalings{{{core::Scaling::kNone, "none"},
                                                  {core::Scaling::kKind, "kind"},
                                                  {core::Scaling::kDimension, "dimension"}}};
 
+constexpr Spellings<core::GlitchPolicy, 4> kGlitchPolicies{{{core::GlitchPolicy::kRepair, "repair"},
+                                                            {core::GlitchPolicy::kReject, "reject"},
+                                                            {core::GlitchPolicy::kDrop, "drop"},
+                                                            {core::GlitchPolicy::kKeep, "keep"}}};
+
 constexpr Spellings<OperationState, 5> kStates{{{OperationState::kPending, "pending"},
                                                 {OperationState::kRunning, "running"},
                                                 {OperationState::kSucceeded, "succeeded"},
                                                 {OperationState::kFailed, "failed"},
                                                 {OperationState::kCancelled, "cancelled"}}};
+
+constexpr Spellings<OperationKind, 2> kKinds{
+    {{OperationKind::kRebuild, "rebuild"}, {OperationKind::kReprocess, "reprocess"}}};
+
+constexpr Spellings<core::UpAxis, 6> kUpAxes{{{core::UpAxis::kX, "x"},
+                                              {core::UpAxis::kY, "y"},
+                                              {core::UpAxis::kZ, "z"},
+                                              {core::UpAxis::kMinusX, "-x"},
+                                              {core::UpAxis::kMinusY, "-y"},
+                                              {core::UpAxis::kMinusZ, "-z"}}};
 
 constexpr Spellings<Role, 3> kRoles{
     {{Role::kReader, "reader"}, {Role::kIngester, "ingester"}, {Role::kAdmin, "admin"}}};
@@ -49,7 +64,10 @@ absl::StatusOr<Enum> Read(const Spellings<Enum, kSize>& spellings, const std::st
 
 const char* ToText(core::FileFormat format) { return Spell(kFormats, format); }
 const char* ToText(core::Scaling scaling) { return Spell(kScalings, scaling); }
+const char* ToText(core::GlitchPolicy policy) { return Spell(kGlitchPolicies, policy); }
 const char* ToText(OperationState state) { return Spell(kStates, state); }
+const char* ToText(OperationKind kind) { return Spell(kKinds, kind); }
+const char* ToText(core::UpAxis up) { return Spell(kUpAxes, up); }
 const char* ToText(Role role) { return Spell(kRoles, role); }
 
 template <>
@@ -61,8 +79,20 @@ absl::StatusOr<core::Scaling> FromText(const std::string& text) {
   return Read(kScalings, text);
 }
 template <>
+absl::StatusOr<core::GlitchPolicy> FromText(const std::string& text) {
+  return Read(kGlitchPolicies, text);
+}
+template <>
 absl::StatusOr<OperationState> FromText(const std::string& text) {
   return Read(kStates, text);
+}
+template <>
+absl::StatusOr<OperationKind> FromText(const std::string& text) {
+  return Read(kKinds, text);
+}
+template <>
+absl::StatusOr<core::UpAxis> FromText(const std::string& text) {
+  return Read(kUpAxes, text);
 }
 template <>
 absl::StatusOr<Role> FromText(const std::string& text) {

@@ -11,7 +11,7 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr std::uint32_t kMagic = 0x377f0682;  // the lowest bit: checksums of big-endian words
+constexpr std::uint32_t kLogMagic = 0x377f0682;  // the lowest bit: checksums of big-endian words
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kFrameHeaderBytes = 24;
 constexpr std::size_t kSectorBytes = 512;
@@ -51,7 +51,7 @@ LogHeader ParseHeader(std::string_view bytes) {
                    .salts = PairAt(bytes, 16),
                    .checksum = PairAt(bytes, 24)};
   header.is_good =
-      (magic & ~1U) == kMagic && header.page_bytes >= 512 && header.page_bytes <= 65536 &&
+      (magic & ~1U) == kLogMagic && header.page_bytes >= 512 && header.page_bytes <= 65536 &&
       std::has_single_bit(header.page_bytes) &&
       Continue({}, bytes.substr(0, kHeaderBytes - 8), header.big_endian) == header.checksum;
   return header;

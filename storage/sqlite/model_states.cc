@@ -4,9 +4,9 @@
 #include <limits>
 #include <utility>
 
-#include "core/model/scale_rows.h"
+#include "core/model/shared_rows.h"
 #include "core/motion/error.h"
-#include "storage/blob/states_codec.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/clip_table.h"
 
@@ -44,6 +44,7 @@ absl::Status ModelStates::FindClips(Connection& connection, std::int64_t built_k
               static_cast<std::int32_t>(frames),
               row.Integer<std::int32_t>(2),
               PayloadBytes(row.Integer(3), row.Integer(4)),
+              {},
               {}};
     if (clip.bytes / std::max<std::int64_t>(1, 4 * dimensions) < clip.frame_count) {
       return core::DataLoss("clip '{}': states: expected {} frames of {} dimensions, got {} bytes",
@@ -77,15 +78,16 @@ absl::Status ModelStates::ReadSome(Connection& connection) {
   return absl::OkStatus();
 }
 
-absl::Status ModelStates::Read(Connection& connection, const Clip& clip) {
+absl::Status ModelStates::Read(Connection& connection, Clip& clip) {
   const auto dimensions = static_cast<std::int32_t>(states_.cols());
   const auto decode = [&](ByteSource& source) -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const StatesHeader header, DecodeStatesHeader(source));
+    MOTIONDB_ASSIGN_OR_RETURN(StatesHeader header, DecodeStatesHeader(source));
     if (header.frame_count != clip.frame_count || header.dimension_count != dimensions) {
       return core::DataLoss("states: expected {} frames of {} dimensions, got {} of {}",
                             clip.frame_count, dimensions, header.frame_count,
                             header.dimension_count);
     }
+    clip.glitches = std::move(header.glitches);
     const auto frames = static_cast<std::size_t>(clip.frame_count);
     return DecodeStatesFrames(source,
                               std::span(states_.row(clip.first_frame).data(), frames * dimensions),
@@ -105,6 +107,7 @@ absl::Status ModelStates::MoveInto(core::ModelParts& parts, const core::Parallel
       return core::DataLoss("clip '{}': states: expected {} frames, got {}", parts.clips[c].id,
                             parts.clips[c].frame_count, clips_[c].frame_count);
     }
+    parts.clips[c].glitches = std::move(clips_[c].glitches);
   }
   if (states_.cols() != parts.scale.divisor.size()) {
     return core::DataLoss("parts: expected {} dimensions, got {}", parts.scale.divisor.size(),

@@ -41,11 +41,12 @@ class ModelStates {
     std::int32_t first_frame = 0;
     std::int32_t frame_count = 0;
     std::int64_t bytes = 0;  // of its states' blob
+    std::vector<core::FrameSpan> glitches;
     absl::Status status;
   };
   explicit ModelStates(std::int64_t current_key) : current_key_(current_key) {}
   absl::Status FindClips(Connection& connection, std::int64_t built_key);
-  absl::Status Read(Connection& connection, const Clip& clip);
+  absl::Status Read(Connection& connection, Clip& clip);
 
   const std::int64_t current_key_;
   std::vector<Clip> clips_;

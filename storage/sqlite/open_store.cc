@@ -1,6 +1,7 @@
 // SqliteMotionStore's opening of a file: to write, or read-only.
 #include <chrono>
 #include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -18,6 +19,15 @@ std::int64_t SystemMicroseconds() {
       .count();
 }
 
+absl::StatusOr<std::unique_ptr<Writer>> StartWriter(std::unique_ptr<Connection> connection) {
+  try {
+    return std::make_unique<Writer>(std::move(connection));
+  } catch (const std::system_error& error) {
+    return absl::ResourceExhaustedError(
+        fmt::format("the thread that writes cannot be started: {}", error.what()));
+  }
+}
+
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
@@ -27,7 +37,8 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
   if (path == ":memory:") {
     if (options.read_only) return core::InvalidArgument("a store in memory cannot be read-only");
     options.reserve_bytes = 0;
-    MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(path, options.vfs));
+    MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriter(path, options.vfs));
+    MOTIONDB_ASSIGN_OR_RETURN(auto writer, StartWriter(std::move(connection)));
     return std::unique_ptr<SqliteMotionStore>(new SqliteMotionStore(
         "", {}, std::nullopt, std::move(writer), nullptr, {}, std::move(options)));
   }
@@ -48,8 +59,8 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrit
   MOTIONDB_ASSIGN_OR_RETURN(StoreLock lock, StoreLock::Acquire(file));
   RemoveLeftCopies(file);
   OpeningCheck check = CheckBeforeOpening(file, /*read_only=*/false);
-  MOTIONDB_ASSIGN_OR_RETURN(auto writer, OpenWriter(file, options.vfs));
-  if (check.log_is_corrupt) EmptyLog(*writer);
+  MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriter(file, options.vfs));
+  if (check.log_is_corrupt) EmptyLog(*connection);
   Files files;
   MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
   // SQLite makes the log when the writer first reads, and keeps it until the writer is closed.
@@ -57,6 +68,7 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrit
   auto readers = std::make_unique<ReaderPool>(
       file, files.store, [file, vfs = options.vfs] { return OpenReader(file, vfs); },
       options.reader_count);
+  MOTIONDB_ASSIGN_OR_RETURN(auto writer, StartWriter(std::move(connection)));
   return std::unique_ptr<SqliteMotionStore>(
       new SqliteMotionStore(std::move(file), files, std::move(lock), std::move(writer),
                             std::move(readers), std::move(check.found), std::move(options)));
@@ -80,7 +92,7 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenReadOn
 }
 
 SqliteMotionStore::SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
-                                     std::unique_ptr<Connection> writer,
+                                     std::unique_ptr<Writer> writer,
                                      std::unique_ptr<ReaderPool> readers,
                                      std::vector<Damage> found_at_opening, SqliteOptions options)
     : path_(std::move(path)),

@@ -13,16 +13,16 @@ namespace {
 
 constexpr int kOperationsKept = 1000;  // of each database
 
-// A query for operations as ToRecord reads them.
-std::string SelectWhere(std::string_view condition) {
+// A query for operations as ToOperationRecord reads them.
+std::string SelectOperations(std::string_view condition) {
   return fmt::format(
       "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
-      "operation.create_time_us, update_time_us FROM operation JOIN database "
+      "operation.create_time_us, update_time_us, kind FROM operation JOIN database "
       "USING (database_key) WHERE deleted = 0 AND {}",
       condition);
 }
 
-absl::StatusOr<OperationRecord> ToRecord(const Statement& row) {
+absl::StatusOr<OperationRecord> ToOperationRecord(const Statement& row) {
   OperationRecord record;
   record.id = row.Text(0);
   record.database = row.Text(1);
@@ -34,6 +34,7 @@ absl::StatusOr<OperationRecord> ToRecord(const Statement& row) {
   record.error_message = row.Text(7);
   record.create_time_us = row.Integer(8);
   record.update_time_us = row.Integer(9);
+  MOTIONDB_ASSIGN_OR_RETURN(record.kind, FromText<OperationKind>(row.Text(10)));
   return record;
 }
 
@@ -72,15 +73,15 @@ absl::Status UpsertOperation(Connection& connection, const OperationRecord& reco
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO operation (id, database_key, state, progress, stage, model_version, "
-                 "error_code, error_message, create_time_us, update_time_us) "
-                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
+                 "error_code, error_message, create_time_us, update_time_us, kind) "
+                 "VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?) ON CONFLICT (id) DO UPDATE SET "
                  "(database_key, state, progress, stage, model_version, error_code, error_message, "
                  "create_time_us, update_time_us) = (excluded.database_key, excluded.state, "
                  "excluded.progress, excluded.stage, excluded.model_version, excluded.error_code, "
                  "excluded.error_message, excluded.create_time_us, excluded.update_time_us)",
                  record.id, database_key, ToText(record.state), record.progress, record.stage,
                  record.model_version, record.error_code, record.error_message,
-                 record.create_time_us, record.update_time_us)
+                 record.create_time_us, record.update_time_us, ToText(record.kind))
           .Run());
   // A RETURNING clause would cost a statement journal.
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t sequence, SequenceOf(connection, record.id));
@@ -90,10 +91,10 @@ absl::Status UpsertOperation(Connection& connection, const OperationRecord& reco
 }
 
 absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const std::string& id) {
-  Statement row = connection.Query(SelectWhere("id = ?"), id);
+  Statement row = connection.Query(SelectOperations("id = ?"), id);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoOperation(id);
-  return ToRecord(row);
+  return ToOperationRecord(row);
 }
 
 absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connection,
@@ -102,9 +103,9 @@ absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connec
                                                               int limit) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t below, SequenceOf(connection, before));
   Statement row = connection.Query(
-      SelectWhere(database.empty()
-                      ? "sequence < ? ORDER BY sequence DESC LIMIT ?"
-                      : "sequence < ? AND database_key = ?3 ORDER BY sequence DESC LIMIT ?2"),
+      SelectOperations(database.empty()
+                           ? "sequence < ? ORDER BY sequence DESC LIMIT ?"
+                           : "sequence < ? AND database_key = ?3 ORDER BY sequence DESC LIMIT ?2"),
       below, limit);
   if (!database.empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
@@ -114,7 +115,7 @@ absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connec
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(row));
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToOperationRecord(row));
   }
 }
 

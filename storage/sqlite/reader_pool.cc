@@ -5,6 +5,7 @@
 
 #include "core/motion/error.h"
 #include "storage/cancellable_lock.h"
+#include "storage/mutex.h"
 
 namespace motiondb::storage {
 
@@ -24,7 +25,7 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
   std::vector<Lease> leases;
   int to_open = 0;
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     to_open = left_to_open_;
     if (to_open > 0) --to_open;
     const std::size_t stay = left_to_open_ > 0 ? 0 : 1;
@@ -46,25 +47,21 @@ absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
     if (absl::Status same = CheckIsFile(path_, file_); !same.ok()) opened = std::move(same);
   }
   if (!opened.ok()) {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     ++left_to_open_;
-    given_back_.notify_one();
+    given_back_.NotifyOne();
     return opened.status();
   }
   return Lease(*this, *std::move(opened));
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Cancelled& cancelled) {
-  std::unique_lock lock(mutex_);
-  while (idle_.empty() && left_to_open_ <= 0) {
-    if (!cancelled) {
-      given_back_.wait(lock);
-    } else if (cancelled()) {
-      return NotWanted();  // nothing is idle, so no notification is lost
-    } else {
-      given_back_.wait_until(lock, NextQuestion());
-    }
-  }
+  const MutexLock lock(mutex_);
+  const bool available = given_back_.WaitUnless(mutex_, cancelled, [this] {
+    mutex_.AssertHeld();
+    return !idle_.empty() || left_to_open_ > 0;
+  });
+  if (!available) return NotWanted();  // nothing is idle, so no notification is lost
   if (idle_.empty()) {
     --left_to_open_;
     return nullptr;
@@ -75,9 +72,9 @@ absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Can
 }
 
 void ReaderPool::GiveBack(std::unique_ptr<Connection> connection) {
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   idle_.push_back(std::move(connection));
-  given_back_.notify_one();
+  given_back_.NotifyOne();
 }
 
 }  // namespace motiondb::storage

@@ -1,15 +1,14 @@
 // Connections that read, lent to one thread at a time. Thread-safe.
 #pragma once
 
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/motion/cancellation.h"
+#include "storage/mutex.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/file_identity.h"
 
@@ -55,10 +54,10 @@ class ReaderPool {
   const std::string path_;
   const FileIdentity file_;
   const Open open_;
-  std::mutex mutex_;
-  std::condition_variable given_back_;
-  std::vector<std::unique_ptr<Connection>> idle_;
-  int left_to_open_;
+  Mutex mutex_;
+  ConditionVariable given_back_;
+  std::vector<std::unique_ptr<Connection>> idle_ ABSL_GUARDED_BY(mutex_);
+  int left_to_open_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::storage

@@ -8,7 +8,7 @@
 #include <cstring>
 
 #include "core/motion/error.h"
-#include "storage/blob/crc32.h"
+#include "storage/blob/checksums.h"
 
 namespace motiondb::storage {
 namespace {
@@ -25,26 +25,28 @@ struct CheckedTable {
 constexpr std::array kTables = {
     CheckedTable{"database", "database_key",
                  "database_key, name, frame_rate_hz, min_frames, scaling, marker_set, "
-                 "marker_set_text, last_model_version, create_time_us, deleted",
+                 "marker_set_text, last_model_version, create_time_us, deleted, glitches",
                  "name"},
     CheckedTable{"clip", "clip_key",
                  "clip_key, database_key, id, label, subject, file_name, skeleton_file_name, "
                  "format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m, "
                  "skeleton_key, source_report, content_hash, root_path_crc, create_time_us, "
-                 "deleted, byte_count",
+                 "deleted, byte_count, representation_version, tried_version, tried_time_us, "
+                 "derive_error, given_metres_per_unit, given_up_axis, given_frame_rate_hz, "
+                 "given_leg_length_m",
                  "id", true},
     CheckedTable{"skeleton", "skeleton_key", "skeleton_key, database_key, id, encoded_crc", "id",
                  true},
     CheckedTable{"model", "model_key",
                  "model_key, database_key, version, current, create_time_us, build_seconds, "
                  "frame_count, clip_count, dimension_count, base_key, added_clip_count, "
-                 "added_frame_count, stale_share",
+                 "added_frame_count, stale_share, staged",
                  "version", true},
     CheckedTable{"model_layer", "model_key", "model_key, layer, node_count", ""},
     CheckedTable{"model_clip", "model_key", "model_key, position, clip_key", ""},
     CheckedTable{"operation", "sequence",
                  "sequence, id, database_key, state, progress, stage, model_version, error_code, "
-                 "error_message, create_time_us, update_time_us",
+                 "error_message, create_time_us, update_time_us, kind",
                  "id"},
     CheckedTable{"token", "sequence",
                  "sequence, id, role, database, description, salt, secret_hash, create_time_us, "

@@ -175,7 +175,7 @@ ALTER TABLE database ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (delete
 
 // What a clip's blobs take stands with the clip: to list clips, no page need be read that chunks
 // begin on, and one that is damaged costs its clip alone.
-constexpr char kClipBytes[] = R"sql(
+constexpr char kClipByteCounts[] = R"sql(
 ALTER TABLE clip ADD COLUMN byte_count INTEGER;  -- NULL: a former version's, not counted yet
 )sql";
 
@@ -209,8 +209,69 @@ UPDATE audit SET row_crc = motiondb_crc(sequence, time_us, principal, peer, meth
   request_id);
 )sql";
 
-constexpr const char* kMigrations[] = {kFirst,    kExtensions, kAccess,
-                                       kDeletion, kClipBytes,  kRowChecksums};
+// A model is stored in several transactions; until the last one it is staged. What is looked for
+// among what grows has an index: a deleted clip that a model was built from, a deleted database, a
+// skeleton like a clip's, and what refers to a row that is deleted. A database has a setting for
+// glitches.
+constexpr char kStagedModelsAndGlitches[] = R"sql(
+ALTER TABLE model ADD COLUMN staged INTEGER NOT NULL DEFAULT 0 CHECK (staged IN (0, 1));
+UPDATE model SET row_crc = motiondb_crc(model_key, database_key, version, current, create_time_us,
+  build_seconds, frame_count, clip_count, dimension_count, base_key, added_clip_count,
+  added_frame_count, stale_share, staged);
+CREATE INDEX clip_of_database ON clip (database_key, deleted, id);
+CREATE INDEX deleted_database ON database (database_key) WHERE deleted = 1;
+CREATE INDEX skeleton_by_content ON skeleton (database_key, encoded_crc);
+CREATE INDEX model_by_base ON model (base_key);  -- deleting a model looks for those that extend it
+ALTER TABLE database ADD COLUMN glitches TEXT NOT NULL DEFAULT 'repair'
+  CHECK (glitches IN ('repair', 'reject', 'drop', 'keep'));
+UPDATE database SET row_crc = motiondb_crc(database_key, name, frame_rate_hz, min_frames, scaling,
+  marker_set, marker_set_text, last_model_version, create_time_us, deleted, glitches);
+)sql";
+
+// States carry the version of the representation that made them, and clips what is needed to derive
+// them again. Of clips of former versions that is what their report tells: a unit and an up axis
+// that were given; the frame rate and the leg length that were found, whether or not they were
+// given.
+constexpr char kRepresentationVersions[] = R"sql(
+ALTER TABLE clip ADD COLUMN representation_version INTEGER NOT NULL DEFAULT 1;
+ALTER TABLE clip ADD COLUMN tried_version INTEGER NOT NULL DEFAULT 1;
+ALTER TABLE clip ADD COLUMN tried_time_us INTEGER NOT NULL DEFAULT 0;
+ALTER TABLE clip ADD COLUMN derive_error TEXT NOT NULL DEFAULT '';  -- of the last try; '': none
+ALTER TABLE clip ADD COLUMN given_metres_per_unit REAL;  -- NULL, here and below: not given
+ALTER TABLE clip ADD COLUMN given_up_axis TEXT
+  CHECK (given_up_axis IN ('x', 'y', 'z', '-x', '-y', '-z'));
+ALTER TABLE clip ADD COLUMN given_frame_rate_hz REAL;
+ALTER TABLE clip ADD COLUMN given_leg_length_m REAL;
+UPDATE clip SET
+  given_metres_per_unit = CASE WHEN source_report GLOB 'unit * m (given), *'
+    THEN CAST(substr(source_report, 6) AS REAL) END,
+  given_up_axis = CASE
+    WHEN substr(source_report, instr(source_report, '), ') + 3) GLOB '[xyz] up (given)*'
+    THEN substr(source_report, instr(source_report, '), ') + 3, 1)
+    WHEN substr(source_report, instr(source_report, '), ') + 3) GLOB '-[xyz] up (given)*'
+    THEN substr(source_report, instr(source_report, '), ') + 3, 2) END,
+  given_frame_rate_hz = CASE WHEN source_report NOT LIKE '% Hz assumed (the file states none)%'
+    THEN source_frame_rate_hz END,
+  given_leg_length_m = leg_length_m;
+UPDATE clip SET row_crc = motiondb_crc(clip_key, database_key, id, label, subject, file_name,
+  skeleton_file_name, format, frame_count, duration_seconds, source_frame_rate_hz, leg_length_m,
+  skeleton_key, source_report, content_hash, root_path_crc, create_time_us, deleted, byte_count,
+  representation_version, tried_version, tried_time_us, derive_error, given_metres_per_unit,
+  given_up_axis, given_frame_rate_hz, given_leg_length_m);
+ALTER TABLE operation ADD COLUMN kind TEXT NOT NULL DEFAULT 'rebuild'
+  CHECK (kind IN ('rebuild', 'reprocess'));
+UPDATE operation SET row_crc = motiondb_crc(sequence, id, database_key, state, progress, stage,
+  model_version, error_code, error_message, create_time_us, update_time_us, kind);
+)sql";
+
+constexpr const char* kMigrations[] = {kFirst,
+                                       kExtensions,
+                                       kAccess,
+                                       kDeletion,
+                                       kClipByteCounts,
+                                       kRowChecksums,
+                                       kStagedModelsAndGlitches,
+                                       kRepresentationVersions};
 
 // What makes each table, index, trigger and view, by its kind and name. Without the statistics that
 // ANALYZE leaves. From the last kind to the first: tables before their indices.

@@ -4,14 +4,14 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/blob/crc32.h"
-#include "storage/blob/skeleton_codec.h"
+#include "storage/blob/checksums.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/database_table.h"
-#include "storage/sqlite/free_id.h"
 #include "storage/sqlite/row_checksum.h"
 
 namespace motiondb::storage {
+
 namespace {
 
 constexpr std::size_t kLongestId = 100;  // leaves room for "-2"
@@ -115,13 +115,38 @@ absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connecti
   return records;
 }
 
-absl::Status DeleteUnusedSkeletons(Connection& connection, std::int64_t database_key) {
+absl::Status DeleteUnusedSkeleton(Connection& connection, std::int64_t skeleton_key) {
   return connection
       .Query(
-          "DELETE FROM skeleton WHERE database_key = ? AND NOT EXISTS "
+          "DELETE FROM skeleton WHERE skeleton_key = ? AND NOT EXISTS "
           "(SELECT 1 FROM clip WHERE clip.skeleton_key = skeleton.skeleton_key)",
-          database_key)
+          skeleton_key)
       .Run();
+}
+
+absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view taken_sql,
+                                   std::int64_t database_key, const std::string& wanted) {
+  const auto id_of = [&](std::int64_t number) {
+    return number == 1 ? wanted : fmt::format("{}-{}", wanted, number);
+  };
+  const auto is_taken = [&](std::int64_t number) {
+    return connection.Query(taken_sql, database_key, id_of(number)).Step();
+  };
+  // In steps that double, then by halving: as many questions as the count of taken ids has digits.
+  std::int64_t taken = 0;
+  std::int64_t free = 1;
+  while (true) {
+    MOTIONDB_ASSIGN_OR_RETURN(const bool is_there, is_taken(free));
+    if (!is_there) break;
+    taken = free;
+    free *= 2;
+  }
+  while (free - taken > 1) {
+    const std::int64_t middle = taken + (free - taken) / 2;
+    MOTIONDB_ASSIGN_OR_RETURN(const bool is_there, is_taken(middle));
+    (is_there ? taken : free) = middle;
+  }
+  return id_of(free);
 }
 
 }  // namespace motiondb::storage

@@ -1,9 +1,10 @@
-// Rows of the table `skeleton`. Functions keep no state; they run in the transaction of their
-// caller.
+// Rows of the table `skeleton`, and ids that are not taken. Functions keep no state; they run in
+// the transaction of their caller.
 #pragma once
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "absl/status/statusor.h"
@@ -22,7 +23,12 @@ absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connecti
                                                             const std::string& database,
                                                             const Page& page);
 
-// Deletes those that no clip is on.
-absl::Status DeleteUnusedSkeletons(Connection& connection, std::int64_t database_key);
+// Deletes one that no clip is on.
+absl::Status DeleteUnusedSkeleton(Connection& connection, std::int64_t skeleton_key);
+
+// `wanted`, or one of "wanted-2", "wanted-3", ... for which `taken_sql`, a query with the
+// parameters database_key and id, gives no row: the first, where those before it have no gap.
+absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view taken_sql,
+                                   std::int64_t database_key, const std::string& wanted);
 
 }  // namespace motiondb::storage

@@ -4,7 +4,6 @@
 #include <filesystem>
 
 #include "core/motion/error.h"
-#include "storage/sqlite/backup_format.h"
 
 namespace motiondb::storage {
 

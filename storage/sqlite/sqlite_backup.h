@@ -2,12 +2,14 @@
 // that the copy is of, which the log must keep, does not last as long as the slowest client.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <fstream>
 #include <memory>
 #include <string>
+#include <string_view>
 
-#include "storage/blob/sha256.h"
+#include "storage/blob/checksums.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/store_upkeep.h"
@@ -34,5 +36,9 @@ class SqliteBackup final : public StoreBackup {
   Sha256 digest_;
   bool ended_ = false;
 };
+
+inline constexpr std::string_view kBackupMark = "mtdbback";
+inline constexpr std::size_t kBackupTrailerBytes = kBackupMark.size() + kSha256Bytes;
+inline constexpr std::size_t kBackupBlockBytes = 1 << 20;
 
 }  // namespace motiondb::storage

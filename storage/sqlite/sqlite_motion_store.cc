@@ -1,20 +1,22 @@
 #include "storage/sqlite/sqlite_motion_store.h"
 
+#include <algorithm>
+#include <span>
 #include <type_traits>
 #include <utility>
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
-#include "storage/cancellable_lock.h"
 #include "storage/read_scope.h"
-#include "storage/sqlite/added_bytes.h"
 #include "storage/sqlite/audit_table.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/deleted_databases.h"
+#include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/model_table.h"
 #include "storage/sqlite/operation_table.h"
+#include "storage/sqlite/put_model.h"
 #include "storage/sqlite/skeleton_table.h"
 #include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_restore.h"
@@ -33,18 +35,21 @@ absl::StatusOr<std::int64_t> StoreBytes(Connection& connection) {
 }
 
 }  // namespace
+
 template <typename Work>
-auto SqliteMotionStore::Write(const Work& work, const core::Cancelled& cancelled, Added added) {
+auto SqliteMotionStore::Write(Priority priority, const Work& work, const core::Cancelled& cancelled,
+                              Added added) {
   using Result = std::invoke_result_t<Work, Connection&>;
-  std::unique_lock lock(writer_mutex_, std::defer_lock);
-  if (absl::Status turn = Lock(lock, cancelled); !turn.ok()) return Result(std::move(turn));
-  Result written = WriteHolding(work, added);
+  if (absl::Status writable = CheckIsWritable(); !writable.ok()) return Result(std::move(writable));
+  Result written = writer_->Run(priority, cancelled,
+                                [&](Connection& writer) { return Transact(writer, added, work); });
   write_health_.Note(StatusOf(written));
   return written;
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Added added) {
+auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Added added,
+                                  Priority priority) {
   const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
     auto result = work(connection);
     if (StatusOf(result).ok() && terms.audit != nullptr) {
@@ -52,26 +57,25 @@ auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Ad
     }
     return result;
   };
-  return Write(write, terms.cancelled, added);
+  return Write(priority, write, terms.cancelled, added);
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work, Added added) {
-  auto freed = WriteWith(
-      terms, [&](Connection& connection) { return work(connection, Remains::kFree); }, added);
+auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work) {
+  auto freed =
+      WriteWith(terms, [&](Connection& connection) { return work(connection, Remains::kFree); });
   if (!absl::IsDataLoss(StatusOf(freed))) return freed;
-  return WriteWith(
-      terms, [&](Connection& connection) { return work(connection, Remains::kLeave); }, added);
+  return WriteWith(terms,
+                   [&](Connection& connection) { return work(connection, Remains::kLeave); });
 }
 
 template <typename Work>
 auto SqliteMotionStore::Read(const Work& work) {
   using Result = std::invoke_result_t<Work, Connection&>;
   if (readers_ == nullptr) {
-    std::unique_lock lock(writer_mutex_, std::defer_lock);
-    absl::Status turn = Lock(lock, ReadScope::cancelled());
-    if (!turn.ok()) return Result(std::move(turn));
-    return InTransaction(*writer_, Transaction::Kind::kRead, work);
+    return writer_->Run(Priority::kOrdinary, ReadScope::cancelled(), [&](Connection& writer) {
+      return InTransaction(writer, Transaction::Kind::kRead, work);
+    });
   }
   const auto reader = readers_->Acquire(ReadScope::cancelled());
   if (!reader.ok()) return Result(reader.status());
@@ -99,7 +103,26 @@ absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
 }
 
 absl::Status SqliteMotionStore::PurgeDeletedDatabases(const core::Cancelled& cancelled) {
-  return FreeDeletedDatabases([this](const auto& piece) { return Write(piece); }, cancelled);
+  const auto write = [this](const auto& piece) { return Write(Priority::kBackground, piece); };
+  return FreeDeletedDatabases(write, cancelled);
+}
+
+absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
+  const auto insert = [&](Connection& connection) -> absl::StatusOr<ClipRecord> {
+    MOTIONDB_ASSIGN_OR_RETURN(ClipRecord added, InsertClip(connection, clip));
+    if (clip.audit) {
+      MOTIONDB_RETURN_IF_ERROR(InsertAuditRecord(connection, clip.audit(added)));
+    }
+    return added;
+  };
+  const Writer::Transact transact = [this](Connection& writer, std::int64_t added_bytes,
+                                           const Writer::Body& body) {
+    return Transact(writer, added_bytes, body);
+  };
+  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
+  auto added = writer_->RunInShared(transact, AddedBytes(clip), clip.cancelled, insert);
+  write_health_.Note(added.status());
+  return added;
 }
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::GetClip(const std::string& database,
@@ -130,6 +153,16 @@ absl::StatusOr<core::StateSequence> SqliteMotionStore::ReadClipStates(const std:
   return Read([&](Connection& connection) { return SelectClipStates(connection, database, clip); });
 }
 
+absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::PutDerived(
+    const std::string& database, std::span<const DerivedClip> clips) {
+  std::int64_t added = 0;
+  for (const DerivedClip& clip : clips) added += AddedBytes(clip);
+  return Write(
+      Priority::kBackground,
+      [&](Connection& connection) { return PutDerivedClips(connection, database, clips); }, {},
+      Added(added));
+}
+
 absl::StatusOr<core::Skeleton> SqliteMotionStore::GetSkeleton(const std::string& database,
                                                               const std::string& skeleton) {
   return Read(
@@ -143,19 +176,25 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
-  const auto insert = [&](Connection& connection, Remains remains) {
-    return InsertModel(connection, database, model, now_us_(), remains);
+  const MutexLock lock(models_mutex_);
+  // All of it has to have room before the first piece.
+  Added added = reserve_.is_off() ? 0 : AddedBytes(model);
+  const WriteOnce write = [&](const auto& piece) {
+    return Write(Priority::kBackground, piece, {}, std::exchange(added, Added(0)));
   };
-  return WriteAndFree({}, insert, reserve_.is_off() ? 0 : AddedBytes(model));
+  auto record = PutModelInPieces(write, database, model, now_us_());
+  if (record.ok())
+    PurgeDeletedClips(database, {}).IgnoreError();  // that only the former one needed
+  return record;
 }
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutExtension(const std::string& database,
                                                             const core::Model& model,
-                                                            double stale_share) {
+                                                            double drift_fraction) {
   const auto insert = [&](Connection& connection) {
-    return InsertExtension(connection, database, model, stale_share, now_us_());
+    return InsertExtension(connection, database, model, drift_fraction, now_us_());
   };
-  return Write(insert, {}, Added(0));
+  return Write(Priority::kOrdinary, insert, {}, Added(0));
 }
 
 absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& database,
@@ -175,8 +214,8 @@ absl::StatusOr<core::Model> SqliteMotionStore::ReadModel(const std::string& data
   });
 }
 
-absl::StatusOr<ModelGap> SqliteMotionStore::FindModelGap(const std::string& database) {
-  return Read([&](Connection& connection) { return SelectModelGap(connection, database); });
+absl::StatusOr<ModelStaleness> SqliteMotionStore::FindModelStaleness(const std::string& database) {
+  return Read([&](Connection& connection) { return SelectModelStaleness(connection, database); });
 }
 
 absl::StatusOr<ModelRecord> SqliteMotionStore::GetModel(const std::string& database, int version) {
@@ -190,9 +229,14 @@ absl::StatusOr<std::vector<ModelRecord>> SqliteMotionStore::ListModels(const std
 }
 
 absl::Status SqliteMotionStore::DropModel(const std::string& database) {
-  return WriteAndFree({}, [&](Connection& connection, Remains remains) {
-    return RetireCurrentModel(connection, database, remains);
-  });
+  const MutexLock lock(models_mutex_);
+  MOTIONDB_RETURN_IF_ERROR(Write(Priority::kOrdinary, [&](Connection& connection) {
+    return RetireCurrentModel(connection, database);
+  }));
+  const auto write = [this](const auto& piece) { return Write(Priority::kBackground, piece); };
+  FreeUnneededModels(write, database).IgnoreError();
+  PurgeDeletedClips(database, {}).IgnoreError();
+  return absl::OkStatus();
 }
 
 absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database,
@@ -201,26 +245,37 @@ absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database,
                               return SelectRemovedClips(connection, database);
                             }));
   if (keys.empty()) return absl::OkStatus();
-  const auto all = [&](Connection& connection) -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database));
-    return PurgeRemovedClips(connection, key);
+  // A few at a time, so that other changes do not wait for all.
+  constexpr std::size_t kPieceClips = 64;
+  const auto purge = [&](std::span<const std::int64_t> some) {
+    const auto piece = [&](Connection& connection) { return PurgeRemovedClips(connection, some); };
+    return Write(Priority::kBackground, piece, cancelled);
   };
-  const absl::Status together = Write(all, cancelled);
-  if (!absl::IsDataLoss(together)) return together;
-  // One cannot be freed; the others can.
-  for (const std::int64_t key : keys) {
-    const auto one = [&](Connection& connection) { return PurgeRemovedClip(connection, key); };
-    const absl::Status purged = Write(one, cancelled);
-    if (absl::IsCancelled(purged)) break;
-    if (!purged.ok() && !absl::IsDataLoss(purged)) return purged;
+  absl::Status left;
+  for (std::size_t first = 0; first < keys.size(); first += kPieceClips) {
+    const auto some =
+        std::span(keys).subspan(first).first(std::min(kPieceClips, keys.size() - first));
+    const absl::Status purged = purge(some);
+    if (!absl::IsDataLoss(purged)) {
+      MOTIONDB_RETURN_IF_ERROR(purged);
+      continue;
+    }
+    // One cannot be freed; the others can.
+    left = purged;
+    for (const std::int64_t& key : some) {
+      const absl::Status one = purge(std::span(&key, 1));
+      if (!one.ok() && !absl::IsDataLoss(one)) return one;
+    }
   }
-  return together;
+  return left;
 }
 
 absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record,
                                              const core::Cancelled& cancelled) {
-  return Write([&](Connection& connection) { return UpsertOperation(connection, record); },
-               cancelled);
+  const bool stops = record.state == OperationState::kCancelled;
+  return Write(
+      stops ? Priority::kUrgent : Priority::kOrdinary,
+      [&](Connection& connection) { return UpsertOperation(connection, record); }, cancelled);
 }
 
 absl::StatusOr<OperationRecord> SqliteMotionStore::GetOperation(const std::string& operation) {
@@ -251,13 +306,15 @@ absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id
                                                            std::int64_t time_us,
                                                            const ChangeTerms& terms) {
   return WriteWith(
-      terms, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); });
+      terms, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); },
+      Added(), Priority::kUrgent);
 }
 
 absl::Status SqliteMotionStore::AddAuditRecord(const AuditRecord& record,
                                                const core::Cancelled& cancelled) {
-  return Write([&](Connection& connection) { return InsertAuditRecord(connection, record); },
-               cancelled);
+  return Write(
+      Priority::kUrgent,
+      [&](Connection& connection) { return InsertAuditRecord(connection, record); }, cancelled);
 }
 
 absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std::int64_t before,
@@ -291,11 +348,15 @@ absl::Status SqliteMotionStore::CheckIsWritable() const {
       "the store is open read-only: restart motiondbd without --read-only to change it");
 }
 
-absl::Status SqliteMotionStore::CheckMayWrite() {
-  MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
+absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
   absl::Status file = CheckFile();
-  if (!file.ok()) EmptyLog(*writer_);
-  return file;
+  if (!file.ok()) {
+    EmptyLog(writer);
+    return file;
+  }
+  if (added) return reserve_.Check(writer, *added);
+  reserve_.GiveBack(writer);
+  return absl::OkStatus();
 }
 
 absl::Status SqliteMotionStore::CheckWrites() {
@@ -308,14 +369,16 @@ absl::Status SqliteMotionStore::TryWriting() {
   // What a small clip takes in the log and in the file.
   constexpr std::int64_t kAddedBytes = 256 << 10;
   constexpr std::chrono::seconds kLongestWait{1};
-  std::unique_lock lock(writer_mutex_, std::defer_lock);
-  const auto latest = std::chrono::steady_clock::now() + kLongestWait;
-  MOTIONDB_RETURN_IF_ERROR(Lock(lock, [&] { return std::chrono::steady_clock::now() > latest; }));
-  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, kAddedBytes));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto version, writer_->QueryInteger("PRAGMA user_version"));
-  return InTransaction(*writer_, Transaction::Kind::kWrite, [&](Connection& connection) {
-    return connection.Execute(fmt::format("PRAGMA user_version = {}", version));
-  });
+  const auto latest = WaitClock::now() + kLongestWait;
+  const auto write = [this](Connection& writer) -> absl::Status {
+    MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, kAddedBytes));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto version, writer.QueryInteger("PRAGMA user_version"));
+    return InTransaction(writer, Transaction::Kind::kWrite, [&](Connection& connection) {
+      return connection.Execute(fmt::format("PRAGMA user_version = {}", version));
+    });
+  };
+  return writer_->Run(
+      Priority::kUrgent, [&] { return WaitClock::now() > latest; }, write);
 }
 
 absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
@@ -346,17 +409,17 @@ absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() 
 }
 
 absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
-  std::unique_lock lock(writer_mutex_, std::defer_lock);
-  MOTIONDB_RETURN_IF_ERROR(Lock(lock, cancelled));
-  MOTIONDB_RETURN_IF_ERROR(CheckMayWrite());
-  MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(*writer_));
-  MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
-  MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, bytes));
-  MOTIONDB_RETURN_IF_ERROR(KeepAccess(*writer_, backup));
-  MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, *writer_, cancelled));
-  // The log has the whole store now; if readers are in the way, a later write moves it.
-  writer_->Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
-  return absl::OkStatus();
+  return writer_->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
+    MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, {}));
+    MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(writer));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
+    MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, bytes));
+    MOTIONDB_RETURN_IF_ERROR(KeepAccess(writer, backup));
+    MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, writer, cancelled));
+    // The log has the whole store now; if readers are in the way, a later write moves it.
+    writer.Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
+    return absl::OkStatus();
+  });
 }
 
 }  // namespace motiondb::storage

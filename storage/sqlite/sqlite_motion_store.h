@@ -1,15 +1,12 @@
-// A store in one SQLite file, for one server. storage/README.md describes the file.
+// A store in one SQLite file, for one server. docs/storage_format.md describes the file.
 //
 // Thread-safe. Reads run beside each other and beside a write; each sees one moment. Writes run one
-// after another, on the one connection that writes; clips that come while another write is under
-// way are added together, in one transaction.
+// after another, on the writer's thread (writer.h).
 #pragma once
 
-#include <condition_variable>
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 #include <type_traits>
@@ -17,6 +14,7 @@
 
 #include "core/motion/error.h"
 #include "storage/motion_store.h"
+#include "storage/mutex.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
@@ -24,6 +22,7 @@
 #include "storage/sqlite/store_lock.h"
 #include "storage/sqlite/transaction.h"
 #include "storage/sqlite/write_health.h"
+#include "storage/sqlite/writer.h"
 
 namespace motiondb::storage {
 
@@ -68,6 +67,9 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
                                                      const std::string& clip) override;
 
+  absl::StatusOr<std::vector<ClipRecord>> PutDerived(const std::string& database,
+                                                     std::span<const DerivedClip> clips) override;
+
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override;
   absl::StatusOr<std::vector<SkeletonRecord>> ListSkeletons(const std::string& database,
@@ -76,10 +78,10 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<ModelRecord> PutModel(const std::string& database,
                                        const core::Model& model) override;
   absl::StatusOr<ModelRecord> PutExtension(const std::string& database, const core::Model& model,
-                                           double stale_share) override;
+                                           double drift_fraction) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override;
-  absl::StatusOr<ModelGap> FindModelGap(const std::string& database) override;
+  absl::StatusOr<ModelStaleness> FindModelStaleness(const std::string& database) override;
   absl::StatusOr<ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<ModelRecord>> ListModels(const std::string& database, int before,
                                                       int limit) override;
@@ -124,7 +126,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
     FileIdentity log;  // not of a store that is open read-only
   };
   SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
-                    std::unique_ptr<Connection> writer, std::unique_ptr<ReaderPool> readers,
+                    std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
                     std::vector<Damage> found_at_opening, SqliteOptions options);
   // Both after the checks of Open; `file` is absolute.
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenToWrite(std::string file,
@@ -137,50 +139,31 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   using Added = std::optional<std::int64_t>;
 
   // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
-  // happens, or after an error none. REQUIRES: writer_mutex_ is held.
+  // happens, or after an error none. On the writer's thread.
   template <typename Work>
-  auto WriteHolding(const Work& work, Added added) -> std::invoke_result_t<Work, Connection&> {
-    MOTIONDB_RETURN_IF_ERROR(CheckMayWrite());
-    if (added) {
-      MOTIONDB_RETURN_IF_ERROR(reserve_.Check(*writer_, *added));
-    } else {
-      reserve_.GiveBack(*writer_);
-    }
-    return InTransaction(*writer_, Transaction::Kind::kWrite, work);
+  auto Transact(Connection& writer, Added added, const Work& work)
+      -> std::invoke_result_t<Work, Connection&> {
+    MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, added));
+    return InTransaction(writer, Transaction::Kind::kWrite, work);
   }
-  // The same when its turn comes. CANCELLED while it waits for that.
+  // Has the writer do that. CANCELLED before its turn.
   template <typename Work>
-  auto Write(const Work& work, const core::Cancelled& cancelled = {}, Added added = {});
+  auto Write(Priority priority, const Work& work, const core::Cancelled& cancelled = {},
+             Added added = {});
   // The same with an entry of the record of changes.
   template <typename Work>
-  auto WriteWith(const ChangeTerms& terms, const Work& work, Added added = {});
+  auto WriteWith(const ChangeTerms& terms, const Work& work, Added added = {},
+                 Priority priority = Priority::kOrdinary);
   // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
   template <typename Work>
-  auto WriteAndFree(const ChangeTerms& terms, const Work& work, Added added = {});
+  auto WriteAndFree(const ChangeTerms& terms, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 
-  // OK if a change that is committed now will last. Otherwise moves what the log holds into the
-  // store's file as far as it can, because the log may be lost. REQUIRES: writer_mutex_ is held.
-  // FAILED_PRECONDITION if the store is open read-only.
-  absl::Status CheckMayWrite();
-
-  // A clip that waits to be written, and what became of it.
-  struct Addition {
-    const NewClip* clip = nullptr;
-    std::optional<absl::StatusOr<ClipRecord>> added;  // by who holds writer_mutex_
-    // Who took it up has ended, and so it stays. Guarded by additions_mutex_.
-    bool is_over = false;
-  };
-  // AddClip, but for counting failures.
-  absl::StatusOr<ClipRecord> AddClipInTurn(const NewClip& clip);
-  // False: somebody has taken it up, and will write it.
-  bool Withdraw(const Addition& addition);
-  // Both REQUIRE: writer_mutex_ is held. An addition is told what became of it only when that is so
-  // for good. All in one transaction; false, with nothing done, if that fails.
-  bool AddInOne(const std::vector<Addition*>& additions);
-  // Each in a transaction of its own; what `own`, one of them, throws is thrown on.
-  void AddEach(const std::vector<Addition*>& additions, const Addition& own);
+  // OK if a change that is committed now will last, and leaves the reserve if it is an addition.
+  // Otherwise moves what the log holds into the store's file as far as it can, because the log may
+  // be lost. On the writer's thread.
+  absl::Status CheckMayWrite(Connection& writer, Added added);
 
   // Writes a page that stays as it is. CANCELLED if another write takes long.
   absl::Status TryWriting();
@@ -194,15 +177,12 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   const std::vector<Damage> found_at_opening_;
   const DiskReserve reserve_;
   // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
-  std::optional<StoreLock> lock_;  // none for a store in memory
-  std::timed_mutex writer_mutex_;
-  std::unique_ptr<Connection> writer_;   // guarded by writer_mutex_; null if read-only
+  std::optional<StoreLock> lock_;        // none for a store in memory
+  std::unique_ptr<Writer> writer_;       // null if read-only
   std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
   std::function<std::int64_t()> now_us_;
   WriteHealth write_health_;
-  std::mutex additions_mutex_;        // never held while writer_mutex_ is waited for
-  std::vector<Addition*> additions_;  // that nobody has taken up
-  std::condition_variable additions_over_;
+  Mutex models_mutex_;  // models are put and dropped one at a time
 };
 
 }  // namespace motiondb::storage

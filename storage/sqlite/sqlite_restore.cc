@@ -8,8 +8,8 @@
 
 #include "core/motion/error.h"
 #include "storage/sqlite/audit_table.h"
-#include "storage/sqlite/backup_format.h"
 #include "storage/sqlite/chunk_table.h"
+#include "storage/sqlite/sqlite_backup.h"
 #include "storage/sqlite/sqlite_verifier.h"
 #include "storage/sqlite/store_file.h"
 #include "storage/sqlite/token_table.h"

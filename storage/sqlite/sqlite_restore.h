@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "storage/blob/sha256.h"
+#include "storage/blob/checksums.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/disk_reserve.h"

@@ -8,10 +8,9 @@
 #include <utility>
 
 #include "core/motion/error.h"
-#include "storage/blob/crc32.h"
+#include "storage/blob/checksums.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
-#include "storage/blob/skeleton_codec.h"
-#include "storage/blob/states_codec.h"
 #include "storage/sqlite/clip_table.h"
 #include "storage/sqlite/database_table.h"
 #include "storage/sqlite/operation_table.h"

@@ -10,10 +10,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 
+#include "absl/status/status.h"
 #include "absl/status/statusor.h"
 
 namespace motiondb::storage {
@@ -42,6 +44,15 @@ class Statement {
   void Bind(const char* text) { Bind(std::string_view(text)); }
   void Bind(std::span<const std::byte> blob);
   void Bind(std::nullptr_t);
+  // NULL where there is none.
+  template <typename Value>
+  void Bind(const std::optional<Value>& value) {
+    if (value) {
+      Bind(*value);
+    } else {
+      Bind(nullptr);
+    }
+  }
 
   // To the next row. False after the last one.
   absl::StatusOr<bool> Step();
@@ -55,6 +66,9 @@ class Statement {
   template <std::integral T>
   T Integer(int column) const {
     return static_cast<T>(Integer(column));
+  }
+  bool IsNull(int column) const {
+    return sqlite3_column_type(handle_.get(), column) == SQLITE_NULL;
   }
   double Real(int column) const { return sqlite3_column_double(handle_.get(), column); }
   std::string Text(int column) const;
@@ -70,5 +84,13 @@ class Statement {
   absl::Status status_;
   int next_parameter_ = 1;
 };
+
+// `code` is a result code, extended or not, other than OK, ROW and DONE. The message names the file
+// and says what SQLite says.
+//   CORRUPT, NOTADB -> DATA_LOSS             FULL, NOMEM -> RESOURCE_EXHAUSTED
+//   IOERR, BUSY, LOCKED, CANTOPEN, PROTOCOL -> UNAVAILABLE
+//   a UNIQUE or PRIMARY KEY constraint -> ALREADY_EXISTS
+//   READONLY, PERM, AUTH -> PERMISSION_DENIED   TOOBIG -> INVALID_ARGUMENT   any other -> INTERNAL
+absl::Status SqliteError(sqlite3* database, int code);
 
 }  // namespace motiondb::storage

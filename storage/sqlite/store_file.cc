@@ -24,7 +24,7 @@ constexpr char kInMemory[] = ":memory:";
 constexpr std::size_t kVersionPlace = 60;  // of user_version
 constexpr std::size_t kIdPlace = 68;       // of the application id
 
-using Header = std::array<char, kStoreHeaderBytes>;
+using StoreHeader = std::array<char, kStoreHeaderBytes>;
 
 // Milliseconds, long for a lock that is held for moments.
 constexpr int kLockWait = 10'000;
@@ -52,11 +52,11 @@ absl::Status NotAStore(std::string_view path, std::string_view what) {
                                   path, what);
 }
 
-std::string_view AsText(const Header& header) { return {header.data(), header.size()}; }
+std::string_view AsText(const StoreHeader& header) { return {header.data(), header.size()}; }
 
 // What a shorter file lacks is zero.
-absl::StatusOr<Header> ReadHeader(const std::string& path) {
-  Header header{};
+absl::StatusOr<StoreHeader> ReadHeader(const std::string& path) {
+  StoreHeader header{};
   errno = 0;
   std::ifstream stream(path, std::ios::binary);
   stream.read(header.data(), header.size());
@@ -139,7 +139,7 @@ absl::Status CheckIsStore(const std::string& path) {
 
   // Not by SQLite, which finds a file damaged that is shorter than its first page says, as one is
   // whose log was not moved into it to the end: a full disk or a power cut leaves it so.
-  MOTIONDB_ASSIGN_OR_RETURN(const Header header, ReadHeader(path));
+  MOTIONDB_ASSIGN_OR_RETURN(const StoreHeader header, ReadHeader(path));
   if (!AsText(header).starts_with(kSqliteMagic)) {
     return NotAStore(path, "a file of another kind");
   }
@@ -153,7 +153,7 @@ absl::StatusOr<int> ReadStoreVersion(const std::string& path) {
   const std::string file = fs::canonical(path, error).string();
   if (error || fs::file_size(file, error) == 0) return 0;
   MOTIONDB_RETURN_IF_ERROR(CheckIsStore(file));
-  MOTIONDB_ASSIGN_OR_RETURN(const Header header, ReadHeader(file));
+  MOTIONDB_ASSIGN_OR_RETURN(const StoreHeader header, ReadHeader(file));
   const auto version = static_cast<int>(BigEndian(AsText(header), kVersionPlace));
   if (version >= static_cast<int>(Migrations().size())) return version;
   // The log may hold a later one: an upgrade that was not moved into the file before a crash.

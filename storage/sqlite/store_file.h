@@ -1,5 +1,5 @@
 // Opening the file of a store: what may be opened, and how each connection is set up. Functions
-// keep no state. storage/README.md explains the settings.
+// keep no state. docs/architecture.md explains the settings.
 #pragma once
 
 #include <cstddef>

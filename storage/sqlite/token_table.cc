@@ -9,8 +9,8 @@
 namespace motiondb::storage {
 namespace {
 
-// A query for tokens as ToRecord reads them.
-std::string SelectWhere(std::string_view condition) {
+// A query for tokens as ToTokenRecord reads them.
+std::string SelectTokens(std::string_view condition) {
   return fmt::format(
       "SELECT id, role, database, description, salt, secret_hash, create_time_us, expire_time_us, "
       "revoke_time_us FROM token WHERE {}",
@@ -21,7 +21,7 @@ std::string ToString(std::span<const std::byte> blob) {
   return {reinterpret_cast<const char*>(blob.data()), blob.size()};
 }
 
-absl::StatusOr<TokenRecord> ToRecord(const Statement& row) {
+absl::StatusOr<TokenRecord> ToTokenRecord(const Statement& row) {
   TokenRecord record;
   record.id = row.Text(0);
   MOTIONDB_ASSIGN_OR_RETURN(record.role, FromText<Role>(row.Text(1)));
@@ -60,10 +60,10 @@ absl::Status InsertToken(Connection& connection, const TokenRecord& record) {
 }
 
 absl::StatusOr<TokenRecord> SelectToken(Connection& connection, const std::string& id) {
-  Statement row = connection.Query(SelectWhere("id = ?"), id);
+  Statement row = connection.Query(SelectTokens("id = ?"), id);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
   if (!found) return NoToken(id);
-  return ToRecord(row);
+  return ToTokenRecord(row);
 }
 
 absl::StatusOr<std::vector<TokenRecord>> SelectTokens(Connection& connection,
@@ -76,12 +76,12 @@ absl::StatusOr<std::vector<TokenRecord>> SelectTokens(Connection& connection,
     above = row.Integer(0);
   }
   Statement row =
-      connection.Query(SelectWhere("sequence > ? ORDER BY sequence LIMIT ?"), above, limit);
+      connection.Query(SelectTokens("sequence > ? ORDER BY sequence LIMIT ?"), above, limit);
   std::vector<TokenRecord> records;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return records;
-    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToRecord(row));
+    MOTIONDB_ASSIGN_OR_RETURN(records.emplace_back(), ToTokenRecord(row));
   }
 }
 

@@ -37,13 +37,13 @@ WriteFailures WriteHealth::failures() const {
 
 absl::Status WriteHealth::Try(const std::function<absl::Status()>& write) {
   {
-    const std::lock_guard lock(mutex_);
+    const MutexLock lock(mutex_);
     const bool is_due = tried_ == Clock::time_point() || Clock::now() - tried_ >= kBetweenTrials;
     if (trying_ || !is_due) return result_;
     trying_ = true;
   }
   absl::Status result = write();
-  const std::lock_guard lock(mutex_);
+  const MutexLock lock(mutex_);
   trying_ = false;
   tried_ = Clock::now();
   if (!absl::IsCancelled(result)) result_ = std::move(result);

@@ -5,10 +5,10 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <mutex>
 
 #include "absl/status/status.h"
 #include "storage/motion_store.h"
+#include "storage/mutex.h"
 
 namespace motiondb::storage {
 
@@ -32,10 +32,10 @@ class WriteHealth {
   std::atomic<std::int64_t> corruption_ = 0;
   std::atomic<std::int64_t> other_ = 0;
   std::atomic<bool> suspect_ = false;
-  std::mutex mutex_;
-  bool trying_ = false;
-  Clock::time_point tried_;  // epoch: never
-  absl::Status result_;
+  Mutex mutex_;
+  bool trying_ ABSL_GUARDED_BY(mutex_) = false;
+  Clock::time_point tried_ ABSL_GUARDED_BY(mutex_);  // epoch: never
+  absl::Status result_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::storage

@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-namespace motiondb::tests {
+namespace motiondb::tests::bench_table_test {
 namespace {
 
 BenchTable SomeTable() {
@@ -54,4 +54,4 @@ TEST_CASE("Bench table: JSON and back", "[bench]") {
   CHECK(FromJson({{"title", "x"}}).status().code() == absl::StatusCode::kInvalidArgument);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::bench_table_test

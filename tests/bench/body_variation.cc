@@ -13,10 +13,6 @@ namespace {
 
 enum LimbIndex { kHips, kTrunk, kHead, kLeftArm, kRightArm, kLeftLeg, kRightLeg };
 
-double Between(double low, double high, core::SeededSequence& random) {
-  return low + (high - low) * random.Next();
-}
-
 Eigen::Vector3f BoneVector(const Eigen::RowVectorXf& pose, const Bone& bone) {
   return (pose.segment<3>(3 * bone.marker) - pose.segment<3>(3 * bone.parent)).transpose();
 }
@@ -70,7 +66,7 @@ absl::StatusOr<std::vector<Bone>> StandardBones(const core::MarkerSet& set) {
 
 Wave::Wave(core::SeededSequence& random) {
   for (int i = 0; i < 3; ++i) {
-    cycles_per_second_[i] = Between(0.05, 0.4, random);
+    cycles_per_second_[i] = random.Between(0.05, 0.4);
     phase_[i] = random.Next();
   }
 }
@@ -86,15 +82,15 @@ double Wave::At(double seconds) const {
 BodyVariation::BodyVariation(std::vector<Bone> bones, const Eigen::RowVectorXf& usual,
                              const Eigen::RowVectorXf& other, core::SeededSequence& random)
     : bones_(std::move(bones)), limbs_(kLimbs) {
-  const double upper_body = Between(0.88, 1.12, random);
-  const double posture = Between(0, 0.3, random);
+  const double upper_body = random.Between(0.88, 1.12);
+  const double posture = random.Between(0, 0.3);
   for (int l = 0; l < kLimbs; ++l) {
     Limb& limb = limbs_[l];
     // Legs are what sizes are measured by: they hardly differ, or feet would leave the floor.
     const bool leg = l == kLeftLeg || l == kRightLeg;
-    limb.size = static_cast<float>(leg ? Between(0.99, 1.01, random)
-                                       : upper_body * Between(0.97, 1.03, random));
-    limb.reach = static_cast<float>(Between(0.9, 1.1, random));
+    limb.size = static_cast<float>(leg ? random.Between(0.99, 1.01)
+                                       : upper_body * random.Between(0.97, 1.03));
+    limb.reach = static_cast<float>(random.Between(0.9, 1.1));
     limb.sway_rad = leg ? 0.03f : l == kHips ? 0.0f : 0.12f;
     for (int axis = 0; axis < 3; ++axis) limb.sway.emplace_back(random);
   }

@@ -16,13 +16,16 @@
 #include "core/calibration/model_difference.h"
 #include "core/model/extend_model.h"
 #include "core/motion/error.h"
-#include "server/engine/clip_list.h"
-#include "server/engine/extend.h"
+#include "server/engine/damage_book.h"
+#include "server/engine/model_lifecycle.h"
+#include "server/engine/operation_registry.h"
 #include "server/engine/snapshot.h"
+#include "server/engine/stored_clips.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/bench/bench_program.h"
 #include "tests/bench/large_store.h"
 #include "tests/support/real_data.h"
+#include "tests/support/simulated_executor.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/threads.h"
 
@@ -40,27 +43,41 @@ struct Options {
   bool rebuild = false;
 };
 
-// The database of a store, as a server has it after its start.
-absl::StatusOr<std::unique_ptr<server::LiveDatabase>> Open(storage::MotionStore& store,
-                                                           const core::ParallelFor& parallel) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store.GetDatabase(kLargeDatabase));
-  MOTIONDB_ASSIGN_OR_RETURN(core::Model model, store.ReadModel(kLargeDatabase, parallel));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto models, store.ListModels(kLargeDatabase, 0, 1));
-  auto live = std::make_unique<server::LiveDatabase>(record.name, record.settings);
-  live->set_snapshot(
-      std::make_shared<const server::Snapshot>(server::Snapshot{models.front(), std::move(model)}));
-  return live;
-}
+// The database of a store as a server has it after its start, with its model. Works on the calling
+// thread.
+class ServedDatabase {
+ public:
+  ServedDatabase(storage::MotionStore& store, const storage::DatabaseRecord& record)
+      : operations_(store),
+        live_(std::make_shared<server::LiveDatabase>(record.name, record.settings)) {
+    options_.extend_from = std::chrono::seconds(0);
+    live_->Serve(std::make_unique<server::ModelLifecycle>(
+        *live_, server::LifecycleServices{store, operations_, executor_, options_}));
+    server::DamageBook damages;
+    live_->lifecycle().LoadStored(damages);
+  }
+
+  server::LiveDatabase& live() { return *live_; }
+  const server::Snapshot& model() const { return *live_->lifecycle().snapshot(); }
+
+  void Extend() {
+    live_->lifecycle().RequestExtension();
+    executor_.RunUntil(executor_.Now());
+  }
+
+ private:
+  server::EngineOptions options_;
+  server::OperationRegistry operations_;
+  SimulatedExecutor executor_{1};
+  const std::shared_ptr<server::LiveDatabase> live_;
+};
 
 // Adds clips one after the other; the time from each one's way into the store until it is known.
-absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store,
-                                                server::LiveDatabase& live,
+absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store, ServedDatabase& served,
                                                 const Options& options) {
   const VariedSize size{options.added, options.added * kFramesEach, options.size.frame_rate_hz};
   MOTIONDB_ASSIGN_OR_RETURN(auto clips,
                             VariedClips(DataDir(), size, kSeed + 1, OnThreads(options.jobs)));
-  server::EngineOptions always;
-  always.extend_from = std::chrono::seconds(0);
   std::vector<double> milliseconds;
   for (core::BuildInput& clip : clips) {
     clip.clip_id = fmt::format("added {:04}", milliseconds.size());
@@ -68,10 +85,10 @@ absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store,
     one.push_back(std::move(clip));
     const auto began = std::chrono::steady_clock::now();
     MOTIONDB_RETURN_IF_ERROR(AddClips(store, std::move(one)));
-    MOTIONDB_RETURN_IF_ERROR(server::Extend(store, live, always, core::Serially));
+    served.Extend();
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
     milliseconds.push_back(took.count());
-    if (live.snapshot()->record.added_clip_count != std::ssize(milliseconds)) {
+    if (served.model().record.added_clip_count != std::ssize(milliseconds)) {
       return absl::InternalError("a clip was added and is not known");
     }
   }
@@ -79,15 +96,14 @@ absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store,
 }
 
 // A model built of all clips, in the order that a server builds in.
-absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, server::LiveDatabase& live,
+absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, ServedDatabase& served,
                                       const core::ParallelFor& parallel) {
-  MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, live.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, served.live().name()));
   std::vector<std::string> ids;
   for (const auto& record : records) ids.push_back(record.id);
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs,
-                            server::ReadInputs(store, live, ids, [](std::size_t) { return true; }));
-  return core::BuildModel(live.settings(), live.snapshot()->model.marker_set(), std::move(inputs),
-                          parallel, nullptr);
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, server::ReadInputs(store, served.live(), ids));
+  return core::BuildModel(served.live().settings(), served.model().model.marker_set(),
+                          std::move(inputs), parallel, nullptr);
 }
 
 std::string Describe(const core::ModelDifference& difference) {
@@ -111,10 +127,11 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     std::filesystem::copy_file(options.store, path);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto store, storage::SqliteMotionStore::Open(path));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, Open(*store, parallel));
-  const int frames = live->snapshot()->model.frame_count();
-  const auto clips = live->snapshot()->model.clips().size();
-  MOTIONDB_ASSIGN_OR_RETURN(std::vector<double> times, AddOneByOne(*store, *live, options));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto database, store->GetDatabase(kLargeDatabase));
+  ServedDatabase served(*store, database);
+  const int frames = served.model().model.frame_count();
+  const auto clips = served.model().model.clips().size();
+  MOTIONDB_ASSIGN_OR_RETURN(std::vector<double> times, AddOneByOne(*store, served, options));
   // The first one moves the states to where there is room for more.
   const double first = times.front();
   std::sort(times.begin(), times.end());
@@ -123,17 +140,17 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   table.rows.push_back(TimesTheirs(
       fmt::format("a clip of {} frames known in {} frames, the slowest", kFramesEach, frames),
       times.back(), "a second", 1000, "ms", AtMost(1)));
-  const auto& record = live->snapshot()->record;
+  const auto& record = served.model().record;
   table.notes.push_back(fmt::format(
       "extend: {}; {} clips added to {} one by one, each stored and then known without a build: "
       "the first after {:.0f} ms, median {:.0f}; then {:.2f} % of the frames were added and {:.2f} "
       "% "
       "lie in nodes that a build would divide",
       kVariedMotion, options.added, clips, first, times[times.size() / 2],
-      100.0 * record.added_frame_count / record.frame_count, 100 * record.stale_share));
+      100.0 * record.added_frame_count / record.frame_count, 100 * record.drift_fraction));
   if (options.rebuild) {
-    MOTIONDB_ASSIGN_OR_RETURN(const core::Model built, BuildAnew(*store, *live, parallel));
-    table.notes.push_back(Describe(core::CompareModels(live->snapshot()->model, built, parallel)));
+    MOTIONDB_ASSIGN_OR_RETURN(const core::Model built, BuildAnew(*store, served, parallel));
+    table.notes.push_back(Describe(core::CompareModels(served.model().model, built, parallel)));
   }
   return table;
 }

@@ -11,7 +11,6 @@
 #include "core/format/marker_set_file.h"
 #include "core/format/motion_file.h"
 #include "core/kinematics/inverse_kinematics.h"
-#include "core/kinematics/pose_tracker.h"
 #include "tests/support/real_data.h"
 
 namespace motiondb::tests {

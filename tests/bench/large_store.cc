@@ -2,20 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
+#include <ctime>
 #include <fstream>
 #include <memory>
 #include <string_view>
+#include <thread>
 #include <utility>
 
 #include "core/format/marker_set_file.h"
 #include "core/motion/error.h"
 #include "server/engine/clock.h"
-#include "server/engine/content_hash.h"
+#include "server/engine/file_names.h"
+#include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
-#include "server/engine/rebuild.h"
+#include "server/engine/model_lifecycle.h"
+#include "server/engine/operation_registry.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/real_data.h"
+#include "tests/support/simulated_executor.h"
 
 namespace motiondb::tests {
 namespace {
@@ -27,13 +33,16 @@ class StageLog {
     const std::string_view name = told.substr(0, told.find(','));
     if (!stages_.empty() && stages_.back().name == name) return;
     Leave();
-    stages_.push_back({std::string(name), 0, 0});
+    stages_.push_back({std::string(name)});
     entered_ = std::chrono::steady_clock::now();
+    entered_processor_ = std::clock();
   }
   void Leave() {
     if (stages_.empty()) return;
     const auto now = std::chrono::steady_clock::now();
     stages_.back().seconds = std::chrono::duration<double>(now - entered_).count();
+    stages_.back().processor_seconds =
+        static_cast<double>(std::clock() - entered_processor_) / CLOCKS_PER_SEC;
     stages_.back().peak_mb = ProcessMegabytes("VmHWM");
   }
   std::vector<BuildStage> stages() && { return std::move(stages_); }
@@ -41,6 +50,19 @@ class StageLog {
  private:
   std::vector<BuildStage> stages_;
   std::chrono::steady_clock::time_point entered_;
+  std::clock_t entered_processor_ = 0;
+};
+
+// Runs work where RunUntil is called, with the threads that are lent, in real time.
+class LendingExecutor : public SimulatedExecutor {
+ public:
+  explicit LendingExecutor(core::ParallelFor parallel)
+      : SimulatedExecutor(1), parallel_(std::move(parallel)) {}
+  Clock::time_point Now() const override { return Clock::now(); }
+  core::ParallelFor Parallel(server::Pool) override { return parallel_; }
+
+ private:
+  const core::ParallelFor parallel_;
 };
 
 }  // namespace
@@ -67,33 +89,57 @@ absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput>
   return absl::OkStatus();
 }
 
-absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
-                                                       const VariedSize& size, std::uint64_t seed,
-                                                       const core::ParallelFor& parallel) {
+absl::Status MakeClipStore(const std::string& path, double frame_rate_hz,
+                           std::vector<core::BuildInput> clips) {
   storage::DatabaseRecord record{
       .name = kLargeDatabase,
       .marker_set = server::kStandardMarkerSet,
       .marker_set_text = core::WriteMarkerSetFile(core::StandardScheme()),
       .create_time_us = server::NowMicroseconds()};
-  record.settings.frame_rate_hz = size.frame_rate_hz;
+  record.settings.frame_rate_hz = frame_rate_hz;
   MOTIONDB_ASSIGN_OR_RETURN(const auto store, storage::SqliteMotionStore::Open(path));
   MOTIONDB_RETURN_IF_ERROR(store->CreateDatabase(record));
-  StageLog log;
-  log.Enter("generating clips");
-  MOTIONDB_ASSIGN_OR_RETURN(auto clips, VariedClips(DataDir(), size, seed, parallel));
-  log.Enter("adding clips");
-  MOTIONDB_RETURN_IF_ERROR(AddClips(*store, std::move(clips)));
+  return AddClips(*store, std::move(clips));
+}
 
-  server::LiveDatabase live(record.name, record.settings);
-  live.set_scheme(server::StoredScheme(record));
-  const auto progress = [&](double, std::string_view stage) {
-    log.Enter(stage);
-    return true;
-  };
-  const auto stopped = [] { return false; };
-  MOTIONDB_RETURN_IF_ERROR(server::Rebuild(*store, live, {}, parallel, progress, stopped).status());
+absl::StatusOr<std::vector<BuildStage>> RebuildStore(const std::string& path,
+                                                     const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto store, storage::SqliteMotionStore::Open(path));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store->GetDatabase(kLargeDatabase));
+  server::EngineOptions options;
+  options.rebuild_delay = std::chrono::milliseconds(0);
+  server::OperationRegistry operations(*store);
+  LendingExecutor executor(parallel);
+  const auto live = std::make_shared<server::LiveDatabase>(record.name, record.settings);
+  live->set_scheme(server::MarkerSchemes().Of(record));
+  live->Serve(std::make_unique<server::ModelLifecycle>(
+      *live, server::LifecycleServices{*store, operations, executor, options}));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto requested, live->lifecycle().Request());
+  StageLog log;
+  std::atomic<bool> is_over = false;
+  std::thread watch([&] {
+    for (; !is_over; std::this_thread::sleep_for(std::chrono::milliseconds(1))) {
+      const auto now = operations.Get(requested.id);
+      if (now.ok() && now->state == storage::OperationState::kRunning) log.Enter(now->stage);
+    }
+  });
+  executor.RunUntil(server::Executor::Clock::time_point::max());
+  is_over = true;
+  watch.join();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto ended, operations.Get(requested.id));
+  if (ended.state != storage::OperationState::kSucceeded) {
+    return absl::InternalError("the build failed: " + ended.error_message);
+  }
   log.Leave();
   return std::move(log).stages();
+}
+
+absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
+                                                       const VariedSize& size, std::uint64_t seed,
+                                                       const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto clips, VariedClips(DataDir(), size, seed, parallel));
+  MOTIONDB_RETURN_IF_ERROR(MakeClipStore(path, size.frame_rate_hz, std::move(clips)));
+  return RebuildStore(path, parallel);
 }
 
 double ProcessMegabytes(const std::string& field) {

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "core/format/marker_set_file.h"
-#include "core/planning/planner.h"
+#include "core/planning/plan.h"
 #include "tests/support/plan_goals.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/calibration/recognition_trial.h"
+#include "core/calibration/trials.h"
 #include "core/format/marker_set_file.h"
 #include "core/recognition/recognize.h"
 #include "tests/bench/bench_program.h"

@@ -25,8 +25,9 @@ declare -A quick_options=(
   [scale]="--clips 200 --frames 100000"
   [server]="--quick"
   [tree]="--frames 10000,30000"
+  [writes]="--clips 60 --frames 30000"
 )
-with_rows=(tree recognize scale extend server parse)
+with_rows=(tree recognize scale extend writes server parse)
 plain=(kinematics plan)
 
 ./deploy/install_packages.sh build test >&2

@@ -23,10 +23,6 @@ constexpr double kFadeSeconds = 0.4;  // from one take into the next
 constexpr double kTakeSeconds = 1.2;  // the shortest: room for a fade at either end
 constexpr int kFollowers = 8;         // takes of which the best follows
 
-double Between(double low, double high, core::SeededSequence& random) {
-  return low + (high - low) * random.Next();
-}
-
 int Below(int count, core::SeededSequence& random) {
   return static_cast<int>(random.Next() * count);
 }
@@ -105,7 +101,7 @@ class Performance {
   // Early, so that the fade into a take is over before the fade out of it begins.
   Place Enter(int take) {
     const double last = takes_[take].last_frame();
-    return {take, Between(0, std::min(0.3 * last, last - 2.5 * fade_), random_)};
+    return {take, random_.Between(0, std::min(0.3 * last, last - 2.5 * fade_))};
   }
 
   // Of some places to enter takes of the label the one whose pose is the nearest.
@@ -146,7 +142,7 @@ absl::Status VaryClip(const Source& source, int clip, int frames, double frame_r
   const Take& other = takes[of_label[Below(static_cast<int>(of_label.size()), random)]];
   const BodyVariation body(source.bones, takes[first].pose.colwise().mean(),
                            other.pose.colwise().mean(), random);
-  const double leg_length_m = takes[first].leg_length_m * Between(0.85, 1.15, random);
+  const double leg_length_m = takes[first].leg_length_m * random.Between(0.85, 1.15);
   Performance performance(takes, of_label, first, frame_rate_hz, random);
 
   const core::MarkerSet& set = core::StandardScheme().set;
@@ -181,7 +177,7 @@ std::vector<int> Lengths(const VariedSize& size, std::uint64_t seed) {
   core::SeededSequence random(seed);
   std::vector<double> share(size.clips);
   double sum = 0;
-  for (double& s : share) sum += s = Between(0.5, 1.5, random);
+  for (double& s : share) sum += s = random.Between(0.5, 1.5);
   std::vector<int> lengths;
   double until = 0;
   int taken = 0;

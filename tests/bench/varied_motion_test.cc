@@ -6,7 +6,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/threads.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::varied_motion_test {
 namespace {
 
 constexpr VariedSize kSize{.clips = 700, .frames = 70'000};
@@ -122,4 +122,4 @@ TEST_CASE("Varied motion: refuses clips that are too short", "[bench]") {
   CHECK(clips.status().code() == absl::StatusCode::kInvalidArgument);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::varied_motion_test

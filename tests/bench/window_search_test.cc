@@ -5,7 +5,7 @@
 
 #include "tests/support/threads.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::window_search_test {
 namespace {
 
 core::FrameMatrix RandomFrames(int frames, int dimensions, unsigned seed) {
@@ -59,4 +59,4 @@ TEST_CASE("Window search: nothing where all clips are shorter than the window", 
   CHECK(FindNearestWindow(frames, clips, RandomFrames(5, 6, 2), core::Serially).clip == -1);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::window_search_test

@@ -4,12 +4,12 @@
 
 #include <catch2/catch.hpp>
 
-#include "client/cli/access_text.h"
+#include "client/cli/database_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::access_command_test {
 namespace {
 
 using Catch::Contains;
@@ -151,4 +151,4 @@ TEST_CASE("motiondb: takes its token from a file or a variable, never from a fla
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::access_command_test

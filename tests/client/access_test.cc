@@ -12,7 +12,7 @@
 #include "tests/client/fake_server.h"
 #include "tests/client/temporary_folder.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::access_test {
 namespace {
 
 using Catch::Contains;
@@ -129,4 +129,4 @@ TEST_CASE("Client: an error carries the call's id, and names it unless it is abo
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::access_test

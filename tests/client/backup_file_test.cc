@@ -13,7 +13,7 @@
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::backup_file_test {
 namespace {
 
 using Catch::Contains;
@@ -162,4 +162,4 @@ TEST_CASE("BackupFile: a store that comes meanwhile is not replaced", "[client]"
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::backup_file_test

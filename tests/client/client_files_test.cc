@@ -8,7 +8,7 @@
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::client_files_test {
 namespace {
 
 using client::Client;
@@ -202,4 +202,4 @@ TEST_CASE("Export: a broken stream is DATA_LOSS and leaves no file", "[client]")
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::client_files_test

@@ -12,7 +12,7 @@
 #include "tests/client/connect.h"
 #include "tests/client/fake_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::client_test {
 namespace {
 
 using client::CallOptions;
@@ -284,4 +284,4 @@ TEST_CASE("Client: many threads may ask at once", "[client]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::client_test

@@ -1,8 +1,8 @@
-#include "client/cli/clip_list.h"
-
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+#include "client/cli/ingest_batch.h"
+
+namespace motiondb::tests::clip_list_test {
 namespace {
 
 using client::ParseClipList;
@@ -46,4 +46,4 @@ TEST_CASE("ClipList: errors name file, line and what was expected", "[client][cl
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::clip_list_test

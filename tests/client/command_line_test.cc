@@ -11,7 +11,7 @@
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::command_line_test {
 namespace {
 
 using Catch::Contains;
@@ -23,7 +23,7 @@ TEST_CASE("motiondb: help and version succeed on standard output", "[client][cli
   CHECK(help.err == "");
   for (const char* command :
        {"create", "ingest", "list", "describe", "recognize", "estimate", "predict", "observe",
-        "plan", "dump", "export", "delete", "operations", "status"}) {
+        "plan", "dump", "export", "delete", "reprocess", "operations", "status"}) {
     CHECK_THAT(help.out, Contains(command));
     CHECK(RunMotiondb("", {command, "--help"}).exit_code == 0);
   }
@@ -336,6 +336,39 @@ TEST_CASE("motiondb delete: of a clip waits for the model without it", "[client]
              Contains("OPERATION_STATE_SUCCEEDED"));
 }
 
+TEST_CASE("motiondb reprocess: waits, and names the clips that stay as they are", "[client][cli]") {
+  FakeServer server;
+  v1::ReprocessDatabaseResponse started;
+  started.mutable_operation()->set_name("operations/9");
+  server.Answer("ReprocessDatabase", started);
+  v1::WaitOperationResponse done;
+  done.mutable_operation()->set_name("operations/9");
+  done.mutable_operation()->set_kind(v1::OPERATION_KIND_REPROCESS);
+  done.mutable_operation()->set_done(true);
+  done.mutable_operation()->set_stage("done, clips derived again: 2");
+  done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
+  server.Answer("WaitOperation", done);
+  v1::DescribeDatabaseResponse description;
+  description.set_underived_clip_count(1);
+  description.add_underived_clips()->set_name("databases/walks/clips/a");
+  description.mutable_underived_clips(0)->set_reason("chunk 0 is damaged");
+  server.Answer("DescribeDatabase", description);
+  const auto text = RunMotiondb(server.address(), {"reprocess", "walks"});
+  CHECK(text.exit_code == 0);
+  CHECK(
+      text.out ==
+      "reprocessed walks: done, clips derived again: 2; no clip is left, so there is no model now\n"
+      "1 clip could not be derived again from its file:\n"
+      "  a: chunk 0 is damaged\n");
+  CHECK_THAT(RunMotiondb(server.address(), {"reprocess", "walks", "--json"}).out,
+             Contains("OPERATION_KIND_REPROCESS"));
+  FakeServer other;
+  other.Answer("ReprocessDatabase", started);
+  done.mutable_operation()->set_state(v1::OPERATION_STATE_CANCELLED);
+  other.Answer("WaitOperation", done);
+  CHECK(RunMotiondb(other.address(), {"reprocess", "walks"}).exit_code == 1);
+}
+
 TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
   FakeServer server;
   v1::ListOperationsResponse list;
@@ -364,4 +397,4 @@ TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::command_line_test

@@ -1,6 +1,4 @@
 // What is said where no server answers, against sockets that are none.
-#include "client/connect_failure.h"
-
 #include <arpa/inet.h>
 #include <motiondb/client.h>
 #include <sys/socket.h>
@@ -10,9 +8,10 @@
 #include <string>
 #include <thread>
 
+#include "client/call_failure.h"
 #include "tests/client/run_motiondb.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::connect_failure_test {
 namespace {
 
 using Catch::Contains;
@@ -120,4 +119,4 @@ TEST_CASE("ConnectError: the failure is attached, unknown words are passed on", 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::connect_failure_test

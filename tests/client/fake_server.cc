@@ -80,6 +80,7 @@ struct FakeServer::Services {
     MOTIONDB_FAKE_UNARY(ListDatabases)
     MOTIONDB_FAKE_UNARY(DeleteDatabase)
     MOTIONDB_FAKE_UNARY(DescribeDatabase)
+    MOTIONDB_FAKE_UNARY(ReprocessDatabase)
     FakeServer& fake;
   };
 

@@ -6,12 +6,11 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/floor_view.h"
-#include "client/cli/svg.h"
+#include "client/cli/picture.h"
 #include "tests/client/planned_motion.h"
 #include "tests/client/svg_elements.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::floor_plan_svg_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
@@ -119,4 +118,4 @@ TEST_CASE("Svg: numbers are written alike, text is escaped", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::floor_plan_svg_test

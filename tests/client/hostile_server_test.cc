@@ -9,15 +9,15 @@
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/cli/picture.h"
 #include "client/cli/progress_bar.h"
-#include "client/cli/svg.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/shown_text_cases.h"
 #include "text/display_text.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::hostile_server_test {
 namespace {
 
 using Catch::Contains;
@@ -167,4 +167,4 @@ TEST_CASE("motiondb: a token given in the place of a name is not printed", "[cli
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::hostile_server_test

@@ -9,7 +9,7 @@
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::ingest_command_test {
 namespace {
 
 using Catch::Contains;
@@ -199,4 +199,4 @@ TEST_CASE("motiondb ingest: progress is drawn on a terminal only", "[client][cli
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::ingest_command_test

@@ -9,7 +9,7 @@
 
 #include "tests/client/temporary_folder.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::input_file_test {
 namespace {
 
 using Catch::Contains;
@@ -56,4 +56,4 @@ TEST_CASE("InputFile: says why it cannot be read", "[client]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::input_file_test

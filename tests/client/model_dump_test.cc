@@ -6,13 +6,12 @@
 #include <catch2/catch.hpp>
 #include <cstring>
 
-#include "client/cli/npy_writer.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::model_dump_test {
 namespace {
 
 using client::NpyHeader;
@@ -195,4 +194,4 @@ TEST_CASE("Dump: states that do not fit the model are DATA_LOSS and leave no mod
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::model_dump_test

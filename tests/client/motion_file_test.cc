@@ -6,7 +6,7 @@
 
 #include "tests/client/temporary_folder.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::motion_file_test {
 namespace {
 
 using client::FindSkeletonBeside;
@@ -58,4 +58,4 @@ TEST_CASE("MotionFile: an observation carries both files and the conventions", "
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::motion_file_test

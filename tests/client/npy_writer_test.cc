@@ -1,11 +1,10 @@
-#include "client/cli/npy_writer.h"
-
 #include <catch2/catch.hpp>
 
+#include "client/cli/model_dump.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::npy_writer_test {
 namespace {
 
 using client::NpyHeader;
@@ -59,4 +58,4 @@ TEST_CASE("NpyWriter: a folder that is not there is an error", "[client][cli]") 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::npy_writer_test

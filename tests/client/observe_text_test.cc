@@ -1,8 +1,8 @@
-#include "client/cli/observe_text.h"
-
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+#include "client/cli/observe_replay.h"
+
+namespace motiondb::tests::observe_text_test {
 
 using namespace client;  // NOLINT: the functions under test
 
@@ -29,6 +29,10 @@ TEST_CASE("ObservedLine: what the frames so far say", "[client][cli]") {
   answer.set_model_version(2);
   CHECK_THAT(ObservedLine(answer, 1),
              Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(model 2 now)"));
+  answer.set_calibration(v1::CALIBRATION_OWN);
+  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(model 2 now)"));
+  answer.set_calibration(v1::CALIBRATION_PREVIOUS);
+  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(a newer model now, not calibrated yet)"));
 }
 
 TEST_CASE("ReplayText: rates, and how long answers took where messages had a pace",
@@ -47,4 +51,4 @@ TEST_CASE("ReplayText: rates, and how long answers took where messages had a pac
              Catch::EndsWith("1 frame came late, 2 never came\n"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observe_text_test

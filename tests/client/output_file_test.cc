@@ -7,12 +7,11 @@
 #include <catch2/catch.hpp>
 #include <set>
 
-#include "client/cli/npy_writer.h"
-#include "client/cli/whole_file.h"
+#include "client/cli/model_dump.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::output_file_test {
 namespace {
 
 using client::OutputFile;
@@ -124,4 +123,4 @@ TEST_CASE("OutputFile: names that a server may not choose", "[client]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::output_file_test

@@ -9,7 +9,7 @@
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::plan_command_test {
 namespace {
 
 using Catch::Contains;
@@ -250,4 +250,4 @@ TEST_CASE("motiondb plan: what makes no sense is refused before the call", "[cli
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::plan_command_test

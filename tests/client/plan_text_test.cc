@@ -1,10 +1,9 @@
-#include "client/cli/plan_text.h"
-
 #include <catch2/catch.hpp>
 
+#include "client/cli/answer_text.h"
 #include "tests/client/planned_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::plan_text_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
@@ -62,4 +61,4 @@ TEST_CASE("PlanText: a motion of many pieces names the first", "[client][cli]") 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::plan_text_test

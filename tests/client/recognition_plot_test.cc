@@ -7,16 +7,14 @@
 #include <cmath>
 #include <limits>
 
-#include "client/cli/log_probability_axis.h"
-#include "client/cli/recognition_plot_labels.h"
-#include "client/cli/recognition_plot_profile.h"
+#include "client/cli/picture.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 #include "tests/client/svg_elements.h"
 #include "tests/client/temporary_folder.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::recognition_plot_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
@@ -341,4 +339,4 @@ TEST_CASE("motiondb predict --method: becomes the request", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::recognition_plot_test

@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <string>
 
-#include "client/cli/status_text.h"
+#include "client/cli/database_text.h"
 #include "tests/client/fake_server.h"
 #include "tests/client/run_motiondb.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::status_test {
 namespace {
 
 using Catch::Contains;
@@ -225,4 +225,4 @@ TEST_CASE("motiondb status: as text and as JSON, and again and again", "[client]
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::status_test

@@ -4,17 +4,13 @@
 
 #include <catch2/catch.hpp>
 
-#include "client/cli/count_text.h"
+#include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
-#include "client/cli/estimation_text.h"
-#include "client/cli/json_output.h"
-#include "client/cli/prediction_text.h"
+#include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
-#include "client/cli/recognition_text.h"
 #include "client/cli/resource_name.h"
-#include "client/cli/table.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::text_test {
 namespace {
 
 using namespace client;  // NOLINT: the functions under test
@@ -153,6 +149,60 @@ TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer",
   CHECK_THAT(text, Catch::Contains("model version          none\n"));
   CHECK_THAT(text, Catch::Contains("7 clips are stored; the model knows 6 of them\n"));
   CHECK_THAT(text, Catch::Contains("LAYER  NODES\n    1      1\n    2      2\n"));
+  CHECK_THAT(text, !Catch::Contains("calibration"));
+}
+
+TEST_CASE("DescriptionText, RecognitionText, PredictionText: whose calibration it is",
+          "[client][cli]") {
+  v1::DescribeDatabaseResponse description;
+  description.set_calibration(v1::CALIBRATION_OWN);
+  CHECK_THAT(DescriptionText(description),
+             Catch::Contains("calibration             own\n") && !Catch::Contains("new model"));
+  description.set_calibration(v1::CALIBRATION_TYPICAL);
+  CHECK_THAT(DescriptionText(description),
+             Catch::Contains("calibration          typical\n") &&
+                 Catch::Contains("a new model answers, with a typical calibration"));
+  const std::string previous =
+      "a new model answers, with the previous model's calibration until its own is known; it is "
+      "stored then\n";
+  v1::RecognizeResponse recognition;
+  CHECK_THAT(RecognitionText(recognition), !Catch::Contains("calibration"));
+  recognition.set_calibration(v1::CALIBRATION_PREVIOUS);
+  CHECK_THAT(RecognitionText(recognition), Catch::EndsWith(previous));
+  v1::PredictResponse prediction;
+  prediction.set_calibration(v1::CALIBRATION_PREVIOUS);
+  CHECK_THAT(PredictionText(prediction, {}), Catch::EndsWith(previous));
+}
+
+TEST_CASE("DescriptionText, ClipsText: what becomes of glitches, and which there were",
+          "[client][cli]") {
+  v1::DescribeDatabaseResponse description;
+  description.set_glitches(v1::GLITCHES_KEEP);
+  CHECK_THAT(DescriptionText(description), Catch::Contains("glitches               keep\n"));
+  v1::Clip clip;
+  clip.set_name("databases/walks/clips/a");
+  clip.set_glitches("repaired (1): frame 101: all markers jump");
+  CHECK_THAT(ClipsText({clip}),
+             Catch::Contains("GLITCHES") && Catch::Contains("frame 101: all markers jump"));
+}
+
+TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "[client][cli]") {
+  v1::DescribeDatabaseResponse description;
+  CHECK_THAT(DescriptionText(description), !Catch::Contains("derived"));
+  description.set_underived_clip_count(2);
+  auto* const one = description.add_underived_clips();
+  one->set_name("databases/walks/clips/a");
+  one->set_reason("a.bvh:12: expected a number\x1b[2J");
+  const std::string text = DescriptionText(description);
+  CHECK_THAT(text, Catch::Contains("2 clips could not be derived again from their files:\n"
+                                   "  a: a.bvh:12: expected a number") &&
+                       Catch::Contains("\n  ...\n"));
+  CHECK(text.find('\x1b') == std::string::npos);
+  v1::Clip clip;
+  clip.set_name("databases/walks/clips/a");
+  CHECK_THAT(ClipsText({clip}), !Catch::Contains("derived"));
+  clip.set_derive_error("chunk 0 is damaged");
+  CHECK_THAT(ClipsText({clip}), Catch::EndsWith("\nnot derived again:\n  a: chunk 0 is damaged\n"));
 }
 
 TEST_CASE("IngestedClipText: the reader's report stands under its clip", "[client][cli]") {
@@ -181,4 +231,4 @@ TEST_CASE("ProgressLine: fits its terminal and its range", "[client][cli]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::text_test

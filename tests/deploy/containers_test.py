@@ -21,7 +21,7 @@ except ImportError:
 MOTIONDBD = sys.argv[1]
 DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy")
 
-# Of the figures of README.md: a million frames of 34 markers take 3.3 GB at the peak of a full build.
+# Of docs/benchmarks.md: a million frames of 34 markers take 3.3 GB at the peak of a full build.
 BYTES_OF_A_FRAME_BEING_BUILT = 3300
 
 # What a server is given that serves others.
@@ -94,7 +94,7 @@ def variable_of(setting):
 
 
 def write_secrets(folder):
-    """A certificate with its key, and an administrator's token, with the mode that README.md gives them."""
+    """A certificate with its key, and an administrator's token, with the mode that docs/operations.md gives them."""
     certificate, key, token = [os.path.join(folder, name) for name in SECRETS]
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
                     "-nodes", "-days", "2", "-subj", "/CN=motiondb", "-keyout", key, "-out", certificate],
@@ -206,7 +206,7 @@ class ComposeTest(unittest.TestCase):
 
     def test_the_readme_serves_others_in_the_same_way(self):
         environment, source, mounted = self.serving_others()
-        readme = read("README.md")
+        readme = read("../docs/operations.md")
         command, = re.findall(r"^\$ (docker run -d .*(?:\n    .*)*)", readme, re.MULTILINE)
         self.assertEqual(dict(re.findall(r"-e (\w+)=(\S+)", command)),
                          {name: value for name, value in environment.items()
@@ -294,7 +294,7 @@ class KubernetesTest(unittest.TestCase):
         self.assertEqual(self.set["replicas"], 1)
 
     def test_the_readme_upgrades_what_there_is(self):
-        name, container = re.search(r"set image statefulset/(\S+) (\w+)=", read("README.md")).groups()
+        name, container = re.search(r"set image statefulset/(\S+) (\w+)=", read("../docs/operations.md")).groups()
         self.assertEqual((name, container),
                          (self.one("StatefulSet")["metadata"]["name"], self.container["name"]))
 
@@ -316,7 +316,7 @@ class KubernetesTest(unittest.TestCase):
         self.assertEqual(overruled, set())
 
     def test_paths_are_pages_of_the_server(self):
-        with open(os.path.join(DEPLOY, "../server/observability/health_pages.cc"),
+        with open(os.path.join(DEPLOY, "../server/observability/health_server.cc"),
                   encoding="utf-8") as file:
             pages = set(re.findall(r'pages\["(/\w+)"\]', file.read()))
         asked = {self.container[probe]["httpGet"]["path"]

@@ -80,7 +80,10 @@ kill "$server"
 wait "$server" || fail "motiondbd did not end in order"
 server=
 
-echo "== manual pages, completion, unit"
+echo "== documentation, manual pages, completion, unit"
+for page in README.md docs/operations.md docs/command_line.md; do
+  [ -s "$root/usr/share/doc/motiondb/$page" ] || fail "no $page in /usr/share/doc/motiondb"
+done
 for page in motiondb.1 motiondbd.8 motiondbd.conf.5; do
   enter_root "$root" env MANWIDTH=100 man -P cat "${page##*.}" "${page%.*}" >"$work/$page" ||
     fail "no manual page $page"
@@ -109,9 +112,9 @@ dpkg-deb --raw-extract "$package" "$work/next"
 echo '# a setting that is new' >>"$work/next/etc/motiondb/motiondbd.conf"
 sed -i 's/^Version: .*/&.1/' "$work/next/DEBIAN/control"
 dpkg-deb --root-owner-group --build "$work/next" "$root/tmp/next.deb" >"$work/dpkg.log"
-# The options of deploy/README.md, for either way.
-options=$(sed -n 's|^\$ sudo apt install \(.*\) ./motiondb_NEW_amd64.deb.*|\1|p' "$here/../../deploy/README.md")
-[ -n "$options" ] || fail "deploy/README.md does not say how to upgrade"
+# The options of docs/operations.md, for either way.
+options=$(sed -n 's|^\$ sudo apt install \(.*\) ./motiondb_NEW_amd64.deb.*|\1|p' "$here/../../docs/operations.md")
+[ -n "$options" ] || fail "docs/operations.md does not say how to upgrade"
 for deb in next.deb "$(basename "$package")"; do
   # shellcheck disable=SC2086
   enter_root "$root" apt-get install -y -qq --allow-downgrades $options "/tmp/$deb" </dev/null >"$work/apt.log" 2>&1 ||

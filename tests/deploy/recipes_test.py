@@ -88,6 +88,8 @@ class DecidingRunTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder:
             for name, text in ((".ci/run", read(".ci/run")), ("deploy/install_packages.sh", "#!/bin/sh\n"),
                                ("tests/run.sh", "#!/bin/sh\n"), ("tests/fuzz/run.sh", "#!/bin/sh\n"),
+                               ("tests/architecture/check_locks.sh", "#!/bin/sh\n"),
+                               ("tests/architecture/check_tidy.sh", "#!/bin/sh\n"),
                                ("tests/deploy/package_test.sh", "#!/bin/sh\n" + package),
                                ("tests/deploy/image_test.sh", "#!/bin/sh\n" + image),
                                ("build/release/Testing/Temporary/LastTest.log", CTEST_LOG),
@@ -110,9 +112,9 @@ class DecidingRunTest(unittest.TestCase):
 
     def test_it_says_where_time_went(self):
         table = self.run_it("exit 0\n", "exit 0\n").stdout.partition("== minutes")[2].splitlines()
-        steps = ["packages", "release", "asan", "tsan", "fuzz", "package", "image", "all"]
-        self.assertEqual([line.split()[0] for line in table[1:9]], steps)
-        self.assertEqual(table[9:11], ["release plan 12 s", "release storage 3 s"])
+        steps = ["packages", "release", "asan", "tsan", "fuzz", "locks", "tidy", "package", "image", "all"]
+        self.assertEqual([line.split()[0] for line in table[1:11]], steps)
+        self.assertEqual(table[11:13], ["release plan 12 s", "release storage 3 s"])
 
     def test_a_step_that_fails_ends_it(self):
         for steps in (("exit 3\n", "exit 0\n"), ("exit 0\n", "exit 3\n")):
@@ -123,7 +125,7 @@ class PackageRecipeTest(unittest.TestCase):
     def test_it_has_a_folder_of_its_own(self):
         # Not the one that tests are built in: it is configured without them.
         configured = re.findall(r"^\$ (cmake .*-DMOTIONDB_BUILD_TESTS=OFF.*)$",
-                                read("deploy/README.md"), re.MULTILINE)
+                                read("docs/operations.md"), re.MULTILINE)
         self.assertTrue(configured)
         for line in configured:
             folder = re.search(r" -B (build/\w+) ", line).group(1)
@@ -141,7 +143,7 @@ echo "$@"
 
 
 class NightlyBackupTest(unittest.TestCase):
-    """The line for cron of deploy/README.md, with a program in the place of motiondb."""
+    """The line for cron of docs/operations.md, with a program in the place of motiondb."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -166,7 +168,7 @@ class NightlyBackupTest(unittest.TestCase):
         with open(self.path("bin/motiondb"), "w", encoding="utf-8") as file:
             file.write("#!/bin/sh\n" + motiondb)
         os.chmod(self.path("bin/motiondb"), 0o755)
-        line, = re.findall(r"^\d+ \d+ \* \* \* backup (.*)$", read("deploy/README.md"), re.MULTILINE)
+        line, = re.findall(r"^\d+ \d+ \* \* \* backup (.*)$", read("docs/operations.md"), re.MULTILINE)
         self.assertNotRegex(line, r"(?<!\\)%")  # cron ends the command there
         command = line.replace("\\%", "%").replace("/var/backups/motiondb", self.path("backups"))
         ran = subprocess.run(["/bin/sh", "-c", command], capture_output=True, text=True,

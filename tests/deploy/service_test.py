@@ -93,8 +93,8 @@ class CheckConfig(Folder):
                          [line.split("#")[0] for line in result.stdout.splitlines()])
 
     def example(self, begin):
-        """The lines that deploy/README.md shows after a command that begins so."""
-        with open(os.path.join(DEPLOY, "README.md"), encoding="utf-8") as readme:
+        """The lines that docs/operations.md shows after a command that begins so."""
+        with open(os.path.join(DEPLOY, "../docs/operations.md"), encoding="utf-8") as readme:
             _, _, rest = readme.read().partition(f"\n$ {begin}")
         shown = rest.partition("\n```")[0].splitlines()[1:]
         self.assertTrue(shown, begin)
@@ -144,7 +144,7 @@ class CheckConfig(Folder):
 
     def test_it_does_not_serve_with_what_a_check_refuses(self):
         # The unit relies on the code: a start that fails with 2 is not tried again.
-        for flags, said in ((["--rebuild-delay", "20"], "rebuild-delay-limit"),
+        for flags, said in ((["--message-memory-mib", "15"], "message-memory-mib"),
                             (["--listen", "0.0.0.0:0"], "there is no TLS"),
                             (["--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"],
                              "/absent.crt: cannot be read"),

@@ -12,7 +12,7 @@ from http2 import (CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL
 HEADER_TABLE_SIZE = 1  # a setting
 CANCEL = struct.pack(">I", 8)
 BLOCK = 16384  # most bytes of a frame
-METADATA_LIMIT = 8192  # default of --max-metadata-kib: names, values and 32 bytes for each field
+METADATA_LIMIT = 8192  # CallLimitOptions: names, values and 32 bytes for each field
 LIST = request_headers("DatabaseService/ListDatabases")
 RECOGNIZE = request_headers("QueryService/Recognize")
 PLAIN = header("x-field", "v" * 1000) * 16

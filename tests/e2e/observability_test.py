@@ -26,7 +26,7 @@ DASHBOARD = os.path.join(ROOT, "deploy/grafana/motiondb.json")
 RULES = os.path.join(ROOT, "deploy/prometheus/motiondb.rules.yml")
 SCRAPE = os.path.join(ROOT, "deploy/prometheus/prometheus.yml")
 OLD_STORES = os.path.join(ROOT, "tests/storage/old_stores")
-README = os.path.join(ROOT, "server/observability/README.md")
+PAGE = os.path.join(ROOT, "docs/metrics.md")
 
 BVH = """HIERARCHY
 ROOT Hips
@@ -322,8 +322,9 @@ class Observability(unittest.TestCase):
         used = {name for expression in expressions
                 for name, _ in promql.selectors(expression)} - {"up"}
         self.assertGreater(len(used), 25)
-        with open(README) as readme:
-            explained = set(re.findall(r"^\| `(\w+)`", readme.read(), re.MULTILINE))
+        with open(PAGE) as page:
+            explained = set(re.findall(r"^\| `(\w+)` \| (?:counter|gauge|histogram|summary) \|",
+                                       page.read(), re.MULTILINE))
         exported = {name + ("_total" if family.type == "counter" else "")
                     for name, family in families.items()}
         self.assertEqual(explained, exported)

@@ -17,7 +17,7 @@
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::server_process_test {
 namespace {
 
 // A motiondbd that answers, on a port of its own.
@@ -189,4 +189,4 @@ TEST_CASE("ServerProcess: mistakes end it with a message and a code", "[e2e]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::server_process_test

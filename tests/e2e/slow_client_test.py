@@ -150,8 +150,7 @@ class SlowClients(unittest.TestCase):
         self.assertGreater(over, 0)
 
     def test_an_answer_that_is_not_taken_is_given_up(self):
-        self.serve("--silence-limit", "3", "--max-heavy-calls", "1", "--max-heavy-calls-per-client",
-                   "1")
+        self.serve("--silence-limit", "3", "--max-heavy-calls", "1")
         self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
         write_bvh(self.path("walk.bvh"), 0)
         self.server.ask("ingest", "walks", self.path("walk.bvh"), "--label", "walk")
@@ -174,7 +173,7 @@ class SlowClients(unittest.TestCase):
         call.close()
 
     def test_answers_that_are_not_taken_are_bounded(self):
-        many = ["--max-heavy-calls", "1000", "--max-heavy-calls-per-client", "1000"]
+        many = ["--max-heavy-calls", "4000"]  # a quarter of them for one client
         self.serve("--max-file-mib", "16", "--message-memory-mib", "64", *many)
         self.server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
         write_bvh(self.path("walk.bvh"), 0)

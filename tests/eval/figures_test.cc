@@ -8,7 +8,7 @@
 #include "tests/eval/figures/calibration.h"
 #include "tests/eval/table.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::figures_test {
 
 TEST_CASE("Accuracy: macro counts labels alike, however many have each", "[eval]") {
   const std::vector<Named> names = {
@@ -85,4 +85,4 @@ TEST_CASE("Table: the same figures as Markdown and as JSON, none as a dash and n
   CHECK(json["notes"][0] == "Few.");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::figures_test

@@ -7,7 +7,7 @@
 #include "tests/eval/recognizers/recognizer.h"
 #include "tests/support/threads.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::folds_test {
 namespace {
 
 EvalClip Clip(std::string label, std::string source) {
@@ -56,4 +56,4 @@ TEST_CASE("Threads: each body runs once, with any number of them", "[eval]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::folds_test

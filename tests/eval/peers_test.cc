@@ -14,7 +14,7 @@
 #include "tests/eval/peers/subsequence_dtw.h"
 #include "tests/eval/peers/windowed_nearest.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::peers_test {
 namespace {
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
@@ -259,4 +259,4 @@ TEST_CASE("Filling: along the line between sightings, or as the nearest stored f
   CHECK(FillByInterpolation(observed).leftCols<3>().hasNaN());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::peers_test

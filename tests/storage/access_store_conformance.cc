@@ -25,7 +25,7 @@ TokenRecord SampleToken(const std::string& id) {
           .revoke_time_us = 0};
 }
 
-bool Same(const TokenRecord& a, const TokenRecord& b) {
+bool SameRecord(const TokenRecord& a, const TokenRecord& b) {
   return a.id == b.id && a.role == b.role && a.database == b.database &&
          a.description == b.description && a.salt == b.salt && a.secret_hash == b.secret_hash &&
          a.create_time_us == b.create_time_us && a.expire_time_us == b.expire_time_us &&
@@ -50,8 +50,8 @@ void TestTokens(StoreUnderTest& store) {
   admin.expire_time_us = 0;
   REQUIRE_OK(access().AddToken(admin));
   REQUIRE_ERROR(access().AddToken(SampleToken("c")), StatusCode::kAlreadyExists, "'c'");
-  REQUIRE(Same(Require(access().GetToken("a")), SampleToken("a")));
-  REQUIRE(Same(Require(access().GetToken("d")), admin));
+  REQUIRE(SameRecord(Require(access().GetToken("a")), SampleToken("a")));
+  REQUIRE(SameRecord(Require(access().GetToken("d")), admin));
 
   const auto ids = [&](const std::string& after, int limit) {
     std::string joined;

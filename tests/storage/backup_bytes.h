@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "storage/motion_store.h"
-#include "storage/sqlite/backup_format.h"
+#include "storage/sqlite/sqlite_backup.h"
 #include "tests/storage/require_ok.h"
 
 namespace motiondb::tests {

@@ -1,15 +1,13 @@
-#include "storage/blob/chunk.h"
-
 #include <catch2/catch.hpp>
 #include <cstring>
 #include <string>
 #include <vector>
 
+#include "storage/blob/checksums.h"
 #include "storage/blob/chunk_stream.h"
-#include "storage/blob/crc32.h"
 #include "tests/storage/require_ok.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::chunk_test {
 namespace {
 
 using storage::BlobKind;
@@ -119,4 +117,4 @@ TEST_CASE("ChunkStream: a chunk that is missing, doubled or out of place is foun
   REQUIRE_ERROR(Join({}), absl::StatusCode::kDataLoss, "chunk 0 is missing");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::chunk_test

@@ -16,12 +16,23 @@ namespace {
 using absl::StatusCode;
 using storage::ClipRecord;
 using storage::NewClip;
+using Derived = std::vector<storage::DerivedClip>;
 
 // The record that a store must give back for a new clip.
 ClipRecord Expected(const NewClip& clip, const std::string& id, const std::string& skeleton_id) {
   ClipRecord record = clip.record;
   record.id = id;
   record.skeleton_id = skeleton_id;
+  return record;
+}
+
+// A representation before the present one.
+constexpr int kBefore = core::kRepresentationVersion - 1;
+
+// The record after it was derived by the present one.
+ClipRecord Tried(ClipRecord record) {
+  record.representation_version = record.tried_version = core::kRepresentationVersion;
+  record.tried_time_us += 5;
   return record;
 }
 
@@ -136,6 +147,106 @@ void TestClips(StoreUnderTest& store) {
     const auto back = Require(store->ReadClipSource("d", "large"));
     REQUIRE(back.file_bytes == large.file_bytes);
     REQUIRE(back.skeleton_bytes == large.skeleton_bytes);
+  }
+}
+
+void TestDerivedClips(StoreUnderTest& store) {
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  NewClip walk = SampleClip("d", "walk", 1);
+  walk.record.representation_version = walk.record.tried_version = kBefore;
+  NewClip run = SampleClip("d", "run", 2);
+  run.record.representation_version = run.record.tried_version = kBefore;
+  run.record.given = {};
+  run.record.given_leg_length_m.reset();
+  const ClipRecord old_walk = Require(store->AddClip(walk));
+  const ClipRecord old_run = Require(store->AddClip(run));
+  REQUIRE(Same(Require(store->GetClip("d", "run")), Expected(run, "run", old_run.skeleton_id)));
+  const auto gap = [&] { return Require(store->FindModelStaleness("d")); };
+  REQUIRE(gap().missing.empty());  // no model takes them
+  REQUIRE(gap().to_derive == 2);
+  const core::Model former = SampleModel({run, walk});
+  REQUIRE_OK(store->PutModel("d", former));
+  REQUIRE(gap().outdated == 2);
+  REQUIRE(gap().removed == 0);
+
+  // Other states, fewer of them; the same states; none.
+  storage::DerivedClip derived{.record = Tried(old_walk), .states = SampleStates(50, 7)};
+  derived.record.frame_count = 50;
+  derived.record.duration_seconds = 1;
+  derived.record.leg_length_m = 0.8;
+  derived.record.source_report = "another";
+  const storage::DerivedClip same{.record = Tried(old_run)};
+
+  SECTION("the current model stays as it is, and what it knows is told") {
+    const auto stored = Require(store->PutDerived("d", Derived{derived, same}));
+    REQUIRE(stored.size() == 2);
+    const ClipRecord now = Require(store->GetClip("d", "walk"));
+    REQUIRE(Same(stored[0], now));
+    REQUIRE(Same(now, derived.record));
+    REQUIRE(Same(Require(store->GetSkeleton("d", now.skeleton_id)), *walk.skeleton));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), *derived.states));
+    REQUIRE(Require(store->ReadClipSource("d", "walk")).file_bytes == walk.file_bytes);
+    REQUIRE(Require(store->ReadClipSource("d", "walk")).skeleton_bytes == walk.skeleton_bytes);
+    REQUIRE(Same(Require(store->GetClip("d", "run")), same.record));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "run")), run.states));
+
+    const auto is_former = [&] {
+      return Same(Require(store->ReadModel("d", core::Serially)), former);
+    };
+    REQUIRE(is_former());
+    REQUIRE_OK(store->PurgeDeletedClips("d"));
+    REQUIRE(is_former());
+    REQUIRE(gap().missing == std::vector<std::string>{"walk"});
+    REQUIRE(gap().removed == 1);
+    REQUIRE(gap().outdated == 1);
+    REQUIRE(gap().to_derive == 0);
+
+    NewClip new_walk = walk;
+    new_walk.states = *derived.states;
+    REQUIRE_OK(store->PutModel("d", SampleModel({run, new_walk})));
+    REQUIRE(gap().empty());
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), SampleModel({run, new_walk})));
+  }
+  SECTION("a clip that could not be derived is in no new model") {
+    storage::DerivedClip failed{.record = old_walk};
+    failed.record.tried_version = core::kRepresentationVersion;
+    failed.record.derive_error = "walk.amc: its file is damaged";
+    REQUIRE_OK(store->PutDerived("d", Derived{failed, same}));
+    REQUIRE(Same(Require(store->GetClip("d", "walk")), failed.record));
+    REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), walk.states));
+    REQUIRE(gap().outdated == 1);
+    REQUIRE(gap().to_derive == 0);
+    REQUIRE_OK(store->PutModel("d", SampleModel({run})));
+    REQUIRE(gap().empty());
+  }
+  SECTION("a model is of the states that it was built from, also once the clip is deleted") {
+    // All but a marker's states are as they were.
+    derived.states = walk.states;
+    derived.states->states(3, 4) += 1;
+    derived.record.frame_count = old_walk.frame_count;
+    REQUIRE_OK(store->PutDerived("d", Derived{derived, same}));
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    NewClip new_walk = walk;
+    new_walk.states = *derived.states;
+    const core::Model built = SampleModel({run, new_walk});
+    REQUIRE_OK(store->PutModel("d", built));
+    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), built));
+  }
+  SECTION("clips that are not those that were listed are passed over") {
+    REQUIRE_OK(store->DeleteClip("d", "walk"));
+    NewClip other = SampleClip("d", "run", 3);
+    REQUIRE_OK(store->DeleteClip("d", "run"));
+    const ClipRecord other_record = Require(store->AddClip(other));
+    REQUIRE(Require(store->PutDerived("d", Derived{derived, same})).empty());
+    REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
+    REQUIRE(Same(Require(store->GetClip("d", "run")), other_record));
+  }
+  SECTION("all are stored, or none") {
+    derived.record.frame_count = 7;
+    REQUIRE_ERROR(store->PutDerived("d", Derived{same, derived}), StatusCode::kInvalidArgument,
+                  "walk");
+    REQUIRE(Same(Require(store->GetClip("d", "run")), old_run));
+    REQUIRE_ERROR(store->PutDerived(kUnknown, Derived{same}), StatusCode::kNotFound, kUnknown);
   }
 }
 

@@ -5,14 +5,13 @@
 #include <random>
 #include <string>
 
-#include "storage/blob/fields.h"
+#include "storage/blob/byte_stream.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
-#include "storage/blob/skeleton_codec.h"
-#include "storage/blob/states_codec.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::codec_test {
 namespace {
 
 storage::SpanSource SourceOf(const std::string& bytes) {
@@ -93,9 +92,27 @@ TEST_CASE("StatesCodec: states come back bit for bit", "[storage][codec]") {
 }
 
 TEST_CASE("StatesCodec: damage is found", "[storage][codec]") {
-  const std::string bytes = Encoded(SampleStates(3, 1));
-  RequireDamageIsFound(RecodeStates, bytes, 500);
-  RequireCountsAreBounded(RecodeStates, bytes);
+  core::StateSequence states = SampleStates(3, 1);
+  for (const auto& glitches : {std::vector<core::FrameSpan>{}, {{0, 0}, {2, 2}}}) {
+    states.glitches = glitches;
+    const std::string bytes = Encoded(states);
+    RequireDamageIsFound(RecodeStates, bytes, 500);
+    RequireCountsAreBounded(RecodeStates, bytes);
+  }
+}
+
+TEST_CASE("StatesCodec: glitches come back, and none that are not in the frames",
+          "[storage][codec]") {
+  core::StateSequence states = SampleStates(7, 1);
+  states.glitches = {{0, 1}, {3, 6}};
+  const std::string bytes = Encoded(states);
+  auto source = SourceOf(bytes);
+  REQUIRE(Same(Require(storage::DecodeStates(source)), states));
+  for (const std::vector<core::FrameSpan>& wrong :
+       {std::vector<core::FrameSpan>{{3, 7}}, {{-1, 2}}, {{4, 3}}, {{2, 4}, {4, 5}}}) {
+    states.glitches = wrong;
+    REQUIRE(RecodeStates(Encoded(states)).status().code() == absl::StatusCode::kDataLoss);
+  }
 }
 
 TEST_CASE("SkeletonCodec: a skeleton comes back bit for bit", "[storage][codec]") {
@@ -130,6 +147,11 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(parts.build_seconds == 0.25);
   parts.states = model.parts().states;
   parts.root_path = model.root_path();
+  // They come with the states.
+  for (std::size_t c = 0; c < parts.clips.size(); ++c) {
+    REQUIRE(parts.clips[c].glitches.empty());
+    parts.clips[c].glitches = model.clips()[c].glitches;
+  }
   const core::Model back = Require(core::Model::Create(std::move(parts)));
   REQUIRE(Same(back, model));
   REQUIRE(back.global_graph(2).edges() == model.global_graph(2).edges());
@@ -218,4 +240,4 @@ TEST_CASE("FieldReader: keeps its first error", "[storage][codec]") {
   REQUIRE(reader.Finish() == first);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::codec_test

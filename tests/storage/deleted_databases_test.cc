@@ -12,7 +12,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::deleted_databases_test {
 namespace {
 
 using absl::StatusCode;
@@ -141,4 +141,4 @@ TEST_CASE("Deleted databases: are no databases to a restore, nor damage to one",
   REQUIRE(to.Sql("SELECT count(*) FROM database") == "1");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::deleted_databases_test

@@ -1,16 +1,17 @@
 // A disk with less room than is to stay free: what adds to a store is refused, all else is done.
+#include "storage/sqlite/disk_reserve.h"
+
 #include <catch2/catch.hpp>
 #include <cstdint>
 #include <string>
 
 #include "storage/blob/model_codec.h"
-#include "storage/sqlite/added_bytes.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::disk_reserve_test {
 namespace {
 
 using absl::StatusCode;
@@ -90,4 +91,4 @@ TEST_CASE("AddedBytes: of a clip and of a model", "[storage][reserve]") {
   CHECK(storage::AddedBytes(model) == std::ssize(sink.bytes()));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::disk_reserve_test

@@ -17,7 +17,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::full_disk_test {
 namespace {
 
 constexpr std::size_t kMegabyte = std::size_t{1} << 20;
@@ -192,4 +192,4 @@ TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
   REQUIRE(Findings(*store).empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::full_disk_test

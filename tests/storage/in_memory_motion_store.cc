@@ -1,8 +1,6 @@
 #include "tests/storage/in_memory_motion_store.h"
 
 #include <algorithm>
-#include <set>
-#include <span>
 
 #include "core/model/model.h"
 #include "core/motion/error.h"
@@ -180,6 +178,34 @@ absl::StatusOr<core::StateSequence> InMemoryMotionStore::ReadClipStates(const st
   return found->states;
 }
 
+absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::PutDerived(
+    const std::string& database, std::span<const storage::DerivedClip> clips) {
+  const std::lock_guard lock(mutex_);
+  MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
+  for (const storage::DerivedClip& clip : clips) {
+    if (clip.states && clip.record.frame_count != clip.states->frame_count()) {
+      return core::InvalidArgument("clip '{}': wrong frame_count", clip.record.id);
+    }
+  }
+  std::vector<ClipRecord> stored;
+  for (const storage::DerivedClip& clip : clips) {
+    const auto found = in->clips.find(clip.record.id);
+    if (found == in->clips.end() || found->second.record.content_hash != clip.record.content_hash ||
+        found->second.record.create_time_us != clip.record.create_time_us) {
+      continue;
+    }
+    NewClip& to = found->second;
+    if (clip.states) {
+      in->deleted.push_back(to);
+      in->replaced.insert(clip.record.id);
+      to.states = *clip.states;
+    }
+    to.record = clip.record;
+    stored.push_back(to.record);
+  }
+  return stored;
+}
+
 absl::StatusOr<core::Skeleton> InMemoryMotionStore::GetSkeleton(const std::string& database,
                                                                 const std::string& skeleton) {
   const std::lock_guard lock(mutex_);
@@ -224,6 +250,7 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::Put(Database& in, const core::M
     }
   }
   if (first == 0) {
+    in.replaced.clear();
     std::erase_if(in.deleted, [&](const NewClip& other) {
       return std::ranges::none_of(model.clips(),
                                   [&](const auto& clip) { return IsOf(other, model, clip); });
@@ -255,7 +282,7 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::PutModel(const std::string& dat
 
 absl::StatusOr<ModelRecord> InMemoryMotionStore::PutExtension(const std::string& database,
                                                               const core::Model& model,
-                                                              double stale_share) {
+                                                              double drift_fraction) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(Database* const in, Find(database));
   const auto same = [](const core::ModelClip& a, const core::ModelClip& b) {
@@ -271,7 +298,7 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::PutExtension(const std::string&
   ModelRecord& record = in->models.back();
   record.added_clip_count = static_cast<int>(model.clips().size()) - model.built_clip_count();
   record.added_frame_count = model.frame_count() - model.built_frame_count();
-  record.stale_share = stale_share;
+  record.drift_fraction = drift_fraction;
   return record;
 }
 
@@ -283,23 +310,31 @@ absl::StatusOr<core::Model> InMemoryMotionStore::ReadModel(const std::string& da
   return *in->model;
 }
 
-absl::StatusOr<storage::ModelGap> InMemoryMotionStore::FindModelGap(const std::string& database) {
+absl::StatusOr<storage::ModelStaleness> InMemoryMotionStore::FindModelStaleness(
+    const std::string& database) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const Database* const in, Find(database));
-  storage::ModelGap gap;
+  storage::ModelStaleness staleness;
   std::set<std::string> known;
   for (const core::ModelClip& clip :
        in->model ? in->model->clips() : std::vector<core::ModelClip>()) {
-    if (Holds(*in, *in->model, clip)) {
+    if (in->replaced.contains(clip.id)) {
+      ++staleness.removed;
+      ++staleness.outdated;
+    } else if (Holds(*in, *in->model, clip)) {
       known.insert(clip.id);
+      const ClipRecord& record = in->clips.at(clip.id).record;
+      staleness.outdated += record.representation_version != core::kRepresentationVersion;
     } else {
-      ++gap.removed;
+      ++staleness.removed;
     }
   }
   for (const auto& [id, clip] : in->clips) {
-    if (!known.contains(id)) gap.missing.push_back(id);
+    const bool is_current = clip.record.representation_version == core::kRepresentationVersion;
+    if (is_current && !known.contains(id)) staleness.missing.push_back(id);
+    staleness.to_derive += clip.record.tried_version < core::kRepresentationVersion;
   }
-  return gap;
+  return staleness;
 }
 
 absl::StatusOr<ModelRecord> InMemoryMotionStore::GetModel(const std::string& database,

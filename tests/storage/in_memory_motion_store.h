@@ -6,6 +6,8 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -62,6 +64,9 @@ class InMemoryMotionStore final : public storage::MotionStore {
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
                                                      const std::string& clip) override;
 
+  absl::StatusOr<std::vector<storage::ClipRecord>> PutDerived(
+      const std::string& database, std::span<const storage::DerivedClip> clips) override;
+
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override;
   absl::StatusOr<std::vector<storage::SkeletonRecord>> ListSkeletons(
@@ -71,10 +76,10 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                                 const core::Model& model) override;
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
                                                     const core::Model& model,
-                                                    double stale_share) override;
+                                                    double drift_fraction) override;
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override;
-  absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override;
+  absl::StatusOr<storage::ModelStaleness> FindModelStaleness(const std::string& database) override;
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override;
   absl::StatusOr<std::vector<storage::ModelRecord>> ListModels(const std::string& database,
                                                                int before, int limit) override;
@@ -96,6 +101,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
     storage::DatabaseRecord record;
     std::map<std::string, storage::NewClip> clips;
     std::vector<storage::NewClip> deleted;  // since the last model was put
+    std::set<std::string> replaced;  // clips that got other states since the last model was built
     std::map<std::string, core::Skeleton> skeletons;
     std::vector<storage::ModelRecord> models;  // version 1 first
     std::optional<core::Model> model;

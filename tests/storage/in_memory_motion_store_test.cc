@@ -5,7 +5,7 @@
 #include "core/model/model.h"
 #include "tests/storage/motion_store_conformance.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::in_memory_motion_store_test {
 namespace {
 
 class InContainers final : public StoreUnderTest {
@@ -22,4 +22,4 @@ TEST_CASE("InMemoryMotionStore: keeps the contract", "[storage][conformance]") {
   TestMotionStore([] { return std::make_unique<InContainers>(); });
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::in_memory_motion_store_test

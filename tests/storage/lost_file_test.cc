@@ -10,7 +10,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::lost_file_test {
 namespace {
 
 using absl::StatusCode;
@@ -146,4 +146,4 @@ TEST_CASE("SqliteMotionStore: a store in memory has no file to lose", "[storage]
   REQUIRE_OK(store->upkeep().CheckFile());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::lost_file_test

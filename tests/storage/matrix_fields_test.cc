@@ -1,10 +1,9 @@
-#include "storage/blob/matrix_fields.h"
-
 #include <catch2/catch.hpp>
 
 #include "core/motion/matrix.h"
+#include "storage/blob/byte_stream.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::matrix_fields_test {
 namespace {
 
 TEST_CASE("Matrix fields: sizes whose product fits no number are damage", "[storage][hostile]") {
@@ -30,4 +29,4 @@ TEST_CASE("Matrix fields: sizes whose product fits no number are damage", "[stor
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::matrix_fields_test

@@ -29,7 +29,7 @@ void TestModels(StoreUnderTest& store) {
   REQUIRE_ERROR(store->ReadModel(kUnknown, core::Serially), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->ListModels(kUnknown, 0, 10), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->DropModel(kUnknown), StatusCode::kNotFound, kUnknown);
-  REQUIRE_ERROR(store->FindModelGap(kUnknown), StatusCode::kNotFound, kUnknown);
+  REQUIRE_ERROR(store->FindModelStaleness(kUnknown), StatusCode::kNotFound, kUnknown);
   REQUIRE(Require(store->ListModels("d", 0, 10)).empty());
   REQUIRE_OK(store->DropModel("d"));
 
@@ -70,18 +70,18 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->ListModels("d", 1, 10)).empty());
   }
   SECTION("a deleted clip stays in the model, and nowhere else") {
-    REQUIRE(Require(store->FindModelGap("d")).empty());
+    REQUIRE(Require(store->FindModelStaleness("d")).empty());
     REQUIRE_OK(store->DeleteClip("d", "walk"));
-    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
-    REQUIRE(Require(store->FindModelGap("d")).missing.empty());
+    REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
+    REQUIRE(Require(store->FindModelStaleness("d")).missing.empty());
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE_ERROR(store->ReadClipStates("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
     // Another clip of that name is not the one in the model.
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 9))).id == "walk");
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
-    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
-    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"walk"});
+    REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
+    REQUIRE(Require(store->FindModelStaleness("d")).missing == std::vector<std::string>{"walk"});
     const core::Model next = SampleModel({clips[1], SampleClip("d", "walk", 9)});
     REQUIRE(Require(store->PutModel("d", next)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
@@ -89,12 +89,12 @@ void TestModels(StoreUnderTest& store) {
   SECTION("a clip that is deleted or replaced while a model is built stays in it, not in others") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE(Require(store->PutModel("d", model)).version == 2);
-    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
+    REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
     REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 9)));
     REQUIRE(Require(store->PutModel("d", model)).version == 3);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
-    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
-    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"walk"});
+    REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
+    REQUIRE(Require(store->FindModelStaleness("d")).missing == std::vector<std::string>{"walk"});
     const core::Model next = SampleModel({clips[1]});
     REQUIRE(Require(store->PutModel("d", next)).version == 4);
     REQUIRE_ERROR(store->PutModel("d", model), StatusCode::kNotFound, "walk");
@@ -109,7 +109,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->PutModel("d", built)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), built));
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
-    REQUIRE(Require(store->FindModelGap("d")).removed == 1);
+    REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
   }
   SECTION("what is left of deleted clips is purged, but of those of the current model") {
     const NewClip jump = SampleClip("d", "jump", 3);
@@ -144,7 +144,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(second.clip_count == 3);
     REQUIRE(second.added_clip_count == 1);
     REQUIRE(second.added_frame_count == jump.record.frame_count);
-    REQUIRE(second.stale_share == 0.25);
+    REQUIRE(second.drift_fraction == 0.25);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), extended));
     first.current = false;
     REQUIRE(Same(Require(store->GetModel("d", 1)), first));
@@ -155,9 +155,9 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_ERROR(store->PutExtension("d", Extended(model, hop), 0),
                   StatusCode::kFailedPrecondition, "d");
     const core::Model again = Extended(extended, hop);
-    REQUIRE(Require(store->FindModelGap("d")).missing == std::vector<std::string>{"hop"});
+    REQUIRE(Require(store->FindModelStaleness("d")).missing == std::vector<std::string>{"hop"});
     const auto third = Require(store->PutExtension("d", again, 0.5));
-    REQUIRE(Require(store->FindModelGap("d")).empty());
+    REQUIRE(Require(store->FindModelStaleness("d")).empty());
     REQUIRE(third.added_clip_count == 2);
     const core::Model read = Require(store->ReadModel("d", core::Serially));
     REQUIRE(read.clips().size() == 4);
@@ -178,7 +178,7 @@ void TestModels(StoreUnderTest& store) {
     const NewClip jump = SampleClip("d", "jump", 3);
     REQUIRE_OK(store->AddClip(jump));
     REQUIRE_OK(store->DropModel("d"));
-    REQUIRE(Require(store->FindModelGap("d")).missing ==
+    REQUIRE(Require(store->FindModelStaleness("d")).missing ==
             std::vector<std::string>{"jump", "run", "walk"});
     REQUIRE_ERROR(store->PutExtension("d", Extended(model, jump), 0),
                   StatusCode::kFailedPrecondition, "d");

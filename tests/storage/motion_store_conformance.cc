@@ -79,10 +79,13 @@ void TestOperations(StoreUnderTest& store) {
 
   // Order is that of creation, whatever ids and times say.
   for (const char* id : {"m", "z", "a", "k"}) {
-    REQUIRE_OK(store->PutOperation(SampleOperation(*id == 'k' ? "e" : "d", id)));
+    auto record = SampleOperation(*id == 'k' ? "e" : "d", id);
+    if (*id == 'z') record.kind = storage::OperationKind::kReprocess;
+    REQUIRE_OK(store->PutOperation(record));
   }
   auto changed = SampleOperation("d", "z");
   changed.state = storage::OperationState::kFailed;
+  changed.kind = storage::OperationKind::kReprocess;
   changed.progress = 0.5;
   changed.stage = "tree, layer 3";
   changed.model_version = 4;
@@ -117,6 +120,7 @@ void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& mak
   SECTION("databases are kept") { TestDatabases(*store); }
   SECTION("a database is deleted with all that it holds") { TestDeleteDatabaseWithAll(*store); }
   SECTION("clips are kept") { TestClips(*store); }
+  SECTION("clips that were derived again are kept") { TestDerivedClips(*store); }
   SECTION("the first clip may bring the marker set") { TestMarkerSetOfFirstClip(*store); }
   SECTION("alike skeletons are stored once") { TestSkeletons(*store); }
   SECTION("models are kept") { TestModels(*store); }

@@ -11,17 +11,18 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::old_stores_test {
 
 TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
           "[storage][migration]") {
-  const int version = GENERATE(1, 2, 3, 4, 5);
+  const int version = GENERATE(1, 2, 3, 4, 5, 6, 7);
   const StoreFile file;
   std::ofstream(file.path(), std::ios::binary) << OldStore(version);
   REQUIRE(file.Sql("PRAGMA user_version") == std::to_string(version));
   {
     const auto store = file.Open();
     REQUIRE(Findings(*store).empty());
+    REQUIRE(Require(store->GetDatabase("walks")).settings.glitches == core::GlitchPolicy::kRepair);
     const auto clips = Require(store->ListClips("walks", {}));
     REQUIRE(clips.size() == 2);
     REQUIRE(clips[0].id == "squat");
@@ -38,7 +39,24 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
     REQUIRE(models[0].version == 3);
     REQUIRE(models[0].current);
     REQUIRE(models[0].added_clip_count == 0);
-    REQUIRE(Require(store->FindModelGap("walks")).empty());
+    // Its states are of the first representation, and are to be derived again.
+    const auto staleness = Require(store->FindModelStaleness("walks"));
+    REQUIRE(staleness.missing.empty());
+    REQUIRE(staleness.removed == 0);
+    REQUIRE(staleness.outdated == 2);
+    REQUIRE(staleness.to_derive == 2);
+    for (const auto& clip : clips) {
+      REQUIRE(clip.representation_version == 1);
+      REQUIRE(clip.tried_version == 1);
+      REQUIRE(clip.derive_error.empty());
+      REQUIRE_FALSE(clip.given.metres_per_unit);
+      REQUIRE_FALSE(clip.given.up_axis);
+      REQUIRE(clip.given.frame_rate_hz == clip.source_frame_rate_hz);
+      REQUIRE(clip.given_leg_length_m == clip.leg_length_m);
+    }
+    for (const auto& operation : Require(store->ListOperations("walks", "", 10))) {
+      REQUIRE(operation.kind == storage::OperationKind::kRebuild);
+    }
     REQUIRE(Require(store->ListOperations("walks", "", 10)).size() == 3);
     REQUIRE(Require(store->ReadClipSource("walks", "walk")).file_bytes.starts_with("HIERARCHY"));
     REQUIRE_OK(store->GetSkeleton("walks", clips[0].skeleton_id));
@@ -80,4 +98,4 @@ TEST_CASE("SqliteMotionStore: every former version has its store among the tests
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::old_stores_test

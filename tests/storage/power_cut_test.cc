@@ -20,7 +20,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::power_cut_test {
 namespace {
 
 using Fault = FaultDisk::Fault;
@@ -230,6 +230,29 @@ TEST_CASE("Faults: a rebuild", "[storage][power]") {
           [model](Store& store) { return store.PutModel("d", model).status(); }});
 }
 
+TEST_CASE("Faults: clips that were derived again", "[storage][power]") {
+  const auto derived = [](Store& store) {
+    storage::DerivedClip walk{.record = Require(store.GetClip("d", "walk")),
+                              .states = SampleStates(50, 9)};
+    walk.record.frame_count = 50;
+    walk.record.source_report = "derived again";
+    storage::DerivedClip run{.record = Require(store.GetClip("d", "run"))};
+    run.record.derive_error = "cannot be read";
+    return std::vector{walk, run};
+  };
+  std::vector<storage::DerivedClip> clips;
+  const std::string before = FileOf([&](Store& store) {
+    FillWithModel(store);
+    clips = derived(store);
+  });
+  // The current model was built from the states that are replaced.
+  const auto rest = [](Store& store, const StoreFile&) {
+    REQUIRE(Same(Require(store.ReadModel("d", core::Serially)),
+                 SampleModel({SampleClip("d", "walk", 1)})));
+  };
+  RunAll({before, [clips](Store& store) { return store.PutDerived("d", clips).status(); }, rest});
+}
+
 TEST_CASE("Faults: a model that is dropped", "[storage][power]") {
   // Nothing but the model needs one of its clips.
   const auto fill = [](Store& store) {
@@ -320,8 +343,8 @@ TEST_CASE("Faults: a token", "[storage][power]") {
 }
 
 TEST_CASE("Faults: a migration", "[storage][power][migration]") {
-  const int version = GENERATE(1, 2, 3);
+  const int version = GENERATE(1, 2, 3, 7);
   RunAll({OldStore(version), [](Store&) { return absl::OkStatus(); }}, /*is_seen=*/false);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::power_cut_test

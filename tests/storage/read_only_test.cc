@@ -15,7 +15,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::read_only_test {
 namespace {
 
 using absl::StatusCode;
@@ -137,4 +137,4 @@ TEST_CASE("SqliteMotionStore: read-only it has to be there, of this version",
                 StatusCode::kInvalidArgument, "memory");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::read_only_test

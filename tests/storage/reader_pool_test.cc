@@ -8,7 +8,7 @@
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::reader_pool_test {
 
 TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][concurrency]") {
   const StoreFile file;
@@ -65,4 +65,4 @@ TEST_CASE("ReadScope: a read that waits for its turn gives up with its caller",
   REQUIRE(Require(store->ListDatabases({})).size() == 1);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::reader_pool_test

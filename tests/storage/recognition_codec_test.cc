@@ -1,8 +1,8 @@
-#include "storage/blob/recognition_codec.h"
-
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+#include "storage/blob/model_codec.h"
+
+namespace motiondb::tests::recognition_codec_test {
 namespace {
 
 TEST_CASE("Metric: directions among no dimensions are damage", "[storage][hostile]") {
@@ -19,4 +19,4 @@ TEST_CASE("Metric: directions among no dimensions are damage", "[storage][hostil
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::recognition_codec_test

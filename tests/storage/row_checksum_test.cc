@@ -11,7 +11,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::row_checksum_test {
 namespace {
 
 using Catch::Contains;
@@ -131,4 +131,4 @@ TEST_CASE("Row checksums: hold after every kind of change", "[storage][verify]")
   REQUIRE(Findings(*store).empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::row_checksum_test

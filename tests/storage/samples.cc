@@ -6,9 +6,8 @@
 #include <utility>
 
 #include "core/model/model_builder.h"
+#include "storage/blob/clip_codec.h"
 #include "storage/blob/model_codec.h"
-#include "storage/blob/skeleton_codec.h"
-#include "storage/blob/states_codec.h"
 #include "tests/storage/require_ok.h"
 
 namespace motiondb::tests {
@@ -25,23 +24,26 @@ bool SameBytes(const Matrix& a, const Matrix& b) {
 auto Fields(const storage::ClipRecord& r) {
   return std::tie(r.database, r.id, r.label, r.subject, r.file_name, r.skeleton_file_name, r.format,
                   r.frame_count, r.duration_seconds, r.source_frame_rate_hz, r.leg_length_m,
-                  r.skeleton_id, r.source_report, r.content_hash, r.create_time_us);
+                  r.skeleton_id, r.source_report, r.content_hash, r.create_time_us,
+                  r.given.metres_per_unit, r.given.up_axis, r.given.frame_rate_hz,
+                  r.given_leg_length_m, r.representation_version, r.tried_version, r.tried_time_us,
+                  r.derive_error);
 }
 
 auto Fields(const storage::DatabaseRecord& r) {
   return std::tie(r.name, r.settings.frame_rate_hz, r.settings.min_frames, r.settings.scaling,
-                  r.marker_set, r.marker_set_text, r.create_time_us);
+                  r.settings.glitches, r.marker_set, r.marker_set_text, r.create_time_us);
 }
 
 auto Fields(const storage::ModelRecord& r) {
   return std::tie(r.database, r.version, r.current, r.create_time_us, r.build_seconds,
                   r.frame_count, r.clip_count, r.dimension_count, r.nodes_per_layer,
-                  r.added_clip_count, r.added_frame_count, r.stale_share);
+                  r.added_clip_count, r.added_frame_count, r.drift_fraction);
 }
 
 auto Fields(const storage::OperationRecord& r) {
-  return std::tie(r.id, r.database, r.state, r.progress, r.stage, r.model_version, r.error_code,
-                  r.error_message, r.create_time_us, r.update_time_us);
+  return std::tie(r.id, r.database, r.kind, r.state, r.progress, r.stage, r.model_version,
+                  r.error_code, r.error_message, r.create_time_us, r.update_time_us);
 }
 
 }  // namespace
@@ -49,7 +51,10 @@ auto Fields(const storage::OperationRecord& r) {
 storage::DatabaseRecord SampleDatabase(const std::string& name) {
   storage::DatabaseRecord record;
   record.name = name;
-  record.settings = {.frame_rate_hz = 50, .min_frames = 4, .scaling = core::Scaling::kKind};
+  record.settings = {.frame_rate_hz = 50,
+                     .min_frames = 4,
+                     .scaling = core::Scaling::kKind,
+                     .glitches = core::GlitchPolicy::kDrop};
   record.marker_set = "three";
   record.marker_set_text = "markers of three";
   record.create_time_us = 1'700'000'000'000'001;
@@ -79,6 +84,7 @@ core::StateSequence SampleStates(int frames, unsigned seed) {
     }
     for (int d = 0; d < 3; ++d) sequence.root_path(t, d) = step();
   }
+  if (frames > 8) sequence.glitches = {{0, 2}, {5, 5}};
   return sequence;
 }
 
@@ -107,6 +113,10 @@ storage::NewClip SampleClip(const std::string& database, const std::string& id, 
   clip.record.source_report = "unit 0.01 m (stated)";
   clip.record.content_hash = 0xffff'0000'0000'0000 + seed;  // beyond what a signed number holds
   clip.record.create_time_us = 1'700'000'000'000'002;
+  clip.record.given = {
+      .metres_per_unit = 0.01, .up_axis = core::UpAxis::kMinusZ, .frame_rate_hz = 119.88};
+  clip.record.given_leg_length_m = 0.9;
+  clip.record.tried_time_us = 1'700'000'000'000'002;
   clip.file_bytes = "motion " + std::to_string(seed) + std::string("\0\xff", 2);
   clip.skeleton_bytes = "skeleton";
   clip.states = SampleStates(kFrames, seed);
@@ -150,12 +160,16 @@ bool Same(const storage::OperationRecord& a, const storage::OperationRecord& b) 
 
 bool Same(const core::StateSequence& a, const core::StateSequence& b) {
   return a.frame_rate_hz == b.frame_rate_hz && a.leg_length_m == b.leg_length_m &&
-         SameBytes(a.states, b.states) && SameBytes(a.root_path, b.root_path);
+         a.glitches == b.glitches && SameBytes(a.states, b.states) &&
+         SameBytes(a.root_path, b.root_path);
 }
 
 bool Same(const core::Skeleton& a, const core::Skeleton& b) { return Encoded(a) == Encoded(b); }
 
 bool Same(const core::Model& a, const core::Model& b) {
+  for (std::size_t c = 0; c < std::min(a.clips().size(), b.clips().size()); ++c) {
+    if (a.clips()[c].glitches != b.clips()[c].glitches) return false;
+  }
   return SameBytes(a.states(), b.states()) && SameBytes(a.root_path(), b.root_path()) &&
          Encoded(a.parts()) == Encoded(b.parts());
 }

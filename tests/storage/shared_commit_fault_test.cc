@@ -13,7 +13,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::shared_commit_fault_test {
 namespace {
 
 using Fault = FaultDisk::Fault;
@@ -95,4 +95,4 @@ TEST_CASE("Faults: clips that share a commit", "[storage][power]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::shared_commit_fault_test

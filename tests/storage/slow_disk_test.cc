@@ -6,7 +6,7 @@
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::slow_disk_test {
 
 TEST_CASE("Slow disk: checking the file's pages ends soon once it is cancelled",
           "[storage][verify]") {
@@ -32,4 +32,4 @@ TEST_CASE("Slow disk: checking the file's pages ends soon once it is cancelled",
   REQUIRE(disk.reads() < before + kPages / 2);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::slow_disk_test

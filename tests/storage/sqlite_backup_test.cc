@@ -9,7 +9,6 @@
 #include <string>
 #include <thread>
 
-#include "storage/sqlite/backup_format.h"
 #include "storage/sqlite/schema.h"
 #include "tests/storage/backup_bytes.h"
 #include "tests/storage/damaged_store.h"
@@ -20,7 +19,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_backup_test {
 namespace {
 
 using absl::StatusCode;
@@ -357,4 +356,4 @@ TEST_CASE("Backup: can be cancelled", "[storage][backup]") {
   REQUIRE_ERROR(memory->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "memory");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_backup_test

@@ -15,7 +15,7 @@
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_concurrency_test {
 namespace {
 
 void OnThreads(int count, const std::function<void(int)>& body) {
@@ -203,4 +203,4 @@ TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log 
   REQUIRE_FALSE(std::filesystem::exists(file.path() + "-shm"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_concurrency_test

@@ -8,7 +8,7 @@
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_damage_test {
 namespace {
 
 using absl::StatusCode;
@@ -122,4 +122,4 @@ TEST_CASE("SqliteMotionStore: a page that SQLite finds damaged is data loss", "[
   REQUIRE_OK(store->GetDatabase("d"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_damage_test

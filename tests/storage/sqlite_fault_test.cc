@@ -9,7 +9,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_fault_test {
 namespace {
 
 using absl::StatusCode;
@@ -123,4 +123,4 @@ TEST_CASE("SqliteMotionStore: a full disk is said and nothing is half done", "[s
   REQUIRE_OK(store->AddClip(SampleClip("d", "run", 3)));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_fault_test

@@ -8,7 +8,7 @@
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_motion_store_test {
 namespace {
 
 using absl::StatusCode;
@@ -120,4 +120,4 @@ TEST_CASE("SqliteMotionStore: of operations that ended, keeps a thousand", "[sto
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_motion_store_test

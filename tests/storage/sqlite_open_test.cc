@@ -13,7 +13,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_open_test {
 namespace {
 
 using absl::StatusCode;
@@ -216,4 +216,4 @@ TEST_CASE("OpenReader: cannot write", "[storage][open]") {
   REQUIRE_OK(reader->Execute("SELECT * FROM database"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_open_test

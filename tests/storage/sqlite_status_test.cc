@@ -1,11 +1,10 @@
-#include "storage/sqlite/sqlite_status.h"
-
 #include <catch2/catch.hpp>
 
+#include "storage/sqlite/statement.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_status_test {
 
 TEST_CASE("SqliteError: each code has its status", "[storage][status]") {
   using absl::StatusCode;
@@ -50,4 +49,4 @@ TEST_CASE("SqliteMotionStore: opens on the VFS it is told", "[storage][open]") {
                 absl::StatusCode::kInternal, "no such vfs: none such");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_status_test

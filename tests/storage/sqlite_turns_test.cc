@@ -1,9 +1,7 @@
 // Changes that wait for their turn to write, and are no longer wanted. Catch's assertions belong to
 // one thread.
-#include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
-#include <future>
 #include <string>
 #include <thread>
 #include <vector>
@@ -13,7 +11,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/storage/while_writing.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_turns_test {
 namespace {
 
 // Says so from the third question on.
@@ -105,67 +103,4 @@ TEST_CASE("SqliteMotionStore: a clip whose caller gives up is stored just if the
   CHECK(given_up >= static_cast<int>(kWriters));
 }
 
-// A clip that stays in the writer's hands until it is let go.
-class HeldClip {
- public:
-  explicit HeldClip(storage::NewClip clip) : clip_(std::move(clip)) {
-    clip_.audit = [this](const storage::ClipRecord&) {
-      held_.set_value();
-      go_.get_future().wait();
-      return storage::AuditRecord{.method = "Hold"};
-    };
-  }
-  void Add(storage::MotionStore& store) {
-    thread_ = std::jthread([&] { added_ = store.AddClip(clip_).ok(); });
-  }
-  void AwaitHeld() { held_.get_future().wait(); }
-  void LetGo() { go_.set_value(); }
-  // Once no other clip is held: whose clip another thread wrote has its answer when the writer is
-  // free.
-  void Join() {
-    thread_.join();
-    CHECK(added_);
-  }
-
- private:
-  storage::NewClip clip_;
-  std::promise<void> held_;
-  std::promise<void> go_;
-  bool added_ = false;
-  std::jthread thread_;
-};
-
-TEST_CASE("SqliteMotionStore: whoever gave up waits for who took up its clip, and nobody else",
-          "[storage][concurrency]") {
-  const StoreFile file;
-  const auto store = file.Open();
-  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
-  HeldClip taker(SampleClip("d", "taker", 1));
-  HeldClip next(SampleClip("d", "next", 2));
-  std::atomic<bool> given_up = false;
-  storage::NewClip clip = SampleClip("d", "clip", 3);
-  clip.cancelled = [&] { return given_up.load(); };
-  std::future<absl::Status> told;
-  WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
-    // As a rule in the order in which they come: `taker` takes up `clip`, which is after it.
-    taker.Add(*store);
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-    told = std::async(std::launch::async, [&] { return store->AddClip(clip).status(); });
-    std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  });
-  taker.AwaitHeld();
-  next.Add(*store);
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  given_up = true;
-  std::this_thread::sleep_for(std::chrono::milliseconds(50));
-  taker.LetGo();
-  next.AwaitHeld();
-  CHECK(told.wait_for(std::chrono::seconds(20)) == std::future_status::ready);
-  next.LetGo();
-  taker.Join();
-  next.Join();
-  const absl::Status status = told.get();
-  CHECK(store->GetClip("d", "clip").ok() == status.ok());
-}
-
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_turns_test

@@ -10,7 +10,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sqlite_verifier_test {
 namespace {
 
 using Catch::Contains;
@@ -156,4 +156,4 @@ TEST_CASE("Verify: goes on beside writes", "[storage][verify]") {
   REQUIRE(found.empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sqlite_verifier_test

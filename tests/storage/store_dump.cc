@@ -12,7 +12,9 @@ std::string DumpDatabase(storage::MotionStore& store, const std::string& databas
   std::string text = database + ":";
   for (const auto& clip : Require(store.ListClips(database, {}))) {
     const auto source = Require(store.ReadClipSource(database, clip.id));
-    text += clip.id + " " + clip.skeleton_id + " " + source.file_bytes + source.skeleton_bytes;
+    text += clip.id + " " + clip.skeleton_id + " " + clip.source_report + clip.derive_error +
+            std::to_string(clip.representation_version) + std::to_string(clip.tried_version) + " ";
+    text += source.file_bytes + source.skeleton_bytes;
     text += Encoded(Require(store.ReadClipStates(database, clip.id)));
   }
   for (const auto& skeleton : Require(store.ListSkeletons(database, {}))) text += skeleton.id;

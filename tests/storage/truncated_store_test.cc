@@ -9,7 +9,7 @@
 #include "tests/storage/store_dump.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::truncated_store_test {
 namespace {
 
 void Fill(const StoreFile& file) {
@@ -53,4 +53,4 @@ TEST_CASE("SqliteMotionStore: a file whose log was not yet moved into it is not 
   REQUIRE(Findings(*killed.Open()).empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::truncated_store_test

@@ -10,7 +10,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::unreadable_sector_test {
 namespace {
 
 using absl::StatusCode;
@@ -192,4 +192,4 @@ TEST_CASE("Unreadable sector: gives back what it did not, and all is well", "[st
   REQUIRE(Findings(*store).empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::unreadable_sector_test

@@ -9,7 +9,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::write_health_test {
 namespace {
 
 using Fault = FaultDisk::Fault;
@@ -53,4 +53,4 @@ TEST_CASE("WriteHealth: a disk that fails, and works again without a write of an
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::write_health_test

@@ -8,7 +8,7 @@
 #include <sstream>
 #include <string>
 
-#include "server/observability/log_formatter.h"
+#include "server/observability/log.h"
 
 namespace motiondb::tests {
 

@@ -143,6 +143,16 @@ absl::StatusOr<Corpus> LoadRecognitionCorpus(const fs::path& data, double frame_
   return corpus;
 }
 
+absl::StatusOr<Corpus> LoadIndexedCorpus(const fs::path& data, double frame_rate_hz,
+                                         const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<IndexRow> index, ReadIndex(data));
+  Corpus corpus;
+  corpus.frame_rate_hz = frame_rate_hz;
+  for (const IndexRow& row : index) AddClip(corpus, row.path, row.label, row.source);
+  MOTIONDB_RETURN_IF_ERROR(LoadAll(data, core::StandardScheme(), parallel, corpus));
+  return corpus;
+}
+
 absl::StatusOr<Corpus> LoadPredictionCorpus(const fs::path& data,
                                             const core::ParallelFor& parallel) {
   Corpus corpus;

@@ -49,6 +49,10 @@ absl::StatusOr<Corpus> LoadRecognitionCorpus(const std::filesystem::path& data,
                                              double frame_rate_hz,
                                              const core::ParallelFor& parallel);
 
+// All clips of the index on the standard markers, in none of the corpus's sets. Errors as above.
+absl::StatusOr<Corpus> LoadIndexedCorpus(const std::filesystem::path& data, double frame_rate_hz,
+                                         const core::ParallelFor& parallel);
+
 // The clips in prediction/train and, where there is one, prediction/test, at their own frame rate
 // (25 Hz), with all their points as markers. Errors as above.
 absl::StatusOr<Corpus> LoadPredictionCorpus(const std::filesystem::path& data,

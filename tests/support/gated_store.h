@@ -65,16 +65,19 @@ class GatedUpkeep final : public storage::StoreUpkeep {
 class GatedStore : public storage::MotionStore {
  public:
   // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
-  // `model_gate`, who reads a model `reading_gate`; `disk` decides what is written.
+  // `model_gate`, who reads a model `reading_gate`, who stores clips that were derived again
+  // `derive_gate`; `disk` decides what is written.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
              std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>(),
-             std::shared_ptr<Gate> reading_gate = std::make_shared<Gate>())
+             std::shared_ptr<Gate> reading_gate = std::make_shared<Gate>(),
+             std::shared_ptr<Gate> derive_gate = std::make_shared<Gate>())
       : store_(std::move(store)),
         gate_(std::move(gate)),
         model_gate_(std::move(model_gate)),
         disk_(std::move(disk)),
-        reading_gate_(std::move(reading_gate)) {}
+        reading_gate_(std::move(reading_gate)),
+        derive_gate_(std::move(derive_gate)) {}
 
   // What ReadModel returns from now on, if not OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
@@ -127,6 +130,12 @@ class GatedStore : public storage::MotionStore {
     gate_->Pass();
     return store_->ReadClipStates(database, clip);
   }
+  absl::StatusOr<std::vector<storage::ClipRecord>> PutDerived(
+      const std::string& database, std::span<const storage::DerivedClip> clips) override {
+    derive_gate_->Pass();
+    MOTIONDB_RETURN_IF_ERROR(disk_->Write());
+    return store_->PutDerived(database, clips);
+  }
   absl::StatusOr<core::Skeleton> GetSkeleton(const std::string& database,
                                              const std::string& skeleton) override {
     return store_->GetSkeleton(database, skeleton);
@@ -143,9 +152,9 @@ class GatedStore : public storage::MotionStore {
   }
   absl::StatusOr<storage::ModelRecord> PutExtension(const std::string& database,
                                                     const core::Model& model,
-                                                    double stale_share) override {
+                                                    double drift_fraction) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->PutExtension(database, model, stale_share);
+    return store_->PutExtension(database, model, drift_fraction);
   }
   absl::StatusOr<core::Model> ReadModel(const std::string& database,
                                         const core::ParallelFor& parallel) override {
@@ -153,8 +162,8 @@ class GatedStore : public storage::MotionStore {
     if (!model_fault_.ok()) return model_fault_;
     return store_->ReadModel(database, parallel);
   }
-  absl::StatusOr<storage::ModelGap> FindModelGap(const std::string& database) override {
-    return store_->FindModelGap(database);
+  absl::StatusOr<storage::ModelStaleness> FindModelStaleness(const std::string& database) override {
+    return store_->FindModelStaleness(database);
   }
   absl::StatusOr<storage::ModelRecord> GetModel(const std::string& database, int version) override {
     return store_->GetModel(database, version);
@@ -199,6 +208,7 @@ class GatedStore : public storage::MotionStore {
   const std::shared_ptr<Gate> model_gate_;
   const std::shared_ptr<const FullDisk> disk_;
   const std::shared_ptr<Gate> reading_gate_;
+  const std::shared_ptr<Gate> derive_gate_;
   GatedUpkeep upkeep_{store_->upkeep(), *gate_};
   absl::Status model_fault_;
 };

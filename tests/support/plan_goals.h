@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/planning/floor_pose.h"
+#include "core/planning/floor.h"
 
 namespace motiondb::tests {
 

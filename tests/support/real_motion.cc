@@ -14,9 +14,10 @@ core::MotionFile LoadMotion(const fs::path& path) {
   return *std::move(file);
 }
 
-core::StateSequence LoadStates(const fs::path& path, double frame_rate_hz, core::Gaps gaps) {
+core::StateSequence LoadStates(const fs::path& path, double frame_rate_hz,
+                               core::Cleaning cleaning) {
   auto states =
-      core::Represent(core::StandardScheme(), LoadMotion(path).motion, frame_rate_hz, gaps);
+      core::Represent(core::StandardScheme(), LoadMotion(path).motion, frame_rate_hz, cleaning);
   INFO(path << ": " << states.status());
   REQUIRE(states.ok());
   return *std::move(states);

@@ -15,7 +15,7 @@ core::MotionFile LoadMotion(const std::filesystem::path& path);
 
 // The states of a file on the standard markers.
 core::StateSequence LoadStates(const std::filesystem::path& path, double frame_rate_hz,
-                               core::Gaps gaps = core::Gaps::kFill);
+                               core::Cleaning cleaning = core::GlitchPolicy::kRepair);
 
 // ReadClipList; fails the test on an error.
 std::vector<ListedClip> ReadList(const std::filesystem::path& list);

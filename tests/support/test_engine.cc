@@ -31,6 +31,7 @@ void TestEngine::Stop() {
   gate_->Open();
   model_gate_->Open();
   reading_gate_->Open();
+  derive_gate_->Open();
   engine_.reset();
 }
 
@@ -38,8 +39,8 @@ void TestEngine::Start(const absl::Status& model_fault) {
   auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
   INFO(store.status().ToString());
   REQUIRE(store.ok());
-  auto gated =
-      std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_, reading_gate_);
+  auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_,
+                                            reading_gate_, derive_gate_);
   gated->set_model_fault(model_fault);
   auto engine = server::Engine::Open(std::move(gated), options_);
   INFO(engine.status().ToString());
@@ -47,8 +48,9 @@ void TestEngine::Start(const absl::Status& model_fault) {
   engine_ = *std::move(engine);
 }
 
-std::shared_ptr<server::LiveDatabase> TestEngine::Create(const std::string& id) {
-  const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
+std::shared_ptr<server::LiveDatabase> TestEngine::Create(const std::string& id,
+                                                         core::GlitchPolicy glitches) {
+  const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4, .glitches = glitches};
   const auto record = engine_->CreateDatabase(id, settings, {server::kSourceMarkerSet, ""});
   INFO(record.status().ToString());
   REQUIRE(record.ok());
@@ -81,7 +83,7 @@ storage::OperationRecord TestEngine::Wait(const std::string& operation) {
 }
 
 int TestEngine::ModelVersion(const std::string& database) {
-  const auto snapshot = (*engine_->FindDatabase(database))->snapshot();
+  const auto snapshot = (*engine_->FindDatabase(database))->lifecycle().snapshot();
   return snapshot == nullptr ? 0 : snapshot->record.version;
 }
 

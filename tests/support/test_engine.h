@@ -31,12 +31,14 @@ class TestEngine {
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
   Gate& reading_gate() { return *reading_gate_; }
+  Gate& derive_gate() { return *derive_gate_; }
   FullDisk& disk() { return *disk_; }
   // From the next Start on.
   void set_options(const server::EngineOptions& options) { options_ = options; }
 
   // A `source` database with small nodes.
-  std::shared_ptr<server::LiveDatabase> Create(const std::string& id);
+  std::shared_ptr<server::LiveDatabase> Create(
+      const std::string& id, core::GlitchPolicy glitches = core::GlitchPolicy::kRepair);
   // Ingests a figure as NAME.bvh, labelled NAME.
   absl::StatusOr<server::Ingested> Ingest(const std::string& database, const std::string& name,
                                           const StickFigure& figure);
@@ -51,6 +53,7 @@ class TestEngine {
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> reading_gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<Gate> derive_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
   std::unique_ptr<server::Engine> engine_;
 };

@@ -48,6 +48,7 @@ void TestServer::Restart() {
 
 void TestServer::Stop() {
   gate_->Open();
+  model_gate_->Open();
   server_.reset();
 }
 
@@ -57,8 +58,7 @@ void TestServer::Start() {
     auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
     INFO(store.status().ToString());
     REQUIRE(store.ok());
-    auto gated =
-        std::make_unique<GatedStore>(*std::move(store), gate_, std::make_shared<Gate>(), disk_);
+    auto gated = std::make_unique<GatedStore>(*std::move(store), gate_, model_gate_, disk_);
     auto server = server::Server::Start(std::move(gated), options_);
     INFO(server.status().ToString());
     const bool taken = absl::IsUnavailable(server.status()) && tries < 5;

@@ -41,7 +41,9 @@ class TestServer {
   server::Server& server() { return *server_; }
   // What the next Start begins with.
   server::ServerOptions& options() { return options_; }
+  // Where a build reads clips, and where it stores its model.
   Gate& gate() { return *gate_; }
+  Gate& model_gate() { return *model_gate_; }
   FullDisk& disk() { return *disk_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
   // Another, with a connection of its own.
@@ -71,6 +73,7 @@ class TestServer {
   server::ServerOptions options_;
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
+  const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;

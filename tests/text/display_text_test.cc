@@ -4,7 +4,7 @@
 
 #include "tests/support/shown_text_cases.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::display_text_test {
 namespace {
 
 TEST_CASE("DisplayText: no display control is shown", "[text]") {
@@ -44,4 +44,4 @@ TEST_CASE("WithoutSecrets: nothing after a token's id is shown", "[text]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::display_text_test

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+namespace motiondb::tests::utf8_test {
 namespace {
 
 TEST_CASE("Utf8: valid text stays as it is", "[text]") {
@@ -48,4 +48,4 @@ TEST_CASE("Utf8: a limit cuts between characters", "[text]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::utf8_test

@@ -62,6 +62,10 @@ class Client {
       const v1::DeleteDatabaseRequest& request, CallOptions options = {}) const;
   absl::StatusOr<v1::DescribeDatabaseResponse> DescribeDatabase(
       const v1::DescribeDatabaseRequest& request, CallOptions options = {}) const;
+  // Derives all clips again from their files; WaitOperation waits for the operation in the
+  // response.
+  absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
+      const v1::ReprocessDatabaseRequest& request, CallOptions options = {}) const;
 
   // ---- Clips and skeletons ---------------------------------------------------------------------
   // Sends a motion file that lies on disk, and its skeleton file where it needs one, in blocks of

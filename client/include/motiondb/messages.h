@@ -29,6 +29,8 @@ class GetDatabaseRequest;
 class GetDatabaseResponse;
 class ListDatabasesRequest;
 class ListDatabasesResponse;
+class ReprocessDatabaseRequest;
+class ReprocessDatabaseResponse;
 
 // clip.proto
 class Clip;

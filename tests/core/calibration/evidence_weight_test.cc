@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-namespace motiondb::tests {
+namespace motiondb::tests::evidence_weight_test {
 namespace {
 
 // Evidence that is `too_strong` times what it should be, of observations of 1 to `frames` frames,
@@ -57,4 +57,4 @@ TEST_CASE("NegativeLogLikelihood: is that of the softmax", "[core][calibration]"
         Approx(std::log(1 + std::exp(2 * at))));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::evidence_weight_test

@@ -6,7 +6,7 @@
 #include "core/model/model_builder.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::model_difference_test {
 namespace {
 
 core::Model Built(std::vector<core::BuildInput> clips) {
@@ -39,4 +39,4 @@ TEST_CASE("CompareModels: how an extended model differs from a built one", "[cor
   CHECK(none.windows == 0);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::model_difference_test

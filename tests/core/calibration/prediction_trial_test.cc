@@ -1,13 +1,12 @@
-#include "core/calibration/prediction_trial.h"
-
 #include <catch2/catch.hpp>
 
-#include "core/motion/past.h"
+#include "core/calibration/trials.h"
+#include "core/motion/states.h"
 #include "core/prediction/forecast.h"
 #include "core/prediction/predict.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::prediction_trial_test {
 namespace {
 
 constexpr int kMarkers = 4;
@@ -84,4 +83,4 @@ TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one c
             .code() == absl::StatusCode::kCancelled);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::prediction_trial_test

@@ -6,11 +6,11 @@
 
 #include "core/calibration/calibrate.h"
 #include "core/calibration/held_out.h"
-#include "core/calibration/recognition_trial.h"
+#include "core/calibration/trials.h"
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::recognition_calibration_test {
 namespace {
 
 // Clips of three labels whose places are so near that windows are at times taken for another's.
@@ -195,4 +195,4 @@ TEST_CASE("StoredMotion: a clip comes back as it was given", "[core][calibration
   CHECK(motion.leg_length_m == inputs[2].states.leg_length_m);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::recognition_calibration_test

@@ -6,7 +6,7 @@
 #include "tests/core/inference/full_lattice.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::estimate_test {
 
 TEST_CASE("Estimate: the state is the last node of the best path, with its posterior",
           "[core][estimation]") {
@@ -33,4 +33,4 @@ TEST_CASE("Estimate: the state is the last node of the best path, with its poste
   CHECK(same > 110);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::estimate_test

@@ -1,10 +1,10 @@
-#include "core/estimation/local_regression.h"
-
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <random>
 
-namespace motiondb::tests {
+#include "core/estimation/estimate.h"
+
+namespace motiondb::tests::local_regression_test {
 namespace {
 
 Eigen::MatrixXd Random(int rows, int columns, std::mt19937& random) {
@@ -69,4 +69,4 @@ TEST_CASE("Regress: with nothing known it is the mean", "[core][estimation]") {
   CHECK(regressed.mean[0] == Approx(2.5));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::local_regression_test

@@ -1,5 +1,3 @@
-#include "core/estimation/missing_markers.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -7,7 +5,7 @@
 #include "core/estimation/estimate.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::missing_markers_test {
 namespace {
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
@@ -130,4 +128,4 @@ TEST_CASE("Estimate: filling in can be cancelled", "[core][estimation]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::missing_markers_test

@@ -7,7 +7,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::paper_tables_test {
 namespace {
 
 void PrintRow(const char* what, int ours, int paper) {
@@ -44,7 +44,7 @@ TEST_CASE("Database 1: 0.4-s windows of unseen clips are named right", "[experim
   int all = 0;
   for (const ListedClip& clip : ReadList(DataDir() / "sets" / "database1.test.tsv")) {
     const auto windows = core::Recognize(
-        model, LoadStates(clip.path, model.settings().frame_rate_hz, core::Gaps::kKeep), {});
+        model, LoadStates(clip.path, model.settings().frame_rate_hz, core::kObservation), {});
     REQUIRE(windows.ok());
     for (const core::RecognizedWindow& window : *windows) {
       const bool hit = window.labels.front().label == clip.label;
@@ -63,4 +63,4 @@ TEST_CASE("Database 1: 0.4-s windows of unseen clips are named right", "[experim
   CHECK(right >= 0.93 * all);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::paper_tables_test

@@ -4,17 +4,17 @@
 #include <cmath>
 #include <cstdio>
 
-#include "core/format/bvh_writer.h"
 #include "core/format/marker_set_file.h"
+#include "core/format/writers.h"
 #include "core/kinematics/inverse_kinematics.h"
 #include "core/kinematics/root_velocity.h"
 #include "core/planning/body.h"
-#include "core/planning/planner.h"
+#include "core/planning/plan.h"
 #include "tests/support/plan_goals.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::planned_motion_test {
 namespace {
 
 const core::Model& Database2() {
@@ -192,4 +192,4 @@ TEST_CASE("A plan written as BVH and read back has its markers where they were p
   CHECK(planned.quality.marker_fit_rms_m < 0.01);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::planned_motion_test

@@ -7,7 +7,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::same_motion_test {
 namespace {
 
 constexpr double kRate = 120;
@@ -91,4 +91,4 @@ TEST_CASE("One motion through five sources gives markers that agree", "[experime
   CHECK(Median(everything) < 0.05);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::same_motion_test

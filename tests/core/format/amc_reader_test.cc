@@ -6,7 +6,7 @@
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::amc_reader_test {
 namespace {
 
 using Catch::Contains;
@@ -306,4 +306,4 @@ TEST_CASE("AMC: every truncation within a frame is refused in words", "[core][fo
       [&](std::size_t length) { return length == first || length == first + 1 || length >= last; });
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::amc_reader_test

@@ -10,12 +10,12 @@
 #include <random>
 #include <string>
 
-#include "core/format/bvh_writer.h"
+#include "core/format/writers.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::bvh_assimp_test {
 namespace {
 
 using core::Dof;
@@ -166,4 +166,4 @@ TEST_CASE("WriteBvh: assimp reads real motion where it is", "[core][format][data
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::bvh_assimp_test

@@ -6,7 +6,7 @@
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::bvh_reader_test {
 namespace {
 
 using Catch::Contains;
@@ -341,4 +341,4 @@ TEST_CASE("BVH: every truncation is refused in words", "[core][format]") {
       [complete](std::size_t length) { return length >= complete; });
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::bvh_reader_test

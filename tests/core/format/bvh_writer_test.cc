@@ -1,18 +1,17 @@
 // What is written is read back by the project's own reader, and joints must be where they were.
-#include "core/format/bvh_writer.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "core/format/joint_limit.h"
+#include "core/format/motion_file.h"
+#include "core/format/writers.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::bvh_writer_test {
 namespace {
 
 using Catch::Contains;
@@ -256,4 +255,4 @@ TEST_CASE("WriteBvh: real ASF and BVH motion read back in place, with nothing sa
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::bvh_writer_test

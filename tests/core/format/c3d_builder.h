@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/format/c3d_bytes.h"
+#include "core/format/c3d_file.h"
 
 namespace motiondb::tests {
 

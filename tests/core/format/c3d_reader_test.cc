@@ -4,7 +4,7 @@
 #include "tests/core/format/c3d_builder.h"
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::c3d_reader_test {
 namespace {
 
 using Catch::Contains;
@@ -172,4 +172,4 @@ TEST_CASE("C3D: every truncation is refused in words", "[core][format]") {
       [&](std::size_t length) { return length == bytes.size(); });
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::c3d_reader_test

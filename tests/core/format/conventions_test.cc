@@ -3,10 +3,7 @@
 #include <array>
 #include <catch2/catch.hpp>
 
-#include "core/format/frame_rate.h"
-#include "core/format/head_and_feet.h"
-
-namespace motiondb::tests {
+namespace motiondb::tests::conventions_test {
 
 using core::FileFormat;
 using core::UpAxis;
@@ -66,4 +63,4 @@ TEST_CASE("FormatOfPath: by extension, in any case", "[core][format]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::conventions_test

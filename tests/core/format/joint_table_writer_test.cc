@@ -1,6 +1,4 @@
 // A table is read back as robot code reads it, and the robot must be where the motion had it.
-#include "core/format/joint_table_writer.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <charconv>
@@ -8,11 +6,12 @@
 #include <limits>
 #include <random>
 
+#include "core/format/writers.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::joint_table_writer_test {
 namespace {
 
 using Catch::Contains;
@@ -245,4 +244,4 @@ TEST_CASE("WriteJointTable: real robots, read back and by forward kinematics in 
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::joint_table_writer_test

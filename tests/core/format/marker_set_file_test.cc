@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+namespace motiondb::tests::marker_set_file_test {
 namespace {
 
 const std::string kGood =
@@ -138,4 +138,4 @@ TEST_CASE("MarkerSetFile: no truncation crashes", "[core][format]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::marker_set_file_test

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include "core/format/marker_set_file.h"
-#include "core/motion/marker_limits.h"
+#include "core/motion/marker_set.h"
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::marker_set_limits_test {
 namespace {
 
 using Catch::Contains;
@@ -75,4 +75,4 @@ TEST_CASE("Marker set: names with quotes, signs and blanks come back as they wer
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::marker_set_limits_test

@@ -1,11 +1,11 @@
 // Files of some kilobytes that would take gigabytes or hours if their readers were not careful.
 #include <fmt/format.h>
 
-#include "core/format/joint_limit.h"
+#include "core/format/motion_file.h"
 #include "core/format/urdf_reader.h"
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::reader_limits_test {
 namespace {
 
 constexpr int kMany = core::kMostJoints;
@@ -128,4 +128,4 @@ TEST_CASE("BVH: a long name is cut, not copied to every end site", "[core][forma
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::reader_limits_test

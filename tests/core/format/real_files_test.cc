@@ -9,7 +9,7 @@
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::real_files_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -213,4 +213,4 @@ TEST_CASE("Real files: motion that Debian's assimp-testmodels ships", "[core][fo
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::real_files_test

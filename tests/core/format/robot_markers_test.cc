@@ -9,7 +9,7 @@
 #include "tests/core/format/reading.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::robot_markers_test {
 namespace {
 
 using Eigen::Vector3d;
@@ -143,4 +143,4 @@ TEST_CASE("Robot markers: G1's thigh keeps its length as it swings", "[core][for
   CHECK((at("LHip") - at("LKnee")).norm() == Approx(still).margin(1e-4));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::robot_markers_test

@@ -6,10 +6,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/format/text_encoding.h"
-#include "core/format/unique_names.h"
-
-namespace motiondb::tests {
+namespace motiondb::tests::text_scanner_test {
 
 using core::IsKeyword;
 using core::ParseNumber;
@@ -150,4 +147,4 @@ TEST_CASE("UniqueNames: the second of a name is numbered, and told", "[core][for
   CHECK(names.Note() == "names used twice were made distinct: Hand_3");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::text_scanner_test

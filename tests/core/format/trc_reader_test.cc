@@ -5,7 +5,7 @@
 
 #include "tests/core/format/reading.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::trc_reader_test {
 namespace {
 
 using Catch::Contains;
@@ -141,4 +141,4 @@ TEST_CASE("TRC: every truncation is refused in words", "[core][format]") {
       [complete](std::size_t length) { return length >= complete; });
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::trc_reader_test

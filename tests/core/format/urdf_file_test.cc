@@ -5,7 +5,7 @@
 
 #include "tests/core/format/odd_robot.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::urdf_file_test {
 
 using Catch::Contains;
 using core::UrdfRobot;
@@ -114,4 +114,4 @@ TEST_CASE("ReadUrdf: names that are not UTF-8, and line ends of any kind", "[cor
   CHECK(GoodRobot("\xef\xbb\xbf" + std::string(kRobot)).skeleton.joint_count() == 9);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::urdf_file_test

@@ -13,7 +13,7 @@
 #include "tests/core/format/odd_robot.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::urdf_reader_test {
 namespace {
 
 using Catch::Contains;
@@ -250,4 +250,4 @@ TEST_CASE("ReadUrdf: robots of several makers", "[core][format][data]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::urdf_reader_test

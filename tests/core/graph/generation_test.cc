@@ -2,10 +2,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <random>
 #include <vector>
 
-namespace motiondb::tests {
+namespace motiondb::tests::generation_test {
 namespace {
 
 // The forward algorithm as it is written, every pair of nodes and every exponential taken.
@@ -60,4 +61,33 @@ TEST_CASE("LogGeneration: equals the plain sum, however hopeless most nodes are"
   }
 }
 
-}  // namespace motiondb::tests
+TEST_CASE("LogGenerationAmong: as if all other nodes were impossible", "[core][graph]") {
+  constexpr int kNodes = 30;
+  std::mt19937 random(5);
+  std::uniform_real_distribution<float> part(0, 1);
+  std::vector<std::int32_t> path;
+  for (int i = 0; i < 400; ++i) path.push_back(static_cast<int>(part(random) * kNodes));
+  const core::TransitionGraph graph =
+      core::CountTransitions(std::vector<std::vector<std::int32_t>>{path}, kNodes);
+  std::vector<double> scratch(kNodes, 0);
+  for (const float share : {0.0F, 0.2F, 1.0F}) {  // of nodes that are listed, beside one
+    std::vector<std::vector<core::LikelyNode>> frames(12);
+    core::EmissionMatrix emission(12, kNodes);
+    emission.setConstant(-std::numeric_limits<double>::infinity());
+    for (int t = 0; t < 12; ++t) {
+      for (int n = kNodes - 1; n >= 0; --n) {
+        if (n != t && part(random) >= share) continue;
+        frames[t].push_back({n, -50 * part(random)});
+        emission(t, n) = frames[t].back().log_density;
+      }
+    }
+    for (const double floor : {1e-3, 1e-6}) {
+      const double expected = core::LogGeneration(graph, emission, floor);
+      CHECK(core::LogGenerationAmong(graph, frames, floor, scratch) ==
+            Approx(expected).epsilon(1e-9));
+      CHECK(scratch == std::vector<double>(kNodes, 0));
+    }
+  }
+}
+
+}  // namespace motiondb::tests::generation_test

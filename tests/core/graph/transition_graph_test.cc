@@ -6,7 +6,7 @@
 
 #include "core/graph/generation.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::transition_graph_test {
 namespace {
 
 std::vector<std::vector<std::int32_t>> RandomSequences(int nodes, unsigned seed) {
@@ -128,4 +128,4 @@ TEST_CASE("LogGeneration: equals the sum over all paths", "[core][graph]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::transition_graph_test

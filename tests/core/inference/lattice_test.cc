@@ -5,7 +5,7 @@
 
 #include "tests/core/inference/exhaustive_paths.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::lattice_test {
 namespace {
 
 struct Case {
@@ -128,4 +128,4 @@ TEST_CASE("LastNodeDistribution: equals the sum over all paths", "[core][inferen
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::lattice_test

@@ -9,7 +9,7 @@
 #include "tests/support/real_motion.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::node_path_test {
 namespace {
 
 core::FrameMatrix Scaled(const core::Model& model, const core::StateSequence& observation) {
@@ -102,4 +102,4 @@ TEST_CASE("FindNodePaths: bad options are refused by name", "[core][inference]")
         absl::StatusCode::kCancelled);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::node_path_test

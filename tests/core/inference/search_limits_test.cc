@@ -2,12 +2,12 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
-#include "core/inference/log_sum.h"
+#include "core/inference/lattice.h"
 #include "core/inference/node_path.h"
 #include "core/inference/observation.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::search_limits_test {
 namespace {
 
 using Catch::Contains;
@@ -125,4 +125,4 @@ TEST_CASE("LastNodeDistribution: many candidates have the probabilities that the
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::search_limits_test

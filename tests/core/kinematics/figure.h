@@ -7,7 +7,6 @@
 #include <random>
 #include <string>
 
-#include "core/kinematics/joint_limits.h"
 #include "core/kinematics/marker_kinematics.h"
 #include "core/motion/motion.h"
 

@@ -4,7 +4,7 @@
 
 #include "tests/core/kinematics/figure.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::inverse_kinematics_test {
 namespace {
 
 using core::IkMotion;
@@ -244,4 +244,4 @@ TEST_CASE("SolveInverseKinematics: refuses other markers and bad options, and st
   CHECK(cancelled.status().code() == absl::StatusCode::kCancelled);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::inverse_kinematics_test

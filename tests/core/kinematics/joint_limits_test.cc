@@ -1,8 +1,7 @@
-#include "core/kinematics/joint_limits.h"
-
+#include "core/kinematics/marker_kinematics.h"
 #include "tests/core/kinematics/figure.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::joint_limits_test {
 
 TEST_CASE("CountLimitViolations: frames times degrees of freedom beyond a limit",
           "[core][kinematics]") {
@@ -23,4 +22,4 @@ TEST_CASE("CountLimitViolations: frames times degrees of freedom beyond a limit"
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::joint_limits_test

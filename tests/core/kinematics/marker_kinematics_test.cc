@@ -5,7 +5,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::marker_kinematics_test {
 namespace {
 
 using core::MarkerKinematics;
@@ -130,4 +130,4 @@ TEST_CASE(
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::marker_kinematics_test

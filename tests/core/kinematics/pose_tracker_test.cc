@@ -1,10 +1,9 @@
-#include "core/kinematics/pose_tracker.h"
-
 #include <limits>
 
+#include "core/kinematics/inverse_kinematics.h"
 #include "tests/core/kinematics/figure.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::pose_tracker_test {
 namespace {
 
 using core::MarkerKinematics;
@@ -97,4 +96,4 @@ TEST_CASE("PoseTracker: a cut in the motion is searched for anew", "[core][kinem
   CHECK(largest_turn <= 4);  // a hip from one limit to the other; half a turn of what has none
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::pose_tracker_test

@@ -10,11 +10,11 @@
 
 #include "core/format/marker_set_file.h"
 #include "core/kinematics/inverse_kinematics.h"
-#include "core/kinematics/joint_limits.h"
+#include "core/kinematics/marker_kinematics.h"
 #include "tests/core/kinematics/figure.h"
 #include "tests/support/real_data.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::real_motion_test {
 namespace {
 
 using core::JointMotion;
@@ -129,4 +129,4 @@ TEST_CASE("Inverse kinematics: recorded motion comes back", "[core][kinematics][
   CHECK(limited.Quantile(0.5) < 0.1);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::real_motion_test

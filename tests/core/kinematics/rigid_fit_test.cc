@@ -1,9 +1,9 @@
-#include "core/kinematics/rigid_fit.h"
-
 #include <catch2/catch.hpp>
 #include <random>
 
-namespace motiondb::tests {
+#include "core/kinematics/pose_solver.h"
+
+namespace motiondb::tests::rigid_fit_test {
 namespace {
 
 Eigen::Matrix3Xd Points(int count) {
@@ -54,4 +54,4 @@ TEST_CASE("FitRigid: points in a plane, on a line, one point, none", "[core][kin
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::rigid_fit_test

@@ -4,13 +4,13 @@
 #include <cstdio>
 
 #include "core/format/marker_set_file.h"
-#include "core/kinematics/pose_tracker.h"
+#include "core/kinematics/inverse_kinematics.h"
 #include "core/motion/states.h"
 #include "tests/core/kinematics/figure.h"
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::root_velocity_test {
 namespace {
 
 using core::FrameMatrix;
@@ -264,4 +264,4 @@ TEST_CASE("SolveRootVelocity: real walking", "[core][kinematics][data]") {
   CHECK(error.angular.maxCoeff() < 0.5);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::root_velocity_test

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <random>
 
-namespace motiondb::tests {
+namespace motiondb::tests::singularity_robust_test {
 namespace {
 
 using core::SingularityRobustInverse;
@@ -133,4 +133,4 @@ TEST_CASE("SingularityRobustInverse: no equations, no motion", "[core][kinematic
   CHECK(inverse.Solve().isZero());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::singularity_robust_test

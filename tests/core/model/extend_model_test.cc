@@ -5,7 +5,7 @@
 #include "core/model/model_builder.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::extend_model_test {
 namespace {
 
 constexpr int kMarkers = 5;
@@ -144,4 +144,4 @@ TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
         absl::StatusCode::kFailedPrecondition);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::extend_model_test

@@ -7,7 +7,7 @@
 #include "core/model/model.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::frame_pairs_test {
 namespace {
 
 using core::IndexPair;
@@ -89,4 +89,4 @@ TEST_CASE("ClipPairs: only clips of one label, each with at most eight others", 
   CHECK(pairs.size() <= 8 * 256);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::frame_pairs_test

@@ -6,7 +6,7 @@
 
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::model_builder_test {
 namespace {
 
 void OnThreeThreads(int count, const std::function<void(int)>& body) {
@@ -153,4 +153,4 @@ TEST_CASE("Model: refuses parts that do not fit each other", "[core][model]") {
   CHECK(refused([](auto& p) { p.built_clip_count = 4; }));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::model_builder_test

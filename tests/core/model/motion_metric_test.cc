@@ -4,11 +4,10 @@
 #include <random>
 
 #include "core/model/frame_pairs.h"
-#include "core/model/frame_stride.h"
 #include "core/model/metric_frames.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::motion_metric_test {
 namespace {
 
 // On other threads, in another order.
@@ -133,4 +132,4 @@ TEST_CASE("MotionMetric: there is one of single clips, and of motion that stands
   metric(1, false);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::motion_metric_test

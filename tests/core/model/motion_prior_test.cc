@@ -6,7 +6,7 @@
 #include "core/model/model.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::motion_prior_test {
 namespace {
 
 // Markers that swing as pendulums do: where each will be follows linearly from its last moves.
@@ -124,4 +124,4 @@ TEST_CASE("RigidTree: bones keep their length and direction, other markers their
   CHECK(tree.Restore(reference, reference).isApprox(reference, 1e-5F));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::motion_prior_test

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-namespace motiondb::tests {
+namespace motiondb::tests::prediction_confidence_test {
 namespace {
 
 // Errors that follow a law of their own.
@@ -85,4 +85,4 @@ TEST_CASE("FitErrorLaw: evidence that never varies does no harm", "[core][model]
   CHECK(judged.probability > 0.99);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::prediction_confidence_test

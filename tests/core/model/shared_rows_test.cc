@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <utility>
 
-namespace motiondb::tests {
+namespace motiondb::tests::shared_rows_test {
 
 TEST_CASE("SharedRows: the first rows are taken over, not copied", "[core][model]") {
   core::FrameMatrix first = core::FrameMatrix::Random(40, 3);
@@ -36,4 +36,4 @@ TEST_CASE("SharedRows: more rows come behind those that are there, which never c
   CHECK(first.view() == all.topRows(80));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::shared_rows_test

@@ -5,10 +5,9 @@
 #include <cmath>
 #include <memory>
 
-#include "core/motion/past.h"
 #include "core/motion/states.h"
 
-namespace motiondb::core {
+namespace motiondb::core::floor_origin_test {
 namespace {
 
 // A body that walks ahead and turns, with legs that swing; its root stands at `place` at first.
@@ -50,7 +49,7 @@ JointMotion Walk(const Eigen::Vector2d& place, double frame_rate_hz) {
 StateSequence StatesOf(const Motion& motion) {
   const auto scheme = SourceScheme(motion);
   REQUIRE(scheme.ok());
-  const auto states = Represent(*scheme, motion, 60, Gaps::kKeep);
+  const auto states = Represent(*scheme, motion, 60, kObservation);
   INFO(states.status());
   REQUIRE(states.ok());
   return *states;
@@ -82,7 +81,7 @@ TEST_CASE("Represent: positions beyond a body's are refused where they are", "[m
   const Motion far = Walk({2e5, 0}, 60);
   const auto scheme = SourceScheme(far);
   REQUIRE(scheme.ok());
-  const auto refused = Represent(*scheme, far, 60, Gaps::kKeep);
+  const auto refused = Represent(*scheme, far, 60, kObservation);
   CHECK(refused.status().code() == absl::StatusCode::kInvalidArgument);
   CHECK(std::string(refused.status().message()).find("(20000") != std::string::npos);
 }
@@ -95,4 +94,4 @@ TEST_CASE("FloorOrigin: near the origin nothing moves", "[motion]") {
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::floor_origin_test

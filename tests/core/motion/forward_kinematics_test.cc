@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace motiondb::tests {
+namespace motiondb::tests::forward_kinematics_test {
 namespace {
 
 using core::Dof;
@@ -132,4 +132,4 @@ TEST_CASE("JointPositions: every frame equals its own forward kinematics", "[cor
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::forward_kinematics_test

@@ -4,7 +4,7 @@
 #include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::marker_mapping_test {
 namespace {
 
 core::MarkerMotion Markers(std::vector<std::string> names) {
@@ -126,4 +126,4 @@ TEST_CASE("SourceScheme: the motion's own names, end sites left out", "[core][mo
   CHECK_THAT(std::string(refused.status().message()), Catch::Matchers::Contains("marker-set file"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::marker_mapping_test

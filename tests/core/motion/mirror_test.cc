@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+namespace motiondb::tests::mirror_test {
 
 TEST_CASE("OtherSides: names tell the sides", "[core][motion]") {
   CHECK(core::OtherSides({"Pelvis", "LHip", "RHip", "LowerBack", "LeftFoot", "RightFoot"}) ==
@@ -28,4 +28,4 @@ TEST_CASE("MirrorStates: left and right change places, and twice is nothing", "[
   CHECK(core::MirrorPositions(sides, core::MirrorPositions(sides, positions)) == positions);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::mirror_test

@@ -2,10 +2,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/motion/marker_limits.h"
+#include "core/motion/marker_set.h"
 #include "core/motion/states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::state_limits_test {
 namespace {
 
 using Catch::Contains;
@@ -20,10 +20,11 @@ core::MarkerMotion Hips(float height_m, int frames = 4) {
   return motion;
 }
 
-absl::StatusOr<core::StateSequence> Represented(const core::MarkerMotion& motion, core::Gaps gaps) {
+absl::StatusOr<core::StateSequence> Represented(const core::MarkerMotion& motion,
+                                                core::Cleaning cleaning) {
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
-  return core::Represent(*scheme, motion, 30, gaps);
+  return core::Represent(*scheme, motion, 30, cleaning);
 }
 
 TEST_CASE("Represent: a marker too far away is refused by frame and name",
@@ -31,13 +32,13 @@ TEST_CASE("Represent: a marker too far away is refused by frame and name",
   for (const float far : {2e5F, 3e38F, -INFINITY}) {
     core::MarkerMotion motion = Hips(0.9F);
     motion.positions_m(2, 7) = far;
-    for (const core::Gaps gaps : {core::Gaps::kFill, core::Gaps::kKeep}) {
-      const auto states = Represented(motion, gaps);
+    for (const auto& cleaning : {core::Cleaning(core::GlitchPolicy::kKeep), core::kObservation}) {
+      const auto states = Represented(motion, cleaning);
       REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
       CHECK_THAT(std::string(states.status().message()), Contains("frame 2, marker 'head'"));
     }
   }
-  REQUIRE(Represented(Hips(0.9F), core::Gaps::kFill).ok());
+  REQUIRE(Represented(Hips(0.9F), core::GlitchPolicy::kRepair).ok());
 }
 
 // Hips that are so high in every frame.
@@ -56,7 +57,7 @@ TEST_CASE("Represent: joints that slide out of the world are refused", "[core][m
   core::JointMotion motion = Lifted(3, 1e300);
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
-  const auto states = core::Represent(*scheme, motion, 60, core::Gaps::kFill, 0.9);
+  const auto states = core::Represent(*scheme, motion, 60, core::GlitchPolicy::kRepair, 0.9);
   CHECK(states.status().code() == absl::StatusCode::kInvalidArgument);
 }
 
@@ -66,12 +67,12 @@ TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
   for (const double leg : {1e-30, 1e30}) {
-    const auto states = core::Represent(*scheme, motion, 60, core::Gaps::kKeep, leg);
+    const auto states = core::Represent(*scheme, motion, 60, core::kObservation, leg);
     REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
     CHECK_THAT(std::string(states.status().message()), Contains("leg_length_m: "));
   }
   // The same size told by the markers themselves.
-  CHECK(Represented(Hips(1e-9F), core::Gaps::kKeep).status().code() ==
+  CHECK(Represented(Hips(1e-9F), core::kObservation).status().code() ==
         absl::StatusCode::kInvalidArgument);
 }
 
@@ -83,7 +84,7 @@ TEST_CASE("Represent: stops soon after it is no longer wanted, wherever it is", 
   int wanted = 1000;
   const auto represent = [&] {
     asked = 0;
-    return core::Represent(*scheme, motion, 60, core::Gaps::kKeep, 0.9, nullptr,
+    return core::Represent(*scheme, motion, 60, core::kObservation, 0.9, nullptr,
                            [&] { return ++asked > wanted; });
   };
   REQUIRE(represent().ok());
@@ -110,4 +111,4 @@ TEST_CASE("SourceScheme: a crowd of markers makes no set", "[core][motion][hosti
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::state_limits_test

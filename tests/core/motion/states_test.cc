@@ -6,7 +6,7 @@
 
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::states_test {
 namespace {
 
 // Four markers (left and right hip, left knee and ankle) that walk along `heading` at `speed`, m
@@ -175,4 +175,4 @@ TEST_CASE("EstimateLegLength: whole legs first, height where there are none", "[
   CHECK_FALSE(core::ComputeStates(kSet, motion, std::nan("")).ok());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::states_test

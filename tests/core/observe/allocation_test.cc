@@ -24,7 +24,7 @@ extern "C" void* malloc(std::size_t size) {
 }
 #endif
 
-namespace motiondb::tests {
+namespace motiondb::tests::allocation_test {
 
 #ifdef MOTIONDB_COUNTS_ALLOCATIONS
 TEST_CASE("Allocations are counted", "[core][observe]") {
@@ -59,4 +59,4 @@ TEST_CASE("Observer: frames at the model's rate are taken without allocation, af
   CHECK(while_warm == 0);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::allocation_test

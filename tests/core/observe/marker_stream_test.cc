@@ -1,12 +1,11 @@
-#include "core/observe/marker_stream.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
 #include "core/motion/states.h"
+#include "core/observe/observed_states.h"
 #include "tests/core/observe/point_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::marker_stream_test {
 namespace {
 
 core::MarkerStream Stream(double from_hz, double to_hz) {
@@ -89,4 +88,4 @@ TEST_CASE("MarkerStream: maps names by the scheme, and refuses what does not fit
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::marker_stream_test

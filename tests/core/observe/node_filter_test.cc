@@ -9,7 +9,7 @@
 #include "core/inference/observation.h"
 #include "tests/core/observe/point_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::node_filter_test {
 namespace {
 
 // A motion of the same kind as the model's, with markers missing here and there.
@@ -111,4 +111,4 @@ TEST_CASE("NodeFilter: the strict rule starts anew where it allows no way on", "
   CHECK(Sum(filter) == Approx(1));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::node_filter_test

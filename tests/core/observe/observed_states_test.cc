@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/motion/past.h"
+#include "core/motion/states.h"
 #include "tests/core/observe/point_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observed_states_test {
 namespace {
 
 constexpr int kCapacity = 20;
@@ -71,4 +71,4 @@ TEST_CASE("ObservedStates: without hips the reference frame stays; it begins wit
   CHECK_FALSE(upright.Push(motion.positions_m.row(25)));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observed_states_test

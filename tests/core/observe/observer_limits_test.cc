@@ -4,7 +4,7 @@
 #include "core/observe/observer.h"
 #include "tests/core/observe/point_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_limits_test {
 namespace {
 
 using Catch::Contains;
@@ -43,4 +43,4 @@ TEST_CASE("Observer: taking many frames ends when nobody waits", "[core][observe
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_limits_test

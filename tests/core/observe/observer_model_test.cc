@@ -4,7 +4,7 @@
 #include "core/observe/observer.h"
 #include "tests/core/observe/observing.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_model_test {
 
 TEST_CASE("Observer: another model takes over the window", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
@@ -61,4 +61,4 @@ TEST_CASE("Observer: a model without the layer asked for answers by its bottom l
   CHECK(Answer(*observer).layer == deep.layer_count());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_model_test

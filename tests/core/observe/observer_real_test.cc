@@ -7,7 +7,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_real_test {
 
 TEST_CASE("Observer: on real motion it is Recognize of the window, and near the exact filter",
           "[core][observe][data]") {
@@ -53,4 +53,4 @@ TEST_CASE("Observer: on real motion it is Recognize of the window, and near the 
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_real_test

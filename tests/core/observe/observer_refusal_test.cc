@@ -9,7 +9,7 @@
 #include "core/observe/observer.h"
 #include "tests/core/observe/observing.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_refusal_test {
 namespace {
 
 constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
@@ -60,4 +60,4 @@ TEST_CASE("Observer: what does not fit is refused by name, and nothing is taken"
   CHECK_THAT(message([](auto& o) { o.layer = 99; }), Contains("layer"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_refusal_test

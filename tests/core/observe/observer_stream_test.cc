@@ -7,7 +7,7 @@
 #include "core/observe/observer.h"
 #include "tests/core/observe/observing.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_stream_test {
 namespace {
 
 constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
@@ -135,4 +135,4 @@ TEST_CASE("Observer: odd streams do no harm", "[core][observe]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_stream_test

@@ -3,12 +3,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/motion/past.h"
+#include "core/motion/states.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/shortlist.h"
 #include "tests/core/observe/observing.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observer_test {
 namespace {
 
 // What the questions to the whole say of the window that ends at `frame`.
@@ -120,4 +120,4 @@ TEST_CASE("Observer: how frames are parted into messages does not matter", "[cor
   CheckSame(Answer(*at_once), Answer(*at_once));  // asking changes nothing
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observer_test

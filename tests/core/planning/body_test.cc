@@ -3,12 +3,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
-#include "core/kinematics/joint_limits.h"
-#include "core/planning/planner.h"
+#include "core/kinematics/marker_kinematics.h"
+#include "core/planning/plan.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::body_test {
 namespace {
 
 using tests::WalkerIndex;
@@ -109,4 +109,4 @@ TEST_CASE("Plan: a skeleton without the scheme's markers is refused", "[planning
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::body_test

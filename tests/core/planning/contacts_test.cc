@@ -11,7 +11,7 @@
 #include "tests/support/real_motion.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::contacts_test {
 namespace {
 
 std::set<std::string> Names(const std::vector<int>& markers, const core::MarkerSet& set) {
@@ -25,7 +25,7 @@ core::Feet FeetOfSource(const std::filesystem::path& path, core::MarkerSet& set)
   const core::Motion motion = LoadMotion(path).motion;
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
-  auto states = core::Represent(*scheme, motion, 60, core::Gaps::kFill);
+  auto states = core::Represent(*scheme, motion, 60, core::GlitchPolicy::kRepair);
   INFO(states.status());
   REQUIRE(states.ok());
   core::BuildSettings settings;
@@ -192,4 +192,4 @@ TEST_CASE("FindFeet: sets of a source's own joints or markers", "[core][planning
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::contacts_test

@@ -10,7 +10,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/real_motion.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::foot_lock_test {
 namespace {
 
 struct Outcome {
@@ -225,4 +225,4 @@ TEST_CASE("LockFeet: recorded walking, and the same with its path stretched",
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::foot_lock_test

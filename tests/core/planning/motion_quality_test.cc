@@ -6,7 +6,7 @@
 
 #include "core/model/model.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::motion_quality_test {
 namespace {
 
 constexpr double kRate = 50;
@@ -135,4 +135,4 @@ TEST_CASE("MeasureQuality: a slow turn through gimbal lock is slow", "[core][pla
   CHECK(quality.peak_joint_jerk_rad_s3 == Approx(0).margin(1e-5));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::motion_quality_test

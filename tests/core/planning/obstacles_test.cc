@@ -1,14 +1,12 @@
-#include "core/planning/obstacles.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
 
-#include "core/planning/floor_field.h"
+#include "core/planning/floor.h"
 #include "core/planning/seeded.h"
 
-namespace motiondb::core {
+namespace motiondb::core::obstacles_test {
 namespace {
 
 TEST_CASE("Obstacles: distance to a disc is negative inside", "[planning]") {
@@ -102,4 +100,4 @@ TEST_CASE("Floor field: no way into a closed room", "[planning]") {
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::obstacles_test

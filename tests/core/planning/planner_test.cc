@@ -1,13 +1,12 @@
-#include "core/planning/planner.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/planning/plan.h"
 #include "core/planning/root_correction.h"
 #include "tests/core/planning/flat_footed_robot.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::planner_test {
 namespace {
 
 using tests::WalkingDatabase;
@@ -139,7 +138,7 @@ TEST_CASE("Plan: where all was tried in vain it is unreachable, where time was u
 
 TEST_CASE("Plan: alternatives are other motions to the same goal", "[planning]") {
   PlanProblem problem = Problem({1.6, 0.3, 0.3});
-  problem.plan_count = 3;
+  problem.alternative_count = 2;
   const PlanAnswer answer = Solve(problem);
   REQUIRE(answer.motions.size() > 1);
   for (std::size_t i = 0; i < answer.motions.size(); ++i) {
@@ -196,8 +195,8 @@ TEST_CASE("Plan: a wrong number is refused by its name", "[planning]") {
   problem.max_duration_seconds = std::nan("");
   CHECK_THAT(refused(problem), Catch::Contains("max_duration_seconds"));
   problem = Problem({1, 0, 0});
-  problem.plan_count = 0;
-  CHECK_THAT(refused(problem), Catch::Contains("plan_count"));
+  problem.alternative_count = -1;
+  CHECK_THAT(refused(problem), Catch::Contains("alternative_count"));
   problem = Problem({1, 0, 0});
   problem.leg_length_m = -0.8;
   CHECK_THAT(refused(problem), Catch::Contains("leg_length_m"));
@@ -261,7 +260,7 @@ TEST_CASE("Plan: a start late in its clip goes on in another", "[planning]") {
 
 TEST_CASE("Plan: once there is a motion, no more are made when time is up", "[planning]") {
   PlanProblem problem = Problem({1.6, 0.3, 0.3});
-  problem.plan_count = 5;
+  problem.alternative_count = 4;
   bool searched = false;
   const PlanAnswer answer = Solve(
       problem, {.time_up = [&] { return searched; }, .search_over = [&] { searched = true; }});
@@ -270,4 +269,4 @@ TEST_CASE("Plan: once there is a motion, no more are made when time is up", "[pl
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::planner_test

@@ -1,12 +1,12 @@
-#include "core/planning/polygon_check.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 
-namespace motiondb::tests {
+#include "core/planning/floor.h"
+
+namespace motiondb::tests::polygon_check_test {
 namespace {
 
 using Catch::Contains;
@@ -57,4 +57,4 @@ TEST_CASE("CheckPolygon: ten thousand corners take no time to speak of", "[core]
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::polygon_check_test

@@ -5,7 +5,7 @@
 #include "core/planning/root_correction.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::random_sampling_test {
 namespace {
 
 using tests::WalkingDatabase;
@@ -83,4 +83,4 @@ TEST_CASE("Random sampling: ends when told to", "[planning]") {
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::random_sampling_test

@@ -5,7 +5,7 @@
 
 #include "core/planning/seeded.h"
 
-namespace motiondb::core {
+namespace motiondb::core::root_correction_test {
 namespace {
 
 double Length(const std::vector<FloorPose>& root) {
@@ -87,4 +87,4 @@ TEST_CASE("Root correction: who stands still is not moved", "[planning]") {
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::root_correction_test

@@ -8,7 +8,7 @@
 #include "core/planning/seeded.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::segment_search_test {
 namespace {
 
 using tests::WalkingDatabase;
@@ -243,4 +243,4 @@ TEST_CASE("Segment search: says when there was nothing left to try", "[planning]
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::segment_search_test

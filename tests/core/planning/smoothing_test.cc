@@ -1,12 +1,10 @@
-#include "core/planning/smoothing.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-#include "core/planning/ease.h"
+#include "core/planning/splice.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::smoothing_test {
 
 TEST_CASE("Ease: from 0 to 1, at rest at both ends", "[core][planning]") {
   CHECK(core::Ease(-1) == 0);
@@ -39,4 +37,4 @@ TEST_CASE("Cover: is nowhere below the values", "[core][planning]") {
   CHECK(core::Cover(Eigen::ArrayXd(), 3).size() == 0);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::smoothing_test

@@ -8,7 +8,7 @@
 #include "core/planning/synthesis.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::splice_test {
 namespace {
 
 using tests::WalkingDatabase;
@@ -139,4 +139,4 @@ TEST_CASE("Synthesis: no jump at a join, in place or speed", "[planning]") {
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::splice_test

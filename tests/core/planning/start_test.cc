@@ -1,11 +1,10 @@
-#include "core/planning/start.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/planning/synthesis.h"
 #include "tests/core/planning/walking_database.h"
 
-namespace motiondb::core {
+namespace motiondb::core::start_test {
 namespace {
 
 using tests::WalkingDatabase;
@@ -69,4 +68,4 @@ TEST_CASE("Start: an observation begins at the frame most like its last, markers
 }
 
 }  // namespace
-}  // namespace motiondb::core
+}  // namespace motiondb::core::start_test

@@ -1,10 +1,10 @@
-#include "core/prediction/exemplar_process.h"
-
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <random>
 
-namespace motiondb::tests {
+#include "core/prediction/forecast.h"
+
+namespace motiondb::tests::exemplar_process_test {
 
 TEST_CASE("WeighExemplars: the weights and variance are those of kriging", "[core][prediction]") {
   std::mt19937 random(3);
@@ -41,4 +41,4 @@ TEST_CASE("WeighExemplars: an example at the query takes nearly all, far ones no
   CHECK(weighed.variance == Approx(1 - 1 / 1.01));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::exemplar_process_test

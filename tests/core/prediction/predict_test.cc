@@ -6,7 +6,7 @@
 #include "core/prediction/forecast.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::predict_test {
 namespace {
 
 core::StateSequence Cut(const core::StateSequence& clip, int first, int count) {
@@ -252,4 +252,4 @@ TEST_CASE("Predict: bad settings are refused by name", "[core][prediction]") {
   CHECK_THAT(message([](auto& o) { o.transition_floor = -1; }), Contains("transition_floor"));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::predict_test

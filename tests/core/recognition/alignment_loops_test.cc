@@ -7,7 +7,7 @@
 #include "core/motion/matrix.h"
 #include "tests/support/fixed_numbers.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::alignment_loops_test {
 namespace {
 
 // A clip's rows, observed frames in lanes, and what the loops make of them.
@@ -121,4 +121,4 @@ TEST_CASE("Alignment loops: equal the formulas in plain loops", "[core][recognit
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::alignment_loops_test

@@ -7,7 +7,7 @@
 #include "core/recognition/metric_observation.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::clip_alignment_test {
 namespace {
 
 // Two clips; the second is the one asked for.
@@ -92,4 +92,4 @@ TEST_CASE("ComparedFrames: end with the newest", "[core][recognition]") {
   CHECK(core::ComparedFrames(7, 1, 4, false) == Frames{7});
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::clip_alignment_test

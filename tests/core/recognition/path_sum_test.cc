@@ -1,10 +1,10 @@
-#include "core/recognition/path_sum.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 
-namespace motiondb::tests {
+#include "core/recognition/clip_alignment.h"
+
+namespace motiondb::tests::path_sum_test {
 namespace {
 
 // Squared distances of observed frames (columns) to a clip's (rows).
@@ -50,4 +50,4 @@ TEST_CASE("PathSum: from roots it is what it is from distances, or says that it 
   CHECK(exact < 100);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::path_sum_test

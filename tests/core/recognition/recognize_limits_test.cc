@@ -4,7 +4,7 @@
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::recognize_limits_test {
 namespace {
 
 using Catch::Contains;
@@ -71,4 +71,4 @@ TEST_CASE("Recognize: asks within a clip whether its answer is wanted, and ends 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::recognize_limits_test

@@ -9,7 +9,7 @@
 #include "core/inference/observation.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::recognize_test {
 namespace {
 
 core::StateSequence Clip(const core::Model& model, int index, int frames) {
@@ -263,4 +263,4 @@ TEST_CASE("Recognize: bad settings and observations are refused by name", "[core
         absl::StatusCode::kCancelled);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::recognize_test

@@ -1,14 +1,13 @@
-#include "core/recognition/seen_metric.h"
-
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numeric>
 
+#include "core/recognition/metric_observation.h"
 #include "core/recognition/recognize.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::seen_metric_test {
 namespace {
 
 Eigen::MatrixXd WithinBehaviours(const core::MotionMetric& metric) {
@@ -60,4 +59,4 @@ TEST_CASE("Recognize: a marker that is never seen does not count", "[core][recog
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::seen_metric_test

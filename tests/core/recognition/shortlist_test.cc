@@ -8,7 +8,7 @@
 #include "core/model/metric_frames.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::shortlist_test {
 namespace {
 
 constexpr int kClips = 90;
@@ -77,4 +77,4 @@ TEST_CASE("ShortlistClips: leaves out what it is told to, and nothing where clip
   CHECK(core::ShortlistClips(few, nullptr, InMetric(few, 4, 0, 1)).size() == 9);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::shortlist_test

@@ -1,14 +1,13 @@
-#include "core/recognition/unseen_dimensions.h"
-
 #include <Eigen/LU>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "core/recognition/metric_observation.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::unseen_dimensions_test {
 namespace {
 
 core::MotionMetric SmallMetric() {
@@ -65,4 +64,4 @@ TEST_CASE("FillUnseen: nothing seen is the mean, nothing missing stays", "[core]
   CHECK(all == Eigen::RowVectorXf::Ones(12));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::unseen_dimensions_test

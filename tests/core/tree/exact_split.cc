@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/tree/threshold.h"
+#include "core/tree/divide_node.h"
 
 namespace motiondb::tests {
 namespace {

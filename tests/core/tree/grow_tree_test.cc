@@ -1,5 +1,3 @@
-#include "core/tree/grow_tree.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -11,7 +9,7 @@
 #include "core/tree/tree_builder.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::grow_tree_test {
 namespace {
 
 constexpr int kMinFrames = 8;
@@ -108,11 +106,11 @@ TEST_CASE("Tree: planes that are not those of its branches are refused", "[core]
   CHECK(refused([](core::SplitPlanes& p) { p.axes(0, 0) = INFINITY; }));
 }
 
-TEST_CASE("StaleShare: the frames of leaves that a build would divide", "[core][tree]") {
+TEST_CASE("DriftFraction: the frames of leaves that a build would divide", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(1500, 18, 5);
   const core::Tree tree = Build(states);
   // Nothing added: the rule that made the leaves does not divide them.
-  CHECK(core::StaleShare(tree, 1500, states, kMinFrames, core::Serially) == 0);
+  CHECK(core::DriftFraction(tree, 1500, states, kMinFrames, core::Serially) == 0);
   // Two heaps far from each other, in what was one leaf.
   core::FrameMatrix heaps(60, 18);
   for (int i = 0; i < 60; ++i) {
@@ -133,7 +131,7 @@ TEST_CASE("StaleShare: the frames of leaves that a build would divide", "[core][
       frames += static_cast<double>(members.size());
   }
   CHECK(frames > 0);
-  CHECK(core::StaleShare(*grown, 1500, all, kMinFrames, core::Serially) == frames / 1560);
+  CHECK(core::DriftFraction(*grown, 1500, all, kMinFrames, core::Serially) == frames / 1560);
 }
 
 TEST_CASE("NodeGaussians: grown ones follow those that are fitted to all frames", "[core][tree]") {
@@ -158,4 +156,4 @@ TEST_CASE("NodeGaussians: grown ones follow those that are fitted to all frames"
   CHECK(kept_up.means() != before.means());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::grow_tree_test

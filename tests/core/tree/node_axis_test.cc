@@ -1,8 +1,7 @@
-#include "core/tree/node_axis.h"
-
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "core/tree/principal_axis.h"
 #include "core/tree/row_kernels.h"
 #include "core/tree/tree_builder.h"
 #include "tests/core/tree/exact_split.h"
@@ -11,7 +10,7 @@
 #include "tests/support/real_data.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::node_axis_test {
 namespace {
 
 constexpr int kDimensions = 48;
@@ -28,8 +27,9 @@ core::NodeAxis AxisOf(const core::FrameMatrix& states,
       parallel);
 }
 
-// That the axis is within its stated bounds, and that its best cut is as good as the exact axis's.
-void CheckSplit(const core::FrameMatrix& states) {
+// That the axis is within its stated bounds, and that its best cut is as good as the exact axis's,
+// unless another axis has almost the same scatter: of two such, each has a cut of its own.
+void CheckSplit(const core::FrameMatrix& states, bool compare_cuts = true) {
   const bool tight = states.rows() <= core::kTightFrames;
   const double tolerance = tight ? core::kTightTolerance : core::kLooseTolerance;
   const ExactAxes exact = FindExactAxes(states);
@@ -51,6 +51,7 @@ void CheckSplit(const core::FrameMatrix& states) {
   CHECK(sine * (scatter - second) <= (tolerance + kRounding) * scatter);
   CHECK(scatter >= most * (1 - (tight ? 1e-9 : tolerance)));
 
+  if (!compare_cuts) return;
   const double cost = LeastCutCost(SortedProjections(states, exact.mean, axis));
   const double exact_cost = LeastCutCost(SortedProjections(states, exact.mean, true_axis));
   CHECK(cost <= exact_cost + (tight ? 1e-6 : 1e-3) * static_cast<double>(states.rows()));
@@ -77,7 +78,7 @@ TEST_CASE("NodeAxis: two axes of almost the same scatter", "[core][tree]") {
     core::FrameMatrix states = core::FrameMatrix::Random(frames, kDimensions);
     states.col(3) *= 3;
     states.col(17) *= 3.01f;
-    CheckSplit(states);
+    CheckSplit(states, /*compare_cuts=*/false);
   }
 }
 
@@ -118,4 +119,4 @@ TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::node_axis_test

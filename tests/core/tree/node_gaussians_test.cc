@@ -8,7 +8,7 @@
 #include "core/tree/tree_builder.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::node_gaussians_test {
 
 TEST_CASE("NodeGaussians: mean and shrunk variance of each node's frames", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(400, 6, 2);
@@ -92,4 +92,24 @@ TEST_CASE("FeatureScale: kinds are scaled to a pooled deviation of 1, and back",
         Eigen::RowVectorXf::Ones(12));
 }
 
-}  // namespace motiondb::tests
+TEST_CASE("FeatureScale: a few corrupt frames do not change it", "[core][tree]") {
+  for (const int frames : {500, 20000}) {
+    const core::FrameMatrix states = WanderingStates(frames, 12, 9);
+    core::FrameMatrix corrupt = states;
+    for (int f = 7; f < frames; f += frames / 4) corrupt.row(f).array() += 100;
+    corrupt.row(frames / 2).array() -= 1e6F;
+    for (const auto scaling : {core::Scaling::kKind, core::Scaling::kDimension}) {
+      const auto clean = core::MakeFeatureScale(scaling, states);
+      CHECK(core::MakeFeatureScale(scaling, corrupt).divisor.isApprox(clean.divisor, 0.01F));
+    }
+    // Without them it is the plain deviation.
+    const Eigen::RowVectorXd plain =
+        (states.cast<double>().rowwise() - states.cast<double>().colwise().mean())
+            .cwiseAbs2()
+            .colwise()
+            .mean();
+    CHECK(core::RobustVariances(states).isApprox(plain, 1e-9));
+  }
+}
+
+}  // namespace motiondb::tests::node_gaussians_test

@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
-namespace motiondb::tests {
+namespace motiondb::tests::principal_axis_test {
 namespace {
 
 Eigen::MatrixXd RandomData(int dimensions, int frames, unsigned seed, double decay) {
@@ -103,4 +103,4 @@ TEST_CASE("PrincipalAxis: a matrix of rank 1 takes two products", "[core][tree]"
   CHECK(found.variance == Approx(3));
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::principal_axis_test

@@ -20,8 +20,8 @@ core::FrameMatrix ScaledStatesOf(const std::string& list, double frame_rate_hz,
     if (!wanted(clip)) continue;
     const auto file = ReadMotion(clip.path);
     REQUIRE(file.ok());
-    const auto sequence =
-        core::Represent(core::StandardScheme(), file->motion, frame_rate_hz, core::Gaps::kFill);
+    const auto sequence = core::Represent(core::StandardScheme(), file->motion, frame_rate_hz,
+                                          core::GlitchPolicy::kKeep);
     REQUIRE(sequence.ok());
     clips.push_back(sequence->states);
     frames += clips.back().rows();

@@ -5,10 +5,9 @@
 #include <vector>
 
 #include "core/motion/matrix.h"
-#include "core/tree/row_product.h"
 #include "tests/support/fixed_numbers.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::row_kernels_test {
 namespace {
 
 // Rows of which whole steps can be read, also from the last.
@@ -100,9 +99,49 @@ TEST_CASE("Row kernels: the same bits on every processor", "[core][tree]") {
       digest.AddAll(core::RowProduct(rows, FixedNumbers(dimensions, 20)));
       digest.Add(core::ScaledSquares(rows.row(0).data(), rows.row(1).data(), rows.row(2).data(),
                                      dimensions));
+      const core::FrameMatrix blocks = FixedNumbers(2 * dimensions, core::kSquaresLanes);
+      Eigen::RowVectorXf squares(2 * core::kSquaresLanes);
+      core::ScaledSquaresWithin(
+          blocks.data(), 2, rows.row(1).data(), rows.row(2).data(), dimensions,
+          Eigen::RowVectorXf::Constant(squares.size(), static_cast<float>(dimensions))
+              .eval()
+              .data(),
+          squares.data());
+      digest.AddAll(squares);
     }
   }
-  CHECK(digest.value() == 0x61236f822e1cedffU);
+  CHECK(digest.value() == 0xc03538841c95083fU);
+}
+
+TEST_CASE("Row kernels: scaled squares within limits are those of each frame", "[core][tree]") {
+  constexpr int kBlocks = 3;
+  constexpr int kFrames = kBlocks * core::kSquaresLanes;
+  for (const int dimensions : {1, 11, 12, 13, 40, 204}) {
+    const core::FrameMatrix frames = FixedNumbers(kFrames, dimensions);
+    const core::FrameMatrix mean = FixedNumbers(1, dimensions);
+    const core::FrameMatrix factors = 2 * core::FrameMatrix::Ones(1, dimensions);
+    core::FrameMatrix blocks(kBlocks * dimensions, core::kSquaresLanes);
+    for (int f = 0; f < kFrames; ++f) {
+      blocks.block(f / core::kSquaresLanes * dimensions, f % core::kSquaresLanes, dimensions, 1) =
+          frames.row(f).transpose();
+    }
+    // Of the first block nothing is within its limits, of the second one frame, of the last all.
+    Eigen::RowVectorXf limits = Eigen::RowVectorXf::Constant(kFrames, -1);
+    limits[core::kSquaresLanes + 3] = limits.tail(core::kSquaresLanes).setConstant(1e9F)[0];
+    Eigen::RowVectorXf squares(kFrames);
+    CHECK(core::ScaledSquaresWithin(blocks.data(), kBlocks, mean.data(), factors.data(), dimensions,
+                                    limits.data(), squares.data()) == 2);
+    for (int f = 0; f < kFrames; ++f) {
+      if (f < core::kSquaresLanes) {
+        CHECK(std::isinf(squares[f]));
+        continue;
+      }
+      CHECK(squares[f] == Approx(core::ScaledSquares(frames.row(f).data(), mean.data(),
+                                                     factors.data(), dimensions))
+                              .epsilon(1e-5)
+                              .margin(1e-6));
+    }
+  }
 }
 
 TEST_CASE("Row product: equals the exact one, whatever the rows beside it", "[core][tree]") {
@@ -146,4 +185,4 @@ TEST_CASE("Row kernels: alike rows project alike wherever they stand", "[core][t
   CHECK((projections.array() == projections[0]).all());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::row_kernels_test

@@ -1,14 +1,13 @@
-#include "core/tree/sort_values.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
+#include "core/tree/permuted_states.h"
 #include "tests/core/tree/threads.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::sort_values_test {
 namespace {
 
 enum class Shape { kEven, kNormal, kHeavyTails, kTwoFar, kFew, kSame, kSorted };
@@ -67,4 +66,4 @@ TEST_CASE("SortValues: sorts whatever the values look like, on any threads", "[c
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::sort_values_test

@@ -1,5 +1,3 @@
-#include "core/tree/threshold.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -7,7 +5,9 @@
 #include <random>
 #include <vector>
 
-namespace motiondb::tests {
+#include "core/tree/divide_node.h"
+
+namespace motiondb::tests::threshold_test {
 namespace {
 
 double Variance(const std::vector<double>& values, std::size_t begin, std::size_t end) {
@@ -71,4 +71,4 @@ TEST_CASE("Threshold: runs of equal values do not upset it", "[core][tree]") {
   CHECK(core::MinimumErrorThreshold(values) == 40);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::threshold_test

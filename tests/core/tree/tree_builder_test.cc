@@ -8,7 +8,7 @@
 #include "tests/core/tree/threads.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::tree_builder_test {
 namespace {
 
 core::Tree Build(const core::FrameMatrix& states, int min_frames,
@@ -179,4 +179,4 @@ TEST_CASE("Tree: refuses parts that are not a tree", "[core][tree]") {
   }
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::tree_builder_test

@@ -1,12 +1,12 @@
-#include "core/tree/tridiagonal.h"
-
 #include <Eigen/Eigenvalues>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
 #include <vector>
 
-namespace motiondb::tests {
+#include "core/tree/principal_axis.h"
+
+namespace motiondb::tests::tridiagonal_test {
 namespace {
 
 struct Tridiagonal {
@@ -68,4 +68,4 @@ TEST_CASE("Tridiagonal: a diagonal of zeros, and numbers of any size", "[core][t
   CHECK(core::TopOfTridiagonal(std::vector<double>{0.0}, {}).value == 0.0);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::tridiagonal_test

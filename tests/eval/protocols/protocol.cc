@@ -11,6 +11,7 @@ const std::vector<Protocol>& Protocols() {
       {"prediction", "Prediction: 10 frames in, 25 out, at 25 Hz", RunPrediction},
       {"calibration", "Confidence that means something", RunCalibration},
       {"hard", "Hard conditions", RunHard},
+      {"corrupt", "Corrupt frames in stored clips", RunCorrupt},
   };
   return kProtocols;
 }

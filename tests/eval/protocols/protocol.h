@@ -32,6 +32,8 @@ absl::StatusOr<Tables> RunPrediction(Studies& studies);
 absl::StatusOr<Tables> RunCalibration(Studies& studies);
 // Markers missing or noisy, other frame rates, other formats.
 absl::StatusOr<Tables> RunHard(Studies& studies);
+// Stored clips with frames that no body can be in.
+absl::StatusOr<Tables> RunCorrupt(Studies& studies);
 
 struct Protocol {
   std::string name;

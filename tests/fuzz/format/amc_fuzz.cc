@@ -1,5 +1,5 @@
 // ASF files and the AMC files that move them: "<asf>\0<amc>".
-#include "core/format/amc_reader.h"
+#include "core/format/readers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

@@ -1,5 +1,5 @@
 // BVH files.
-#include "core/format/bvh_reader.h"
+#include "core/format/readers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

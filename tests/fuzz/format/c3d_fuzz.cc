@@ -1,5 +1,5 @@
 // C3D files.
-#include "core/format/c3d_reader.h"
+#include "core/format/readers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"
 #include "tests/fuzz/support/properties.h"

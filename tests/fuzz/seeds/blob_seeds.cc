@@ -3,9 +3,7 @@
 #include <vector>
 
 #include "storage/blob/chunk_stream.h"
-#include "storage/blob/graph_codec.h"
-#include "storage/blob/prediction_codec.h"
-#include "storage/blob/recognition_codec.h"
+#include "storage/blob/model_codec.h"
 #include "tests/fuzz/seeds/seed_file.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"

@@ -2,9 +2,9 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "core/format/bvh_reader.h"
-#include "core/format/bvh_writer.h"
 #include "core/format/marker_set_file.h"
+#include "core/format/readers.h"
+#include "core/format/writers.h"
 #include "tests/core/format/c3d_builder.h"
 #include "tests/core/format/odd_robot.h"
 #include "tests/fuzz/seeds/seed_file.h"

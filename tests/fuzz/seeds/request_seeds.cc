@@ -3,13 +3,13 @@
 #include <vector>
 
 #include "absl/strings/escaping.h"
-#include "core/format/bvh_reader.h"
+#include "core/format/readers.h"
 #include "core/motion/marker_set.h"
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/plan.pb.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/packed_floats.h"
+#include "server/translate/message_fields.h"
 #include "tests/fuzz/seeds/seed_file.h"
 #include "tests/fuzz/seeds/small_files.h"
 #include "tests/fuzz/server/message_stream.h"

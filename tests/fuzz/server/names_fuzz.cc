@@ -1,5 +1,4 @@
 // Resource names and page tokens: what parses is written the same again.
-#include "server/translate/model_page.h"
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
 #include "tests/fuzz/support/properties.h"

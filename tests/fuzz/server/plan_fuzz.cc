@@ -1,12 +1,10 @@
 // Plan requests, from their bytes to the answer. The search ends after a count of steps and not by
 // the clock, so that an input does the same whenever it is run.
 #include "core/motion/error.h"
-#include "core/planning/planner.h"
+#include "core/planning/plan.h"
 #include "motiondb/v1/plan.pb.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/plan_body.h"
 #include "server/translate/plan_message.h"
-#include "server/translate/plan_options.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"
 #include "tests/fuzz/server/query_deadline.h"
@@ -22,24 +20,18 @@ constexpr int kSearchSteps = 30;
 constexpr int kWorkSteps = 2000;  // then it is cancelled: inverse kinematics of long motions
 
 absl::Status Plan(const v1::PlanRequest& request, v1::PlanResponse& response) {
-  tests::TrainedEngine& trained = tests::Trained();
-  MOTIONDB_ASSIGN_OR_RETURN(auto options, server::OptionsFrom(request, trained.model(),
-                                                              *trained.engine, *trained.database));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, trained.database->scheme());
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const server::PlanBody body,
-      server::BodyFrom(request, options.start_clip, *scheme, *trained.engine, *trained.database));
-  options.problem.skeleton = body.skeleton;
-  options.problem.flat_soles = body.is_robot;
+  const server::Query query = tests::Trained().Ask();
+  MOTIONDB_ASSIGN_OR_RETURN(const auto plan, server::PlanRequestFrom(request, "db"));
+  MOTIONDB_ASSIGN_OR_RETURN(server::PreparedPlan prepared, server::PreparePlan(query, plan));
   int search_steps = 0;
   int work_steps = 0;
   const core::Cancelled cancelled = [&] { return ++work_steps > kWorkSteps; };
   const core::PlanControl control{.cancelled = cancelled,
                                   .time_up = [&] { return ++search_steps > kSearchSteps; }};
-  MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
-                            core::PlanMotion(trained.model(), *scheme, options.problem, control));
-  return server::SetPlan(answer, "db", trained.model(), body, request.include_files(), cancelled,
-                         response);
+  server::PlanResult result{.body = prepared.body};
+  MOTIONDB_ASSIGN_OR_RETURN(
+      result.answer, core::PlanMotion(query.model(), *prepared.scheme, prepared.problem, control));
+  return server::SetPlan(result, "db", query.model(), request.include_files(), cancelled, response);
 }
 
 }  // namespace

@@ -4,7 +4,6 @@
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/observation.h"
 #include "server/translate/query_message.h"
-#include "server/translate/query_options.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"
 #include "tests/fuzz/server/query_deadline.h"
@@ -17,15 +16,13 @@ MOTIONDB_MUTATE_AS(v1::RecognizeRequest)
 namespace {
 
 absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeResponse& response) {
-  tests::TrainedEngine& trained = tests::Trained();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request, trained.model()));
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto states, server::StatesFrom("observation", request.observation(), *trained.engine,
-                                            *trained.database, server::WorkTerms{}));
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto answer,
-      core::Recognize(trained.model(), states, options, tests::AfterSeconds(tests::kQuerySeconds)));
-  return server::SetRecognition(answer, "db", trained.model(), request.top_count(), response);
+  const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
+                            server::ObservationFrom("observation", request.observation(), "db"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
+                            query.Recognize(observation, options, request.top_count()));
+  return server::SetRecognition(answer, "db", query.model(), request.top_count(), response);
 }
 
 }  // namespace

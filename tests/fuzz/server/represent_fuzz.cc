@@ -3,7 +3,6 @@
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"
 #include "server/translate/observation.h"
-#include "server/translate/observe_message.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_mutation.h"
 #include "tests/fuzz/server/trained_engine.h"
@@ -16,10 +15,9 @@ MOTIONDB_MUTATE_AS(v1::RepresentRequest)
 namespace {
 
 absl::Status Represent(const v1::RepresentRequest& request, v1::RepresentResponse& response) {
-  tests::TrainedEngine& trained = tests::Trained();
-  MOTIONDB_ASSIGN_OR_RETURN(
-      const auto markers, server::MarkersFrom("observation", request.observation(), *trained.engine,
-                                              *trained.database, server::WorkTerms{}));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
+                            server::ObservationFrom("observation", request.observation(), "db"));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto markers, tests::Trained().Ask().Markers(observation));
   tests::HoldsMotion(markers);
   server::SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();

@@ -48,8 +48,9 @@ TrainedEngine Train() {
   Ingest(trained, "squat", {.act = Act::kSquat, .frame_count = 90});
   Ingest(trained, "wave", {.act = Act::kWave, .frame_count = 90});
   while (true) {
-    trained.snapshot = trained.database->snapshot();
-    if (trained.snapshot != nullptr && trained.model().clips().size() == 3) return trained;
+    trained.snapshot = trained.database->lifecycle().snapshot();
+    const bool is_stored = trained.snapshot != nullptr && trained.snapshot->is_stored();
+    if (is_stored && trained.model().clips().size() == 3) return trained;
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
 }

@@ -3,9 +3,9 @@
 #pragma once
 
 #include <memory>
+#include <utility>
 
-#include "server/engine/engine.h"
-#include "server/engine/snapshot.h"
+#include "server/engine/query.h"
 
 namespace motiondb::tests {
 
@@ -15,6 +15,10 @@ struct TrainedEngine {
   std::shared_ptr<const server::Snapshot> snapshot;
 
   const core::Model& model() const { return snapshot->model; }
+  // One that ends when `cancelled` says so.
+  server::Query Ask(core::Cancelled cancelled = {}) const {
+    return *server::Query::Begin(*engine, "db", {.cancelled = std::move(cancelled)});
+  }
 };
 
 TrainedEngine& Trained();

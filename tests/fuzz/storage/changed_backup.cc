@@ -9,8 +9,8 @@
 #include <iterator>
 #include <vector>
 
-#include "storage/blob/sha256.h"
-#include "storage/sqlite/backup_format.h"
+#include "storage/blob/checksums.h"
+#include "storage/sqlite/sqlite_backup.h"
 #include "tests/fuzz/server/trained_engine.h"
 #include "tests/fuzz/support/properties.h"
 #include "tests/support/temporary_directory.h"

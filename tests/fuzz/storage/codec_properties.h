@@ -5,7 +5,6 @@
 #include <span>
 
 #include "storage/blob/byte_stream.h"
-#include "storage/blob/fields.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/properties.h"
 

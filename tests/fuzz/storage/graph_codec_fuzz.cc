@@ -1,5 +1,5 @@
 // Transition graphs of a model. A decoded graph is walked as inference walks it.
-#include "storage/blob/graph_codec.h"
+#include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 
 using namespace motiondb;

@@ -1,5 +1,5 @@
 // What a model has learned of how motion goes on. The first byte gives the markers of the model.
-#include "storage/blob/prediction_codec.h"
+#include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 
 using namespace motiondb;

@@ -1,5 +1,5 @@
 // What recognition learned. The first byte gives the markers of the model.
-#include "storage/blob/recognition_codec.h"
+#include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 
 using namespace motiondb;

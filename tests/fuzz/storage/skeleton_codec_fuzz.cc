@@ -1,5 +1,5 @@
 // Blobs of skeleton.
-#include "storage/blob/skeleton_codec.h"
+#include "storage/blob/clip_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 
 using namespace motiondb;

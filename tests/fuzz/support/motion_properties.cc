@@ -30,11 +30,11 @@ void HoldsMarkers(const core::MarkerMotion& motion) {
   }
 }
 
-void HoldsStates(const core::Motion& motion, core::Gaps gaps) {
+void HoldsStates(const core::Motion& motion, core::Cleaning cleaning) {
   const auto scheme = core::SourceScheme(motion);
   HoldsError(scheme.status(), absl::StatusCode::kInvalidArgument);
   if (!scheme.ok()) return;
-  const auto states = server::RepresentWithin(kLimits, *scheme, motion, gaps, std::nullopt);
+  const auto states = server::RepresentWithin(kLimits, *scheme, motion, cleaning, std::nullopt);
   HoldsError(states.status(), absl::IsResourceExhausted(states.status())
                                   ? absl::StatusCode::kResourceExhausted  // it is too long
                                   : absl::StatusCode::kInvalidArgument);
@@ -44,7 +44,7 @@ void HoldsStates(const core::Motion& motion, core::Gaps gaps) {
   Holds(states->leg_length_m > 0 && std::isfinite(states->leg_length_m), "a leg has a length");
   Holds(!states->states.array().isInf().any(), "states are finite");
   // A single frame, which is no clip, has no velocities.
-  const bool is_clip = gaps == core::Gaps::kFill && states->frame_count() > 1;
+  const bool is_clip = cleaning == core::GlitchPolicy::kRepair && states->frame_count() > 1;
   Holds(!is_clip || states->states.allFinite(), "a stored clip lacks no marker");
 }
 
@@ -61,8 +61,8 @@ void HoldsMotionFile(const absl::StatusOr<core::MotionFile>& read) {
   HoldsError(read.status(), absl::StatusCode::kInvalidArgument);
   if (!read.ok()) return;
   HoldsMotion(read->motion);
-  HoldsStates(read->motion, core::Gaps::kFill);
-  HoldsStates(read->motion, core::Gaps::kKeep);
+  HoldsStates(read->motion, core::GlitchPolicy::kRepair);
+  HoldsStates(read->motion, core::kObservation);
 }
 
 }  // namespace motiondb::tests

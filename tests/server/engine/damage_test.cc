@@ -8,7 +8,7 @@
 #include "tests/storage/damaged_store.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::damage_test {
 namespace {
 
 using storage::OperationState;
@@ -36,7 +36,7 @@ void Settle(TestEngine& engine) {
 }
 
 std::string ClipsOfModel(TestEngine& engine) {
-  const auto snapshot = (*engine->FindDatabase("db"))->snapshot();
+  const auto snapshot = (*engine->FindDatabase("db"))->lifecycle().snapshot();
   if (snapshot == nullptr) return "none";
   std::string ids;
   for (const auto& clip : snapshot->model.clips()) ids += clip.id;
@@ -118,7 +118,7 @@ TEST_CASE("Damage: a model is built anew from the clips", "[server][damage]") {
 TEST_CASE("Damage: a model serves though the list of its clips is damaged", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
-  RuinPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_by_id"))));
+  RuinPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_of_database"))));
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
   CHECK_THAT(Damaged(engine), Catch::Contains("databases/db "));
@@ -170,4 +170,4 @@ TEST_CASE("Damage: a database without a clip that can be read says so", "[server
   CHECK(ClipsOfModel(engine) == "d");
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::damage_test

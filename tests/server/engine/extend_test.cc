@@ -1,16 +1,15 @@
 // Clips become known without a build, where a build takes long.
-#include "server/engine/extend.h"
-
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
 
 #include "core/calibration/held_out.h"
 #include "core/recognition/recognize.h"
+#include "server/engine/compute_model.h"
 #include "server/engine/snapshot.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::extend_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -35,7 +34,7 @@ void BuildWalks(TestEngine& engine, int clips) {
 }
 
 std::shared_ptr<const server::Snapshot> Current(TestEngine& engine) {
-  return (*engine->FindDatabase("db"))->snapshot();
+  return (*engine->FindDatabase("db"))->lifecycle().snapshot();
 }
 
 bool Knows(const server::Snapshot& snapshot, const std::string& clip) {
@@ -128,7 +127,11 @@ TEST_CASE("Extend: a clip that comes during a build is known before and after it
     operation = engine.Ingest("db", "new" + std::to_string(c), Walk(0.03 * c + 2.51))->operation.id;
   }
   engine.model_gate().AwaitArrival();
-  CHECK(AwaitKnown(engine, "new4")->record.added_clip_count == 5);
+  // The new model knows them by its build, and answers while it is stored.
+  const auto built = AwaitKnown(engine, "new4");
+  CHECK_FALSE(built->is_stored());
+  CHECK(built->record.added_clip_count == 0);
+  CHECK(built->model.clips().size() == 25);
   // Its extension waits for the model that is just being put, and goes on from there.
   const auto late = engine.Ingest("db", "late", Walk(0.77));
   REQUIRE(late.ok());
@@ -176,4 +179,4 @@ TEST_CASE("Extend: a model that is built quickly is built", "[server][extend]") 
   CHECK(Current(engine)->model.clips().size() == 21);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::extend_test

@@ -2,9 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "server/engine/content_hash.h"
-
-namespace motiondb::server {
+namespace motiondb::server::file_names_test {
 namespace {
 
 TEST_CASE("FileNames: folders of either kind of slash are left out", "[server]") {
@@ -32,4 +30,4 @@ TEST_CASE("ContentHash: tells files and where one ends and the other begins apar
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::file_names_test

@@ -3,12 +3,15 @@
 
 #include <atomic>
 #include <catch2/catch.hpp>
+#include <sstream>
 #include <thread>
+#include <tuple>
 #include <vector>
 
+#include "server/engine/snapshot.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::ingest_test {
 namespace {
 
 server::IngestFile File(const std::string& name, std::string bytes) {
@@ -43,6 +46,65 @@ TEST_CASE("Ingest: the record says what the file held", "[server][ingest]") {
   CHECK(engine->store().ReadClipSource("db", clip.id)->file_bytes == file.file_bytes);
   CHECK((*live->scheme())->set.marker_count() == 10);
   CHECK(live->stored().frame_count == 121);
+}
+
+// The walk, of which the hips are elsewhere in some frames (from 0).
+std::string WalkWithGlitch(int first, int count) {
+  std::istringstream lines(Walk());
+  std::string text;
+  std::string line;
+  for (int frame = -1; std::getline(lines, line);) {
+    if (frame >= first && frame < first + count) line = "9000" + line.substr(line.find(' '));
+    if (frame >= 0 || line.starts_with("Frame Time")) ++frame;
+    text += line + "\n";
+  }
+  return text;
+}
+
+TEST_CASE("Ingest: glitches are treated as the database says, and the report names them",
+          "[server][ingest]") {
+  using core::GlitchPolicy;
+  TestEngine engine;
+  const auto ingest = [&](const char* id, GlitchPolicy policy, int count) {
+    return engine->Ingest(engine.Create(id, policy), File("walk.bvh", WalkWithGlitch(20, count)),
+                          {});
+  };
+  const auto repaired = ingest("repair", GlitchPolicy::kRepair, 3);
+  INFO(repaired.status().ToString());
+  REQUIRE(repaired.ok());
+  CHECK(repaired->clip.frame_count == 121);
+  CHECK_THAT(repaired->clip.source_report,
+             Catch::Contains("glitches repaired (1): frames 21-23: all markers jump"));
+  CHECK(engine->store().ReadClipStates("repair", "walk")->glitches.empty());
+
+  for (const auto& [id, policy, count] :
+       {std::tuple("long", GlitchPolicy::kRepair, 12), {"reject", GlitchPolicy::kReject, 1}}) {
+    const auto refused = ingest(id, policy, count);
+    CHECK(absl::IsInvalidArgument(refused.status()));
+    CHECK_THAT(std::string(refused.status().message()), Catch::Contains("walk.bvh: frame") &&
+                                                            Catch::Contains("21") &&
+                                                            Catch::Contains("all markers jump"));
+    CHECK(engine->store().ListClips(id, {})->empty());
+  }
+
+  const auto dropped = ingest("drop", GlitchPolicy::kDrop, 12);
+  REQUIRE(dropped.ok());
+  CHECK(dropped->clip.frame_count == 57);  // frames 33-61, at twice the rate
+  CHECK_THAT(dropped->clip.source_report, Catch::Contains("dropped, frames 33-61 of 61 stored"));
+
+  const auto kept = ingest("keep", GlitchPolicy::kKeep, 12);
+  REQUIRE(kept.ok());
+  CHECK(kept->clip.frame_count == 121);
+  CHECK_THAT(kept->clip.source_report, Catch::Contains("glitches kept (1): frames 21-32"));
+  CHECK(engine->store().ReadClipStates("keep", "walk")->glitches.size() == 1);
+  // The model knows them, also when it is read.
+  REQUIRE(engine.Wait(kept->operation.id).state == storage::OperationState::kSucceeded);
+  engine.Stop();
+  engine.Start();
+  const auto snapshot = engine->CurrentModel(**engine->FindDatabase("keep"));
+  REQUIRE(snapshot.ok());
+  CHECK((*snapshot)->model.HasGlitch(50, 50));
+  CHECK_FALSE((*snapshot)->model.HasGlitch(80, 120));
 }
 
 TEST_CASE("Ingest: ids from names are numbered, fixed ones are kept or refused",
@@ -128,7 +190,7 @@ TEST_CASE("Ingest: without room for an operation, what was stored or deleted is 
   REQUIRE(deleted.ok());
   CHECK(absl::IsNotFound(engine->store().GetClip("db", "walk").status()));
   CHECK(engine.Wait(deleted->id).state == storage::OperationState::kSucceeded);
-  CHECK(live->snapshot() == nullptr);
+  CHECK(live->lifecycle().snapshot() == nullptr);
   CHECK(engine->operations().Get(deleted->id)->done());
 }
 
@@ -141,4 +203,4 @@ TEST_CASE("Ingest: a deleted database takes nothing more", "[server][ingest]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::ingest_test

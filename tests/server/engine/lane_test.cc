@@ -13,7 +13,7 @@
 
 #include "server/engine/workers.h"
 
-namespace motiondb::server {
+namespace motiondb::server::lane_test {
 namespace {
 
 TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[server]") {
@@ -79,7 +79,8 @@ TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server
   CHECK(order.find('b') <= 2);
 }
 
-TEST_CASE("Workers: light work goes on beside as much heavy work as there is", "[server]") {
+TEST_CASE("Workers: work goes on beside as much of what takes turns as there is", "[server]") {
+  const Pool pool = GENERATE(Pool::kRequests, Pool::kChanges);
   EngineOptions options;
   options.query_threads = 2;
   Workers workers(options);
@@ -88,19 +89,21 @@ TEST_CASE("Workers: light work goes on beside as much heavy work as there is", "
   bool light_is_done = false;
   // Each would wait for ever, were it to keep the light work from running.
   for (int i = 0; i < 8; ++i) {
-    workers.PostHeavy("", [&] {
+    workers.PostInTurn(pool, "", [&] {
       std::unique_lock lock(mutex);
       changed.wait(lock, [&] { return light_is_done; });
     });
   }
-  workers.Post(Pool::kRequests, [&] {
+  CHECK(workers.queued(pool) >= 7);
+  workers.Post(pool, [&] {
     const std::lock_guard lock(mutex);
     light_is_done = true;
     changed.notify_all();
   });
   workers.Join();
   CHECK(light_is_done);
+  CHECK(workers.queued(pool) == 0);
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::lane_test

@@ -1,29 +1,51 @@
-// Random changes of a database, also in the midst of builds, in simulated time: what the states of
-// its lifecycle promise (server/engine/model_lifecycle.h).
+// Random changes of a database, also in the midst of builds, in simulated time, with crashes: what
+// the states of its lifecycle promise (server/engine/model_lifecycle.h).
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
+#include "server/engine/damage_book.h"
 #include "server/engine/ingest.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
+#include "server/engine/operation_registry.h"
 #include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/simulated_executor.h"
 #include "tests/support/stick_figure.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::lifecycle_simulation_test {
 namespace {
 
+using server::Calibration;
 using server::Executor;
 using server::Retiring;
 using std::chrono::milliseconds;
 using storage::OperationState;
+
+// What was seen of builds.
+struct Seen {
+  int builds = 0;
+  int borrowing = 0;            // moments at which a model answered that was not calibrated
+  int cancelled_borrowing = 0;  // builds that were cancelled at such a moment
+  int extended_borrowing = 0;   // moments at which such a model had clips that came after its build
+
+  Seen& operator+=(const Seen& more) {
+    builds += more.builds;
+    borrowing += more.borrowing;
+    cancelled_borrowing += more.cancelled_borrowing;
+    extended_borrowing += more.extended_borrowing;
+    return *this;
+  }
+};
+
+struct Crash {};
 
 class Simulation {
  public:
@@ -32,26 +54,18 @@ class Simulation {
     options_.rebuild_delay = milliseconds(300);
     options_.rebuild_delay_limit = milliseconds(2000);
     options_.extend_from = std::chrono::duration<double>(seed % 2 == 0 ? 0 : 3600);
-    const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
-    REQUIRE(store_
-                ->CreateDatabase(
-                    {.name = "db", .settings = settings, .marker_set = server::kSourceMarkerSet})
+    process_.emplace(directory_ / "store.db");
+    REQUIRE(store()
+                .CreateDatabase(
+                    {.name = "db", .settings = kSettings, .marker_set = server::kSourceMarkerSet})
                 .ok());
-    live_ = std::make_shared<server::LiveDatabase>("db", settings);
-    live_->Serve(std::make_unique<server::ModelLifecycle>(
-        *live_, server::LifecycleServices{*store_, operations_, executor_, options_}));
+    Serve();
     executor_.between = [this] { Meanwhile(); };
   }
 
   // One event: a clip, a deletion, a cancellation, a slow ingest that begins or ends, or time.
   void Step() {
-    switch (Below(6)) {
-      case 0:
-        return Ingest();
-      case 1:
-        return Delete();
-      case 2:
-        return Cancel();
+    switch (const int event = Below(6)) {
       case 3:
         if (Below(4) == 0) in_flight_.push_back(NewIngest());
         return;
@@ -60,9 +74,51 @@ class Simulation {
         in_flight_.pop_back();
         last_ask_ = executor_.Now();
         return;
-      default:
+      case 5:
         executor_.RunUntil(executor_.Now() + milliseconds(Below(500)));
+        return;
+      default:
+        Change(event);
     }
+  }
+
+  // The server dies, in the midst of the next build if it can be, and another takes over its file.
+  void CrashAndRestart() {
+    Ingest();
+    crash_in_ = 1 + Below(600);
+    try {
+      executor_.RunUntil(executor_.Now() + milliseconds(5000));
+    } catch (const Crash&) {
+    }
+    crash_in_ = 0;
+    in_flight_.clear();
+    process_.reset();
+    process_.emplace(directory_ / "store.db");
+    for (const std::string& clip : clips_) CHECK(store().GetClip("db", clip).ok());
+    Serve();
+    last_.reset();
+    server::DamageBook damages;
+    // Nobody finds the database meanwhile.
+    const auto between = std::exchange(executor_.between, nullptr);
+    lifecycle().LoadStored(damages);
+    executor_.between = between;
+    CHECK(damages.List().empty());
+    // The stored model was made before all that came since then.
+    const bool was_emptied = is_emptied_since_;
+    const bool was_deleted = is_deleted_since_;
+    CheckServed();
+    is_emptied_since_ = was_emptied;
+    is_deleted_since_ = was_deleted;
+    // As Engine::Load does.
+    auto undone = *store().ListOperations("db", "", 1000);
+    std::erase_if(undone, [](const auto& operation) { return operation.done(); });
+    std::ranges::reverse(undone);
+    for (const auto& operation : undone) {
+      lifecycle().Resume(operations().Adopt(operation)->id);
+      first_ask_[operation.id] = last_ask_ = executor_.Now();
+      begun_.erase(operation.id);
+    }
+    if (undone.empty() && !*lifecycle().IsUpToDate()) Ask(*lifecycle().Request());
   }
 
   // All that was begun ends, and the model is of the clips there are.
@@ -71,44 +127,118 @@ class Simulation {
     in_flight_.clear();
     Ingest();
     executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
-    int running = 0;
     for (const std::string& id : asked_) {
-      const auto operation = operations_.Get(id);
+      const auto operation = operations().Get(id);
       REQUIRE(operation.ok());
       CHECK(operation->done());
       CHECK((operation->state == OperationState::kSucceeded || cancelled_.contains(id)));
-      running += operation->done() ? 0 : 1;
     }
-    CHECK(running == 0);
-    CHECK(live_->operation().empty());
-    std::set<std::string> known;
-    REQUIRE(live_->snapshot() != nullptr);
-    for (const auto& clip : live_->snapshot()->model.clips()) known.insert(clip.id);
-    CHECK(known == clips_);
+    CHECK(lifecycle().operation().empty());
+    const auto snapshot = lifecycle().snapshot();
+    REQUIRE(snapshot != nullptr);
+    CHECK(snapshot->is_stored());
+    CHECK(KnownTo(*snapshot) == clips_);
+    CheckServed();
   }
 
   // Nothing begins any more, and what waited is for the next server.
   void CheckStop() {
     Ingest();
     const std::string waiting = asked_.back();
-    live_->lifecycle().BeginStop();
+    lifecycle().BeginStop();
     executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
-    live_->lifecycle().AwaitStop();
-    CHECK(operations_.Get(waiting)->state == OperationState::kPending);
+    lifecycle().AwaitStop();
+    CHECK(operations().Get(waiting)->state == OperationState::kPending);
   }
 
-  int builds() const { return static_cast<int>(begun_.size()); }
+  // What is at work when the server drains is PENDING again, and queries go on. False if no build
+  // was at work for long enough.
+  bool CheckDrainInBuild() {
+    Ingest();
+    const std::string id = asked_.back();
+    std::shared_ptr<const server::Snapshot> served;
+    const bool happened = InBuild([&] {
+      served = lifecycle().snapshot();
+      lifecycle().BeginStop();
+      return true;
+    });
+    if (!happened) return false;
+    lifecycle().AwaitStop();
+    CHECK(operations().Get(id)->state == OperationState::kPending);
+    CHECK(lifecycle().snapshot() == served);
+    return true;
+  }
+
+  // A database that is deleted in the midst of a build has no model, then and later.
+  bool CheckDeletionInBuild() {
+    Ingest();
+    const auto deletion = [this] {
+      REQUIRE(store().DeleteDatabase("db").ok());
+      lifecycle().Forget();
+      return absl::OkStatus();
+    };
+    // A model that is just being put is waited for: not on this thread.
+    const bool happened =
+        InBuild([&] { return process_->live->Retire(deletion, [] { return true; }).ok(); });
+    if (!happened) return false;
+    lifecycle().AwaitStop();
+    CHECK(lifecycle().snapshot() == nullptr);
+    CHECK(absl::IsNotFound(store().GetDatabase("db").status()));
+    return true;
+  }
+
+  const Seen& seen() const { return seen_; }
 
  private:
+  static constexpr core::BuildSettings kSettings{.frame_rate_hz = 60, .min_frames = 4};
+
+  // What ends with a server.
+  struct Process {
+    explicit Process(const std::string& path)
+        : store(*storage::SqliteMotionStore::Open(path)), operations(*store) {}
+    const std::unique_ptr<storage::MotionStore> store;
+    server::OperationRegistry operations;
+    std::shared_ptr<server::LiveDatabase> live;
+  };
+
+  storage::MotionStore& store() { return *process_->store; }
+  server::OperationRegistry& operations() { return process_->operations; }
+  server::ModelLifecycle& lifecycle() { return process_->live->lifecycle(); }
+
+  void Serve() {
+    auto live = std::make_shared<server::LiveDatabase>("db", kSettings);
+    live->Serve(std::make_unique<server::ModelLifecycle>(
+        *live, server::LifecycleServices{store(), operations(), executor_, options_}));
+    const auto record = store().GetDatabase("db");
+    REQUIRE(record.ok());
+    server::MarkerSchemes schemes;
+    live->set_scheme(schemes.Of(*record));
+    process_->live = std::move(live);
+  }
+
+  // Runs the time of the next build, and `event` at some moment of it, again until it returns true.
+  // Whether it did.
+  bool InBuild(const std::function<bool()>& event) {
+    int left = 1 + Below(150);
+    bool happened = false;
+    executor_.between = [&] {
+      if (--left <= 0 && !happened) happened = event();
+    };
+    executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
+    executor_.between = nullptr;
+    return happened;
+  }
+
   int Below(int count) { return static_cast<int>(random_() % static_cast<unsigned>(count)); }
 
   std::unique_ptr<server::ModelLifecycle::Ingest> NewIngest() {
-    return std::make_unique<server::ModelLifecycle::Ingest>(live_);
+    return std::make_unique<server::ModelLifecycle::Ingest>(process_->live);
   }
 
   void Ask(const storage::OperationRecord& operation) {
     CHECK(operation.state == OperationState::kPending);
-    if (asked_.empty() || asked_.back() != operation.id) {
+    // One that waits since a restart serves again when those after it were cancelled.
+    if (std::ranges::find(asked_, operation.id) == asked_.end()) {
       asked_.push_back(operation.id);
       first_ask_[operation.id] = executor_.Now();
     }
@@ -119,17 +249,18 @@ class Simulation {
     const auto in_flight = NewIngest();
     server::IngestFile file;
     file.file_name = "walk.bvh";
+    file.clip_id = "walk" + std::to_string(clip_count_);
     file.file_bytes = WriteBvh({.frame_count = 20, .phase = 0.1 * clip_count_++});
     const auto stored = [&](const storage::ClipRecord& clip) {
       clips_.insert(clip.id);
-      live_->lifecycle().RequestExtension();
-      const auto operation = live_->lifecycle().Request();
+      lifecycle().RequestExtension();
+      const auto operation = lifecycle().Request();
       REQUIRE(operation.ok());
       Ask(*operation);
       return absl::OkStatus();
     };
-    const auto clip =
-        server::IngestClip(*store_, *live_, std::move(file), options_, core::Serially, {}, stored);
+    const auto clip = server::IngestClip(store(), *process_->live, std::move(file), options_,
+                                         core::Serially, {}, stored);
     INFO(clip.status().ToString());
     REQUIRE(clip.ok());
     last_ask_ = executor_.Now();
@@ -138,9 +269,12 @@ class Simulation {
   void Delete() {
     if (clips_.empty()) return;
     const auto clip = std::next(clips_.begin(), Below(static_cast<int>(clips_.size())));
-    REQUIRE(store_->DeleteClip("db", *clip).ok());
+    REQUIRE(store().DeleteClip("db", *clip).ok());
     clips_.erase(clip);
-    const auto operation = live_->lifecycle().Request();
+    is_deleted_since_ = true;
+    is_emptied_since_ = is_emptied_since_ || clips_.empty();
+    lifecycle().PurgeUnlessBuilding();
+    const auto operation = lifecycle().Request();
     REQUIRE(operation.ok());
     Ask(*operation);
   }
@@ -150,35 +284,41 @@ class Simulation {
     const std::string& id =
         asked_[asked_.size() - 1 -
                static_cast<std::size_t>(Below(std::min<int>(2, std::ssize(asked_))))];
-    const auto before = operations_.Get(id)->state;
-    const auto is_first = live_->lifecycle().Cancel(id);
+    const auto before = operations().Get(id)->state;
+    const auto is_first = lifecycle().Cancel(id);
     REQUIRE(is_first.ok());
     if (*is_first) cancelled_.insert(id);
     if (before == OperationState::kPending) {
       CHECK(*is_first);
-      CHECK(operations_.Get(id)->state == OperationState::kCancelled);
+      CHECK(operations().Get(id)->state == OperationState::kCancelled);
+    }
+    const auto snapshot = lifecycle().snapshot();
+    if (*is_first && before == OperationState::kRunning && snapshot && !snapshot->is_stored()) {
+      ++seen_.cancelled_borrowing;
     }
   }
 
   // While a build is at work, on another thread. A timer does not fire: the build has its thread.
   void Meanwhile() {
+    if (crash_in_ > 0 && --crash_in_ == 0) throw Crash();
     int running = 0;
     for (const std::string& id : asked_) {
-      if (operations_.Get(id)->state != OperationState::kRunning) continue;
+      if (operations().Get(id)->state != OperationState::kRunning) continue;
       ++running;
-      if (begun_.insert(id).second) CheckBegin(id);
+      if (!begun_.insert(id).second) continue;
+      ++seen_.builds;
+      CheckBegin(id);
     }
     CHECK(running <= 1);
-    switch (Below(200)) {
-      case 0:
-        return Ingest();
-      case 1:
-        return Delete();
-      case 2:
-        return Cancel();
-      default:
-        return;
-    }
+    CheckServed();
+    Change(Below(200));
+  }
+
+  // What may also come in the midst of a build; nothing for most events.
+  void Change(int event) {
+    if (event == 0) Ingest();
+    if (event == 1) Delete();
+    if (event == 2) Cancel();
   }
 
   void CheckBegin(const std::string& id) {
@@ -187,14 +327,70 @@ class Simulation {
     CHECK((now >= latest || (in_flight_.empty() && now >= last_ask_ + options_.rebuild_delay)));
   }
 
+  static std::set<std::string> KnownTo(const server::Snapshot& snapshot) {
+    std::set<std::string> known;
+    for (const auto& clip : snapshot.model.clips()) known.insert(clip.id);
+    return known;
+  }
+
+  // What answers queries at this moment, beside what did before.
+  void CheckServed() {
+    const auto now = lifecycle().snapshot();
+    const auto before = std::exchange(last_, now);
+    const bool was_emptied = is_emptied_since_;
+    const bool was_deleted = is_deleted_since_;
+    if (now == nullptr) {
+      CHECK((before == nullptr || was_emptied || clips_.empty()));
+      return;
+    }
+    const std::set<std::string> known = KnownTo(*now);
+    // A model of deleted clips alone was begun before the last one was deleted.
+    const auto is_stored = [this](const std::string& clip) { return clips_.contains(clip); };
+    if (now != before && std::ranges::any_of(known, is_stored)) is_emptied_since_ = false;
+    if (now != before) is_deleted_since_ = false;
+    CheckVersion(*now);
+    const bool goes_on = before != nullptr && !was_emptied;
+    if (goes_on) CHECK(now->record.version >= before->record.version);
+    if (goes_on && !was_deleted && now != before) {
+      std::set<std::string> lost;
+      std::ranges::set_difference(KnownTo(*before), known, std::inserter(lost, lost.end()));
+      for (const std::string& clip : lost) CHECK(!clips_.contains(clip));
+    }
+    if (now->is_stored()) {
+      last_own_ = now->model.recognition();
+      return;
+    }
+    ++seen_.borrowing;
+    if (now->record.added_clip_count > 0) ++seen_.extended_borrowing;
+    const bool is_previous = now->calibration == Calibration::kPrevious;
+    const core::RecognitionCalibration expected = is_previous ? last_own_ : decltype(last_own_)();
+    CHECK(now->model.recognition().window.familiarity == expected.window.familiarity);
+    CHECK(now->model.recognition().window.weight.scale == expected.window.weight.scale);
+    CHECK(now->model.recognition().whole.weight.power == expected.whole.weight.power);
+  }
+
+  // A version that is reported is that of a stored model, and of the current one if it is said so.
+  void CheckVersion(const server::Snapshot& snapshot) {
+    const auto& record = snapshot.record;
+    CHECK(record.clip_count == std::ssize(snapshot.model.clips()));
+    const auto newest = *store().ListModels("db", 0, 1);
+    if (record.version == 0) {
+      CHECK(!snapshot.is_stored());
+      return;
+    }
+    REQUIRE(!newest.empty());
+    CHECK(record.version <= newest.front().version);
+    if (!snapshot.is_stored()) return;
+    CHECK(record.version == newest.front().version);
+    CHECK(record.create_time_us == newest.front().create_time_us);
+    CHECK(record.clip_count == newest.front().clip_count);
+  }
+
   std::mt19937 random_;
   SimulatedExecutor executor_;
   server::EngineOptions options_;
   TemporaryDirectory directory_;
-  const std::unique_ptr<storage::MotionStore> store_ =
-      *storage::SqliteMotionStore::Open(directory_ / "store.db");
-  server::OperationBook operations_{*store_};
-  std::shared_ptr<server::LiveDatabase> live_;
+  std::optional<Process> process_;
 
   std::vector<std::unique_ptr<server::ModelLifecycle::Ingest>> in_flight_;
   std::set<std::string> clips_;
@@ -204,20 +400,65 @@ class Simulation {
   std::set<std::string> cancelled_;
   std::map<std::string, Executor::Clock::time_point> first_ask_;
   Executor::Clock::time_point last_ask_;
+  int crash_in_ = 0;  // moments of builds; 0: never
+
+  std::shared_ptr<const server::Snapshot> last_;  // as CheckServed saw it
+  core::RecognitionCalibration last_own_;
+  bool is_emptied_since_ = false;  // since then the last clip was deleted
+  bool is_deleted_since_ = false;  // or some clip
+  Seen seen_;
 };
 
 TEST_CASE("Lifecycle: keeps its promises whatever comes, and when", "[server][lifecycle]") {
-  int builds = 0;
-  for (unsigned seed = 1; seed <= 20; ++seed) {
+  Seen seen;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
     Simulation simulation(seed);
     for (int step = 0; step < 60; ++step) simulation.Step();
     simulation.CheckEnd();
-    builds += simulation.builds();
+    seen += simulation.seen();
     simulation.CheckStop();
   }
-  CHECK(builds > 40);  // else the events were too dense for any
+  // Else the events were too dense, or too rare, for these.
+  CHECK(seen.builds > 40);
+  CHECK(seen.borrowing > 100);
+  CHECK(seen.cancelled_borrowing > 0);
+  CHECK(seen.extended_borrowing > 0);
+}
+
+TEST_CASE("Lifecycle: a crash at any moment loses nothing that was acknowledged",
+          "[server][lifecycle]") {
+  Seen seen;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    CAPTURE(seed);
+    Simulation simulation(seed);
+    for (int life = 0; life < 3; ++life) {
+      for (int step = 0; step < 15; ++step) simulation.Step();
+      simulation.CrashAndRestart();
+    }
+    simulation.CheckEnd();
+    seen += simulation.seen();
+  }
+  CHECK(seen.borrowing > 100);
+}
+
+TEST_CASE("Lifecycle: drains and is deleted at any moment of a build", "[server][lifecycle]") {
+  int drains = 0;
+  int deletions = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    CAPTURE(seed);
+    Simulation drained(seed);
+    for (int step = 0; step < 10; ++step) drained.Step();
+    drained.CheckEnd();
+    drains += drained.CheckDrainInBuild();
+    Simulation deleted(seed);
+    for (int step = 0; step < 10; ++step) deleted.Step();
+    deleted.CheckEnd();
+    deletions += deleted.CheckDeletionInBuild();
+  }
+  CHECK(drains > 5);
+  CHECK(deletions > 5);
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::lifecycle_simulation_test

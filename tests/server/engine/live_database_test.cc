@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-namespace motiondb::tests {
+namespace motiondb::tests::live_database_test {
 namespace {
 
 using server::LiveDatabase;
@@ -27,7 +27,7 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
       const auto retiring = i % 2 == 0 ? Retiring::kAwait : Retiring::kRefuse;
       absl::Status status;
       while (status.ok() || absl::IsUnavailable(status)) {
-        status = database.WhileAlive(retiring, [&] {
+        status = database.WithSharedUse(retiring, [&] {
           ++changes;
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
           --changes;
@@ -42,7 +42,7 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
   absl::Status refused;
   const absl::Status deleted = database.Retire([&] {
     changes_meanwhile = changes;
-    refused = database.WhileAlive(Retiring::kRefuse, kNothing);
+    refused = database.WithSharedUse(Retiring::kRefuse, kNothing);
     return absl::OkStatus();
   });
   for (std::thread& thread : threads) thread.join();
@@ -57,22 +57,22 @@ TEST_CASE("LiveDatabase: lives on where its deletion fails, or does not come in 
   LiveDatabase database("db", {});
   absl::Status late;
   CHECK(database
-            .WhileAlive(Retiring::kRefuse,
-                        [&] {
-                          late = database.Retire(kNothing, [] { return true; });
-                          return absl::OkStatus();
-                        })
+            .WithSharedUse(Retiring::kRefuse,
+                           [&] {
+                             late = database.Retire(kNothing, [] { return true; });
+                             return absl::OkStatus();
+                           })
             .ok());
   CHECK(absl::IsCancelled(late));
   CHECK(absl::IsResourceExhausted(
       database.Retire([] { return absl::ResourceExhaustedError("disk"); })));
   CHECK_THROWS(database.Retire([]() -> absl::Status { throw std::bad_alloc(); }));
   CHECK_THROWS(
-      database.WhileAlive(Retiring::kAwait, []() -> absl::Status { throw std::bad_alloc(); }));
-  CHECK(database.WhileAlive(Retiring::kAwait, kNothing).ok());
+      database.WithSharedUse(Retiring::kAwait, []() -> absl::Status { throw std::bad_alloc(); }));
+  CHECK(database.WithSharedUse(Retiring::kAwait, kNothing).ok());
   CHECK(database.Retire(kNothing).ok());
-  CHECK(absl::IsNotFound(database.WhileAlive(Retiring::kAwait, kNothing)));
+  CHECK(absl::IsNotFound(database.WithSharedUse(Retiring::kAwait, kNothing)));
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::live_database_test

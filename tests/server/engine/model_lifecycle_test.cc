@@ -10,7 +10,7 @@
 #include "tests/support/slow_store.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::model_lifecycle_test {
 namespace {
 
 using storage::OperationState;
@@ -36,7 +36,7 @@ TEST_CASE("Lifecycle: a burst of ingests costs one rebuild", "[server][lifecycle
   CHECK(operation.model_version == 1);
   CHECK(engine.ModelVersion("db") == 1);
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
-  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 8);
+  CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 8);
 }
 
 TEST_CASE("Lifecycle: says when a tree of many frames is a single node", "[server][lifecycle]") {
@@ -135,7 +135,7 @@ TEST_CASE("Lifecycle: who gives up before the rebuild is stored gets no operatio
   CHECK(absl::IsCancelled(ingested.status()));
   CHECK(engine->store().GetClip("db", "walk").ok());
   const auto limit = std::chrono::steady_clock::now() + std::chrono::minutes(1);
-  while ((*engine->FindDatabase("db"))->snapshot() == nullptr) {
+  while ((*engine->FindDatabase("db"))->lifecycle().snapshot() == nullptr) {
     REQUIRE(std::chrono::steady_clock::now() < limit);
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
@@ -156,7 +156,7 @@ TEST_CASE("Lifecycle: a cancellation that comes too late to be stored changes no
     const core::Cancelled late = [] { return true; };
     CHECK(absl::IsCancelled(engine->CancelOperation(id, late).status()));
     CHECK(engine->operations().Get(id)->state == OperationState::kPending);
-    CHECK((*engine->FindDatabase("db"))->operation() == id);
+    CHECK((*engine->FindDatabase("db"))->lifecycle().operation() == id);
     CHECK(engine.Ingest("db", "walk", Walk(attempt))->operation.id == id);
   }
   const auto cancellation = engine->CancelOperation(id);
@@ -189,7 +189,7 @@ TEST_CASE(
   CHECK(engine->operations().List("db", "", 10)->empty());
 }
 
-TEST_CASE("Lifecycle: what failed for want of room is built when there is some",
+TEST_CASE("Lifecycle: a build that ran out of room is retried until there is some",
           "[server][lifecycle]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_retry_delay = std::chrono::milliseconds(100);
@@ -253,7 +253,7 @@ TEST_CASE("Lifecycle: what comes during a build gets the next", "[server][lifecy
   engine.gate().Open();
   CHECK(engine.Wait(first->operation.id).model_version == 1);
   CHECK(engine.Wait(third->operation.id).model_version == 2);
-  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+  CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }
 
 TEST_CASE("Lifecycle: the previous model answers until the new one is whole",
@@ -261,17 +261,89 @@ TEST_CASE("Lifecycle: the previous model answers until the new one is whole",
   TestEngine engine;
   const auto live = engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
-  const auto before = live->snapshot();
+  const auto before = live->lifecycle().snapshot();
   REQUIRE(before != nullptr);
   engine.gate().Close();
   const auto second = engine.Ingest("db", "b", Walk(1));
   engine.gate().AwaitArrival();
-  CHECK(live->snapshot() == before);
+  CHECK(live->lifecycle().snapshot() == before);
   CHECK((*engine->CurrentModel(*live))->record.version == 1);
   engine.gate().Open();
   engine.Wait(second->operation.id);
-  CHECK(live->snapshot()->record.version == 2);
+  CHECK(live->lifecycle().snapshot()->record.version == 2);
   CHECK(before->model.clips().size() == 1);  // those who hold the old one keep it
+}
+
+TEST_CASE("Lifecycle: a new model answers before it is stored, with a calibration that is marked",
+          "[server][lifecycle]") {
+  TestEngine engine;
+  const auto live = engine.Create("db");
+  const auto served = [&] { return live->lifecycle().snapshot(); };
+  const auto build = [&](const std::string& clip, double phase) {
+    engine.model_gate().Close();
+    const std::string operation = engine.Ingest("db", clip, Walk(phase))->operation.id;
+    engine.model_gate().AwaitArrival();
+    CHECK(engine->operations().Get(operation)->state == OperationState::kRunning);
+    return operation;
+  };
+  const std::string first = build("a", 0);
+  REQUIRE(served() != nullptr);
+  CHECK(served()->calibration == server::Calibration::kTypical);
+  CHECK(served()->record.version == 0);  // it has none yet
+  CHECK(served()->record.clip_count == 1);
+  CHECK(served()->model.recognition().window.weight.scale ==
+        core::RecognitionCalibration().window.weight.scale);
+  CHECK(engine->CurrentModel(*live).ok());
+  CHECK(absl::IsNotFound(engine->store().GetModel("db", 1).status()));
+  engine.model_gate().Open();
+  CHECK(engine.Wait(first).model_version == 1);
+  REQUIRE(engine.Ingest("db", "b", Walk(1)).ok());
+  engine.Wait(engine.Ingest("db", "c", Walk(2))->operation.id);
+
+  const auto before = served();
+  CHECK(before->calibration == server::Calibration::kOwn);
+  REQUIRE_FALSE(before->model.recognition().window.familiarity.empty());
+  const std::string last = build("d", 3);
+  CHECK(served()->calibration == server::Calibration::kPrevious);
+  CHECK(served()->record.version == before->record.version);
+  CHECK(served()->model.clips().size() == 4);
+  CHECK(served()->record.frame_count == 240);
+  CHECK(served()->model.recognition().window.familiarity ==
+        before->model.recognition().window.familiarity);
+  const auto answering = served();
+  engine.model_gate().Open();
+  CHECK(engine.Wait(last).model_version == before->record.version + 1);
+  CHECK(served()->calibration == server::Calibration::kOwn);
+  CHECK(served()->record.version == before->record.version + 1);
+  CHECK(served()->model.states() == answering->model.states());
+  CHECK(served()->model.recognition().window.familiarity !=
+        answering->model.recognition().window.familiarity);
+}
+
+TEST_CASE("Lifecycle: a new model goes on answering where it cannot be stored",
+          "[server][lifecycle]") {
+  auto options = TestEngine::QuickOptions();
+  options.rebuild_retry_delay = std::chrono::milliseconds(100);
+  TestEngine engine(options);
+  const auto live = engine.Create("db");
+  engine.model_gate().Close();
+  const auto ingested = engine.Ingest("db", "walk", Walk(0));
+  REQUIRE(ingested.ok());
+  engine.model_gate().AwaitArrival();
+  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.model_gate().Open();
+  CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
+  const auto snapshot = live->lifecycle().snapshot();
+  REQUIRE(snapshot != nullptr);
+  CHECK_FALSE(snapshot->is_stored());
+  CHECK(snapshot->model.clips().size() == 1);
+  engine.disk().Set(FullDisk::Lacks::kNothing);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
+  while (engine.ModelVersion("db") == 0 && std::chrono::steady_clock::now() < end) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  CHECK(engine.ModelVersion("db") == 1);
+  CHECK(live->lifecycle().snapshot()->is_stored());
 }
 
 TEST_CASE("Lifecycle: a waiting operation is cancelled at once, a running one soon",
@@ -299,7 +371,7 @@ TEST_CASE("Lifecycle: a waiting operation is cancelled at once, a running one so
   // The clips stay: the next change builds a model of them all.
   const auto next = engine.Ingest("db", "c", Walk(2));
   CHECK(engine.Wait(next->operation.id).state == OperationState::kSucceeded);
-  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+  CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }
 
 TEST_CASE("Lifecycle: deleting clips rebuilds, deleting the last drops the model",
@@ -308,14 +380,14 @@ TEST_CASE("Lifecycle: deleting clips rebuilds, deleting the last drops the model
   const auto live = engine.Create("db");
   REQUIRE(engine.Ingest("db", "a", Walk(0)).ok());
   engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
-  REQUIRE(live->snapshot()->model.clips().size() == 2);
+  REQUIRE(live->lifecycle().snapshot()->model.clips().size() == 2);
   engine.Wait(engine->DeleteClip("db", "a")->id);
-  REQUIRE(live->snapshot()->model.clips().size() == 1);
-  CHECK(live->snapshot()->model.clips()[0].id == "b");
+  REQUIRE(live->lifecycle().snapshot()->model.clips().size() == 1);
+  CHECK(live->lifecycle().snapshot()->model.clips()[0].id == "b");
   const auto last = engine.Wait(engine->DeleteClip("db", "b")->id);
   CHECK(last.state == OperationState::kSucceeded);
   CHECK(last.model_version == 0);
-  CHECK(live->snapshot() == nullptr);
+  CHECK(live->lifecycle().snapshot() == nullptr);
   CHECK(live->stored().clip_count == 0);
   CHECK(absl::IsFailedPrecondition(engine->CurrentModel(*live).status()));
   CHECK(absl::IsNotFound(engine->DeleteClip("db", "b").status()));
@@ -333,8 +405,8 @@ TEST_CASE("Lifecycle: a clip deleted during the build is not in the model", "[se
   engine.gate().Open();
   CHECK(engine.Wait(build).state == OperationState::kSucceeded);
   CHECK(engine.Wait(deletion->id).state == OperationState::kSucceeded);
-  REQUIRE(live->snapshot()->model.clips().size() == 1);
-  CHECK(live->snapshot()->model.clips()[0].id == "a");
+  REQUIRE(live->lifecycle().snapshot()->model.clips().size() == 1);
+  CHECK(live->lifecycle().snapshot()->model.clips()[0].id == "a");
 }
 
 TEST_CASE("Lifecycle: deleting a database ends its work", "[server][lifecycle]") {
@@ -354,10 +426,10 @@ TEST_CASE("Lifecycle: deleting a database ends its work", "[server][lifecycle]")
   const auto fresh = engine.Ingest("db", "c", Walk(2));
   REQUIRE(fresh.ok());
   CHECK(engine.Wait(fresh->operation.id).model_version == 1);
-  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 1);
-  CHECK(live->snapshot() == nullptr);
+  CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 1);
+  CHECK(live->lifecycle().snapshot() == nullptr);
   CHECK(absl::IsNotFound(engine->operations().Get(running).status()));
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::model_lifecycle_test

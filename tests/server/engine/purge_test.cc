@@ -8,7 +8,7 @@
 
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::purge_test {
 namespace {
 
 using storage::OperationState;
@@ -142,4 +142,4 @@ TEST_CASE("Purge: what a deleted database held is freed afterwards, or by the ne
   CHECK(Number(engine, "SELECT count(*) FROM model_chunk") == 0);
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::purge_test

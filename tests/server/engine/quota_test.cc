@@ -10,7 +10,7 @@
 #include "tests/support/gated_store.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::quota_test {
 namespace {
 
 absl::Status Ingest(TestEngine& engine, const std::string& name, double phase) {
@@ -145,4 +145,4 @@ TEST_CASE("Quota: databases are bounded", "[server][quota]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::quota_test

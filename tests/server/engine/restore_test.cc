@@ -8,7 +8,7 @@
 #include "server/engine/snapshot.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::restore_test {
 namespace {
 
 StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
@@ -63,13 +63,14 @@ TEST_CASE("Restore: what a backup brings is served at once", "[server][restore]"
   REQUIRE(restored.ok());
   CHECK(restored->database_count == 1);
   CHECK(restored->clip_count == 1);
-  const auto snapshot = (*to->FindDatabase("db"))->snapshot();
+  const auto snapshot = (*to->FindDatabase("db"))->lifecycle().snapshot();
   REQUIRE(snapshot != nullptr);
-  CHECK(snapshot->model.states() == (*from->FindDatabase("db"))->snapshot()->model.states());
+  CHECK(snapshot->model.states() ==
+        (*from->FindDatabase("db"))->lifecycle().snapshot()->model.states());
   CHECK(snapshot->record.version == 1);
   to.gate().Open();
   to.Wait(to.Ingest("db", "b", Walk(1))->operation.id);
-  CHECK((*to->FindDatabase("db"))->snapshot()->model.clips().size() == 2);
+  CHECK((*to->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 2);
 }
 
 TEST_CASE("Restore: who finds a database finds its clips counted and its model",
@@ -116,4 +117,4 @@ TEST_CASE("Restore: one whose caller is gone brings nothing", "[server][restore]
   CHECK(to->store().ListDatabases({})->empty());
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::restore_test

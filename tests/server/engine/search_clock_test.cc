@@ -3,7 +3,7 @@
 #include <catch2/catch.hpp>
 #include <thread>
 
-namespace motiondb::server {
+namespace motiondb::server::search_clock_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -36,4 +36,4 @@ TEST_CASE("SearchClock: the time of the search stands still when it ends", "[ser
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::search_clock_test

@@ -5,10 +5,9 @@
 #include <stdexcept>
 #include <vector>
 
-#include "server/engine/stoppable.h"
 #include "server/engine/workers.h"
 
-namespace motiondb::server {
+namespace motiondb::server::shared_loop_test {
 namespace {
 
 EngineOptions Threads(int builds) {
@@ -86,4 +85,4 @@ TEST_CASE("Stoppable: begins nothing more once it is stopped", "[server]") {
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::shared_loop_test

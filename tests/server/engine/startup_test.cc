@@ -6,7 +6,7 @@
 #include "storage/sqlite/sqlite_motion_store.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::startup_test {
 namespace {
 
 using storage::OperationState;
@@ -25,12 +25,12 @@ TEST_CASE("Startup: reads the stored model and builds nothing", "[server][startu
   TestEngine engine;
   engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
-  const auto before = (*engine->FindDatabase("db"))->snapshot();
+  const auto before = (*engine->FindDatabase("db"))->lifecycle().snapshot();
   engine.Stop();
   engine.gate().Close();  // a build would stop here
   engine.Start();
   const auto live = *engine->FindDatabase("db");
-  const auto after = live->snapshot();
+  const auto after = live->lifecycle().snapshot();
   REQUIRE(after != nullptr);
   CHECK(after->record.version == 1);
   CHECK(after->record.create_time_us == before->record.create_time_us);
@@ -55,14 +55,14 @@ TEST_CASE("Startup: read-only it serves the stored model and refuses changes",
   REQUIRE(started.ok());
   server::Engine& read_only = **started;
   const auto live = *read_only.FindDatabase("db");
-  REQUIRE(live->snapshot() != nullptr);
-  CHECK(live->snapshot()->record.version == 1);
-  CHECK(live->operation().empty());  // what waits is not taken up
+  REQUIRE(live->lifecycle().snapshot() != nullptr);
+  CHECK(live->lifecycle().snapshot()->record.version == 1);
+  CHECK(live->lifecycle().operation().empty());  // what waits is not taken up
   CHECK(absl::IsFailedPrecondition(read_only.BeginIngest(live).status()));
   CHECK(absl::IsFailedPrecondition(read_only.DeleteClip("db", "a").status()));
   CHECK(absl::IsFailedPrecondition(read_only.CancelOperation("waiting").status()));
   CHECK(absl::IsFailedPrecondition(read_only.DeleteDatabase("db")));
-  CHECK((*read_only.FindDatabase("db"))->snapshot() != nullptr);
+  CHECK((*read_only.FindDatabase("db"))->lifecycle().snapshot() != nullptr);
   CHECK(read_only.damages().empty());
 }
 
@@ -154,7 +154,7 @@ TEST_CASE("Startup: with a full disk, what is stored is served, and built when t
 
   engine.disk().Set(FullDisk::Lacks::kNothing);
   engine.Wait(engine.Ingest("db", "c", Walk(2))->operation.id);
-  CHECK((*engine->FindDatabase("db"))->snapshot()->model.clips().size() == 3);
+  CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }
 
 TEST_CASE("Startup: two operations left undone both end, with one model", "[server][startup]") {
@@ -177,4 +177,4 @@ TEST_CASE("Startup: two operations left undone both end, with one model", "[serv
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::startup_test

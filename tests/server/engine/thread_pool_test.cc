@@ -20,7 +20,7 @@
 #include "server/engine/lane.h"
 #include "server/engine/memory_reserve.h"
 
-namespace motiondb::server {
+namespace motiondb::server::thread_pool_test {
 namespace {
 
 TEST_CASE("ThreadPool: work that throws ends neither the pool nor a thread of it", "[server]") {
@@ -124,4 +124,4 @@ TEST_CASE("MemoryReserve: who cannot fail waits for others once it is used up", 
 #endif
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::thread_pool_test

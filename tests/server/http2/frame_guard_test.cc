@@ -7,7 +7,7 @@
 
 #include "tests/server/http2/http2_frame.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::frame_guard_test {
 namespace {
 
 using server::FrameGuard;
@@ -104,4 +104,4 @@ TEST_CASE("Frame guard: frames without a call are limited by calls and time", "[
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::frame_guard_test

@@ -5,7 +5,7 @@
 
 #include "absl/strings/escaping.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::grpc_wire_test {
 namespace {
 
 using namespace std::chrono_literals;
@@ -59,4 +59,4 @@ TEST_CASE("gRPC wire: metadata for gRPC is printable ASCII", "[server][http2]") 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::grpc_wire_test

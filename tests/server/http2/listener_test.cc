@@ -20,7 +20,7 @@
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::listener_test {
 namespace {
 
 namespace asio = boost::asio;
@@ -94,6 +94,27 @@ TEST_CASE("Listener: closing while its timers expire ends all threads", "[server
     listener->Close(std::chrono::milliseconds(0));
   }
   listeners.clear();  // ends
+}
+
+// gRPC, which has been shut down by then, would crash.
+TEST_CASE("Listener: no call begins once the listener closes", "[server][http2]") {
+  constexpr int kCalls = 40;
+  constexpr int kFirstMessage = 2;  // ms, after the client was told to go
+  TestServer server;
+  Client client(server.server().address());
+  std::string calls = kHttp2Preface + kHttp2Settings;
+  // Headers alone: such a call begins with its message.
+  for (int i = 0; i < kCalls; ++i)
+    calls += Http2Frame(1, 4, 2 * i + 1, CallHeaders(kListDatabases));
+  client.Send(calls + Http2Frame(6, 0, 0, "received"));
+  client.ReadUntil(Http2Frame(6, 1, 0, "received"));
+  std::thread draining([&] { server.server().Drain(std::chrono::seconds(10)); });
+  client.ReadUntil(Http2Frame(7, 0, 0, std::string("\0\0\0", 3)).substr(3, 6));
+  for (int i = 0; i < kCalls; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(kFirstMessage));
+    client.Send(Http2Frame(0, 1, 2 * i + 1, std::string(5, '\0')));
+  }
+  draining.join();
 }
 
 TEST_CASE("Listener: what is not HTTP/2 is closed", "[server][http2]") {
@@ -202,4 +223,4 @@ TEST_CASE("Listener: a call of a method that nobody has, and none of gRPC", "[se
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::listener_test

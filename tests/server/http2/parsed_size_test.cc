@@ -1,6 +1,4 @@
 // The oracle is protobuf itself: what a message takes once it is read.
-#include "server/http2/parsed_size.h"
-
 #include <catch2/catch.hpp>
 #include <random>
 #include <string>
@@ -8,8 +6,9 @@
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/plan.pb.h"
 #include "motiondb/v1/query.pb.h"
+#include "server/http2/grpc_wire.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::parsed_size_test {
 namespace {
 
 std::int64_t Estimate(const google::protobuf::Message& like, const std::string& bytes) {
@@ -80,4 +79,4 @@ TEST_CASE("ParsedSize: fields that no message has, and bytes that are no message
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::parsed_size_test

@@ -1,12 +1,11 @@
 // What is logged of a call, and how loudly.
-#include "server/observability/call_log.h"
-
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
+#include "server/observability/monitor.h"
 #include "tests/support/captured_log.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::call_log_test {
 namespace {
 
 using absl::StatusCode;
@@ -77,4 +76,4 @@ TEST_CASE("CallLog: slow work is a warning, slow waiting is none", "[server][log
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::call_log_test

@@ -1,6 +1,4 @@
 // Quantiles of a histogram against the sorted observations themselves.
-#include "server/observability/call_quantiles.h"
-
 #include <prometheus/histogram.h>
 
 #include <algorithm>
@@ -9,7 +7,9 @@
 #include <random>
 #include <vector>
 
-namespace motiondb::tests {
+#include "server/observability/call_meter.h"
+
+namespace motiondb::tests::call_quantiles_test {
 namespace {
 
 using server::EstimateQuantile;
@@ -68,4 +68,4 @@ TEST_CASE("EstimateQuantile: in the bucket of the observation that it estimates"
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::call_quantiles_test

@@ -1,6 +1,4 @@
 // The pages of a server that starts, serves and drains.
-#include "server/observability/health_pages.h"
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -9,7 +7,7 @@
 #include "tests/server/observability/http_client.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::health_pages_test {
 namespace {
 
 using Catch::Contains;
@@ -67,4 +65,4 @@ TEST_CASE("HealthServer: none, and an address that is taken", "[server][http]") 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::health_pages_test

@@ -12,7 +12,7 @@
 
 #include "tests/server/observability/http_client.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::http_server_test {
 namespace {
 
 using Catch::Contains;
@@ -249,4 +249,4 @@ TEST_CASE("HttpServer: an address that is taken, or none", "[server][http]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::http_server_test

@@ -4,7 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+namespace motiondb::tests::listen_on_test {
 namespace {
 
 using boost::asio::ip::tcp;
@@ -38,4 +38,4 @@ TEST_CASE("AddressesOf: in numbers", "[server][http]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::listen_on_test

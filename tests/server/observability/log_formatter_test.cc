@@ -1,6 +1,4 @@
 // A log line is one line, whatever is logged.
-#include "server/observability/log_formatter.h"
-
 #include <spdlog/details/log_msg.h>
 
 #include <catch2/catch.hpp>
@@ -8,11 +6,11 @@
 #include <string>
 #include <thread>
 
-#include "server/observability/log_fields.h"
+#include "server/observability/log.h"
 #include "tests/support/shown_text_cases.h"
 #include "text/display_text.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::log_formatter_test {
 namespace {
 
 using nlohmann::json;
@@ -108,4 +106,4 @@ TEST_CASE("LogFields: hold within their braces, on their thread", "[server][log]
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::log_formatter_test

@@ -1,13 +1,13 @@
 // Figures as Prometheus' text.
-#include "server/observability/metric_families.h"
-
 #include <prometheus/text_serializer.h>
 
 #include <catch2/catch.hpp>
 #include <set>
 #include <string>
 
-namespace motiondb::tests {
+#include "server/observability/server_figures.h"
+
+namespace motiondb::tests::metric_families_test {
 namespace {
 
 using Catch::Contains;
@@ -93,4 +93,4 @@ TEST_CASE("MetricFamilies: names are prometheus', each family is there once", "[
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::metric_families_test

@@ -8,12 +8,11 @@
 #include <thread>
 
 #include "core/model/model.h"
-#include "server/observability/call_watch.h"
 #include "tests/support/slow_store.h"
 #include "tests/support/temporary_directory.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::monitor_test {
 namespace {
 
 using absl::StatusCode;
@@ -246,4 +245,4 @@ TEST_CASE("Monitor: read while databases come and go", "[server][monitor]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::monitor_test

@@ -8,45 +8,45 @@
 #include <utility>
 #include <vector>
 
-namespace motiondb::server {
+namespace motiondb::server::call_limits_test {
 namespace {
 
 constexpr CallLimitOptions kFew{.calls = {4, 4}, .heavy = {3, 2}, .streams = {1, 1}};
 
 TEST_CASE("CallLimits: a client has its share, all together theirs", "[server][limits]") {
   CallLimits limits(kFew);
-  auto first = limits.Enter(CallWeight::kHeavy, "a");
-  auto second = limits.Enter(CallWeight::kHeavy, "a");
+  auto first = limits.Enter(RequestClass::kHeavy, "a");
+  auto second = limits.Enter(RequestClass::kHeavy, "a");
   REQUIRE(first.ok());
   REQUIRE(second.ok());
-  const auto own = limits.Enter(CallWeight::kHeavy, "a");
+  const auto own = limits.Enter(RequestClass::kHeavy, "a");
   CHECK(absl::IsResourceExhausted(own.status()));
   CHECK(std::string(own.status().message()) ==
         "2 heavy calls are under way for this client, as many as there may be "
-        "(--max-heavy-calls-per-client): try again in 1 s, or when one has ended");
+        "(a quarter of --max-heavy-calls): try again in 1 s, or when one has ended");
   CHECK(own.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo").has_value());
 
-  auto third = limits.Enter(CallWeight::kHeavy, "b");
+  auto third = limits.Enter(RequestClass::kHeavy, "b");
   CHECK(third.ok());
-  const auto all = limits.Enter(CallWeight::kHeavy, "c");
+  const auto all = limits.Enter(RequestClass::kHeavy, "c");
   CHECK(std::string(all.status().message()).find("3 heavy calls are under way in all") == 0);
 
   // Kinds are counted apart, and a place that is given up is free.
-  CHECK(limits.Enter(CallWeight::kLight, "a").ok());
+  CHECK(limits.Enter(RequestClass::kLight, "a").ok());
   first = absl::CancelledError("over");
-  CHECK(limits.Enter(CallWeight::kHeavy, "a").ok());
+  CHECK(limits.Enter(RequestClass::kHeavy, "a").ok());
 }
 
 TEST_CASE("CallLimits: a place moves with its slot and is given up once", "[server][limits]") {
   CallLimits limits(kFew);
   {
-    CallLimits::Slot slot = *limits.Enter(CallWeight::kStream, "a");
+    CallLimits::Slot slot = *limits.Enter(RequestClass::kStream, "a");
     CallLimits::Slot moved = std::move(slot);
-    CHECK(limits.open(CallWeight::kStream) == 1);
+    CHECK(limits.open(RequestClass::kStream) == 1);
     slot = std::move(moved);
-    CHECK(limits.open(CallWeight::kStream) == 1);
+    CHECK(limits.open(RequestClass::kStream) == 1);
   }
-  CHECK(limits.open(CallWeight::kStream) == 0);
+  CHECK(limits.open(RequestClass::kStream) == 0);
 }
 
 TEST_CASE("CallLimits: threads never have more than there may be", "[server][limits]") {
@@ -56,15 +56,15 @@ TEST_CASE("CallLimits: threads never have more than there may be", "[server][lim
   for (std::size_t t = 0; t < most.size(); ++t) {
     threads.emplace_back([&, t] {
       for (int i = 0; i < 2000; ++i) {
-        const auto slot = limits.Enter(CallWeight::kHeavy, std::to_string(t % 2));
-        if (slot.ok()) most[t] = std::max(most[t], limits.open(CallWeight::kHeavy));
+        const auto slot = limits.Enter(RequestClass::kHeavy, std::to_string(t % 2));
+        if (slot.ok()) most[t] = std::max(most[t], limits.open(RequestClass::kHeavy));
       }
     });
   }
   for (std::thread& thread : threads) thread.join();
   for (const int seen : most) CHECK(seen <= 3);
-  CHECK(limits.open(CallWeight::kHeavy) == 0);
+  CHECK(limits.open(RequestClass::kHeavy) == 0);
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::call_limits_test

@@ -5,7 +5,7 @@
 #include <thread>
 #include <vector>
 
-namespace motiondb::server {
+namespace motiondb::server::call_memory_test {
 namespace {
 
 TEST_CASE("CallMemory: a client has half of what there is", "[server][limits]") {
@@ -77,4 +77,4 @@ TEST_CASE("CallMemory: many threads never reserve more", "[server][limits]") {
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::call_memory_test

@@ -6,6 +6,7 @@
 #include <future>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "motiondb/v1/access.grpc.pb.h"
 #include "motiondb/v1/clip.pb.h"
@@ -16,25 +17,27 @@
 #include "tests/storage/while_writing.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::changes_test {
 namespace {
 
-TEST_CASE("CallWeight: what changes the store never waits for it on a request thread",
+TEST_CASE("Role table: what changes the store never waits for it on a thread of queries",
           "[server][limits]") {
   int changes = 0;
   int urgent = 0;
   for (const server::CallRule& rule : server::CallRules()) {
     CAPTURE(rule.method);
-    const bool light = rule.weight == server::CallWeight::kLight;
-    CHECK_FALSE((rule.recorded && light));
-    changes += rule.weight == server::CallWeight::kChange ? 1 : 0;
-    urgent += rule.weight == server::CallWeight::kUrgentChange ? 1 : 0;
+    const bool light = rule.request_class == server::RequestClass::kLight;
+    CHECK_FALSE((rule.recorded && light && rule.pool == server::Pool::kRequests));
+    const bool is_change = rule.pool == server::Pool::kChanges;
+    CHECK((!is_change || (light && rule.recorded)));
+    CHECK((!rule.urgent || is_change));
+    changes += is_change ? 1 : 0;
+    urgent += rule.urgent ? 1 : 0;
   }
-  CHECK(changes == 4);
+  CHECK(changes == 7);
   CHECK(urgent == 2);
   // A token that was stolen must not work on while others' changes wait.
-  CHECK(server::FindCallRule("AccessService.RevokeToken")->weight ==
-        server::CallWeight::kUrgentChange);
+  CHECK(server::FindCallRule("AccessService.RevokeToken")->urgent);
 }
 
 // Whether work that is posted is run, soon enough for a slow machine.
@@ -61,16 +64,18 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     v1::CreateDatabaseResponse response;
     return databases->CreateDatabase(&context, request, &response);
   };
-  std::future<grpc::Status> waiting;
+  std::vector<std::future<grpc::Status>> waiting;
   REQUIRE(engine.store().CreateDatabase(SampleDatabase("d")).ok());
   WhileWriting(engine.store(), SampleClip("d", "holder", 1), [&] {
     CHECK(create("late", std::chrono::seconds(2)).error_code() ==
           grpc::StatusCode::DEADLINE_EXCEEDED);
-    // The thread for changes is free again, and the one for queries was all the time.
+    // The next change has its turn, and the thread for queries was free all the time. Those who
+    // come now wait for the store; nobody else does.
+    for (const char* const id : {"in-time", "too"}) {
+      waiting.push_back(
+          std::async(std::launch::async, [&, id] { return create(id, std::chrono::minutes(1)); }));
+    }
     CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kChanges, work); }));
-    waiting =
-        std::async(std::launch::async, [&] { return create("in-time", std::chrono::minutes(1)); });
-    CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kUrgentChanges, work); }));
     v1::IngestClipHeader nowhere;
     nowhere.set_parent("databases/none");
     nowhere.set_file_name("walk.bvh");
@@ -79,7 +84,7 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     get.set_name("databases/db");
     CHECK(Ask(*databases, &v1::DatabaseService::Stub::GetDatabase, get).status.ok());
   });
-  CHECK(waiting.get().ok());
+  for (auto& each : waiting) CHECK(each.get().ok());
   // Of what was asked for in vain there is a record all the same.
   CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kUpkeep, work); }));
   const auto records = engine.store().access().ListAuditRecords(0, 10);
@@ -94,4 +99,4 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::changes_test

@@ -10,7 +10,7 @@
 #include "motiondb/v1/database.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::clip_service_test {
 namespace {
 
 using Stub = v1::ClipService::Stub;
@@ -228,4 +228,4 @@ TEST_CASE("ClipService: skeletons in pages of any size, each once", "[server][rp
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::clip_service_test

@@ -11,7 +11,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::concurrency_test {
 namespace {
 
 using Stub = v1::QueryService::Stub;
@@ -106,4 +106,4 @@ TEST_CASE("Concurrency: a restarted server answers as before, without rebuilding
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::concurrency_test

@@ -4,7 +4,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::database_service_test {
 namespace {
 
 using Stub = v1::DatabaseService::Stub;
@@ -51,6 +51,7 @@ TEST_CASE("DatabaseService: settings given are kept", "[server][rpc]") {
   settings.set_frame_rate_hz(120);
   settings.set_min_frames(8);
   settings.set_scaling(v1::SCALING_NONE);
+  settings.set_glitches(v1::GLITCHES_DROP);
   settings.set_marker_set("source");
   settings.set_clip_count(99);  // output only: ignored
   const auto created = Create(*stub, "a", settings);
@@ -58,6 +59,7 @@ TEST_CASE("DatabaseService: settings given are kept", "[server][rpc]") {
   CHECK(created.response.database().frame_rate_hz() == 120);
   CHECK(created.response.database().min_frames() == 8);
   CHECK(created.response.database().scaling() == v1::SCALING_NONE);
+  CHECK(created.response.database().glitches() == v1::GLITCHES_DROP);
   CHECK(created.response.database().marker_names().empty());
   CHECK(created.response.database().clip_count() == 0);
 }
@@ -80,6 +82,7 @@ TEST_CASE("DatabaseService: every wrong setting is named", "[server][rpc]") {
   expect("database.min_frames", [&](auto& d) { d.set_min_frames(-1); });
   expect("database.min_frames", [&](auto& d) { d.set_min_frames(1); });
   expect("database.scaling", [&](auto& d) { d.set_scaling(static_cast<v1::Scaling>(9)); });
+  expect("database.glitches", [&](auto& d) { d.set_glitches(static_cast<v1::Glitches>(9)); });
   expect("database.marker_set", [&](auto& d) { d.set_marker_set("mine"); });
   expect("database.marker_set_file", [&](auto& d) { d.set_marker_set_file("not a marker set"); });
   for (const char* id : {"", "A", "-a", "a/b"}) {
@@ -102,6 +105,31 @@ TEST_CASE("DatabaseService: names are taken, unknown or not names", "[server][rp
   CHECK(Ask(*stub, &Stub::DeleteDatabase, request).status.error_code() ==
         grpc::StatusCode::NOT_FOUND);
   CHECK(Create(*stub, "a").status.ok());
+}
+
+TEST_CASE("DatabaseService: clips are derived again when that is asked for", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  server.Wait(server.IngestFigure("db", "walk", "walk", {}).operation().name());
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  v1::ReprocessDatabaseRequest request;
+  request.set_name("databases/db");
+  const auto asked = Ask(*stub, &Stub::ReprocessDatabase, request);
+  INFO(asked.status.error_message());
+  REQUIRE(asked.status.ok());
+  CHECK(asked.response.operation().database() == "databases/db");
+  CHECK(asked.response.operation().kind() == v1::OPERATION_KIND_REPROCESS);
+  const auto done = server.Wait(asked.response.operation().name());
+  CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
+  CHECK_THAT(done.stage(), Catch::Contains("clips derived again: 1"));
+  v1::DescribeDatabaseRequest describe;
+  describe.set_name("databases/db");
+  CHECK(Ask(*stub, &Stub::DescribeDatabase, describe).response.underived_clip_count() == 0);
+  request.set_name("databases/none");
+  CHECK(Ask(*stub, &Stub::ReprocessDatabase, request).status.error_code() ==
+        grpc::StatusCode::NOT_FOUND);
+  request.set_name("db");
+  CHECK(ViolatedFields(Ask(*stub, &Stub::ReprocessDatabase, request).status) == "name");
 }
 
 TEST_CASE("DatabaseService: lists in order, page by page", "[server][rpc]") {
@@ -156,4 +184,4 @@ TEST_CASE("DatabaseService: describes the model", "[server][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::database_service_test

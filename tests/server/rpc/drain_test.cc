@@ -13,7 +13,7 @@
 #include "tests/server/rpc/status_of.h"
 #include "tests/support/raw_call.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::drain_test {
 namespace {
 
 // Waits until so many calls are under way, beside the one that asks.
@@ -141,4 +141,4 @@ TEST_CASE("Server: an address that is taken is refused", "[server][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::drain_test

@@ -8,7 +8,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::frame_rates_test {
 namespace {
 
 // That the server has taken a query as it is, or has said what is wrong with it.
@@ -59,4 +59,4 @@ TEST_CASE("Databases: any frame rate that one may have is built, and answers", "
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::frame_rates_test

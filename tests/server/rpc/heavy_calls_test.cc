@@ -16,22 +16,22 @@
 #include "tests/server/rpc/refusal.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::heavy_calls_test {
 namespace {
 
 using std::chrono::milliseconds;
 
-TEST_CASE("CallWeight: every call that is heavy or lasts is one of the contract",
+TEST_CASE("RequestClass: every call that is heavy or lasts is one of the contract",
           "[server][limits]") {
   int heavy = 0;
   int streams = 0;
   int upkeep = 0;
   for (const server::CallRule& rule : server::CallRules()) {
-    heavy += rule.weight == server::CallWeight::kHeavy ? 1 : 0;
-    streams += rule.weight == server::CallWeight::kStream ? 1 : 0;
-    upkeep += rule.weight == server::CallWeight::kUpkeep ? 1 : 0;
+    heavy += rule.request_class == server::RequestClass::kHeavy ? 1 : 0;
+    streams += rule.request_class == server::RequestClass::kStream ? 1 : 0;
+    upkeep += rule.pool == server::Pool::kUpkeep ? 1 : 0;
   }
-  CHECK(heavy == 4);
+  CHECK(heavy == 7);
   CHECK(streams == 1);
   CHECK(upkeep == 3);
 }
@@ -115,7 +115,7 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
   const std::shared_future<void> held = done.get_future().share();
   server::Workers& workers = server.server().engine().workers();
   for (int i = 0; i < workers.request_threads(); ++i) {
-    workers.PostHeavy("", [held] { held.wait(); });
+    workers.PostInTurn(server::Pool::kRequests, "", [held] { held.wait(); });
   }
   const auto queries = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest request;
@@ -195,4 +195,4 @@ TEST_CASE("Limits: a request takes the memory that it has once it is read", "[se
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::heavy_calls_test

@@ -13,7 +13,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::hostile_request_test {
 namespace {
 
 using Catch::Contains;
@@ -361,4 +361,4 @@ TEST_CASE("Hostile request: work that nobody waits for any more ends", "[server]
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::hostile_request_test

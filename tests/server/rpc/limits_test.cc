@@ -22,7 +22,7 @@
 #include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::limits_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -97,7 +97,7 @@ TEST_CASE("Limits: more streams in all than there may be are refused, until one 
 
 TEST_CASE("Limits: more streams of a client than there may be are refused, until one has ended",
           "[server][limits]") {
-  CheckThirdStream({.in_all = 8, .per_client = 2}, "--max-streams-per-client");
+  CheckThirdStream({.in_all = 8, .per_client = 2}, "a quarter of --max-streams");
 }
 
 TEST_CASE(
@@ -117,7 +117,7 @@ TEST_CASE(
   CHECK(list(3 << 10, client).ok());
   const grpc::Status refused = list(5 << 10, client);
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(refused.error_message().find("--max-metadata-kib") != std::string::npos);
+  CHECK(refused.error_message().find("bytes of metadata") != std::string::npos);
   CHECK(list(3 << 10, client).ok());
   // Far too much costs its sender the connection, and nobody else.
   const auto other = server.NewChannel();
@@ -294,4 +294,4 @@ TEST_CASE("Limits: a wait for an operation has its own timeout, not that of call
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::limits_test

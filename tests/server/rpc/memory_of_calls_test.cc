@@ -8,7 +8,7 @@
 #include "tests/server/rpc/limited_server.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::memory_of_calls_test {
 namespace {
 
 using grpc::StatusCode;
@@ -129,4 +129,4 @@ TEST_CASE("Work: a series of predictions is bounded as a whole", "[server][limit
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::memory_of_calls_test

@@ -5,9 +5,10 @@
 #include "motiondb/v1/database.pb.h"
 #include "motiondb/v1/model.grpc.pb.h"
 #include "motiondb/v1/operation.pb.h"
+#include "motiondb/v1/query.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::model_service_test {
 namespace {
 
 using Stub = v1::ModelService::Stub;
@@ -54,6 +55,70 @@ TEST_CASE("ModelService: figures of the current and of earlier models", "[server
   const auto oldest = Ask(*stub, &Stub::ListModels, list);
   CHECK(oldest.response.models(0).version() == 1);
   CHECK(oldest.response.next_page_token().empty());
+}
+
+TEST_CASE("ModelService, DescribeDatabase, Recognize: a model that is not calibrated yet",
+          "[server][rpc]") {
+  TestServer server;
+  server.CreateTrained("db");
+  const auto stub = server.NewStub<v1::ModelService>();
+  const auto get = [&](const std::string& name) {
+    v1::GetModelRequest request;
+    request.set_name(name);
+    const auto answer = Ask(*stub, &Stub::GetModel, request);
+    INFO(answer.status.error_message());
+    REQUIRE(answer.status.ok());
+    return answer.response.model();
+  };
+  v1::ListNodesRequest nodes;
+  nodes.set_parent(kCurrent);
+  nodes.set_page_size(2);
+  nodes.set_page_token(Ask(*stub, &Stub::ListNodes, nodes).response.next_page_token());
+  REQUIRE_FALSE(nodes.page_token().empty());
+  CHECK(get(kCurrent).calibration() == v1::CALIBRATION_OWN);
+  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_OWN);
+
+  server.model_gate().Close();
+  const auto ingested =
+      server.IngestFigure("db", "more", "stroll", {.frame_count = 60, .phase = 2});
+  server.model_gate().AwaitArrival();
+  const auto described = server.Describe("db");
+  CHECK(described.calibration() == v1::CALIBRATION_PREVIOUS);
+  CHECK(described.clip_count() == 4);
+  CHECK(described.model_version() == 1);
+  const v1::Model current = get(kCurrent);
+  CHECK(current.name() == kCurrent);
+  CHECK(current.state() == v1::MODEL_STATE_CURRENT);
+  CHECK(current.calibration() == v1::CALIBRATION_PREVIOUS);
+  CHECK(current.clip_count() == 4);
+  CHECK(current.clips_size() == 4);
+  const v1::Model stored = get("databases/db/models/1");
+  CHECK(stored.state() == v1::MODEL_STATE_SUPERSEDED);
+  CHECK(stored.calibration() == v1::CALIBRATION_OWN);
+  CHECK(stored.clip_count() == 3);
+  // It has the version of the stored one, and is not taken for it.
+  CHECK(Ask(*stub, &Stub::ListNodes, nodes).status.error_code() == grpc::StatusCode::ABORTED);
+  nodes.clear_page_token();
+  CHECK(Ask(*stub, &Stub::ListNodes, nodes).status.ok());
+  nodes.set_parent("databases/db/models/1");
+  CHECK(Ask(*stub, &Stub::ListNodes, nodes).status.error_code() ==
+        grpc::StatusCode::FAILED_PRECONDITION);
+  v1::RecognizeRequest recognize;
+  recognize.set_database("databases/db");
+  *recognize.mutable_observation() = ObservedWalk();
+  const auto queries = server.NewStub<v1::QueryService>();
+  const auto ask = [&] {
+    const auto answer = Ask(*queries, &v1::QueryService::Stub::Recognize, recognize);
+    INFO(answer.status.error_message());
+    REQUIRE(answer.status.ok());
+    return answer.response.calibration();
+  };
+  CHECK(ask() == v1::CALIBRATION_PREVIOUS);
+  server.model_gate().Open();
+  server.Wait(ingested.operation().name());
+  CHECK(ask() == v1::CALIBRATION_OWN);
+  CHECK(get(kCurrent).name() == "databases/db/models/2");
+  CHECK(server.Describe("db").calibration() == v1::CALIBRATION_OWN);
 }
 
 TEST_CASE("ModelService: what is not there", "[server][rpc]") {
@@ -191,4 +256,4 @@ TEST_CASE("ModelService: states come in blocks of at most 1 MiB", "[server][rpc]
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::model_service_test

@@ -11,7 +11,7 @@
 #include "motiondb/v1/operation.pb.h"
 #include "tests/server/rpc/status_of.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::observe_service_test {
 namespace {
 
 using Stub = v1::ObserveService::Stub;
@@ -168,7 +168,7 @@ TEST_CASE("Observe: wrong messages are refused by name", "[server][rpc]") {
   CHECK(ViolatedFields(started([](auto& start) { start.set_leg_length_m(-1); })) ==
         "start.leg_length_m");
   CHECK(ViolatedFields(started([](auto& start) { start.add_horizon_seconds(-1); })) ==
-        "start.horizon_seconds");
+        "start.horizon_seconds[0]");
   CHECK(ViolatedFields(started([](auto& start) { start.set_layer(99); })) == "start.layer");
   CHECK(ViolatedFields(started([](auto& start) { start.set_transition_floor(2); })) ==
         "start.transition_floor");
@@ -316,4 +316,4 @@ TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rp
   draining.join();
 }
 
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::observe_service_test

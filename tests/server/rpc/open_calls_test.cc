@@ -14,7 +14,7 @@
 #include "tests/server/rpc/refusal.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::open_calls_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -121,8 +121,8 @@ TEST_CASE("Limits: more calls in all than there may be are refused, until one ha
 
 TEST_CASE("Limits: more calls of a client than there may be are refused, until one has ended",
           "[server][limits]") {
-  CheckThirdCall({.in_all = 8, .per_client = 2}, "--max-calls-per-client");
+  CheckThirdCall({.in_all = 8, .per_client = 2}, "a quarter of --max-calls");
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::open_calls_test

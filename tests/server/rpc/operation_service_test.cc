@@ -9,7 +9,7 @@
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::operation_service_test {
 namespace {
 
 using Stub = v1::OperationService::Stub;
@@ -162,4 +162,4 @@ TEST_CASE("OperationService: lists newest first, of one database or of all", "[s
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::operation_service_test

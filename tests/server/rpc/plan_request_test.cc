@@ -8,7 +8,7 @@
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "tests/server/rpc/plan_support.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::plan_request_test {
 namespace {
 
 using Catch::Contains;
@@ -240,4 +240,4 @@ TEST_CASE("Plan: bare markers move, but fit no file", "[server][rpc][plan]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::plan_request_test

@@ -8,7 +8,7 @@
 #include "core/motion/forward_kinematics.h"
 #include "tests/server/rpc/plan_support.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::plan_test {
 namespace {
 
 using Stub = v1::QueryService::Stub;
@@ -199,4 +199,4 @@ TEST_CASE("Plan: a cancelled call leaves its thread to others at once", "[server
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::plan_test

@@ -9,7 +9,7 @@
 #include "motiondb/v1/query.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::query_service_test {
 namespace {
 
 using Stub = v1::QueryService::Stub;
@@ -296,7 +296,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   predict("at_seconds", [](auto& r) { r.set_at_seconds(-1); });
   predict("method", [](auto& r) { r.set_method(static_cast<v1::Method>(7)); });
   predict("history_seconds", [](auto& r) { r.set_history_seconds(kNan); });
-  predict("horizon_seconds", [](auto& r) { r.add_horizon_seconds(-0.1); });
+  predict("horizon_seconds[0]", [](auto& r) { r.add_horizon_seconds(-0.1); });
 
   v1::PredictSeriesRequest series;
   *series.mutable_prediction() = About<v1::PredictRequest>("db");
@@ -389,4 +389,4 @@ TEST_CASE("QueryService: a deadline stops the work", "[server][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::query_service_test

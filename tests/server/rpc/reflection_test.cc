@@ -16,7 +16,7 @@
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::reflection_test {
 namespace {
 
 // Field numbers of grpc.reflection.v1alpha.
@@ -82,4 +82,4 @@ TEST_CASE("Reflection: is enough to ask", "[server][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::reflection_test

@@ -7,8 +7,7 @@
 #include <string>
 
 #include "motiondb/v1/error.pb.h"
-#include "server/translate/request_info.h"
-#include "server/translate/retry_info.h"
+#include "server/translate/status_mapping.h"
 
 namespace motiondb::tests {
 

@@ -10,7 +10,7 @@
 #include "tests/server/rpc/listed_services.h"
 #include "tests/server/rpc/status_of.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::server_status_test {
 namespace {
 
 using Catch::Contains;
@@ -163,4 +163,4 @@ TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::server_status_test

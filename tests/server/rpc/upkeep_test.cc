@@ -9,7 +9,7 @@
 #include "motiondb/v1/store.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::upkeep_test {
 namespace {
 
 // Of a backup; negative where it failed. Not for Catch's macros: called by other threads, too.
@@ -59,4 +59,4 @@ TEST_CASE("Upkeep: the server's own deadline is not for it", "[server][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::upkeep_test

@@ -11,11 +11,11 @@
 
 #include "server/engine/clock.h"
 #include "server/security/secret.h"
-#include "server/translate/retry_info.h"
+#include "server/translate/status_mapping.h"
 #include "tests/storage/in_memory_access_store.h"
 #include "tests/support/captured_log.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::access_control_test {
 namespace {
 
 using server::AccessControl;
@@ -382,4 +382,4 @@ TEST_CASE("Access: nobody fills the record of changes with what changes nothing"
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::access_control_test

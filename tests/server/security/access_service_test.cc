@@ -10,7 +10,7 @@
 #include "tests/support/captured_log.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::access_service_test {
 namespace {
 
 using Access = v1::AccessService::Stub;
@@ -213,4 +213,4 @@ TEST_CASE("Tokens of one database: lists show that alone", "[security][rpc]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::access_service_test

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string>
 
-namespace motiondb::tests {
+namespace motiondb::tests::attempt_limit_test {
 namespace {
 
 using server::AttemptLimit;
@@ -42,4 +42,4 @@ TEST_CASE("AttemptLimit: an IPv6 network is one source", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::attempt_limit_test

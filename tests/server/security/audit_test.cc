@@ -12,7 +12,7 @@
 #include "motiondb/v1/store.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::audit_test {
 namespace {
 
 using Access = v1::AccessService::Stub;
@@ -207,4 +207,4 @@ TEST_CASE("Audit: who copies the whole store is recorded, also where it was refu
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::audit_test

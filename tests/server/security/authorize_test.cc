@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace motiondb::tests {
+namespace motiondb::tests::authorize_test {
 namespace {
 
 using server::Caller;
@@ -11,7 +11,7 @@ using server::Scope;
 using storage::Role;
 
 CallRule Rule(Role least_role, Scope scope) {
-  return {"S.M", least_role, false, server::CallWeight::kLight, scope, "name"};
+  return {"S.M", least_role, false, server::RequestClass::kLight, scope, "name"};
 }
 
 TEST_CASE("Authorize: each role may do what those before it may", "[security]") {
@@ -50,4 +50,4 @@ TEST_CASE("Authorize: a caller of one database sees that alone", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::authorize_test

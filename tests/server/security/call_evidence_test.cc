@@ -1,9 +1,9 @@
-#include "server/rpc/call_evidence.h"
-
 #include <catch2/catch.hpp>
 #include <string>
 
-namespace motiondb::tests {
+#include "server/rpc/call_identity.h"
+
+namespace motiondb::tests::call_evidence_test {
 namespace {
 
 using server::AddressOf;
@@ -18,4 +18,4 @@ TEST_CASE("AddressOf: the peer's address without scheme and port", "[security]")
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::call_evidence_test

@@ -1,12 +1,11 @@
-#include "server/security/certificate_end.h"
-
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <vector>
 
+#include "server/security/tls.h"
 #include "tests/support/captured_log.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::certificate_end_test {
 namespace {
 
 using server::CertificateEnd;
@@ -47,4 +46,4 @@ TEST_CASE("CertificateEnd: one that has ended is told of, too", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::certificate_end_test

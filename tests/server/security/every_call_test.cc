@@ -18,7 +18,7 @@
 #include "tests/support/raw_call.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::every_call_test {
 namespace {
 
 using google::protobuf::DescriptorPool;
@@ -235,4 +235,4 @@ TEST_CASE("Every call: health needs no token; reflection is off with authenticat
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::every_call_test

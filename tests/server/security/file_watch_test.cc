@@ -1,5 +1,3 @@
-#include "server/security/file_watch.h"
-
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
@@ -8,9 +6,10 @@
 #include <thread>
 #include <vector>
 
+#include "server/security/tls.h"
 #include "tests/support/captured_log.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::file_watch_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -62,4 +61,4 @@ TEST_CASE("FileWatch: ends at once, however seldom it looks", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::file_watch_test

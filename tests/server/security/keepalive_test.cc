@@ -8,7 +8,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::keepalive_test {
 namespace {
 
 TEST_CASE("Keepalive: a client that pings all the time, with and without a call, is kept",
@@ -34,4 +34,4 @@ TEST_CASE("Keepalive: a client that pings all the time, with and without a call,
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::keepalive_test

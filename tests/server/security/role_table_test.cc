@@ -14,12 +14,12 @@
 
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/rpc/method.h"
-#include "server/translate/field_text.h"
+#include "server/rpc/call_identity.h"
+#include "server/translate/message_fields.h"
 #include "tests/support/real_data.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::role_table_test {
 namespace {
 
 using google::protobuf::FileDescriptor;
@@ -117,4 +117,4 @@ TEST_CASE("Method: every request type belongs to one call", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::role_table_test

@@ -6,7 +6,7 @@
 
 #include "absl/strings/escaping.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::secret_test {
 namespace {
 
 TEST_CASE("Secret: random bytes are as many as asked for, and others each time", "[security]") {
@@ -47,4 +47,4 @@ TEST_CASE("Secret: bytes are the same or not", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::secret_test

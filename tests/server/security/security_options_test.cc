@@ -10,7 +10,7 @@
 #include "tests/support/certificates.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::security_options_test {
 namespace {
 
 using server::Authentication;
@@ -208,4 +208,4 @@ TEST_CASE("Security: the administrator's token file is kept from others", "[secu
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::security_options_test

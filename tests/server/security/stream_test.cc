@@ -10,7 +10,7 @@
 #include "motiondb/v1/operation.grpc.pb.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::stream_test {
 namespace {
 
 using Access = v1::AccessService::Stub;
@@ -132,4 +132,4 @@ TEST_CASE("Streams: who waits for an operation is told nothing when its token ha
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::stream_test

@@ -21,7 +21,7 @@
 #include "tests/support/temporary_directory.h"
 #include "tests/support/test_server.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::tls_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -197,4 +197,4 @@ TEST_CASE("TLS: a closed connection does not end a program with a server", "[sec
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::tls_test

@@ -1,12 +1,11 @@
-#include "server/settings/memory_limit.h"
-
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
 
+#include "server/settings/process_limits.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::memory_limit_test {
 namespace {
 
 class FakeRoot {
@@ -53,4 +52,4 @@ TEST_CASE("MemoryLimit: the least of a control group and those above it", "[sett
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::memory_limit_test

@@ -7,10 +7,9 @@
 #include <set>
 #include <utility>
 
-#include "server/settings/settings_file.h"
 #include "tests/support/temporary_directory.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::settings_reader_test {
 namespace {
 
 using server::EffectiveSetting;
@@ -228,15 +227,15 @@ TEST_CASE("Settings: each mistake names its place, all at once", "[settings]") {
                                        "store = '/s.db'\n"
                                        "thread = 3\n"
                                        "threads = -3\n"
-                                       "max-frames = many\n"
-                                       "nonsense\n"
+                                       "max-frames = 'many'\n"
+                                       "\n"
                                        "listen = [ 'a:1', 'b:1' ]\n"
                                        "config = 'x'\n"
                                        "rebuild-delay = 0.5\n");
   SettingsReader reader;
   const auto problems = Read(reader, {"--config", file, "--listen", "1.2.3.4:1"},
                              {{"MOTIONDBD_LOG_LEVEL", "loud"}, {"MOTIONDBD_THRAEDS", "1"}});
-  REQUIRE(problems.size() == 8);
+  REQUIRE(problems.size() == 7);
   const auto names = [&](const std::string& place, const std::string& what) {
     for (const std::string& problem : problems) {
       if (problem.starts_with(place + ": ") && problem.find(what) != std::string::npos) return true;
@@ -247,11 +246,21 @@ TEST_CASE("Settings: each mistake names its place, all at once", "[settings]") {
   CHECK(names(file + ":2", "no such setting: thread"));
   CHECK(names(file + ":3", "--threads"));
   CHECK(names(file + ":4", "many"));
-  CHECK(names(file + ":5", "expected `key = value`"));
   CHECK(names(file + ":6", "listen: expected one value"));
   CHECK(names(file + ":7", "no such setting: config"));
   CHECK(names("MOTIONDBD_LOG_LEVEL", "loud"));
   CHECK(names("MOTIONDBD_THRAEDS", "no such setting"));
+}
+
+TEST_CASE("Settings: a file that is no TOML is named beside other mistakes", "[settings]") {
+  const TemporaryDirectory directory;
+  const std::string file = WriteConfig(directory, "threads = 2\nlog-level = info\n");
+  SettingsReader reader;
+  const auto problems =
+      Read(reader, {"--config", file, "--store", "/s.db"}, {{"MOTIONDBD_THREADS", "many"}});
+  REQUIRE(problems.size() == 2);
+  CHECK_THAT(problems[0], Catch::StartsWith(file + ":2: "));
+  CHECK_THAT(problems[1], Catch::StartsWith("MOTIONDBD_THREADS: "));
 }
 
 TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
@@ -272,16 +281,74 @@ TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
 
 TEST_CASE("Settings: units are those that the names say", "[settings]") {
   SettingsReader reader;
-  CHECK(
-      Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
-                    "--max-metadata-kib", "7", "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
-          .empty());
+  CHECK(Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
+                      "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
+            .empty());
   const server::Settings& settings = reader.settings();
   CHECK(settings.server.engine.max_file_bytes == std::size_t{3} << 20);
   CHECK(settings.server.max_message_bytes == 5 << 20);
-  CHECK(settings.server.calls.max_metadata_bytes == 7 << 10);
   CHECK(settings.server.engine.rebuild_delay == std::chrono::milliseconds(250));
   CHECK(settings.grace == std::chrono::milliseconds(1500));
+}
+
+TEST_CASE("Settings: one client may have a quarter of the calls, and at least one", "[settings]") {
+  for (const auto& [all, own] :
+       {std::pair{"1", 1}, std::pair{"7", 1}, std::pair{"8", 2}, std::pair{"4000", 1000}}) {
+    CAPTURE(all);
+    SettingsReader reader;
+    REQUIRE(Read(reader, {"--store", "/s.db", "--max-calls", all, "--max-heavy-calls", all,
+                          "--max-streams", all})
+                .empty());
+    const server::CallLimitOptions& calls = reader.settings().server.calls;
+    CHECK(calls.calls.in_all == std::stoi(all));
+    CHECK(calls.calls.per_client == own);
+    CHECK(calls.heavy.per_client == own);
+    CHECK(calls.streams.per_client == own);
+  }
+  for (const char* const bad : {"0", "1.5", "-1", "1000001"}) {
+    CAPTURE(bad);
+    SettingsReader reader;
+    CHECK(Read(reader, {"--store", "/s.db", "--max-calls", bad}).size() == 1);
+  }
+}
+
+TEST_CASE("Settings: ingests do not put off a rebuild for more than 10 s, or the delay",
+          "[settings]") {
+  for (const auto& [delay, limit] :
+       {std::pair{"0.5", 10}, std::pair{"10", 10}, std::pair{"20", 20}}) {
+    CAPTURE(delay);
+    SettingsReader reader;
+    REQUIRE(Read(reader, {"--store", "/s.db", "--rebuild-delay", delay}).empty());
+    CHECK(reader.settings().server.engine.rebuild_delay_limit == std::chrono::seconds(limit));
+    CHECK(reader.CheckToServe().empty());
+  }
+}
+
+TEST_CASE("Settings: what is no setting any more is ignored with a warning", "[settings]") {
+  const TemporaryDirectory directory;
+  const std::string file =
+      WriteConfig(directory, "store = \"/s.db\"\nheavy-threads = 3\nmax-calls-per-client = 9\n");
+  SettingsReader reader;
+  CHECK(Read(reader, {"--config", file, "--max-metadata-kib", "16"},
+             {{"MOTIONDBD_REBUILD_DELAY_LIMIT", "5"}})
+            .empty());
+  const std::vector<std::string>& warnings = reader.warnings();
+  REQUIRE(warnings.size() == 4);
+  CHECK(warnings[0] == file +
+                           ":2: heavy-threads is no setting any more and is ignored: all threads "
+                           "but one may be at long work (threads)");
+  CHECK(warnings[1].starts_with(file + ":3: max-calls-per-client is no setting any more"));
+  CHECK(
+      warnings[2].starts_with("MOTIONDBD_REBUILD_DELAY_LIMIT: rebuild-delay-limit is no setting"));
+  CHECK(warnings[3].starts_with("--max-metadata-kib: max-metadata-kib is no setting any more"));
+  const server::Settings& settings = reader.settings();
+  CHECK(settings.server.engine.heavy_threads == 0);
+  CHECK(settings.server.calls.calls.per_client == 1024);
+  CHECK(settings.server.calls.max_metadata_bytes == 8 << 10);
+  for (const EffectiveSetting& setting : reader.Effective()) {
+    CHECK(setting.key != "heavy-threads");
+  }
+  CHECK(reader.Help().find("per-client") == std::string::npos);
 }
 
 TEST_CASE("Settings: a limit of time that would end every call is refused", "[settings]") {
@@ -339,9 +406,6 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   SettingsReader absent;
   REQUIRE(Read(absent, {"--store", directory / "new.db", "--read-only"}).empty());
   REQUIRE(absent.Check().size() == 1);  // it would have to be made
-  SettingsReader delays;
-  REQUIRE(Read(delays, {"--store", directory / "a.db", "--rebuild-delay", "20"}).empty());
-  CHECK(delays.Check().size() == 1);
   SettingsReader memory;
   REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "15"}).empty());
   CHECK(memory.Check().size() == 2);  // neither the largest request nor the largest file fits
@@ -366,10 +430,10 @@ TEST_CASE("Settings: a start is refused what a check refuses, but for the store"
   const std::string store = directory / "a.db";
   CHECK(refused({"--store", store}).empty());
   CHECK(refused({"--store", directory / "none" + "/a.db"}).empty());  // opening it says so
-  const auto both =
-      refused({"--store", store, "--rebuild-delay", "20", "--listen", "0.0.0.0:50051"});
+  const auto both = refused({"--store", store, "--message-memory-mib", "31", "--max-file-mib", "15",
+                             "--listen", "0.0.0.0:50051"});
   REQUIRE(both.size() == 2);
-  CHECK(both[0].find("rebuild-delay-limit") != std::string::npos);
+  CHECK(both[0].find("message-memory-mib") != std::string::npos);
   CHECK(both[1].find("there is no TLS") != std::string::npos);
   const auto file =
       refused({"--store", store, "--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"});
@@ -416,4 +480,4 @@ TEST_CASE("Settings: the sample has every setting, with its default", "[settings
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::settings_reader_test

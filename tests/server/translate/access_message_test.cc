@@ -1,10 +1,9 @@
-#include "server/translate/access_message.h"
-
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/access.pb.h"
+#include "server/translate/record_messages.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::access_message_test {
 namespace {
 
 TEST_CASE("WantedToken: what a request asks for", "[server]") {
@@ -67,4 +66,4 @@ TEST_CASE("Token: hash and salt are not in the message", "[server]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::access_message_test

@@ -1,11 +1,10 @@
-#include "server/translate/field_text.h"
-
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/query.pb.h"
+#include "server/translate/message_fields.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::field_text_test {
 namespace {
 
 TEST_CASE("FieldText: the text at a path, empty where the way is not there", "[server]") {
@@ -32,4 +31,4 @@ TEST_CASE("FindTextField: only a single string will do", "[server]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::field_text_test

@@ -3,9 +3,10 @@
 #include <catch2/catch.hpp>
 #include <limits>
 
+#include "core/motion/error.h"
 #include "motiondb/v1/clip.pb.h"
 
-namespace motiondb::server {
+namespace motiondb::server::ingest_stream_test {
 namespace {
 
 v1::IngestClipRequest Header(const std::string& file_name) {
@@ -65,9 +66,9 @@ TEST_CASE("IngestStream: every wrong field of the header is named", "[server][tr
     const absl::Status status = stream.Take(message);
     INFO(field << ": " << Error(status));
     CHECK(absl::IsInvalidArgument(status));
-    const auto payload = status.GetPayload("type.googleapis.com/google.rpc.BadRequest");
-    REQUIRE(payload.has_value());
-    CHECK(std::string(*payload).find("header." + field) != std::string::npos);
+    const auto named = status.GetPayload(core::kFieldUrl);
+    REQUIRE(named.has_value());
+    CHECK(std::string(*named) == "header." + field);
   };
   expect("parent", [](auto& header) { header.set_parent("db"); });
   expect("file_name", [](auto& header) { header.set_file_name(""); });
@@ -117,4 +118,4 @@ TEST_CASE("IngestStream: an AMC brings its skeleton", "[server][translate]") {
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::ingest_stream_test

@@ -2,9 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-#include "server/translate/model_page.h"
-
-namespace motiondb::server {
+namespace motiondb::server::page_test {
 namespace {
 
 TEST_CASE("Page: sizes have a default and a cap", "[server][translate]") {
@@ -35,22 +33,27 @@ TEST_CASE("Page: ends after so many items or bytes, but holds one at least",
   CHECK(!large.Take(1));
 }
 
-TEST_CASE("Page: a position in a model is bound to its version", "[server][translate]") {
-  const std::string token = EncodeModelPosition("nodes", {3, 40});
+TEST_CASE("Page: a position in a model is bound to its version and time", "[server][translate]") {
+  const std::string token = EncodeModelPosition("nodes", {3, 1234567890123456, 40});
   const auto position = DecodeModelPosition("nodes", token);
   REQUIRE(position.ok());
   CHECK(position->version == 3);
+  CHECK(position->create_time_us == 1234567890123456);
   CHECK(position->index == 40);
-  CHECK(DecodeModelPosition("nodes", "")->version == 0);
-  CHECK(CheckStillCurrent(*position, {.version = 3}).ok());
-  CHECK(absl::IsAborted(CheckStillCurrent(*position, {.version = 4})));
+  CHECK(DecodeModelPosition("nodes", "")->create_time_us == 0);
+  const storage::ModelRecord same{.version = 3, .create_time_us = 1234567890123456};
+  CHECK(CheckStillCurrent(*position, same).ok());
+  // A model that is not stored yet has the version of another.
+  CHECK(absl::IsAborted(CheckStillCurrent(*position, {.version = 3, .create_time_us = 1})));
+  CHECK(absl::IsAborted(
+      CheckStillCurrent(*position, {.version = 4, .create_time_us = 1234567890123456})));
   CHECK(CheckStillCurrent({}, {.version = 4}).ok());
   CHECK(PinnedTo(*position, {"db", 3}).version == 0);
   CHECK(PinnedTo({}, {"db", 3}).version == 3);
-  for (const char* forged : {"x", "3", "3:", "3:-1", "3:4:5", ":4"}) {
+  for (const char* forged : {"x", "3", "3:", "3:5", "3:5:", "3:5:-1", "3:5:4:5", ":5:4", "3::4"}) {
     CHECK(!DecodeModelPosition("nodes", EncodePageToken("nodes", forged)).ok());
   }
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::page_test

@@ -1,12 +1,11 @@
-#include "server/translate/plain_text.h"
-
 #include <catch2/catch.hpp>
 #include <string>
 
+#include "server/translate/message_fields.h"
 #include "server/translate/resource_name.h"
 #include "tests/support/shown_text_cases.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::plain_text_test {
 namespace {
 
 std::string Utf8(char32_t c) {
@@ -45,4 +44,4 @@ TEST_CASE("PlainText: a token is refused wherever text is stored", "[server][tra
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::plain_text_test

@@ -3,10 +3,9 @@
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/plan.pb.h"
-#include "server/translate/dof_names.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::server {
+namespace motiondb::server::plan_message_test {
 namespace {
 
 using Names = std::vector<std::string>;
@@ -53,7 +52,7 @@ absl::Status Set(const core::PlanAnswer& answer, bool files, v1::PlanResponse& m
                  const PlanBody& body = {}) {
   const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
   return SetPlan(
-      answer, "db", model, body, files, [] { return false; }, message);
+      {.answer = answer, .body = body}, "db", model, files, [] { return false; }, message);
 }
 
 TEST_CASE("DofNames: a joint's own name, or with what it does", "[server][translate]") {
@@ -130,8 +129,8 @@ TEST_CASE("PlanMessage: nobody waits, nothing is written", "[server][translate]"
   v1::PlanResponse message;
   const core::Model model = tests::SmallModel(2, 40, 4, 8, 1);
   CHECK(absl::IsCancelled(SetPlan(
-      answer, "db", model, {}, false, [] { return true; }, message)));
+      {.answer = answer}, "db", model, false, [] { return true; }, message)));
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::plan_message_test

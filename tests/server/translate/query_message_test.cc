@@ -2,11 +2,11 @@
 
 #include <catch2/catch.hpp>
 
+#include "core/motion/error.h"
 #include "motiondb/v1/query.pb.h"
-#include "server/translate/field_violation.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::server {
+namespace motiondb::server::query_message_test {
 namespace {
 
 TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refused",
@@ -21,7 +21,7 @@ TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refuse
   v1::RecognizeResponse response;
   const absl::Status refused = SetRecognition(windows, "d", model, 0, response);
   CHECK(refused.code() == absl::StatusCode::kInvalidArgument);
-  CHECK(refused.GetPayload(kBadRequestUrl).has_value());
+  CHECK(refused.GetPayload(core::kFieldUrl).has_value());
   CHECK_THAT(std::string(refused.message()),
              Catch::StartsWith("top_count: the answer would have 1048577 clips and labels in 1025 "
                                "windows, at most 1048576 fit"));
@@ -35,4 +35,4 @@ TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refuse
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::query_message_test

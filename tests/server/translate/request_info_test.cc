@@ -1,13 +1,10 @@
-#include "server/translate/request_info.h"
-
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/error.pb.h"
-#include "server/translate/field_violation.h"
-#include "server/translate/retry_info.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/status_mapping.h"
 
-namespace motiondb::tests {
+namespace motiondb::tests::request_info_test {
 namespace {
 
 v1::Status DetailsOf(const grpc::Status& status) {
@@ -24,7 +21,7 @@ TEST_CASE("RequestInfo: comes after the details that are there", "[server]") {
   const v1::Status details = DetailsOf(status);
   CHECK(details.code() == 3);
   REQUIRE(details.details_size() == 2);
-  CHECK(details.details(0).type_url() == server::kBadRequestUrl);
+  CHECK(details.details(0).type_url() == "type.googleapis.com/google.rpc.BadRequest");
   v1::RequestInfo info;
   CHECK(details.details(1).type_url() == server::kRequestInfoUrl);
   REQUIRE(info.ParseFromString(details.details(1).value()));
@@ -50,4 +47,4 @@ TEST_CASE("RetryInfo: says how long to wait", "[server]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests
+}  // namespace motiondb::tests::request_info_test

@@ -2,7 +2,7 @@
 
 #include <catch2/catch.hpp>
 
-namespace motiondb::server {
+namespace motiondb::server::resource_name_test {
 namespace {
 
 TEST_CASE("ResourceName: what is made is parsed", "[server][translate]") {
@@ -45,4 +45,4 @@ TEST_CASE("ResourceName: ids of new databases and clips", "[server][translate]")
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::resource_name_test

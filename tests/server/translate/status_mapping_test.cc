@@ -3,10 +3,10 @@
 #include <catch2/catch.hpp>
 
 #include "motiondb/v1/error.pb.h"
-#include "server/translate/field_violation.h"
+#include "server/translate/message_fields.h"
 #include "tests/support/shown_text_cases.h"
 
-namespace motiondb::server {
+namespace motiondb::server::status_mapping_test {
 namespace {
 
 TEST_CASE("StatusMapping: every canonical code keeps its number", "[server][translate]") {
@@ -64,4 +64,4 @@ TEST_CASE("StatusMapping: messages and details have no secrets and no display co
 }
 
 }  // namespace
-}  // namespace motiondb::server
+}  // namespace motiondb::server::status_mapping_test

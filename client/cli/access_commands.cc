@@ -1,0 +1,172 @@
+// motiondb audit: what was changed or backed up, by whom, when and from where.
+
+#include <fmt/format.h>
+#include <google/protobuf/util/time_util.h>
+#include <motiondb/v1/access.pb.h>
+
+#include <algorithm>
+#include <cmath>
+#include <ctime>
+#include <map>
+
+#include "client/cli/command.h"
+#include "client/cli/database_text.h"
+#include "client/cli/print.h"
+#include "client/cli/resource_name.h"
+#include "text/display_text.h"
+
+namespace motiondb::client {
+
+namespace {
+
+struct AuditOptions {
+  int count = 100;
+};
+
+void Declare(CLI::App& command, AuditOptions& options) {
+  command.add_option("--count", options.count, "How many, the newest first")
+      ->check(CLI::Range(1, 100'000))
+      ->capture_default_str();
+}
+
+absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::ListAuditEntriesResponse all;
+  v1::ListAuditEntriesRequest request;
+  do {
+    request.set_page_size(options.count - all.entries_size());
+    const auto page = client->ListAuditEntries(request);
+    if (!page.ok()) return page.status();
+    all.mutable_entries()->MergeFrom(page->entries());
+    request.set_page_token(page->next_page_token());
+  } while (!request.page_token().empty() && all.entries_size() < options.count);
+  if (global.json) {
+    for (const v1::AuditEntry& entry : all.entries()) PrintJson(entry);
+  } else {
+    PrintText(AuditText(all));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddAuditCommand(CommandLine line) {
+  AddCommand<AuditOptions>(line, "audit",
+                           "List what was changed or backed up, by whom, when and from where",
+                           Declare, Run);
+}
+
+// motiondb token create|list|revoke: who may call the server.
+
+namespace {
+
+struct TokenCreateOptions {
+  v1::Role role = v1::ROLE_UNSPECIFIED;
+  std::string database;
+  double lifetime_seconds = 0;  // 0: for ever
+  std::string description;
+};
+
+struct TokenListOptions {};
+
+struct TokenRevokeOptions {
+  std::string token;
+};
+
+void DeclareCreate(CLI::App& command, TokenCreateOptions& options) {
+  const std::map<std::string, v1::Role> roles = {
+      {"reader", v1::ROLE_READER}, {"ingester", v1::ROLE_INGESTER}, {"admin", v1::ROLE_ADMIN}};
+  command
+      .add_option_function<std::string>(
+          "--role", [&options, roles](const std::string& word) { options.role = roles.at(word); },
+          "reader: asks, lists, exports; ingester: also stores and deletes clips; admin: "
+          "everything")
+      ->required()
+      ->type_name("ROLE")
+      ->check(CLI::IsMember(roles));
+  command.add_option("--database", options.database, "Good for this database alone")
+      ->type_name("DB");
+  const std::map<std::string, double> units = {
+      {"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}, {"w", 604800}};
+  command.add_option("--expires", options.lifetime_seconds, "Good for so long: 30d, 12h, 90m")
+      ->type_name("TIME")
+      ->transform(CLI::AsNumberWithUnit(units, CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
+      ->check(PositiveNumber());
+  command.add_option("--description", options.description, "What it is for")->type_name("TEXT");
+}
+
+absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::CreateTokenRequest request;
+  request.set_role(options.role);
+  if (!options.database.empty()) request.set_database(DatabaseName(options.database));
+  if (options.lifetime_seconds > 0) {
+    const double most = 1e10;  // more than the server takes, and no overflow
+    *request.mutable_lifetime() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
+        std::llround(std::min(options.lifetime_seconds, most) * 1000));
+  }
+  request.set_description(options.description);
+  const auto response = client->CreateToken(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+    return absl::OkStatus();
+  }
+  // The secret alone on standard output, so that it can go straight into a file.
+  fmt::print(stderr, "{}. Keep what follows: it is not shown again.\n",
+             text::DisplayText(TokenText(response->token())));
+  PrintLineText(response->secret());
+  return absl::OkStatus();
+}
+
+void DeclareList(CLI::App&, TokenListOptions&) {}
+
+absl::Status RunList(const TokenListOptions&, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto tokens = client->AllTokens();
+  if (!tokens.ok()) return tokens.status();
+  if (global.json) {
+    for (const v1::Token& token : *tokens) PrintJson(token);
+  } else {
+    PrintText(TokensText(*tokens, std::time(nullptr)));
+  }
+  return absl::OkStatus();
+}
+
+void DeclareRevoke(CLI::App& command, TokenRevokeOptions& options) {
+  command.add_option("TOKEN", options.token, "As `motiondb token list` names it")->required();
+}
+
+absl::Status RunRevoke(const TokenRevokeOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::RevokeTokenRequest request;
+  request.set_name(TokenName(options.token));
+  const auto response = client->RevokeToken(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    PrintLine("revoked {}", response->token().name());
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddTokenCommand(CommandLine line) {
+  CLI::App* token = line.app.add_subcommand("token", "Make, list or revoke tokens");
+  token->fallthrough();
+  token->require_subcommand(1);
+  const CommandLine inner{*token, line.global, line.chosen};
+  AddCommand<TokenCreateOptions>(inner, "create", "Make a token and print its secret, once",
+                                 DeclareCreate, RunCreate);
+  AddCommand<TokenListOptions>(inner, "list", "List tokens, without their secrets", DeclareList,
+                               RunList);
+  AddCommand<TokenRevokeOptions>(inner, "revoke", "End a token at once", DeclareRevoke, RunRevoke);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,201 @@
+#include "client/cli/answer_text.h"
+
+#include <fmt/format.h>
+#include <motiondb/v1/query.pb.h>
+
+#include <algorithm>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "client/cli/database_text.h"
+#include "client/cli/print.h"
+#include "client/cli/resource_name.h"
+#include "text/display_text.h"
+
+namespace motiondb::client {
+
+namespace {
+
+// Labels shown of each window.
+constexpr int kLabelsOfWindow = 3;
+// A label less probable than this, after the first, says nothing.
+constexpr double kShownProbability = 0.005;
+
+std::string Label(const v1::RecognitionWindow& window, int rank) {
+  if (rank >= window.labels_size()) return "";
+  const auto& label = window.labels(rank);
+  if (rank > 0 && label.probability() < kShownProbability) return "";
+  return fmt::format("{} {:.2f}", LabelWord(label.label()), label.probability());
+}
+
+// "walk 93 % (14 of 15 windows), jog 7 % (1 of 15 windows)"
+std::string Summary(const v1::RecognizeResponse& response) {
+  std::map<std::string, int> windows_of;
+  for (const auto& window : response.windows()) {
+    if (window.labels_size() > 0) ++windows_of[LabelWord(window.labels(0).label())];
+  }
+  std::vector<std::pair<std::string, int>> ranked(windows_of.begin(), windows_of.end());
+  std::stable_sort(ranked.begin(), ranked.end(),
+                   [](const auto& a, const auto& b) { return a.second > b.second; });
+  const int total = response.windows_size();
+  std::string text;
+  for (const auto& [label, count] : ranked) {
+    text += fmt::format("{}{} {:.0f} % ({} of {})", text.empty() ? "" : ", ", label,
+                        100.0 * count / total, count, CountText(total, "window"));
+  }
+  return text.empty() ? "nothing recognized" : text;
+}
+
+}  // namespace
+
+std::string RecognitionText(const v1::RecognizeResponse& response) {
+  std::vector<Table::Column> columns = {{"", Align::kRight}};
+  for (int i = 0; i < kLabelsOfWindow; ++i) columns.push_back({""});
+  columns.insert(columns.end(), {{""}, {""}});
+  Table table(columns);
+  for (const auto& window : response.windows()) {
+    std::vector<std::string> cells = {
+        fmt::format("{:.2f}-{:.2f} s", window.start_seconds(), window.end_seconds())};
+    for (int i = 0; i < kLabelsOfWindow; ++i) cells.push_back(Label(window, i));
+    cells.push_back(fmt::format("familiarity {:.2f}", window.familiarity()));
+    cells.push_back(window.clips_size() == 0 ? "no clip explains it"
+                                             : "best clip " + ShortName(window.clips(0).clip()));
+    table.AddRow(cells);
+  }
+  return table.ToString() + Summary(response) + "\n" +
+         BorrowedCalibrationText(response.calibration());
+}
+
+namespace {
+
+constexpr size_t kLineColumns = 96;
+
+// "  12x5 13x3 ...", broken into lines.
+std::string RunsText(const v1::NodePath& path) {
+  std::string text;
+  std::string line = " ";
+  for (int begin = 0, end = 0; begin < path.node_ids_size(); begin = end) {
+    while (end < path.node_ids_size() && path.node_ids(end) == path.node_ids(begin)) ++end;
+    const std::string run = fmt::format(" {}x{}", path.node_ids(begin), end - begin);
+    if (line.size() + run.size() > kLineColumns) {
+      text += line + "\n";
+      line = " ";
+    }
+    line += run;
+  }
+  return text + line + "\n";
+}
+
+// "missing at 1.20 s:", then a line for each missing marker.
+std::string FilledText(const v1::FilledFrame& frame, const std::vector<std::string>& marker_names) {
+  Table table({{"  MISSING"}, {"x, y, z (m)"}, {"EXPECTED ERROR (m)", Align::kRight}});
+  const int markers = std::min({frame.marker_deviations_size(), frame.marker_positions_size() / 3,
+                                static_cast<int>(marker_names.size())});
+  for (int m = 0; m < markers; ++m) {
+    if (frame.marker_deviations(m) == 0) continue;
+    table.AddRow({"  " + marker_names[m],
+                  fmt::format("{:7.3f} {:7.3f} {:7.3f}", frame.marker_positions(3 * m),
+                              frame.marker_positions(3 * m + 1), frame.marker_positions(3 * m + 2)),
+                  fmt::format("{:.3f}", frame.marker_deviations(m))});
+  }
+  return fmt::format("filled in at {:.2f} s\n", frame.seconds()) + table.ToString();
+}
+
+}  // namespace
+
+std::string EstimationText(const v1::EstimateResponse& response,
+                           const std::vector<std::string>& marker_names) {
+  std::string text =
+      fmt::format("state: node {} of layer {}, probability {:.3f}\n", response.state().node_id(),
+                  response.layer(), response.state().probability());
+  int rank = 0;
+  for (const auto& path : response.paths()) {
+    const double seconds =
+        response.frame_rate_hz() > 0 ? path.node_ids_size() / response.frame_rate_hz() : 0;
+    text +=
+        fmt::format("path {}: {}, {:.2f} s at {:g} Hz, log probability {:.2f}, as node x frames\n",
+                    ++rank, CountText(path.node_ids_size(), "frame"), seconds,
+                    response.frame_rate_hz(), path.log_probability());
+    text += RunsText(path);
+  }
+  if (rank == 0) text += "no path explains the observation\n";
+  for (const auto& frame : response.filled_frames()) text += FilledText(frame, marker_names);
+  return text;
+}
+
+namespace {
+
+constexpr int kShownNodes = 5;
+constexpr int kShownClips = 4;
+
+std::string ClipsOf(const v1::NextNode& node) {
+  std::string text;
+  for (int i = 0; i < std::min(node.clips_size(), kShownClips); ++i) {
+    text += (i > 0 ? " " : "") + text::DisplayText(ShortName(node.clips(i)));
+  }
+  if (node.clips_size() > kShownClips) {
+    text += fmt::format(" and {} more", node.clips_size() - kShownClips);
+  }
+  return text;
+}
+
+std::string NextNodesText(const v1::PredictResponse& response) {
+  if (response.next_nodes_size() == 0) return "  no next node is known\n";
+  Table table({{""}, {"", Align::kRight}, {""}});
+  for (int i = 0; i < std::min(response.next_nodes_size(), kShownNodes); ++i) {
+    const auto& next = response.next_nodes(i);
+    table.AddRow({fmt::format("  next node {}", next.node_id()),
+                  fmt::format("{:.2f}", next.probability()),
+                  next.clips_size() == 0 ? "" : "as in " + ClipsOf(next)});
+  }
+  return table.ToString();
+}
+
+std::string Position(double x, double y, double z) {
+  return fmt::format("{:7.3f} {:7.3f} {:7.3f}", x, y, z);
+}
+
+// The mean of all markers: where the body is.
+std::string MiddleOf(const v1::PredictedFrame& frame) {
+  const int markers = frame.marker_positions_size() / 3;
+  double sum[3] = {0, 0, 0};
+  for (int i = 0; i < 3 * markers; ++i) sum[i % 3] += frame.marker_positions(i);
+  return Position(sum[0] / markers, sum[1] / markers, sum[2] / markers);
+}
+
+std::string HorizonsText(const v1::PredictResponse& response,
+                         const std::vector<std::string>& marker_names) {
+  if (response.horizons_size() == 0) return "";
+  const std::string first = marker_names.empty() ? "first marker" : marker_names.front();
+  Table table({{"  AHEAD", Align::kRight},
+               {"WITHIN 5 cm", Align::kRight},
+               {"ERROR (m)", Align::kRight},
+               {"MIDDLE x, y, z (m)"},
+               {first + " x, y, z (m)"}});
+  for (const auto& frame : response.horizons()) {
+    std::vector<std::string> cells = {
+        fmt::format("  {:.2f} s", frame.seconds()), fmt::format("{:.2f}", frame.confidence()),
+        frame.expected_error_m() > 0 ? fmt::format("{:.3f}", frame.expected_error_m()) : "-"};
+    if (frame.marker_positions_size() >= 3) {
+      cells.push_back(MiddleOf(frame));
+      cells.push_back(Position(frame.marker_positions(0), frame.marker_positions(1),
+                               frame.marker_positions(2)));
+    }
+    table.AddRow(cells);
+  }
+  return table.ToString();
+}
+
+}  // namespace
+
+std::string PredictionText(const v1::PredictResponse& response,
+                           const std::vector<std::string>& marker_names) {
+  return fmt::format("from {:.2f} s, in node {} of layer {} (probability {:.2f})\n",
+                     response.at_seconds(), response.state().node_id(), response.layer(),
+                     response.state().probability()) +
+         NextNodesText(response) + HorizonsText(response, marker_names) +
+         BorrowedCalibrationText(response.calibration());
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,279 @@
+// motiondb create DB: an empty database.
+
+#include <fmt/format.h>
+#include <motiondb/v1/clip.pb.h>
+#include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/operation.pb.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <iostream>
+
+#include "client/cli/command.h"
+#include "client/cli/database_text.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/print.h"
+#include "client/cli/rebuild_wait.h"
+#include "client/cli/resource_name.h"
+#include "text/display_text.h"
+
+namespace motiondb::client {
+
+namespace {
+
+struct CreateOptions {
+  std::string database;
+  double frame_rate_hz = 60;
+  int min_frames = 16;
+  std::string scaling = "kind";
+  std::string marker_set = "standard34";
+  std::string glitches = "repair";
+};
+
+void Declare(CLI::App& command, CreateOptions& options) {
+  command.add_option("DB", options.database, "Name of the new database")->required();
+  command.add_option("--frame-rate", options.frame_rate_hz, "Frame rate of all stored states")
+      ->type_name("HZ")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command.add_option("--min-frames", options.min_frames, "The fewest frames that a node may have")
+      ->type_name("N")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command
+      .add_option("--scaling", options.scaling,
+                  "What features are divided by: nothing, one scale for positions and one for "
+                  "velocities, or each dimension's own")
+      ->type_name("none|kind|dimension")
+      ->check(CLI::IsMember({"none", "kind", "dimension"}))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--marker-set", options.marker_set,
+          "standard34, source (the first clip's own markers or joints), or a marker-set file")
+      ->type_name("standard34|source|FILE")
+      ->capture_default_str();
+  command
+      .add_option(
+          "--glitches", options.glitches,
+          "Of clips with frames that no body can be in: interpolate up to 0.25 s and refuse "
+          "more, refuse all, store the longest part without, or store as they are")
+      ->type_name("repair|reject|drop|keep")
+      ->check(CLI::IsMember({"repair", "reject", "drop", "keep"}))
+      ->capture_default_str();
+}
+
+v1::Scaling ScalingOf(const std::string& word) {
+  if (word == "none") return v1::SCALING_NONE;
+  if (word == "dimension") return v1::SCALING_DIMENSION;
+  return v1::SCALING_KIND;
+}
+
+v1::Glitches GlitchesOf(const std::string& word) {
+  if (word == "reject") return v1::GLITCHES_REJECT;
+  if (word == "drop") return v1::GLITCHES_DROP;
+  if (word == "keep") return v1::GLITCHES_KEEP;
+  return v1::GLITCHES_REPAIR;
+}
+
+absl::Status SetMarkerSet(const std::string& given, v1::Database& database) {
+  if (given == "standard34" || given == "source") {
+    database.set_marker_set(given);
+    return absl::OkStatus();
+  }
+  auto text = ReadFileBytes(given);
+  if (!text.ok()) {
+    return absl::Status(text.status().code(),
+                        fmt::format("--marker-set: expected standard34, source or a file; {}",
+                                    std::string(text.status().message())));
+  }
+  database.set_marker_set(std::filesystem::path(given).stem().string());
+  database.set_marker_set_file(*std::move(text));
+  return absl::OkStatus();
+}
+
+absl::Status Run(const CreateOptions& options, const GlobalOptions& global) {
+  v1::CreateDatabaseRequest request;
+  const std::string name = DatabaseName(options.database);
+  request.set_database_id(name.substr(name.find('/') + 1));
+  v1::Database& database = *request.mutable_database();
+  database.set_frame_rate_hz(options.frame_rate_hz);
+  database.set_min_frames(options.min_frames);
+  database.set_scaling(ScalingOf(options.scaling));
+  database.set_glitches(GlitchesOf(options.glitches));
+  if (const absl::Status status = SetMarkerSet(options.marker_set, database); !status.ok()) {
+    return status;
+  }
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto response = client->CreateDatabase(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    PrintText("created\n" + DatabaseText(response->database()));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddCreateCommand(CommandLine line) {
+  AddCommand<CreateOptions>(line, "create", "Create an empty database", Declare, Run);
+}
+
+// motiondb list [DB]: the databases, or the clips of one.
+
+namespace {
+
+struct ListOptions {
+  std::string database;
+};
+
+void Declare(CLI::App& command, ListOptions& options) {
+  command.add_option("DB", options.database, "List the clips of this database; else all databases");
+}
+
+template <typename Item, typename Text>
+absl::Status Print(const absl::StatusOr<std::vector<Item>>& items, bool json, const Text& text) {
+  if (!items.ok()) return items.status();
+  if (json) {
+    for (const Item& item : *items) PrintJson(item);
+  } else {
+    PrintText(text(*items));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status Run(const ListOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  if (options.database.empty()) return Print(client->AllDatabases(), global.json, DatabasesText);
+  v1::ListClipsRequest request;
+  request.set_parent(DatabaseName(options.database));
+  request.set_page_size(1000);
+  return Print(client->AllClips(request), global.json, ClipsText);
+}
+
+}  // namespace
+
+void AddListCommand(CommandLine line) {
+  AddCommand<ListOptions>(line, "list", "List the databases, or the clips of one", Declare, Run);
+}
+
+// motiondb describe DB: the figures of a database and its model.
+
+namespace {
+
+struct DescribeOptions {
+  std::string database;
+};
+
+void Declare(CLI::App& command, DescribeOptions& options) {
+  command.add_option("DB", options.database, "Database")->required();
+}
+
+absl::Status Run(const DescribeOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::DescribeDatabaseRequest request;
+  request.set_name(DatabaseName(options.database));
+  const auto response = client->DescribeDatabase(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    PrintText(DescriptionText(*response));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddDescribeCommand(CommandLine line) {
+  AddCommand<DescribeOptions>(line, "describe", "Show a database's frames, clips, layers and nodes",
+                              Declare, Run);
+}
+
+// motiondb delete DB [CLIP]: a clip, or a whole database.
+
+namespace {
+
+struct DeleteOptions {
+  std::string database;
+  std::string clip;
+  bool yes = false;
+};
+
+void Declare(CLI::App& command, DeleteOptions& options) {
+  command.add_option("DB", options.database, "Database")->required();
+  command.add_option("CLIP", options.clip, "Delete this clip only; else the whole database");
+  command.add_flag("--yes", options.yes,
+                   "Do not ask before a whole database is deleted; where standard input is no "
+                   "terminal, as in a script, nothing is asked in any case");
+}
+
+// On a terminal the database's name must be typed; a script is taken at its word.
+absl::Status Confirm(const std::string& name) {
+  if (isatty(STDIN_FILENO) != 1) return absl::OkStatus();
+  fmt::print(stderr,
+             "This deletes all clips and models of {0}. Type {0} to go on: ", text::SafeText(name));
+  std::fflush(stderr);
+  std::string typed;
+  std::getline(std::cin, typed);
+  if (typed == name) return absl::OkStatus();
+  return absl::CancelledError(fmt::format("{} was not deleted", name));
+}
+
+absl::Status DeleteDatabase(const DeleteOptions& options, const GlobalOptions& global) {
+  const std::string name = DatabaseName(options.database);
+  if (!options.yes) {
+    if (const absl::Status status = Confirm(ShortName(name)); !status.ok()) return status;
+  }
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::DeleteDatabaseRequest request;
+  request.set_name(name);
+  const auto response = client->DeleteDatabase(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    PrintLine("deleted database {}", ShortName(name));
+  }
+  return absl::OkStatus();
+}
+
+absl::Status DeleteClip(const DeleteOptions& options, const GlobalOptions& global) {
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  v1::DeleteClipRequest request;
+  request.set_name(ClipName(options.database, options.clip));
+  auto response = client->DeleteClip(request);
+  if (!response.ok()) return response.status();
+  auto done = WaitForRebuild(*client, response->operation().name(), "the clip is deleted");
+  if (!done.ok()) return done.status();
+  if (global.json) {
+    *response->mutable_operation() = *std::move(done);
+    PrintJson(*response);
+    return absl::OkStatus();
+  }
+  const auto summary = ModelSummary(*client, *done);
+  if (!summary.ok()) return summary.status();
+  PrintLine("deleted clip {}; {}", ShortName(request.name()), *summary);
+  return absl::OkStatus();
+}
+
+absl::Status Run(const DeleteOptions& options, const GlobalOptions& global) {
+  return options.clip.empty() ? DeleteDatabase(options, global) : DeleteClip(options, global);
+}
+
+}  // namespace
+
+void AddDeleteCommand(CommandLine line) {
+  AddCommand<DeleteOptions>(line, "delete",
+                            "Delete a clip and wait for the model without it, or a whole database",
+                            Declare, Run);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,296 @@
+// motiondb recognize DB FILE: what is this motion?
+
+#include <fmt/format.h>
+#include <motiondb/v1/query.pb.h>
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "client/cli/answer_text.h"
+#include "client/cli/command.h"
+#include "client/cli/motion_file.h"
+#include "client/cli/print.h"
+#include "client/cli/query_options.h"
+#include "client/cli/recognition_plot.h"
+#include "client/output_file.h"
+
+namespace motiondb::client {
+
+namespace {
+
+struct RecognizeOptions {
+  QueryOptions query;
+  std::string window = "0.4";
+  double hop_seconds = 0.1;
+  int top = 0;
+  int paths = 0;
+  v1::Method method = v1::BEST;
+  std::string plot;
+};
+
+std::string CheckWindow(const std::string& text) {
+  double seconds = 0;
+  if (text == "all" || (CLI::detail::lexical_cast(text, seconds) && seconds > 0)) return "";
+  return "expected seconds or \"all\", found \"" + text + "\"";
+}
+
+void Declare(CLI::App& command, RecognizeOptions& options) {
+  AddQueryOptions(command, options.query);
+  command
+      .add_option("--window", options.window, "Width of the sliding window, or all of the motion")
+      ->type_name("SECONDS|all")
+      ->check(CheckWindow)
+      ->capture_default_str();
+  command.add_option("--hop", options.hop_seconds, "How far the window moves each time")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command.add_option("--top", options.top, "At most this many clips a window; else all")
+      ->type_name("K")
+      ->check(PositiveNumber());
+  command
+      .add_option("--paths", options.paths,
+                  "Sum the K best paths, as in the paper; else all paths, exactly")
+      ->type_name("K")
+      ->check(PositiveNumber());
+  AddMethodOption(command, options.method);
+  command
+      .add_option("--plot", options.plot,
+                  "Draw how probable each clip's graph makes each window, at the bottom, a middle "
+                  "and an upper layer, or at that of --layer; asks once more for each")
+      ->type_name("FILE.svg");
+}
+
+v1::RecognizeRequest Request(const RecognizeOptions& options) {
+  v1::RecognizeRequest request;
+  if (options.window == "all") {
+    request.set_whole(true);
+  } else {
+    request.set_window_seconds(std::stod(options.window));
+  }
+  request.set_hop_seconds(options.hop_seconds);
+  request.set_top_count(options.top);
+  request.set_method(options.method);
+  if (options.paths > 0) {
+    request.set_generation(v1::GENERATION_TOP_PATHS);
+    request.set_path_count(options.paths);
+  }
+  return request;
+}
+
+absl::Status CheckFiles(const RecognizeOptions& options) {
+  if (options.plot.empty() || HasExtension(options.plot, ".svg")) return absl::OkStatus();
+  return absl::InvalidArgumentError(
+      fmt::format("--plot {}: the profiles are drawn as FILE.svg", options.plot));
+}
+
+// Asks again, for all clips under the graphs of each layer, and draws the answers.
+absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
+                       v1::RecognizeRequest& request) {
+  request.set_top_count(0);
+  request.set_method(v1::PAPER);
+  std::vector<v1::RecognizeResponse> layers;
+  const auto ask = [&](int layer) {
+    request.set_layer(layer);
+    auto response = client.Recognize(request);
+    if (response.ok()) layers.push_back(*std::move(response));
+    return response.status();
+  };
+  absl::Status status = ask(options.query.layer);
+  if (status.ok() && options.query.layer == 0 && layers[0].windows_size() > 0) {
+    for (const int layer : LayersAbove(layers[0].windows(0).layer())) {
+      if (status = ask(layer); !status.ok()) break;
+    }
+  }
+  if (!status.ok()) return status;
+  request.set_layer(options.query.layer);
+  return WriteWholeFile(options.plot, RecognitionPlotSvg(request, layers));
+}
+
+absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
+  if (absl::Status status = CheckFiles(options); !status.ok()) return status;
+  v1::RecognizeRequest request = Request(options);
+  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto response = client->Recognize(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    PrintText(RecognitionText(*response));
+  }
+  if (options.plot.empty()) return absl::OkStatus();
+  absl::Status status = WritePlot(*client, options, request);
+  if (status.ok() && !global.json) PrintLine("wrote {}", options.plot);
+  return status;
+}
+
+}  // namespace
+
+void AddRecognizeCommand(CommandLine line) {
+  AddCommand<RecognizeOptions>(line, "recognize", "Say what a motion is, window by window", Declare,
+                               Run);
+}
+
+// motiondb estimate DB FILE: what state is the motion in?
+
+namespace {
+
+struct EstimateOptions {
+  QueryOptions query;
+  int paths = 1;
+  std::optional<int> max_candidates;
+  bool fill_every_frame = false;
+};
+
+void Declare(CLI::App& command, EstimateOptions& options) {
+  AddQueryOptions(command, options.query);
+  command.add_option("--paths", options.paths, "How many node paths, best first")
+      ->type_name("K")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command
+      .add_option("--max-candidates", options.max_candidates,
+                  "Candidates kept for each frame and layer; else 16; 0 keeps all (exact)")
+      ->type_name("N")
+      ->check(NonNegativeNumber());
+  command.add_flag("--fill-every-frame", options.fill_every_frame,
+                   "Fill in missing markers in every frame; else in the last alone");
+}
+
+absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
+  v1::EstimateRequest request;
+  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
+  request.set_path_count(options.paths);
+  if (options.max_candidates) request.set_max_candidates(*options.max_candidates);
+  request.set_fill_every_frame(options.fill_every_frame);
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  const auto response = client->Estimate(request);
+  if (!response.ok()) return response.status();
+  if (global.json) {
+    PrintJson(*response);
+  } else {
+    std::vector<std::string> marker_names;
+    if (response->filled_frames_size() > 0) {
+      auto names = MarkerNames(*client, options.query.database);
+      if (!names.ok()) return names.status();
+      marker_names = *std::move(names);
+    }
+    PrintText(EstimationText(*response, marker_names));
+  }
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddEstimateCommand(CommandLine line) {
+  AddCommand<EstimateOptions>(line, "estimate", "Say which nodes a motion goes through", Declare,
+                              Run);
+}
+
+// motiondb predict DB FILE: what comes next, at one moment or at many?
+
+namespace {
+
+struct PredictOptions {
+  QueryOptions query;
+  v1::Method method = v1::BEST;
+  std::optional<double> at_seconds;
+  std::optional<double> every_seconds;
+  double history_seconds = 0.4;
+  std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
+};
+
+void Declare(CLI::App& command, PredictOptions& options) {
+  AddQueryOptions(command, options.query);
+  CLI::Option* at = command.add_option("--at", options.at_seconds,
+                                       "The moment to predict from; else the end of the motion");
+  at->type_name("SECONDS")->check(NonNegativeNumber());
+  command
+      .add_option("--every", options.every_seconds,
+                  "Predict again and again, so far apart, from the first moment with a history")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->excludes(at);
+  command.add_option("--history", options.history_seconds, "How much before the moment is used")
+      ->type_name("SECONDS")
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  command
+      .add_option("--horizon", options.horizon_seconds, "How far ahead to give marker positions")
+      ->type_name("SECONDS,...")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->check(PositiveNumber())
+      ->capture_default_str();
+  AddMethodOption(command, options.method);
+}
+
+v1::PredictRequest Request(const PredictOptions& options) {
+  v1::PredictRequest request;
+  if (options.at_seconds) request.set_at_seconds(*options.at_seconds);
+  request.set_history_seconds(options.history_seconds);
+  for (const double horizon : options.horizon_seconds) request.add_horizon_seconds(horizon);
+  request.set_method(options.method);
+  return request;
+}
+
+// Prints predictions as they come.
+class Printer {
+ public:
+  Printer(bool json, std::vector<std::string> marker_names)
+      : json_(json), marker_names_(std::move(marker_names)) {}
+
+  void Print(const v1::PredictResponse& prediction) {
+    if (json_) {
+      PrintJson(prediction);
+    } else {
+      PrintText((first_ ? "" : "\n") + PredictionText(prediction, marker_names_));
+    }
+    first_ = false;
+  }
+
+ private:
+  const bool json_;
+  const std::vector<std::string> marker_names_;
+  bool first_ = true;
+};
+
+absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
+  v1::PredictRequest request = Request(options);
+  if (absl::Status status = SetQuery(options.query, request); !status.ok()) return status;
+  const auto client = Connect(global);
+  if (!client.ok()) return client.status();
+  std::vector<std::string> marker_names;
+  if (!global.json) {
+    auto names = MarkerNames(*client, options.query.database);
+    if (!names.ok()) return names.status();
+    marker_names = *std::move(names);
+  }
+  Printer printer(global.json, std::move(marker_names));
+  if (options.every_seconds) {
+    v1::PredictSeriesRequest series;
+    *series.mutable_prediction() = std::move(request);
+    series.set_every_seconds(*options.every_seconds);
+    return client->PredictSeries(series, [&](const v1::PredictSeriesResponse& response) {
+      printer.Print(response.prediction());
+      return absl::OkStatus();
+    });
+  }
+  const auto response = client->Predict(request);
+  if (!response.ok()) return response.status();
+  printer.Print(*response);
+  return absl::OkStatus();
+}
+
+}  // namespace
+
+void AddPredictCommand(CommandLine line) {
+  AddCommand<PredictOptions>(line, "predict", "Say what comes next, at one moment or at many",
+                             Declare, Run);
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,302 @@
+// Files going in: a header, then blocks.
+
+#include <fmt/format.h>
+
+#include <optional>
+#include <utility>
+
+#include "client/backup_file.h"
+#include "client/connection.h"
+#include "client/input_file.h"
+#include "client/output_file.h"
+
+namespace motiondb::client {
+
+namespace {
+
+BlockReader BlocksOf(std::string_view bytes) {
+  return [bytes](std::string& block) mutable {
+    block.assign(bytes.substr(0, kBlockBytes));
+    bytes.remove_prefix(block.size());
+    return absl::OkStatus();
+  };
+}
+
+BlockReader BlocksOf(InputFile& file) {
+  return [&file](std::string& block) { return file.Read(kBlockBytes, block); };
+}
+
+// Sends all blocks. A stream that the server has ended early is not an error here: how the call
+// finishes says why.
+template <typename Set>
+absl::Status Send(grpc::ClientWriter<v1::IngestClipRequest>& writer, const BlockReader& next,
+                  const Set& set) {
+  while (true) {
+    v1::IngestClipRequest message;
+    std::string* block = set(message);
+    if (const absl::Status status = next(*block); !status.ok()) return status;
+    if (block->empty() || !writer.Write(message)) return absl::OkStatus();
+  }
+}
+
+}  // namespace
+
+absl::StatusOr<v1::IngestClipResponse> Client::Connection::Ingest(
+    const v1::IngestClipHeader& header, const BlockReader& file, const BlockReader& skeleton,
+    const CallOptions& options) const {
+  OutgoingCall call(options);
+  Prepare(call);
+  v1::IngestClipResponse response;
+  const auto writer = clips->IngestClip(&call.context, &response);
+  v1::IngestClipRequest first;
+  *first.mutable_header() = header;
+  absl::Status sent;
+  if (writer->Write(first)) {
+    sent = Send(*writer, skeleton, [](auto& message) { return message.mutable_skeleton_block(); });
+    if (sent.ok()) {
+      sent = Send(*writer, file, [](auto& message) { return message.mutable_file_block(); });
+    }
+  }
+  // A file that could not be read to its end must not be stored in part.
+  if (!sent.ok()) call.context.TryCancel();
+  writer->WritesDone();
+  const grpc::Status finished = writer->Finish();
+  if (!sent.ok()) return sent;
+  if (const absl::Status status = Finish(finished, call); !status.ok()) return status;
+  return response;
+}
+
+absl::StatusOr<v1::IngestClipResponse> Client::IngestFile(const v1::IngestClipHeader& header,
+                                                          const std::filesystem::path& file,
+                                                          const std::filesystem::path& skeleton,
+                                                          CallOptions options) const {
+  auto opened = InputFile::Open(file);
+  if (!opened.ok()) return opened.status();
+  v1::IngestClipHeader named = header;
+  if (named.file_name().empty()) named.set_file_name(file.filename().string());
+  if (skeleton.empty()) {
+    return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(std::string_view()), options);
+  }
+  auto opened_skeleton = InputFile::Open(skeleton);
+  if (!opened_skeleton.ok()) return opened_skeleton.status();
+  if (named.skeleton_file_name().empty()) {
+    named.set_skeleton_file_name(skeleton.filename().string());
+  }
+  return connection_->Ingest(named, BlocksOf(*opened), BlocksOf(*opened_skeleton), options);
+}
+
+absl::StatusOr<v1::IngestClipResponse> Client::IngestBytes(const v1::IngestClipHeader& header,
+                                                           std::string_view file,
+                                                           std::string_view skeleton,
+                                                           CallOptions options) const {
+  return connection_->Ingest(header, BlocksOf(file), BlocksOf(skeleton), options);
+}
+
+// Files coming out: a header, then blocks.
+
+namespace {
+
+namespace fs = std::filesystem;
+
+absl::Status BrokenStream(const std::string& clip, const char* what) {
+  return absl::DataLossError(fmt::format("export of {}: {}", clip, what));
+}
+
+// One of the files that come. `file` has none after Open failed, or where the same bytes are there.
+struct ExportedFile {
+  fs::path path;
+  std::optional<OutputFile> file;
+
+  absl::Status Open(const fs::path& directory, const std::string& name) {
+    if (const absl::Status plain = CheckFileNameFromServer(name); !plain.ok()) return plain;
+    path = directory / name;
+    auto created = OutputFile::Create(path);
+    if (!created.ok()) return created.status();
+    file = *std::move(created);
+    return absl::OkStatus();
+  }
+
+  // ALREADY_EXISTS if other bytes lie under the name; the same bytes do no harm, and clips share
+  // skeletons.
+  absl::Status Compare(bool overwrite) {
+    if (!file) return absl::OkStatus();
+    const auto same = file->IsThereAlready();
+    if (!same.ok()) return same.status();
+    std::error_code ignored;
+    if (*same) {
+      file.reset();
+    } else if (!overwrite && fs::exists(fs::symlink_status(path, ignored))) {
+      return absl::AlreadyExistsError(
+          fmt::format("{}: exists already, with other contents", path.string()));
+    }
+    return absl::OkStatus();
+  }
+};
+
+}  // namespace
+
+absl::Status Client::Connection::Export(const v1::ExportClipRequest& request,
+                                        const ExportSink& sink, const CallOptions& options) const {
+  bool begun = false;
+  const std::function<absl::Status(const v1::ExportClipResponse&)> on_message =
+      [&](const v1::ExportClipResponse& message) -> absl::Status {
+    if (message.has_header() == begun) {
+      return BrokenStream(request.name(), "expected one header, before the first block");
+    }
+    begun = true;
+    if (message.has_header()) return sink.on_header(message.header());
+    if (message.has_file_block()) return sink.on_file_block(message.file_block());
+    return sink.on_skeleton_block(message.skeleton_block());
+  };
+  const absl::Status status =
+      ReadStream(*clips, &v1::ClipService::Stub::ExportClip, request, on_message, options);
+  if (status.ok() && !begun) return BrokenStream(request.name(), "the stream had no header");
+  return status;
+}
+
+absl::StatusOr<ExportedClip> Client::ExportClip(const v1::ExportClipRequest& request,
+                                                CallOptions options) const {
+  ExportedClip clip;
+  ExportSink sink;
+  sink.on_header = [&](const v1::ExportClipHeader& header) {
+    clip.file_name = header.clip().file_name();
+    clip.skeleton_file_name = header.skeleton_file_name();
+    return absl::OkStatus();
+  };
+  sink.on_file_block = [&](const std::string& block) {
+    clip.file += block;
+    return absl::OkStatus();
+  };
+  sink.on_skeleton_block = [&](const std::string& block) {
+    clip.skeleton += block;
+    return absl::OkStatus();
+  };
+  if (const absl::Status status = connection_->Export(request, sink, options); !status.ok()) {
+    return status;
+  }
+  return clip;
+}
+
+absl::StatusOr<v1::ExportClipHeader> Client::ExportClipToDirectory(
+    const v1::ExportClipRequest& request, const fs::path& directory, bool overwrite,
+    CallOptions options) const {
+  std::error_code error;
+  fs::create_directories(directory, error);
+  if (error) {
+    return absl::UnknownError(fmt::format("{}: {}", directory.string(), error.message()));
+  }
+  v1::ExportClipHeader header;
+  ExportedFile file, skeleton;
+  ExportSink sink;
+  sink.on_header = [&](const v1::ExportClipHeader& received) -> absl::Status {
+    header = received;
+    const std::string& name = header.clip().file_name();
+    const absl::Status opened = file.Open(directory, name);
+    if (!opened.ok() || header.skeleton_file_name().empty()) return opened;
+    if (header.skeleton_file_name() == name) {
+      return BrokenStream(request.name(), "the clip and its skeleton have the same file name");
+    }
+    return skeleton.Open(directory, header.skeleton_file_name());
+  };
+  sink.on_file_block = [&](const std::string& block) { return file.file->Append(block); };
+  sink.on_skeleton_block = [&](const std::string& block) {
+    return skeleton.file ? skeleton.file->Append(block)
+                         : BrokenStream(request.name(), "a block of a skeleton without a name");
+  };
+  if (const absl::Status status = connection_->Export(request, sink, options); !status.ok()) {
+    return status;
+  }
+  for (ExportedFile* const pending : {&file, &skeleton}) {
+    if (const absl::Status status = pending->Compare(overwrite); !status.ok()) return status;
+  }
+  for (ExportedFile* const pending : {&file, &skeleton}) {
+    if (!pending->file) continue;
+    if (const absl::Status status = pending->file->Commit(overwrite); !status.ok()) return status;
+  }
+  return header;
+}
+
+// The store as a whole: checked, copied, filled.
+
+namespace {
+
+double Share(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+}  // namespace
+
+absl::StatusOr<v1::VerifySummary> Client::VerifyStore(
+    const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message,
+    CallOptions options) const {
+  v1::VerifySummary summary;
+  bool ended = false;
+  const std::function<absl::Status(const v1::VerifyStoreResponse&)> keep =
+      [&](const v1::VerifyStoreResponse& message) {
+        if (message.has_summary()) {
+          summary = message.summary();
+          ended = true;
+        }
+        return on_message ? on_message(message) : absl::OkStatus();
+      };
+  const absl::Status status =
+      connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::VerifyStore,
+                              v1::VerifyStoreRequest(), keep, options);
+  if (!status.ok()) return status;
+  if (!ended) return absl::DataLossError("the verification ended without a summary");
+  return summary;
+}
+
+absl::StatusOr<std::int64_t> Client::BackupStore(const std::filesystem::path& path, bool overwrite,
+                                                 const std::function<void(double)>& on_progress,
+                                                 CallOptions options) const {
+  BackupFile file;
+  if (const absl::Status opened = file.Open(path, overwrite); !opened.ok()) return opened;
+  double total = 0;
+  const std::function<absl::Status(const v1::BackupStoreResponse&)> take =
+      [&](const v1::BackupStoreResponse& message) {
+        if (message.total_bytes() > 0) total = static_cast<double>(message.total_bytes());
+        const absl::Status written = file.Append(message.block());
+        if (written.ok() && on_progress) {
+          on_progress(Share(static_cast<double>(file.bytes()), total));
+        }
+        return written;
+      };
+  const absl::Status status =
+      connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::BackupStore,
+                              v1::BackupStoreRequest(), take, options);
+  if (!status.ok()) return status;
+  if (const absl::Status whole = file.Complete(); !whole.ok()) return whole;
+  return file.bytes();
+}
+
+absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
+    const std::filesystem::path& path, const std::function<void(double)>& on_progress,
+    CallOptions options) const {
+  auto file = InputFile::Open(path);
+  if (!file.ok()) return file.status();
+  if (!file->size()) {
+    return absl::InvalidArgumentError(fmt::format("{}: is no regular file", path.string()));
+  }
+
+  OutgoingCall call(options);
+  connection_->Prepare(call);
+  v1::RestoreStoreResponse response;
+  const auto writer = connection_->store->RestoreStore(&call.context, &response);
+  v1::RestoreStoreRequest message;
+  double sent = 0;
+  absl::Status read;
+  while (true) {
+    read = file->Read(kBlockBytes, *message.mutable_block());
+    // How the call finishes says why it was ended early.
+    if (!read.ok() || message.block().empty() || !writer->Write(message)) break;
+    sent += static_cast<double>(message.block().size());
+    if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));
+  }
+  if (!read.ok()) call.context.TryCancel();
+  writer->WritesDone();
+  const grpc::Status finished = writer->Finish();
+  if (!read.ok()) return read;
+  if (const absl::Status status = connection_->Finish(finished, call); !status.ok()) return status;
+  return response;
+}
+
+}  // namespace motiondb::client

@@ -1,0 +1,250 @@
+#include "core/format/c3d_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstdlib>
+#include <set>
+
+#include "core/format/text_scanner.h"
+
+namespace motiondb::core {
+
+absl::Status C3dBytes::Require(std::size_t offset, std::size_t count, std::string_view what) const {
+  if (offset <= size() && count <= size() - offset) return absl::OkStatus();
+  return Error(offset, "expected {} bytes of {}, the file has only {} bytes (truncated?)", count,
+               what, size());
+}
+
+std::uint8_t C3dBytes::Byte(std::size_t offset) const {
+  return static_cast<std::uint8_t>(file_.bytes[offset]);
+}
+
+std::uint16_t C3dBytes::Word(std::size_t offset) const {
+  const int first = Byte(offset);
+  const int second = Byte(offset + 1);
+  return static_cast<std::uint16_t>(processor_ == C3dProcessor::kMips ? (first << 8) | second
+                                                                      : (second << 8) | first);
+}
+
+std::int16_t C3dBytes::SignedWord(std::size_t offset) const {
+  return static_cast<std::int16_t>(Word(offset));
+}
+
+float C3dBytes::Real(std::size_t offset) const {
+  const std::uint32_t first = Word(offset);
+  const std::uint32_t second = Word(offset + 2);
+  if (processor_ == C3dProcessor::kIntel) return std::bit_cast<float>((second << 16) | first);
+  const float value = std::bit_cast<float>((first << 16) | second);
+  // The VAX has IEEE's bits with the words swapped, and counts its exponent from two higher.
+  return processor_ == C3dProcessor::kDec ? value / 4 : value;
+}
+
+std::string_view C3dBytes::Text(std::size_t offset, std::size_t count) const {
+  return file_.bytes.substr(offset, count);
+}
+
+namespace {
+
+// A file has some hundred. Each takes many times its bytes in memory.
+constexpr std::size_t kMostParameters = 10'000;
+
+std::string UpperCase(std::string_view name) {
+  std::string upper(name);
+  for (char& c : upper) {
+    if (c >= 'a' && c <= 'z') c = static_cast<char>(c - 'a' + 'A');
+  }
+  return upper;
+}
+
+std::string_view Unpadded(std::string_view text) {
+  constexpr std::string_view kPadding(" \t\0", 3);
+  const auto first = text.find_first_not_of(kPadding);
+  if (first == text.npos) return {};
+  return text.substr(first, text.find_last_not_of(kPadding) - first + 1);
+}
+
+}  // namespace
+
+absl::StatusOr<C3dParameters> C3dParameters::Read(const C3dBytes& bytes, std::size_t start,
+                                                  std::size_t end) {
+  constexpr std::size_t kSectionHeader = 4;
+  std::map<int, std::string> groups;
+  std::map<std::pair<int, std::string>, Parameter> found;  // by group number and name
+  // The last entry tells so by a distance of 0, or points to zeros, or, in some old files, beyond.
+  for (std::size_t next = start + kSectionHeader; next < end;) {
+    // Length of the name (negative if locked), number (negative for a group itself), name, distance
+    // to the next entry, and then the contents.
+    MOTIONDB_RETURN_IF_ERROR(bytes.Require(next, 2, "a parameter"));
+    const int length = std::abs(static_cast<std::int8_t>(bytes.Byte(next)));
+    const int number = static_cast<std::int8_t>(bytes.Byte(next + 1));
+    if (length == 0) break;
+    const std::size_t distance_at = next + 2 + static_cast<std::size_t>(length);
+    MOTIONDB_RETURN_IF_ERROR(
+        bytes.Require(next, distance_at + 2 - next, "a parameter's name and size"));
+    const std::string name = UpperCase(bytes.Text(next + 2, static_cast<std::size_t>(length)));
+    const std::size_t distance = bytes.Word(distance_at);
+    if (number < 0) {
+      groups[-number] = name;
+    } else {
+      MOTIONDB_ASSIGN_OR_RETURN(Parameter parameter, ReadParameter(bytes, distance_at + 2, name));
+      if (distance != 0 && distance_at + distance < EndOf(parameter)) {
+        return bytes.Error(distance_at,
+                           "expected parameter '{}' to end before the next, {} bytes on",
+                           Shown(name), distance);
+      }
+      found.insert_or_assign({number, name}, std::move(parameter));
+      if (found.size() > kMostParameters) {
+        return bytes.Error(next, "expected at most {} parameters, found more", kMostParameters);
+      }
+    }
+    if (distance == 0) break;
+    next = distance_at + distance;
+  }
+  C3dParameters parameters(bytes);
+  for (auto& [key, parameter] : found) {
+    parameters.parameters_.emplace(std::pair(groups[key.first], key.second), std::move(parameter));
+  }
+  return parameters;
+}
+
+std::size_t C3dParameters::EndOf(const Parameter& parameter) {
+  return parameter.offset +
+         parameter.count * static_cast<std::size_t>(std::abs(static_cast<int>(parameter.type)));
+}
+
+absl::StatusOr<C3dParameters::Parameter> C3dParameters::ReadParameter(const C3dBytes& bytes,
+                                                                      std::size_t offset,
+                                                                      std::string_view name) {
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(offset, 2, "a parameter's type"));
+  const int type = static_cast<std::int8_t>(bytes.Byte(offset));
+  if (type != -1 && type != 1 && type != 2 && type != 4) {
+    return bytes.Error(offset, "expected the type of parameter '{}' to be -1, 1, 2 or 4, found {}",
+                       Shown(name), type);
+  }
+  const std::size_t dimension_count = bytes.Byte(offset + 1);
+  constexpr std::size_t kMostDimensions = 7;
+  if (dimension_count > kMostDimensions) {
+    return bytes.Error(offset + 1, "expected parameter '{}' to have at most 7 dimensions, found {}",
+                       Shown(name), dimension_count);
+  }
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(offset + 2, dimension_count, "a parameter's dimensions"));
+  Parameter parameter{.type = static_cast<Type>(type),
+                      .dimensions = {},
+                      .count = 1,
+                      .offset = offset + 2 + dimension_count};
+  for (std::size_t i = 0; i < dimension_count; ++i) {
+    parameter.dimensions.push_back(bytes.Byte(offset + 2 + i));
+    parameter.count *= parameter.dimensions.back();  // at most 255^7, which fits
+  }
+  const std::size_t element_size = static_cast<std::size_t>(std::abs(type));
+  MOTIONDB_RETURN_IF_ERROR(bytes.Require(parameter.offset, parameter.count * element_size,
+                                         fmt::format("parameter '{}'", Shown(name))));
+  return parameter;
+}
+
+const C3dParameters::Parameter* C3dParameters::Find(const std::string& group,
+                                                    const std::string& name) const {
+  const auto found = parameters_.find({group, name});
+  return found == parameters_.end() ? nullptr : &found->second;
+}
+
+std::optional<double> C3dParameters::Number(const std::string& group, const std::string& name,
+                                            std::size_t element) const {
+  const Parameter* parameter = Find(group, name);
+  if (parameter == nullptr || element >= parameter->count) return std::nullopt;
+  switch (parameter->type) {
+    case Type::kByte:
+      return bytes_.Byte(parameter->offset + element);
+    case Type::kWord:
+      return bytes_.Word(parameter->offset + 2 * element);
+    case Type::kReal:
+      return bytes_.Real(parameter->offset + 4 * element);
+    case Type::kText:
+      break;
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string_view> C3dParameters::Strings(const std::string& group,
+                                                     const std::string& name) const {
+  const Parameter* parameter = Find(group, name);
+  std::vector<std::string_view> strings;
+  if (parameter == nullptr || parameter->type != Type::kText || parameter->count == 0) {
+    return strings;
+  }
+  const std::size_t length = parameter->dimensions.empty() ? 1 : parameter->dimensions[0];
+  for (std::size_t at = 0; at < parameter->count && strings.size() < kMostStrings; at += length) {
+    strings.push_back(Unpadded(bytes_.Text(parameter->offset + at, length)));
+  }
+  return strings;
+}
+
+namespace {
+
+// The strings of NAME, NAME2, NAME3 ...: one parameter holds at most 255.
+std::vector<std::string_view> AllStrings(const C3dParameters& parameters, const std::string& name) {
+  std::vector<std::string_view> all = parameters.Strings("POINT", name);
+  for (int n = 2;; ++n) {
+    const auto more = parameters.Strings("POINT", fmt::format("{}{}", name, n));
+    if (more.empty() || all.size() >= C3dParameters::kMostStrings) return all;
+    all.insert(all.end(), more.begin(), more.end());
+  }
+}
+
+std::set<std::string_view> ComputedLabels(const C3dParameters& parameters) {
+  std::set<std::string_view> computed;
+  for (const char* kind : {"ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS"}) {
+    for (const std::string_view label : AllStrings(parameters, kind)) computed.insert(label);
+  }
+  computed.erase("");
+  return computed;
+}
+
+// The "subject:" that all labels begin with; empty if they differ.
+std::string_view CommonSubject(const std::vector<std::string_view>& labels) {
+  std::string_view subject;
+  for (const std::string_view label : labels) {
+    const auto colon = label.rfind(':');
+    if (label.empty() || label[0] == '*') continue;  // not named by a person
+    if (colon == label.npos) return {};
+    if (subject.empty()) subject = label.substr(0, colon + 1);
+    if (label.substr(0, colon + 1) != subject) return {};
+  }
+  return subject;
+}
+
+}  // namespace
+
+std::vector<C3dMarker> C3dMarkers(const C3dParameters& parameters, int points,
+                                  std::vector<std::string>& notes) {
+  const std::vector<std::string_view> labels = AllStrings(parameters, "LABELS");
+  const std::set<std::string_view> computed = ComputedLabels(parameters);
+  const std::string_view subject = CommonSubject(labels);
+  UniqueNames unique;
+  std::vector<C3dMarker> markers;
+  int left_out = 0;
+  int unnamed = 0;
+  for (std::size_t point = 0; point < static_cast<std::size_t>(points); ++point) {
+    std::string_view label = point < labels.size() ? labels[point] : std::string_view();
+    if (computed.contains(label)) {
+      ++left_out;
+      continue;
+    }
+    if (label.starts_with(subject)) label.remove_prefix(subject.size());
+    if (label.empty()) ++unnamed;
+    markers.push_back({.point = point,
+                       .name = unique.Add(label.empty() ? fmt::format("point{}", point + 1)
+                                                        : std::string(label))});
+  }
+  if (!subject.empty()) notes.push_back(fmt::format("'{}' dropped from labels", Shown(subject)));
+  if (unnamed > 0) notes.push_back(fmt::format("{} points without a label", unnamed));
+  if (left_out > 0) {
+    notes.push_back(fmt::format("{} computed points (angles, forces ...) left out", left_out));
+  }
+  if (std::string note = unique.Note(); !note.empty()) notes.push_back(std::move(note));
+  return markers;
+}
+
+}  // namespace motiondb::core

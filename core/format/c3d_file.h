@@ -1,0 +1,107 @@
+// What a C3D file says beside its frames: numbers as its processor had them, parameters, and which
+// of its points are markers.
+#pragma once
+
+#include <fmt/format.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "absl/status/status.h"
+#include "absl/status/statusor.h"
+#include "core/format/motion_file.h"
+#include "core/motion/error.h"
+
+namespace motiondb::core {
+
+// The bytes of a C3D file as the processor that wrote them had numbers: Intel (PC), DEC (VAX) or
+// MIPS (SGI). Offsets are from the start of the file. A view: the caller keeps the bytes.
+
+inline constexpr std::size_t kC3dBlock = 512;  // bytes
+
+enum class C3dProcessor { kIntel = 84, kDec = 85, kMips = 86 };
+
+class C3dBytes {
+ public:
+  C3dBytes(SourceFile file, C3dProcessor processor) : file_(file), processor_(processor) {}
+
+  std::size_t size() const { return file_.bytes.size(); }
+
+  // OK if `count` bytes are there from `offset`; otherwise the error says what they were to be.
+  absl::Status Require(std::size_t offset, std::size_t count, std::string_view what) const;
+
+  // REQUIRES of those below: the bytes are there.
+  std::uint8_t Byte(std::size_t offset) const;
+  std::uint16_t Word(std::size_t offset) const;
+  std::int16_t SignedWord(std::size_t offset) const;
+  float Real(std::size_t offset) const;  // NaN or infinite if the bytes say so
+  std::string_view Text(std::size_t offset, std::size_t count) const;
+
+  // "walk.c3d: byte 512: ..."
+  template <typename... Args>
+  absl::Status Error(std::size_t offset, fmt::format_string<Args...> format, Args&&... args) const {
+    return InvalidArgument("{}: byte {}: {}", file_.name, offset,
+                           fmt::format(format, std::forward<Args>(args)...));
+  }
+
+ private:
+  SourceFile file_;
+  C3dProcessor processor_;
+};
+
+// The parameter section of a C3D file: named values in named groups, such as POINT:RATE.
+// Immutable after Read; a view on the file's bytes, which the caller keeps.
+class C3dParameters {
+ public:
+  // Reads the section that starts at the byte offset `start` and ends before `end`.
+  static absl::StatusOr<C3dParameters> Read(const C3dBytes& bytes, std::size_t start,
+                                            std::size_t end);
+
+  // The element of a numeric parameter; nothing if there is none. Whole numbers count from 0 to
+  // 65535, as files with more than 32767 frames have them. Names are in upper case.
+  std::optional<double> Number(const std::string& group, const std::string& name,
+                               std::size_t element = 0) const;
+
+  // As many strings, and points, as a file can name.
+  static constexpr std::size_t kMostStrings = 65'535;
+  // The strings of a text parameter, trimmed, at most kMostStrings; empty if there is none.
+  std::vector<std::string_view> Strings(const std::string& group, const std::string& name) const;
+
+ private:
+  enum class Type { kText = -1, kByte = 1, kWord = 2, kReal = 4 };
+  struct Parameter {
+    Type type;
+    std::vector<std::size_t> dimensions;  // the first varies fastest
+    std::size_t count;                    // of elements
+    std::size_t offset;                   // of the first
+  };
+
+  explicit C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {}
+  static absl::StatusOr<Parameter> ReadParameter(const C3dBytes& bytes, std::size_t offset,
+                                                 std::string_view name);
+  static std::size_t EndOf(const Parameter& parameter);
+  const Parameter* Find(const std::string& group, const std::string& name) const;
+
+  C3dBytes bytes_;
+  std::map<std::pair<std::string, std::string>, Parameter> parameters_;  // by group and name
+};
+
+// Which points of a C3D file are markers, and their names.
+struct C3dMarker {
+  std::size_t point = 0;  // its place among the points of a frame
+  std::string name;       // distinct UTF-8
+};
+
+// The markers among the first `points` points, named by POINT:LABELS, LABELS2 and so on. Points
+// that POINT:ANGLES, FORCES, MOMENTS, POWERS or SCALARS list are not positions and are left out. A
+// "subject:" before all labels is dropped. Adds to `notes` what was changed.
+std::vector<C3dMarker> C3dMarkers(const C3dParameters& parameters, int points,
+                                  std::vector<std::string>& notes);
+
+}  // namespace motiondb::core

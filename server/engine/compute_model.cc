@@ -1,0 +1,97 @@
+#include "server/engine/compute_model.h"
+
+#include <utility>
+
+#include "core/calibration/model_difference.h"
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+#include "server/engine/stored_clips.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr double kReadShare = 1.0 / 6;  // of the time that reading and building take together
+
+}  // namespace
+
+absl::StatusOr<core::Model> ModelOfClips(storage::MotionStore& store, LiveDatabase& database,
+                                         const std::vector<storage::ClipRecord>& clips,
+                                         const core::ParallelFor& parallel,
+                                         const core::BuildProgress& progress) {
+  std::vector<std::string> ids;
+  ids.reserve(clips.size());
+  for (const storage::ClipRecord& clip : clips) ids.push_back(clip.id);
+  const auto read_progress = [&](std::size_t read) {
+    const double share = static_cast<double>(read) / static_cast<double>(ids.size());
+    return progress(kReadShare * share, "reading clips");
+  };
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, ids, read_progress));
+  if (inputs.empty()) {
+    const auto unreadable = database.unreadable();
+    if (unreadable.empty()) return absl::AbortedError("all clips were deleted meanwhile");
+    return core::DataLoss("database '{}': no clip can be read, all are damaged: {}",
+                          database.name(), unreadable.begin()->second);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+  if (scheme == nullptr) {
+    return absl::InternalError(
+        fmt::format("database '{}' has clips but no markers", database.name()));
+  }
+  const auto build_progress = [&](double fraction, std::string_view stage) {
+    return progress(kReadShare + (1 - kReadShare) * fraction, stage);
+  };
+  return core::BuildModel(database.settings(), scheme->set, std::move(inputs), parallel,
+                          build_progress);
+}
+
+absl::StatusOr<std::optional<ExtendedModel>> ModelWithClips(storage::MotionStore& store,
+                                                            LiveDatabase& database,
+                                                            const core::Model& base,
+                                                            const std::vector<std::string>& clips,
+                                                            const core::ParallelFor& parallel) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, clips));
+  if (inputs.empty()) return std::nullopt;
+  MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
+                            core::ExtendModel(base, std::move(inputs), parallel));
+  const core::ModelDrift drift = core::MeasureDrift(model, parallel);
+  return ExtendedModel{std::move(model), drift};
+}
+
+storage::ModelRecord FiguresOf(const std::string& database, int version, const core::Model& model,
+                               double drift_fraction) {
+  storage::ModelRecord record;
+  record.database = database;
+  record.version = version;
+  record.current = true;
+  record.create_time_us = NowMicroseconds();
+  record.build_seconds = model.build_seconds();
+  record.frame_count = model.frame_count();
+  record.clip_count = static_cast<std::int32_t>(model.clips().size());
+  record.dimension_count = model.marker_set().dimension_count();
+  for (int layer = 1; layer <= model.layer_count(); ++layer) {
+    record.nodes_per_layer.push_back(model.tree().node_count(layer));
+  }
+  record.added_clip_count = record.clip_count - model.built_clip_count();
+  record.added_frame_count = record.frame_count - model.built_frame_count();
+  record.drift_fraction = drift_fraction;
+  return record;
+}
+
+bool HasDrifted(const storage::ModelRecord& record) {
+  const double added = static_cast<double>(record.added_frame_count) / record.frame_count;
+  return core::ModelDrift{added, record.drift_fraction}.IsLarge();
+}
+
+std::string DifferenceText(const Snapshot* before, const core::Model& built,
+                           const core::ParallelFor& parallel) {
+  if (before == nullptr || before->record.added_clip_count == 0) return "";
+  const core::ModelDifference difference = core::CompareModels(before->model, built, parallel);
+  return fmt::format(
+      "in place of one with added clips ({}): bottom nodes {} -> {}, rms distance of frames from "
+      "their node's mean {:.4f} -> {:.4f}, same label for {} of {} left-out windows",
+      before->record.added_clip_count, difference.bottom_nodes_before,
+      difference.bottom_nodes_after, difference.spread_before, difference.spread_after,
+      difference.same_label, difference.windows);
+}
+
+}  // namespace motiondb::server

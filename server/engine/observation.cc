@@ -1,0 +1,122 @@
+#include "server/engine/observation.h"
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/motion/error.h"
+#include "server/engine/live_database.h"
+
+namespace motiondb::server {
+namespace {
+
+using core::FieldViolation;
+
+std::string Below(const Observation& observation, std::string_view name) {
+  return fmt::format("{}.{}", observation.field, name);
+}
+
+absl::Status CheckPositive(const Observation& observation, std::string_view name, double value) {
+  if (std::isfinite(value) && value > 0) return absl::OkStatus();
+  return FieldViolation(Below(observation, name), "expected more than 0, got {}", value);
+}
+
+// Reads an observation for one database.
+class Reader {
+ public:
+  Reader(const Observation& observation, const LiveDatabase& database, SkeletonCache& skeletons,
+         const WorkTerms& terms, const core::MarkerSet& set)
+      : observation_(observation),
+        database_(database),
+        skeletons_(skeletons),
+        terms_(terms),
+        set_(set) {}
+
+  absl::StatusOr<core::Motion> Read() const {
+    if (observation_.leg_length_m) {
+      MOTIONDB_RETURN_IF_ERROR(
+          CheckPositive(observation_, "leg_length_m", *observation_.leg_length_m));
+    }
+    return std::visit([this](const auto& motion) { return ReadForm(motion); }, observation_.motion);
+  }
+
+ private:
+  absl::StatusOr<core::Motion> ReadForm(const ObservedFile& file) const {
+    MOTIONDB_RETURN_IF_ERROR(
+        terms_.Reserve(core::MostBytesToRead(file.format, file.file, file.skeleton)));
+    auto read = core::ReadMotionFile(file.format, file.file, file.skeleton, file.conventions);
+    if (!read.ok()) return core::AtField(Below(observation_, "data"), read.status());
+    return std::move(read->motion);
+  }
+
+  absl::StatusOr<core::Motion> ReadForm(const ObservedMarkers& markers) const {
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive(observation_, "frame_rate_hz", markers.frame_rate_hz));
+    // Names are copied, and looked at in a set.
+    constexpr std::int64_t kName = 160;
+    std::int64_t bytes = std::ssize(markers.positions.values);
+    for (const std::string_view name : markers.names) bytes += kName + std::ssize(name);
+    MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(bytes));
+    core::MarkerMotion motion;
+    motion.names.assign(markers.names.begin(), markers.names.end());
+    if (motion.names.empty()) motion.names = set_.markers;
+    MOTIONDB_RETURN_IF_ERROR(CheckUnique(Below(observation_, "marker_names"), motion.names));
+    motion.frame_rate_hz = markers.frame_rate_hz;
+    const int columns = 3 * static_cast<int>(motion.names.size());
+    MOTIONDB_ASSIGN_OR_RETURN(motion.positions_m,
+                              Unpack(observation_.field, "positions", markers.positions, columns));
+    MOTIONDB_RETURN_IF_ERROR(
+        CheckMarkers(Below(observation_, "positions"), motion.names, motion.positions_m));
+    return motion;
+  }
+
+  absl::StatusOr<core::Motion> ReadForm(const ObservedJoints& joints) const {
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive(observation_, "frame_rate_hz", joints.frame_rate_hz));
+    // As float, then as double.
+    MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(3 * std::ssize(joints.angles.values)));
+    core::JointMotion motion;
+    MOTIONDB_ASSIGN_OR_RETURN(motion.skeleton, skeletons_.Get(database_.name(), joints.skeleton));
+    motion.frame_rate_hz = joints.frame_rate_hz;
+    MOTIONDB_ASSIGN_OR_RETURN(
+        const core::FrameMatrix angles,
+        Unpack(observation_.field, "angles", joints.angles, motion.skeleton->dof_count()));
+    MOTIONDB_RETURN_IF_ERROR(CheckFinite(Below(observation_, "angles"), angles));
+    motion.angles = angles.cast<double>();
+    return motion;
+  }
+
+  const Observation& observation_;
+  const LiveDatabase& database_;
+  SkeletonCache& skeletons_;
+  const WorkTerms& terms_;
+  const core::MarkerSet& set_;
+};
+
+}  // namespace
+
+absl::StatusOr<core::StateSequence> StatesOf(const Observation& observation,
+                                             const LiveDatabase& database, SkeletonCache& skeletons,
+                                             int max_frames, const WorkTerms& terms) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(const core::Motion motion,
+                            Reader(observation, database, skeletons, terms, scheme->set).Read());
+  const RepresentationLimits limits{database.settings().frame_rate_hz, max_frames, terms};
+  auto states =
+      RepresentWithin(limits, *scheme, motion, core::kObservation, observation.leg_length_m);
+  if (!states.ok()) return core::AtField(observation.field, states.status());
+  return states;
+}
+
+absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
+                                             const LiveDatabase& database, SkeletonCache& skeletons,
+                                             int max_frames, const WorkTerms& terms) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(const core::Motion motion,
+                            Reader(observation, database, skeletons, terms, scheme->set).Read());
+  const RepresentationLimits limits{FrameRate(motion), max_frames, terms};
+  MOTIONDB_RETURN_IF_ERROR(
+      core::AtField(observation.field, CheckSize(limits, scheme->set.marker_count(), motion)));
+  auto markers = core::ApplyScheme(*scheme, motion, observation.leg_length_m, terms.cancelled);
+  if (!markers.ok()) return core::AtField(observation.field, markers.status());
+  return markers;
+}
+
+}  // namespace motiondb::server

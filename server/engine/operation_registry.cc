@@ -1,0 +1,202 @@
+#include "server/engine/operation_registry.h"
+
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+
+#include <random>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "server/engine/clock.h"
+
+namespace motiondb::server {
+namespace {
+
+using storage::OperationRecord;
+using storage::OperationState;
+
+// Ascends with time; the random part keeps two servers, or a clock set back, apart.
+std::string NewOperationId(std::int64_t now_us) {
+  thread_local std::mt19937 random{std::random_device{}()};
+  return fmt::format("{:014x}-{:08x}", now_us, random());
+}
+
+void MakePending(OperationRecord& record) {
+  record.state = OperationState::kPending;
+  record.progress = 0;
+  record.stage = "waiting";
+}
+
+void LogUnstored(const std::string& id, const absl::Status& error) {
+  spdlog::error("operation {} could not be stored, and is kept in memory alone: {}", id,
+                error.ToString());
+}
+
+}  // namespace
+
+absl::StatusOr<OperationRecord> OperationRegistry::Create(const std::string& database,
+                                                          const core::Cancelled& cancelled,
+                                                          storage::OperationKind kind) {
+  OperationRecord record;
+  record.kind = kind;
+  record.create_time_us = NowMicroseconds();
+  record.id = NewOperationId(record.create_time_us);
+  record.database = database;
+  return Add(std::move(record), cancelled);
+}
+
+absl::StatusOr<OperationRecord> OperationRegistry::Adopt(OperationRecord record) {
+  return Add(std::move(record), {});
+}
+
+absl::StatusOr<OperationRecord> OperationRegistry::Add(OperationRecord record,
+                                                       const core::Cancelled& cancelled) {
+  MakePending(record);
+  record.update_time_us = NowMicroseconds();
+  const absl::Status stored = store_.PutOperation(record, cancelled);
+  if (absl::IsNotFound(stored) || absl::IsCancelled(stored)) return stored;
+  if (!stored.ok()) LogUnstored(record.id, stored);
+  const storage::MutexLock lock(mutex_);
+  Live& live = live_[record.id];
+  live.record = record;
+  live.stored = stored.ok();
+  return record;
+}
+
+absl::StatusOr<OperationRecord> OperationRegistry::Get(const std::string& id) {
+  {
+    const storage::MutexLock lock(mutex_);
+    if (const auto live = live_.find(id); live != live_.end()) return live->second.record;
+  }
+  return store_.GetOperation(id);
+}
+
+absl::StatusOr<std::vector<OperationRecord>> OperationRegistry::List(const std::string& database,
+                                                                     const std::string& before,
+                                                                     int limit) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto records, store_.ListOperations(database, before, limit));
+  const storage::MutexLock lock(mutex_);
+  for (OperationRecord& record : records) {
+    if (const auto live = live_.find(record.id); live != live_.end()) record = live->second.record;
+  }
+  return records;
+}
+
+void OperationRegistry::Start(const std::string& id) {
+  Change(id, Durability::kStored, [](OperationRecord& record) {
+    record.state = OperationState::kRunning;
+    record.stage = "starting";
+  }).IgnoreError();
+}
+
+void OperationRegistry::Advance(const std::string& id, double progress, std::string_view stage) {
+  Change(id, Durability::kInMemory, [&](OperationRecord& record) {
+    record.progress = progress;
+    record.stage = stage;
+  }).IgnoreError();
+}
+
+void OperationRegistry::Postpone(const std::string& id) {
+  Change(id, Durability::kStored, MakePending).IgnoreError();
+}
+
+void OperationRegistry::Succeed(const std::string& id, int model_version,
+                                const std::string& remark) {
+  Change(id, Durability::kStored, [&](OperationRecord& record) {
+    record.state = OperationState::kSucceeded;
+    record.progress = 1;
+    record.stage = remark.empty() ? "done" : "done, " + remark;
+    record.model_version = model_version;
+  }).IgnoreError();
+}
+
+void OperationRegistry::Fail(const std::string& id, const absl::Status& error) {
+  Change(id, Durability::kStored, [&](OperationRecord& record) {
+    record.state = OperationState::kFailed;
+    record.error_code = static_cast<std::int32_t>(error.code());
+    record.error_message = std::string(error.message());
+  }).IgnoreError();
+}
+
+absl::Status OperationRegistry::Cancel(const std::string& id, const core::Cancelled& cancelled) {
+  const auto end = [](OperationRecord& record) { record.state = OperationState::kCancelled; };
+  return Change(id, Durability::kStored, end, cancelled);
+}
+
+void OperationRegistry::Abandon(const std::string& id) {
+  Change(id, Durability::kInMemory, [](OperationRecord& record) {
+    record.state = OperationState::kCancelled;
+  }).IgnoreError();
+}
+
+// Stored first, seen after: what a client was told survives the server, if there was room for it.
+// The changes of one operation come one after another, so nothing is lost between the two.
+absl::Status OperationRegistry::Change(const std::string& id, Durability durability,
+                                       const std::function<void(OperationRecord&)>& change,
+                                       const core::Cancelled& cancelled) {
+  OperationRecord record;
+  bool is_stored = false;
+  {
+    const storage::MutexLock lock(mutex_);
+    const auto live = live_.find(id);
+    if (live == live_.end() || live->second.record.done()) return absl::OkStatus();
+    record = live->second.record;
+    is_stored = live->second.stored;
+  }
+  change(record);
+  record.update_time_us = NowMicroseconds();
+  absl::Status stored;
+  if (durability == Durability::kStored) {
+    stored = store_.PutOperation(record, cancelled);
+    if (absl::IsCancelled(stored)) return stored;
+    // A database that was deleted took the rows of its operations with it.
+    if (absl::IsNotFound(stored)) stored = absl::OkStatus();
+    if (is_stored && !stored.ok()) LogUnstored(id, stored);
+    is_stored = stored.ok();
+  }
+  std::map<std::uint64_t, Watcher> watchers;
+  {
+    const storage::MutexLock lock(mutex_);
+    const auto live = live_.find(id);
+    if (live == live_.end()) return absl::OkStatus();
+    live->second.record = record;
+    live->second.stored = is_stored;
+    if (record.done()) {
+      watchers = std::exchange(live->second.watchers, {});
+      // Elsewise this is the only place that knows how it ended.
+      if (stored.ok()) live_.erase(live);
+    }
+  }
+  for (const auto& [key, watcher] : watchers) watcher(record);
+  return absl::OkStatus();
+}
+
+std::uint64_t OperationRegistry::Watch(const std::string& id, Watcher watcher) {
+  const storage::MutexLock lock(mutex_);
+  const auto live = live_.find(id);
+  if (live == live_.end() || live->second.record.done() || released_) return 0;
+  live->second.watchers.emplace(next_key_, std::move(watcher));
+  return next_key_++;
+}
+
+void OperationRegistry::Unwatch(const std::string& id, std::uint64_t key) {
+  const storage::MutexLock lock(mutex_);
+  if (const auto live = live_.find(id); live != live_.end()) live->second.watchers.erase(key);
+}
+
+void OperationRegistry::ReleaseWaiters() {
+  std::vector<std::pair<Watcher, OperationRecord>> released;
+  {
+    const storage::MutexLock lock(mutex_);
+    released_ = true;
+    for (auto& [id, live] : live_) {
+      for (auto& [key, watcher] : live.watchers) {
+        released.emplace_back(std::move(watcher), live.record);
+      }
+      live.watchers.clear();
+    }
+  }
+  for (const auto& [watcher, record] : released) watcher(record);
+}
+
+}  // namespace motiondb::server

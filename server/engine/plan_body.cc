@@ -1,0 +1,92 @@
+#include "core/kinematics/marker_kinematics.h"
+#include "core/motion/error.h"
+#include "server/engine/plan_query.h"
+
+namespace motiondb::server {
+namespace {
+
+using core::AtField;
+using core::FieldViolation;
+
+constexpr int kShownSkeletons = 10;
+// Of a body that plays: inverse kinematics squares and cubes what moves, and every frame has all.
+constexpr int kMostDofs = 300;
+constexpr int kMostJoints = 1000;
+
+std::string KnownSkeletons(Engine& engine, const std::string& database) {
+  const auto known = engine.store().ListSkeletons(database, {"", kShownSkeletons + 1});
+  if (!known.ok() || known->empty()) return "it has none";
+  if (known->size() > kShownSkeletons) {
+    return fmt::format("it has more than {}, which ListSkeletons tells", kShownSkeletons);
+  }
+  std::string names;
+  for (const storage::SkeletonRecord& record : *known) {
+    names += (names.empty() ? "it has " : ", ") + record.id;
+  }
+  return names;
+}
+
+absl::StatusOr<PlanBody> StoredBody(const std::string& id, Engine& engine,
+                                    const std::string& database) {
+  auto skeleton = engine.skeletons().Get(database, id);
+  if (absl::IsNotFound(skeleton.status())) {
+    return FieldViolation("skeleton", "database '{}' has no skeleton '{}': {}", database, id,
+                          KnownSkeletons(engine, database));
+  }
+  if (!skeleton.ok()) return skeleton.status();
+  return PlanBody{.skeleton = *std::move(skeleton)};
+}
+
+absl::StatusOr<PlanBody> RobotBody(const core::SourceFile& urdf) {
+  if (urdf.name.empty()) return FieldViolation("robot.file_name", "is missing");
+  auto read = core::ReadUrdf(urdf);
+  if (!read.ok()) return AtField("robot.urdf", read.status());
+  return PlanBody{.skeleton = std::make_shared<const core::Skeleton>(std::move(read->skeleton)),
+                  .is_robot = true,
+                  .mimics = std::move(read->mimics)};
+}
+
+absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
+                                    const std::string& database) {
+  const auto record = engine.store().GetClip(database, clip);
+  // Deleted, but still in the model: its motion is left, and perhaps nothing that it belongs to.
+  if (absl::IsNotFound(record.status())) return PlanBody{};
+  if (!record.ok()) return record.status();
+  if (record->skeleton_id.empty()) return PlanBody{};
+  MOTIONDB_ASSIGN_OR_RETURN(auto skeleton, engine.skeletons().Get(database, record->skeleton_id));
+  return PlanBody{.skeleton = std::move(skeleton)};
+}
+
+}  // namespace
+
+absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request,
+                                  const std::string& start_clip, const core::MarkerScheme& scheme) {
+  const std::string& database = query.database()->name();
+  absl::StatusOr<PlanBody> body;
+  if (const auto* const id = std::get_if<std::string>(&request.body)) {
+    body = StoredBody(*id, query.engine(), database);
+  } else if (const auto* const urdf = std::get_if<core::SourceFile>(&request.body)) {
+    body = RobotBody(*urdf);
+  } else {
+    body = BodyOfClip(start_clip, query.engine(), database);
+  }
+  if (!body.ok()) return body;
+  if (body->skeleton == nullptr) {
+    if (!request.with_files) return body;
+    return core::FailedPrecondition(
+        "a plan on bare markers fits no motion file: name a skeleton of the database or send a "
+        "robot (motiondb plan {} --skeleton NAME|FILE.urdf), or leave include_files out",
+        database);
+  }
+  const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";
+  if (body->skeleton->dof_count() > kMostDofs || body->skeleton->joint_count() > kMostJoints) {
+    return FieldViolation(
+        field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
+        kMostJoints, kMostDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
+  }
+  const absl::Status fits = core::MarkerKinematics::Create(scheme, body->skeleton).status();
+  if (!fits.ok()) return AtField(field, fits);
+  return body;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,74 @@
+#include "server/engine/plan_query.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/motion/error.h"
+#include "core/planning/synthesis.h"
+#include "server/engine/query_memory.h"
+#include "server/engine/search_clock.h"
+
+namespace motiondb::server {
+namespace {
+
+constexpr double kLongestSearchSeconds = 60;
+
+absl::Status CheckSearchTime(double seconds) {
+  if (seconds > 0 && seconds <= kLongestSearchSeconds) return absl::OkStatus();
+  return core::FieldViolation("max_search_seconds", "expected more than 0, at most {}, got {}",
+                              kLongestSearchSeconds, seconds);
+}
+
+// core's error at the field that caused it.
+absl::Status AtStart(const core::PlanStart& start, const absl::Status& status) {
+  const std::string message(status.message());
+  if (absl::IsNotFound(status)) return core::FieldViolation("clip_start.clip", message);
+  if (absl::IsOutOfRange(status)) return core::FieldViolation("clip_start.seconds", message);
+  return start.observation ? core::AtField("observation_start", status) : status;
+}
+
+}  // namespace
+
+absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& request) {
+  MOTIONDB_RETURN_IF_ERROR(CheckSearchTime(request.max_search_seconds));
+  MOTIONDB_RETURN_IF_ERROR(core::CheckProblem(query.model(), request.problem));
+  PreparedPlan plan{.problem = request.problem};
+  core::PlanProblem& problem = plan.problem;
+  // The effort, not the clock, ends most searches, so that the same request gives the same plan.
+  problem.effort = 1 + std::max(0.0, request.max_search_seconds - kUsualSearchSeconds);
+  if (request.observation_start) {
+    MOTIONDB_ASSIGN_OR_RETURN(problem.start.observation, query.States(*request.observation_start));
+  }
+  const auto origins = core::FindOrigins(query.model(), problem.start, problem.labels);
+  if (!origins.ok()) return AtStart(problem.start, origins.status());
+  const auto& clips = query.model().clips();
+  const std::string start_clip =
+      problem.start.clip ? problem.start.clip->clip
+                         : clips[query.model().clip_of_frame(origins->front().frame)].id;
+  MOTIONDB_ASSIGN_OR_RETURN(plan.scheme, query.database()->scheme());
+  MOTIONDB_ASSIGN_OR_RETURN(plan.body, FindBody(query, request, start_clip, *plan.scheme));
+  problem.skeleton = plan.body.skeleton;
+  problem.flat_soles = plan.body.is_robot;
+  return plan;
+}
+
+absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request) {
+  MOTIONDB_ASSIGN_OR_RETURN(PreparedPlan plan, PreparePlan(query, request));
+  const WorkTerms& terms = query.terms();
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(BytesToPlan(query.model(), plan.problem)));
+  SearchClock clock(request.max_search_seconds, terms.deadline);
+  const core::PlanControl control{.cancelled = terms.cancelled,
+                                  .time_up = [&] { return clock.time_up(); },
+                                  .search_over = [&] { clock.EndSearch(); }};
+  PlanResult result;
+  MOTIONDB_ASSIGN_OR_RETURN(result.answer,
+                            core::PlanMotion(query.model(), *plan.scheme, plan.problem, control));
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(BytesOfPlan(result.answer, request.with_files)));
+  result.body = std::move(plan.body);
+  result.search_seconds = clock.search_seconds();
+  result.total_seconds = clock.total_seconds();
+  return result;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,281 @@
+#include "server/observability/server_figures.h"
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <string>
+#include <utility>
+
+#include "text/display_text.h"
+
+namespace motiondb::server {
+
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Labels = std::vector<ClientMetric::Label>;
+
+class Families {
+ public:
+  // A family of one series without labels.
+  void Add(MetricType type, const char* name, const char* help, double value, Labels labels = {}) {
+    Begin(type, name, help);
+    Put(std::move(labels), value);
+  }
+  // Starts a family, which Put then fills.
+  void Begin(MetricType type, const char* name, const char* help) {
+    families_.push_back({name, help, type, {}});
+  }
+  void Put(Labels labels, double value) {
+    ClientMetric metric;
+    metric.label = Shown(std::move(labels));
+    metric.gauge.value = metric.counter.value = value;  // whichever the family's type reads
+    families_.back().metric.push_back(std::move(metric));
+  }
+  void PutSummary(Labels labels, std::int64_t count, double sum) {
+    ClientMetric metric;
+    metric.label = Shown(std::move(labels));
+    metric.summary.sample_count = static_cast<std::uint64_t>(count);
+    metric.summary.sample_sum = sum;
+    families_.back().metric.push_back(std::move(metric));
+  }
+  std::vector<MetricFamily> Take() && { return std::move(families_); }
+
+ private:
+  // Names of databases come from stores that earlier versions wrote.
+  static Labels Shown(Labels labels) {
+    for (auto& label : labels) label.value = text::SafeText(label.value);
+    return labels;
+  }
+
+  std::vector<MetricFamily> families_;
+};
+
+// As Prometheus' own client libraries name them, so that common dashboards understand them.
+void AddProcess(const ServerFigures& figures, Families& families) {
+  const ProcessFigures& process = figures.process;
+  families.Add(MetricType::Counter, "process_cpu_seconds_total",
+               "User and system time of the process, in seconds.", process.cpu_seconds);
+  families.Add(MetricType::Gauge, "process_resident_memory_bytes",
+               "Memory of the process that is in RAM.",
+               static_cast<double>(process.resident_bytes));
+  families.Add(MetricType::Gauge, "process_virtual_memory_bytes", "Address space of the process.",
+               static_cast<double>(process.virtual_bytes));
+  families.Add(MetricType::Gauge, "process_threads", "Threads of the process.",
+               process.thread_count);
+  families.Add(MetricType::Gauge, "process_open_fds", "Open file descriptors.",
+               process.open_descriptors);
+  families.Add(MetricType::Gauge, "process_max_fds", "Most file descriptors it may open.",
+               static_cast<double>(process.max_descriptors));
+  families.Add(MetricType::Gauge, "process_start_time_seconds",
+               "When the process started, in seconds since the Unix epoch.",
+               static_cast<double>(figures.start_time_us) * 1e-6);
+}
+
+void AddServer(const ServerFigures& figures, Families& families) {
+  families.Add(MetricType::Gauge, "motiondb_build_info", "Always 1; the version is its label.", 1,
+               {{"version", figures.version}});
+  families.Add(MetricType::Gauge, "motiondb_serving",
+               "1 while the server takes calls; 0 while it starts or drains.",
+               figures.phase == Phase::kServing ? 1 : 0);
+  families.Add(MetricType::Gauge, "motiondb_open_connections", "Connections of clients.",
+               figures.open_connections);
+  families.Add(MetricType::Counter, "motiondb_refused_connections_total",
+               "Connections refused: no descriptor, or too many of one address.",
+               static_cast<double>(figures.refused_connections));
+  families.Add(MetricType::Counter, "motiondb_ended_connections_total",
+               "Connections that the server ended: a fault of the client, or no memory.",
+               static_cast<double>(figures.ended_connections));
+  families.Add(MetricType::Gauge, "motiondb_open_requests", "Calls under way, streams among them.",
+               figures.open_calls);
+  families.Add(MetricType::Gauge, "motiondb_open_streams", "Streams of frames under way.",
+               figures.open_streams);
+  families.Begin(MetricType::Gauge, "motiondb_queue_length",
+                 "Pieces of work that wait for a thread.");
+  families.Put({{"queue", "requests"}}, figures.queued.requests);
+  families.Put({{"queue", "heavy_requests"}}, figures.queued.heavy_requests);
+  families.Put({{"queue", "changes"}}, figures.queued.changes);
+  families.Put({{"queue", "urgent_changes"}}, figures.queued.urgent_changes);
+  families.Put({{"queue", "upkeep"}}, figures.queued.upkeep);
+  families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that work on requests.",
+               figures.request_threads);
+  families.Add(MetricType::Gauge, "motiondb_running_heavy_calls",
+               "Heavy calls that have a thread or are next for one.", figures.running_heavy_calls);
+  families.Add(MetricType::Gauge, "motiondb_store_bytes", "Size of the store's file.",
+               static_cast<double>(figures.store_bytes));
+  families.Add(MetricType::Gauge, "motiondb_log_bytes", "Size of the store's write-ahead log.",
+               static_cast<double>(figures.log_bytes));
+  families.Add(MetricType::Gauge, "motiondb_damages",
+               "Things stored that were found damaged since the start, at most 100.",
+               static_cast<double>(figures.damages.size()));
+  families.Add(
+      MetricType::Gauge, "motiondb_certificate_end_time_seconds",
+      "When the first certificate that connections need ends, the server's or its clients' "
+      "authority's, in seconds since the Unix epoch; 0 without TLS.",
+      static_cast<double>(figures.certificate_end_time_s));
+}
+
+void AddWriteFailures(const ServerFigures& figures, Families& families) {
+  families.Begin(MetricType::Counter, "motiondb_store_failed_writes_total",
+                 "Writes of the store that failed since the start, by reason.");
+  const auto put = [&](const char* reason, std::int64_t count) {
+    families.Put({{"reason", reason}}, static_cast<double>(count));
+  };
+  put("no_space", figures.write_failures.no_space);
+  put("io_error", figures.write_failures.io_error);
+  put("corruption", figures.write_failures.corruption);
+  put("other", figures.write_failures.other);
+}
+
+// Without series while the store is not there yet.
+void AddDisk(const ServerFigures& figures, Families& families) {
+  const auto add = [&](const char* name, const char* help, std::int64_t bytes) {
+    families.Begin(MetricType::Gauge, name, help);
+    if (figures.disk_bytes > 0) families.Put({}, static_cast<double>(bytes));
+  };
+  add("motiondb_disk_bytes", "Size of the file system that the store is on.", figures.disk_bytes);
+  add("motiondb_disk_free_bytes", "What the server may still take of that file system.",
+      figures.disk_free_bytes);
+}
+
+using Value = std::function<double(const DatabaseFigures&)>;
+
+// One gauge with a series for each database.
+void AddEach(const ServerFigures& figures, const char* name, const char* help, const Value& value,
+             Families& families) {
+  families.Begin(MetricType::Gauge, name, help);
+  for (const DatabaseFigures& database : figures.databases) {
+    families.Put({{"database", database.name}}, value(database));
+  }
+}
+
+// One gauge with a series for each database that has a model.
+void AddEachModel(const ServerFigures& figures, const char* name, const char* help,
+                  const Value& value, Families& families) {
+  families.Begin(MetricType::Gauge, name, help);
+  for (const DatabaseFigures& database : figures.databases) {
+    if (database.model) families.Put({{"database", database.name}}, value(database));
+  }
+}
+
+void AddDatabases(const ServerFigures& figures, Families& families) {
+  families.Add(MetricType::Gauge, "motiondb_databases", "Databases.",
+               static_cast<double>(figures.databases.size()));
+  AddEach(
+      figures, "motiondb_database_clips", "Clips stored.",
+      [](const auto& database) { return database.stored.clip_count; }, families);
+  AddEach(
+      figures, "motiondb_database_frames",
+      "Frames of the clips stored, at the database's frame rate.",
+      [](const auto& database) { return static_cast<double>(database.stored.frame_count); },
+      families);
+  AddEach(
+      figures, "motiondb_database_bytes", "Bytes that the clips stored take.",
+      [](const auto& database) { return static_cast<double>(database.stored.byte_count); },
+      families);
+  AddEach(
+      figures, "motiondb_database_streams", "Streams of frames under way that its model judges.",
+      [](const auto& database) { return database.open_streams; }, families);
+  AddEach(
+      figures, "motiondb_model_version", "Version of the current model; 0 without one.",
+      [](const auto& database) { return database.model ? database.model->version : 0; }, families);
+  AddEachModel(
+      figures, "motiondb_model_age_seconds", "Time since the current model was made.",
+      [](const auto& database) { return database.model_age_seconds; }, families);
+  AddEachModel(
+      figures, "motiondb_model_frames", "Frames that the current model knows.",
+      [](const auto& database) { return database.model->frame_count; }, families);
+  AddEachModel(
+      figures, "motiondb_model_build_seconds", "How long building the current model took.",
+      [](const auto& database) { return database.model->build_seconds; }, families);
+}
+
+void AddRebuilds(const ServerFigures& figures, Families& families) {
+  AddEach(
+      figures, "motiondb_rebuild_pending", "1 while a rebuild of the model waits or works, else 0.",
+      [](const auto& database) { return database.operation ? 1 : 0; }, families);
+  AddEach(
+      figures, "motiondb_rebuild_progress",
+      "Progress of the rebuild that waits or works, 0 to 1; 1 where there is none.",
+      [](const auto& database) { return database.operation ? database.operation->progress : 1; },
+      families);
+  families.Begin(MetricType::Counter, "motiondb_rebuilds_total",
+                 "Rebuilds ended since the start, by how.");
+  for (const DatabaseFigures& database : figures.databases) {
+    const auto put = [&](const char* outcome, std::int64_t count) {
+      families.Put({{"database", database.name}, {"outcome", outcome}}, static_cast<double>(count));
+    };
+    put("succeeded", database.rebuilds.succeeded);
+    put("failed", database.rebuilds.failed);
+    put("cancelled", database.rebuilds.cancelled);
+  }
+  families.Begin(MetricType::Summary, "motiondb_rebuild_seconds",
+                 "How long rebuilds took, of any outcome.");
+  for (const DatabaseFigures& database : figures.databases) {
+    const RebuildTally& rebuilds = database.rebuilds;
+    families.PutSummary({{"database", database.name}},
+                        rebuilds.succeeded + rebuilds.failed + rebuilds.cancelled,
+                        rebuilds.seconds);
+  }
+}
+
+}  // namespace
+
+std::vector<MetricFamily> FamiliesOf(const ServerFigures& figures) {
+  Families families;
+  AddServer(figures, families);
+  AddWriteFailures(figures, families);
+  AddDisk(figures, families);
+  AddDatabases(figures, families);
+  AddRebuilds(figures, families);
+  AddProcess(figures, families);
+  return std::move(families).Take();
+}
+
+namespace {
+
+double Seconds(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+int CountEntries(const char* folder) {
+  std::error_code error;
+  int count = 0;
+  for (std::filesystem::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    ++count;
+  }
+  return count;
+}
+
+}  // namespace
+
+ProcessFigures ReadProcessFigures() {
+  ProcessFigures figures;
+  std::int64_t virtual_pages = 0, resident_pages = 0;
+  if (std::ifstream("/proc/self/statm") >> virtual_pages >> resident_pages) {
+    const std::int64_t page_bytes = sysconf(_SC_PAGESIZE);
+    figures.virtual_bytes = virtual_pages * page_bytes;
+    figures.resident_bytes = resident_pages * page_bytes;
+  }
+  rusage usage{};
+  if (getrusage(RUSAGE_SELF, &usage) == 0) {
+    figures.cpu_seconds = Seconds(usage.ru_utime) + Seconds(usage.ru_stime);
+  }
+  rlimit descriptors{};
+  if (getrlimit(RLIMIT_NOFILE, &descriptors) == 0) {
+    figures.max_descriptors = static_cast<std::int64_t>(descriptors.rlim_cur);
+  }
+  // Less the one that the folder is read with.
+  figures.open_descriptors = std::max(0, CountEntries("/proc/self/fd") - 1);
+  figures.thread_count = CountEntries("/proc/self/task");
+  return figures;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,36 @@
+#include "server/rpc/call.h"
+
+#include <exception>
+#include <new>
+
+#include "server/engine/memory_reserve.h"
+#include "server/translate/status_mapping.h"
+#include "storage/read_scope.h"
+
+namespace motiondb::server {
+
+namespace {
+
+absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
+  try {
+    const AllocationsMayFail scope;
+    return handler();
+  } catch (const std::bad_alloc&) {
+    return absl::ResourceExhaustedError(
+        "not enough memory for this call: send less at a time, or try again later");
+  } catch (const std::exception& error) {
+    return absl::InternalError(error.what());
+  }
+}
+
+}  // namespace
+
+grpc::Status RunHandler(const core::Cancelled& cancelled,
+                        const std::function<absl::Status()>& handler) {
+  if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
+  if (const absl::Status memory = RefillMemoryReserve(); !memory.ok()) return ToGrpcStatus(memory);
+  const storage::ReadScope scope(cancelled);
+  return ToGrpcStatus(WithoutExceptions(handler));
+}
+
+}  // namespace motiondb::server

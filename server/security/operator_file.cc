@@ -1,0 +1,56 @@
+#include "server/security/operator_file.h"
+
+#include <sys/stat.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+#include <string_view>
+
+#include "absl/strings/ascii.h"
+#include "core/motion/error.h"
+
+namespace motiondb::server {
+
+absl::StatusOr<std::string> ReadTextFile(const std::string& path) {
+  errno = 0;
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  // An empty file counts as one that nothing could be written from, without an error's number.
+  if (!file || (!(text << file.rdbuf()) && errno != 0)) {
+    return core::InvalidArgument("{}: cannot be read: {}", path, std::strerror(errno));
+  }
+  return text.str();
+}
+
+namespace {
+
+constexpr std::size_t kShortest = 20;
+
+}  // namespace
+
+absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
+  struct stat status;
+  if (stat(path.c_str(), &status) != 0) {
+    return core::InvalidArgument("{}: {}", path, std::strerror(errno));
+  }
+  if (const std::string_view fault = FaultOfMode(status.st_mode); !fault.empty()) {
+    return core::InvalidArgument("{}: {}; expected mode {}", path, fault, kSecretModes);
+  }
+  MOTIONDB_ASSIGN_OR_RETURN(std::string text, ReadTextFile(path));
+  absl::StripAsciiWhitespace(&text);
+  if (text.size() < kShortest) {
+    return core::InvalidArgument("{}: expected a token of at least {} characters", path, kShortest);
+  }
+  if (!std::ranges::all_of(text, absl::ascii_isprint)) {
+    return core::InvalidArgument(
+        "{}: expected a token on one line, of printable ASCII characters: a call's header carries "
+        "no others; `openssl rand -hex 32` writes one",
+        path);
+  }
+  return text;
+}
+
+}  // namespace motiondb::server

@@ -1,0 +1,369 @@
+#include "server/translate/record_messages.h"
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+#include "core/motion/error.h"
+#include "core/motion/glitches.h"
+#include "motiondb/v1/access.pb.h"
+#include "motiondb/v1/clip.pb.h"
+#include "motiondb/v1/database.pb.h"
+#include "motiondb/v1/operation.pb.h"
+#include "motiondb/v1/store.pb.h"
+#include "server/engine/model_lifecycle.h"
+#include "server/translate/file_format.h"
+#include "server/translate/message_fields.h"
+#include "server/translate/resource_name.h"
+#include "text/display_text.h"
+#include "text/utf8.h"
+
+namespace motiondb::server {
+
+namespace {
+
+// Beyond these a setting is a mistake: motion capture ends at about 1 kHz.
+constexpr int kLowestMinFrames = 2;  // one frame has no variance
+constexpr int kHighestMinFrames = 1'000'000;
+
+constexpr int kMostUnderived = 100;  // in a description
+
+absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
+  switch (scaling) {
+    case v1::SCALING_UNSPECIFIED:
+    case v1::SCALING_KIND:
+      return core::Scaling::kKind;
+    case v1::SCALING_NONE:
+      return core::Scaling::kNone;
+    case v1::SCALING_DIMENSION:
+      return core::Scaling::kDimension;
+    default:
+      return FieldViolation("database.scaling", "{} is no scaling", static_cast<int>(scaling));
+  }
+}
+
+absl::StatusOr<core::GlitchPolicy> GlitchPolicyFrom(v1::Glitches glitches) {
+  switch (glitches) {
+    case v1::GLITCHES_UNSPECIFIED:
+    case v1::GLITCHES_REPAIR:
+      return core::GlitchPolicy::kRepair;
+    case v1::GLITCHES_REJECT:
+      return core::GlitchPolicy::kReject;
+    case v1::GLITCHES_DROP:
+      return core::GlitchPolicy::kDrop;
+    case v1::GLITCHES_KEEP:
+      return core::GlitchPolicy::kKeep;
+    default:
+      return FieldViolation("database.glitches",
+                            "unknown value {}; expected repair, reject, drop or keep",
+                            static_cast<int>(glitches));
+  }
+}
+
+v1::Glitches ToProto(core::GlitchPolicy policy) {
+  switch (policy) {
+    case core::GlitchPolicy::kRepair:
+      return v1::GLITCHES_REPAIR;
+    case core::GlitchPolicy::kReject:
+      return v1::GLITCHES_REJECT;
+    case core::GlitchPolicy::kDrop:
+      return v1::GLITCHES_DROP;
+    case core::GlitchPolicy::kKeep:
+      return v1::GLITCHES_KEEP;
+  }
+  return v1::GLITCHES_UNSPECIFIED;
+}
+
+}  // namespace
+
+v1::Calibration ToProto(Calibration calibration) {
+  switch (calibration) {
+    case Calibration::kOwn:
+      return v1::CALIBRATION_OWN;
+    case Calibration::kPrevious:
+      return v1::CALIBRATION_PREVIOUS;
+    case Calibration::kTypical:
+      return v1::CALIBRATION_TYPICAL;
+  }
+  return v1::CALIBRATION_UNSPECIFIED;
+}
+
+absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
+  core::BuildSettings settings;
+  const double rate = database.frame_rate_hz();
+  if (rate != 0 && !(rate >= core::kLowestFrameRateHz && rate <= core::kHighestFrameRateHz)) {
+    return FieldViolation("database.frame_rate_hz", "expected {} to {}, got {}",
+                          core::kLowestFrameRateHz, core::kHighestFrameRateHz, rate);
+  }
+  const int min_frames = database.min_frames();
+  if (min_frames != 0 && (min_frames < kLowestMinFrames || min_frames > kHighestMinFrames)) {
+    return FieldViolation("database.min_frames", "expected {} to {}, got {}", kLowestMinFrames,
+                          kHighestMinFrames, min_frames);
+  }
+  if (rate > 0) settings.frame_rate_hz = rate;
+  if (min_frames != 0) settings.min_frames = min_frames;
+  MOTIONDB_ASSIGN_OR_RETURN(settings.scaling, ScalingFrom(database.scaling()));
+  MOTIONDB_ASSIGN_OR_RETURN(settings.glitches, GlitchPolicyFrom(database.glitches()));
+  return settings;
+}
+
+absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database) {
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainLines("database.marker_set_file", database.marker_set_file()));
+  auto setting = ResolveMarkerSet(database.marker_set(), database.marker_set_file());
+  if (setting.ok()) return setting;
+  const bool own = !database.marker_set_file().empty();
+  return AtField(own ? "database.marker_set_file" : "database.marker_set", setting.status());
+}
+
+void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
+                 v1::Database& message) {
+  message.set_name(DatabaseName(record.name));
+  message.set_frame_rate_hz(record.settings.frame_rate_hz);
+  message.set_min_frames(record.settings.min_frames);
+  message.set_scaling(ToProto(record.settings.scaling));
+  message.set_glitches(ToProto(record.settings.glitches));
+  message.set_marker_set(text::ValidUtf8(record.marker_set));
+  const bool own = record.marker_set != kStandardMarkerSet && record.marker_set != kSourceMarkerSet;
+  if (own) message.set_marker_set_file(text::ValidUtf8(record.marker_set_text));
+  SetTimestamp(record.create_time_us, *message.mutable_create_time());
+  if (const auto scheme = live.scheme(); scheme.ok() && *scheme != nullptr) {
+    for (const std::string& marker : (*scheme)->set.markers) {
+      message.add_marker_names(text::ValidUtf8(marker));
+    }
+  }
+  const StoredAmount stored = live.stored();
+  message.set_clip_count(stored.clip_count);
+  message.set_frame_count(stored.frame_count);
+  const auto snapshot = live.lifecycle().snapshot();
+  message.set_model_version(snapshot == nullptr ? 0 : snapshot->record.version);
+}
+
+void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
+                    v1::DescribeDatabaseResponse& message) {
+  message.set_name(DatabaseName(live.name()));
+  message.set_frame_rate_hz(live.settings().frame_rate_hz);
+  message.set_glitches(ToProto(live.settings().glitches));
+  message.set_stored_clip_count(live.stored().clip_count);
+  const auto underived = live.underived();
+  message.set_underived_clip_count(static_cast<int>(underived.size()));
+  for (const auto& [clip, reason] : underived) {
+    if (message.underived_clips_size() == kMostUnderived) break;
+    v1::UnderivedClip& to = *message.add_underived_clips();
+    to.set_name(ClipName(live.name(), clip));
+    to.set_reason(text::ValidUtf8(reason));
+  }
+  if (snapshot == nullptr) return;
+
+  const storage::ModelRecord& record = snapshot->record;
+  SetModelFigures(record, message);
+  const auto& nodes = record.nodes_per_layer;
+  message.set_layer_count(static_cast<int>(nodes.size()));
+  message.set_node_count(std::accumulate(nodes.begin(), nodes.end(), 0));
+  message.set_bottom_node_count(nodes.empty() ? 0 : nodes.back());
+  message.set_model_version(record.version);
+  message.set_calibration(ToProto(snapshot->calibration));
+
+  std::map<std::string, v1::LabelSummary> labels;
+  for (const core::ModelClip& clip : snapshot->model.clips()) {
+    v1::LabelSummary& label = labels[clip.label];
+    label.set_clip_count(label.clip_count() + 1);
+    label.set_frame_count(label.frame_count() + clip.frame_count);
+  }
+  for (auto& [name, label] : labels) {
+    label.set_label(name);
+    *message.add_labels() = label;
+  }
+}
+
+namespace {
+
+// The note on glitches in a clip's report, without what it begins with.
+std::string GlitchNoteOf(const std::string& report) {
+  const std::string mark = std::string("; ") + core::kGlitchNote;
+  const std::size_t begin = report.find(mark);
+  if (begin == std::string::npos) return "";
+  const std::size_t from = begin + mark.size();
+  return report.substr(from, report.find("; ", from) - from);
+}
+
+}  // namespace
+
+void SetClip(const storage::ClipRecord& record, v1::Clip& message) {
+  message.set_name(ClipName(record.database, record.id));
+  message.set_label(record.label);
+  message.set_subject(record.subject);
+  message.set_file_name(record.file_name);
+  message.set_format(ToProto(record.format));
+  message.set_frame_count(record.frame_count);
+  message.set_duration_seconds(record.duration_seconds);
+  message.set_source_frame_rate_hz(record.source_frame_rate_hz);
+  message.set_leg_length_m(record.leg_length_m);
+  if (!record.skeleton_id.empty()) {
+    message.set_skeleton(SkeletonName(record.database, record.skeleton_id));
+  }
+  message.set_source_report(text::ValidUtf8(record.source_report));
+  message.set_glitches(text::ValidUtf8(GlitchNoteOf(record.source_report)));
+  message.set_representation_version(record.representation_version);
+  message.set_derive_error(text::ValidUtf8(record.derive_error));
+  SetTimestamp(record.create_time_us, *message.mutable_create_time());
+}
+
+void SetSkeleton(const std::string& database, const storage::SkeletonRecord& record,
+                 v1::Skeleton& message) {
+  message.set_name(SkeletonName(database, record.id));
+  message.set_dof_count(record.skeleton.dof_count());
+  for (const core::Joint& joint : record.skeleton.joints()) {
+    v1::Skeleton::Joint& to = *message.add_joints();
+    to.set_name(text::ValidUtf8(joint.name));
+    to.set_parent(joint.parent);
+    to.set_offset_x_m(joint.offset_m.x());
+    to.set_offset_y_m(joint.offset_m.y());
+    to.set_offset_z_m(joint.offset_m.z());
+    for (const core::Dof& dof : joint.dofs) {
+      v1::Skeleton::Dof& to_dof = *to.add_dofs();
+      to_dof.set_translation(dof.kind == core::Dof::Kind::kTranslation);
+      to_dof.set_axis_x(dof.axis.x());
+      to_dof.set_axis_y(dof.axis.y());
+      to_dof.set_axis_z(dof.axis.z());
+    }
+  }
+}
+
+namespace {
+
+v1::OperationState ToProto(storage::OperationState state) {
+  switch (state) {
+    case storage::OperationState::kPending:
+      return v1::OPERATION_STATE_PENDING;
+    case storage::OperationState::kRunning:
+      return v1::OPERATION_STATE_RUNNING;
+    case storage::OperationState::kSucceeded:
+      return v1::OPERATION_STATE_SUCCEEDED;
+    case storage::OperationState::kFailed:
+      return v1::OPERATION_STATE_FAILED;
+    case storage::OperationState::kCancelled:
+      return v1::OPERATION_STATE_CANCELLED;
+  }
+  return v1::OPERATION_STATE_UNSPECIFIED;
+}
+
+v1::OperationKind ToProto(storage::OperationKind kind) {
+  return kind == storage::OperationKind::kReprocess ? v1::OPERATION_KIND_REPROCESS
+                                                    : v1::OPERATION_KIND_REBUILD;
+}
+
+}  // namespace
+
+void SetOperation(const storage::OperationRecord& record, v1::Operation& message) {
+  message.set_name(OperationName(record.id));
+  message.set_database(DatabaseName(record.database));
+  message.set_kind(ToProto(record.kind));
+  message.set_state(ToProto(record.state));
+  message.set_done(record.done());
+  message.set_progress(record.progress);
+  message.set_stage(record.stage);
+  if (record.model_version > 0) message.set_model(ModelName(record.database, record.model_version));
+  if (record.error_code != 0) {
+    message.mutable_error()->set_code(record.error_code);
+    message.mutable_error()->set_message(text::SafeText(record.error_message));
+  }
+  SetTimestamp(record.create_time_us, *message.mutable_create_time());
+  SetTimestamp(record.update_time_us, *message.mutable_update_time());
+}
+
+namespace {
+
+constexpr std::size_t kLongestDescription = 200;
+constexpr std::int64_t kLongestLifetimeSeconds = std::int64_t{100} * 365 * 24 * 3600;
+
+absl::StatusOr<storage::Role> RoleFrom(v1::Role role) {
+  switch (role) {
+    case v1::ROLE_READER:
+      return storage::Role::kReader;
+    case v1::ROLE_INGESTER:
+      return storage::Role::kIngester;
+    case v1::ROLE_ADMIN:
+      return storage::Role::kAdmin;
+    default:
+      return FieldViolation("role", "expected one of ROLE_READER, ROLE_INGESTER, ROLE_ADMIN");
+  }
+}
+
+v1::Role ToProto(storage::Role role) {
+  switch (role) {
+    case storage::Role::kReader:
+      return v1::ROLE_READER;
+    case storage::Role::kIngester:
+      return v1::ROLE_INGESTER;
+    case storage::Role::kAdmin:
+      return v1::ROLE_ADMIN;
+  }
+  return v1::ROLE_UNSPECIFIED;
+}
+
+absl::StatusOr<std::int64_t> LifetimeFrom(const google::protobuf::Duration& lifetime) {
+  const bool positive = lifetime.seconds() >= 0 && lifetime.nanos() >= 0 &&
+                        lifetime.nanos() <= 999'999'999 &&
+                        (lifetime.seconds() > 0 || lifetime.nanos() >= 1000);
+  if (!positive || lifetime.seconds() > kLongestLifetimeSeconds) {
+    return FieldViolation("lifetime",
+                          "expected a positive duration of at most a hundred years, got {} s {} ns",
+                          lifetime.seconds(), lifetime.nanos());
+  }
+  return lifetime.seconds() * 1'000'000 + lifetime.nanos() / 1000;
+}
+
+}  // namespace
+
+absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request) {
+  WantedToken wanted;
+  MOTIONDB_ASSIGN_OR_RETURN(wanted.role, RoleFrom(request.role()));
+  if (!request.database().empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(wanted.database, ParseDatabaseName("database", request.database()));
+  }
+  if (request.has_lifetime()) {
+    MOTIONDB_ASSIGN_OR_RETURN(wanted.lifetime_us, LifetimeFrom(request.lifetime()));
+  }
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckPlainText("description", request.description(), kLongestDescription));
+  wanted.description = request.description();
+  return wanted;
+}
+
+void SetToken(const storage::TokenRecord& record, v1::Token& message) {
+  message.set_name(TokenName(record.id));
+  message.set_role(ToProto(record.role));
+  if (!record.database.empty()) message.set_database(DatabaseName(record.database));
+  message.set_description(record.description);
+  SetTimestamp(record.create_time_us, *message.mutable_create_time());
+  if (record.expire_time_us != 0) {
+    SetTimestamp(record.expire_time_us, *message.mutable_expire_time());
+  }
+  if (record.revoke_time_us != 0) {
+    SetTimestamp(record.revoke_time_us, *message.mutable_revoke_time());
+  }
+}
+
+void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message) {
+  message.set_sequence(record.sequence);
+  SetTimestamp(record.time_us, *message.mutable_time());
+  message.set_principal(text::SafeText(record.principal));
+  message.set_peer(record.peer);
+  message.set_method(record.method);
+  message.set_resource(text::SafeText(record.resource));
+  message.set_code(record.code);
+  message.set_request_id(text::SafeText(record.request_id));
+}
+
+namespace {
+
+constexpr std::size_t kTextLimit = 1024;
+
+}  // namespace
+
+void SetDamage(const storage::Damage& damage, v1::Damage& message) {
+  message.set_resource(text::ValidUtf8(text::SafeText(damage.resource), kTextLimit));
+  message.set_description(text::ValidUtf8(text::SafeText(damage.description), kTextLimit));
+}
+
+}  // namespace motiondb::server

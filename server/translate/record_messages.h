@@ -1,0 +1,102 @@
+// Records of the store as messages, and back: databases, clips, operations, tokens, the audit log.
+#pragma once
+
+#include <cstdint>
+
+#include "absl/status/statusor.h"
+#include "core/tree/feature_scale.h"
+#include "motiondb/v1/database.pb.h"
+#include "server/engine/live_database.h"
+#include "server/engine/marker_schemes.h"
+#include "server/engine/snapshot.h"
+#include "storage/access_store.h"
+#include "storage/records.h"
+#include "storage/store_upkeep.h"
+
+namespace motiondb::v1 {
+class AuditEntry;
+class Clip;
+class CreateTokenRequest;
+class Damage;
+class Database;
+class DescribeDatabaseResponse;
+class Operation;
+class Skeleton;
+class Token;
+}  // namespace motiondb::v1
+
+namespace motiondb::server {
+
+// Databases as messages, and settings from them. Safe to call from any thread.
+
+// The settings of a database to create, with defaults for those not given. INVALID_ARGUMENT names
+// the field, below `database`.
+absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database);
+absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database);
+
+// What a model is like, in the fields that Model and DescribeDatabaseResponse have alike: as it was
+// stored, which is also what `status` and the metrics show.
+template <typename Message>
+void SetModelFigures(const storage::ModelRecord& record, Message& message) {
+  message.set_build_seconds(record.build_seconds);
+  message.set_frame_count(record.frame_count);
+  message.set_clip_count(record.clip_count);
+  message.mutable_nodes_per_layer()->Add(record.nodes_per_layer.begin(),
+                                         record.nodes_per_layer.end());
+  message.set_dimension_count(record.dimension_count);
+  message.set_added_clip_count(record.added_clip_count);
+  message.set_stale_share(record.drift_fraction);
+}
+
+void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
+                 v1::Database& message);
+// `snapshot` may be null.
+void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
+                    v1::DescribeDatabaseResponse& message);
+
+v1::Calibration ToProto(Calibration calibration);
+
+inline v1::Scaling ToProto(core::Scaling scaling) {
+  switch (scaling) {
+    case core::Scaling::kNone:
+      return v1::SCALING_NONE;
+    case core::Scaling::kKind:
+      return v1::SCALING_KIND;
+    case core::Scaling::kDimension:
+      return v1::SCALING_DIMENSION;
+  }
+  return v1::SCALING_UNSPECIFIED;
+}
+
+// Clips and skeletons as messages. Safe to call from any thread.
+
+void SetClip(const storage::ClipRecord& record, v1::Clip& message);
+void SetSkeleton(const std::string& database, const storage::SkeletonRecord& record,
+                 v1::Skeleton& message);
+
+// Operations as messages. Safe to call from any thread.
+
+void SetOperation(const storage::OperationRecord& record, v1::Operation& message);
+
+// Messages of AccessService <-> records. Safe to call from any thread.
+
+// What is to be made. Times, id and hash are left empty, except for how long it is good.
+struct WantedToken {
+  storage::Role role = storage::Role::kReader;
+  std::string database;  // its id; empty: all
+  std::string description;
+  std::int64_t lifetime_us = 0;  // 0: for ever
+};
+
+// INVALID_ARGUMENT, naming the field.
+absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request);
+
+void SetToken(const storage::TokenRecord& record, v1::Token& message);
+void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
+
+// What was found damaged, as a message. Safe to call from any thread.
+
+// Texts come from a file that may hold anything: as much as a person reads of them.
+void SetDamage(const storage::Damage& damage, v1::Damage& message);
+
+}  // namespace motiondb::server

@@ -1,0 +1,204 @@
+#include <cmath>
+#include <utility>
+
+#include "storage/blob/byte_stream.h"
+#include "storage/blob/model_codec.h"
+
+namespace motiondb::storage {
+
+namespace {
+
+constexpr std::size_t kLawBytes = 12 * sizeof(double);
+
+}  // namespace
+
+void PutPrior(FieldWriter& writer, const core::MotionPrior& prior) {
+  writer.PutArray(prior.seconds);
+  PutMatrix(writer, prior.weights);
+}
+
+core::MotionPrior GetPrior(FieldReader& reader, Eigen::Index dimensions) {
+  core::MotionPrior prior;
+  prior.seconds = reader.GetArray<double>();
+  for (std::size_t i = 0; i < prior.seconds.size(); ++i) {
+    if (!(prior.seconds[i] > (i == 0 ? 0 : prior.seconds[i - 1]))) {
+      reader.Fail(core::DataLoss("motion prior: its horizons do not ascend"));
+      return {};
+    }
+  }
+  const auto horizons = static_cast<Eigen::Index>(prior.seconds.size());
+  const Eigen::Index numbers = dimensions / 2;
+  GetMatrix(reader, horizons == 0 ? 0 : (1 + core::kLags) * numbers, horizons * numbers,
+            prior.weights);
+  return prior;
+}
+
+void PutConfidence(FieldWriter& writer, const core::PredictionConfidence& confidence) {
+  writer.PutCount(confidence.laws.size());
+  for (const core::ErrorLaw& law : confidence.laws) {
+    writer.Put(law.seconds);
+    for (const double coefficient : law.coefficients) writer.Put(coefficient);
+    for (const double lowest : law.lowest) writer.Put(lowest);
+    for (const double highest : law.highest) writer.Put(highest);
+    writer.Put(law.deviation);
+  }
+}
+
+core::PredictionConfidence GetConfidence(FieldReader& reader) {
+  core::PredictionConfidence confidence;
+  confidence.laws.resize(reader.GetCount(kLawBytes));
+  double before = 0;
+  for (core::ErrorLaw& law : confidence.laws) {
+    law.seconds = reader.Get<double>();
+    bool finite = law.seconds > before && std::isfinite(law.seconds);
+    before = law.seconds;
+    const auto get = [&](auto& numbers) {
+      for (double& number : numbers) {
+        number = reader.Get<double>();
+        finite = finite && std::isfinite(number);
+      }
+    };
+    get(law.coefficients);
+    get(law.lowest);
+    get(law.highest);
+    law.deviation = reader.Get<double>();
+    for (std::size_t i = 0; i < law.lowest.size(); ++i) {
+      finite = finite && law.lowest[i] <= law.highest[i];
+    }
+    if (!finite || !(law.deviation > 0)) {
+      reader.Fail(core::DataLoss("confidence: a law of prediction errors is none"));
+      return {};
+    }
+  }
+  return confidence;
+}
+
+namespace {
+
+void PutAnswer(FieldWriter& writer, const core::AnswerCalibration& calibration) {
+  writer.Put(calibration.weight.scale);
+  writer.Put(calibration.weight.power);
+  writer.PutArray(calibration.familiarity);
+}
+
+core::AnswerCalibration GetAnswer(FieldReader& reader) {
+  core::AnswerCalibration calibration;
+  calibration.weight.scale = reader.Get<double>();
+  calibration.weight.power = reader.Get<double>();
+  calibration.familiarity = reader.GetArray<float>();
+  const auto& [scale, power] = calibration.weight;
+  if (!(scale > 0 && std::isfinite(scale) && power >= 0 && power <= 1)) {
+    reader.Fail(core::DataLoss("calibration: evidence is weighted {}, power {}", scale, power));
+  }
+  for (std::size_t i = 0; i < calibration.familiarity.size(); ++i) {
+    const float score = calibration.familiarity[i];
+    if (std::isnan(score) || (i > 0 && score < calibration.familiarity[i - 1])) {
+      reader.Fail(core::DataLoss("calibration: its familiarity scores do not ascend"));
+      break;
+    }
+  }
+  return calibration;
+}
+
+}  // namespace
+
+void PutMetric(FieldWriter& writer, const core::MotionMetric& metric) {
+  writer.PutCount(static_cast<std::size_t>(metric.projection.cols()));
+  if (metric.empty()) return;
+  writer.PutCount(static_cast<std::size_t>(metric.loadings.cols()));
+  PutMatrix(writer, metric.mean);
+  PutMatrix(writer, metric.loadings);
+  writer.Put(metric.noise);
+  PutMatrix(writer, metric.whitening);
+  PutMatrix(writer, metric.projection);
+}
+
+core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions) {
+  core::MotionMetric metric;
+  const auto directions = reader.Get<std::uint32_t>();
+  if (directions == 0) return metric;
+  if (dimensions == 0) {
+    reader.Fail(core::DataLoss("metric: {} directions among no dimensions", directions));
+    return metric;
+  }
+  const auto loadings = reader.Get<std::uint32_t>();
+  GetMatrix(reader, 1, dimensions, metric.mean);
+  GetMatrix(reader, dimensions, loadings, metric.loadings);
+  metric.noise = reader.Get<double>();
+  GetMatrix(reader, dimensions, dimensions, metric.whitening);
+  GetMatrix(reader, dimensions, directions, metric.projection);
+  return metric;
+}
+
+void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration) {
+  PutAnswer(writer, calibration.window);
+  PutAnswer(writer, calibration.whole);
+}
+
+core::RecognitionCalibration GetRecognition(FieldReader& reader) {
+  core::RecognitionCalibration calibration;
+  calibration.window = GetAnswer(reader);
+  calibration.whole = GetAnswer(reader);
+  return calibration;
+}
+
+namespace {
+
+using core::Edge;
+
+static_assert(sizeof(Edge) == 8, "edges are stored as they lie in memory");
+
+bool RowsFit(const std::vector<std::int32_t>& row_begin, std::size_t edge_count) {
+  if (row_begin.empty() || row_begin.front() != 0) return false;
+  for (std::size_t k = 1; k < row_begin.size(); ++k) {
+    if (row_begin[k] < row_begin[k - 1]) return false;
+  }
+  return static_cast<std::size_t>(row_begin.back()) == edge_count;
+}
+
+// Edges of each row ascend and lead to nodes that there are.
+bool EdgesFit(const std::vector<std::int32_t>& row_begin, const std::vector<Edge>& edges) {
+  const auto node_count = static_cast<std::int32_t>(row_begin.size()) - 1;
+  for (std::int32_t k = 0; k < node_count; ++k) {
+    std::int32_t before = -1;
+    for (std::int32_t e = row_begin[k]; e < row_begin[k + 1]; ++e) {
+      if (edges[e].to <= before || edges[e].to >= node_count || edges[e].count <= 0) return false;
+      before = edges[e].to;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+void PutGraph(FieldWriter& writer, const core::TransitionGraph& graph) {
+  writer.PutArray(graph.row_begin());
+  writer.PutArray(graph.edges());
+}
+
+core::TransitionGraph GetGraph(FieldReader& reader) {
+  auto row_begin = reader.GetArray<std::int32_t>();
+  auto edges = reader.GetArray<Edge>();
+  if (!reader.ok()) return {};
+  if (!RowsFit(row_begin, edges.size()) || !EdgesFit(row_begin, edges)) {
+    reader.Fail(core::DataLoss("a transition graph has edges that are not in order"));
+    return {};
+  }
+  return core::TransitionGraph(std::move(row_begin), std::move(edges));
+}
+
+void PutClipGraph(FieldWriter& writer, const core::ClipGraph& graph) {
+  writer.PutArray(graph.nodes);
+  writer.PutArray(graph.frames);
+  PutGraph(writer, graph.transitions);
+}
+
+core::ClipGraph GetClipGraph(FieldReader& reader) {
+  core::ClipGraph graph;
+  graph.nodes = reader.GetArray<std::int32_t>();
+  graph.frames = reader.GetArray<std::int32_t>();
+  graph.transitions = GetGraph(reader);
+  return graph;
+}
+
+}  // namespace motiondb::storage

@@ -1,0 +1,20 @@
+#!/usr/bin/env bash
+# Checks with clang that what a mutex guards is used only while it is held: every file of storage/,
+# server/ and client/ that holds a mutex of storage/mutex.h or of absl, or whose header has one. One of
+# the standard library has no annotations: none but std::timed_mutex, which guards work and no data.
+#   check_locks.sh BUILD     BUILD: a folder where motiondb_proto was built
+set -euo pipefail
+build=$(realpath "$1")
+cd "$(dirname "$0")/../.."
+
+if grep -rnE 'std::(recursive_|shared_)?mutex\b' core text server client --include='*.h' --include='*.cc'; then
+  echo "locks: use storage/mutex.h, or absl::Mutex in client/" >&2
+  exit 1
+fi
+mapfile -t files < <(grep -rlE 'MutexLock|ReadLock|ABSL_GUARDED_BY' storage server client --include='*.h' --include='*.cc' |
+  sed 's/\.h$/.cc/' | sort -u | while read -r file; do [ ! -f "$file" ] || echo "$file"; done)
+[ ${#files[@]} -gt 20 ] || { echo "locks: found only ${#files[@]} files with a mutex" >&2; exit 1; }
+printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -n 4 clang++ -std=c++20 -fsyntax-only -w \
+  -Wthread-safety -Werror=thread-safety -DMOTIONDB_VERSION='""' -DFMT_SHARED -DSPDLOG_FMT_EXTERNAL \
+  -I. -Iclient/include -isystem /usr/include/eigen3 -isystem "$build/proto/generated"
+echo "locks: ${#files[@]} files hold what they use"

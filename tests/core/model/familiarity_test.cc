@@ -1,0 +1,58 @@
+#include "core/model/familiarity.h"
+
+#include <catch2/catch.hpp>
+
+#include "core/model/model.h"
+#include "tests/support/synthetic_states.h"
+
+namespace motiondb::tests::familiarity_test {
+
+TEST_CASE("Familiarity: scores are those of every node of every layer", "[core][model]") {
+  // Markers are few so that densities are alike in many nodes; 13 frames fill no block.
+  for (const int markers : {1, 3, 34}) {
+    const core::Model model = SmallModel(3, 150, markers, 8, 5);
+    std::vector<core::FrameRun> windows;
+    for (int first = 0; first < 450; first += 60) windows.push_back({first, 13});
+    const core::FamiliarityReference reference =
+        core::MakeFamiliarityReference(windows, 13, model.states(), model.tree(), model.gaussians(),
+                                       model.parts().global_graphs, core::Serially);
+    REQUIRE(static_cast<int>(reference.scores.size()) == model.layer_count());
+    for (int layer = 1; layer <= model.layer_count(); ++layer) {
+      const int nodes = model.tree().node_count(layer);
+      std::vector<double> expected;
+      for (const core::FrameRun& window : windows) {
+        core::EmissionMatrix densities(window.count, nodes);
+        for (int t = 0; t < window.count; ++t) {
+          for (int n = 0; n < nodes; ++n) {
+            densities(t, n) = model.gaussians().LogDensity(
+                model.tree().branch(layer, n), model.states().row(window.first + t).data());
+          }
+        }
+        expected.push_back(core::FamiliarityScore(model.global_graph(layer), densities));
+      }
+      std::sort(expected.begin(), expected.end());
+      CAPTURE(markers, layer);
+      for (std::size_t w = 0; w < windows.size(); ++w) {
+        CHECK(reference.scores[layer - 1][w] == Approx(expected[w]).epsilon(1e-5).margin(1e-4));
+      }
+    }
+  }
+}
+
+TEST_CASE("Familiarity: the same in any order of work; clips shorter than a window count",
+          "[core][model]") {
+  const core::Model model = SmallModel(3, 150, 4, 8, 5);
+  const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
+    for (int i = count; i-- > 0;) body(i);
+  };
+  const std::vector<core::FrameRun> clips = {{0, 150}, {150, 5}, {155, 1}, {156, 294}};
+  const auto make = [&](const core::ParallelFor& parallel) {
+    return core::MakeFamiliarityReference(clips, 24, model.states(), model.tree(),
+                                          model.gaussians(), model.parts().global_graphs, parallel);
+  };
+  const core::FamiliarityReference once = make(core::Serially);
+  CHECK(once.scores == make(backwards).scores);
+  CHECK(once.scores.front().size() == 127 + 1 + 1 + 271);
+}
+
+}  // namespace motiondb::tests::familiarity_test

@@ -1,0 +1,206 @@
+#include "server/engine/operation_registry.h"
+
+#include <spdlog/sinks/ostream_sink.h>
+#include <spdlog/spdlog.h>
+
+#include <algorithm>
+#include <catch2/catch.hpp>
+#include <set>
+#include <sstream>
+
+#include "core/model/model.h"
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/support/gated_store.h"
+
+namespace motiondb::server::operation_registry_test {
+namespace {
+
+using storage::OperationState;
+
+class Book {
+ public:
+  Book()
+      : store_(std::make_unique<tests::GatedStore>(*storage::SqliteMotionStore::Open(":memory:"),
+                                                   std::make_shared<tests::Gate>(),
+                                                   std::make_shared<tests::Gate>(), disk_)),
+        registry_(*store_) {
+    REQUIRE(store_->CreateDatabase({.name = "db", .marker_set = "source"}).ok());
+  }
+  OperationRegistry* operator->() { return &registry_; }
+  storage::MotionStore& store() { return *store_; }
+  tests::FullDisk& disk() { return *disk_; }
+
+ private:
+  const std::shared_ptr<tests::FullDisk> disk_ = std::make_shared<tests::FullDisk>();
+  std::unique_ptr<storage::MotionStore> store_;
+  OperationRegistry registry_;
+};
+
+TEST_CASE("OperationRegistry: states are stored, progress is not", "[server]") {
+  Book registry;
+  const std::string id = registry->Create("db")->id;
+  CHECK(registry.store().GetOperation(id)->state == OperationState::kPending);
+  registry->Start(id);
+  registry->Advance(id, 0.5, "tree, layer 7");
+  CHECK(registry->Get(id)->progress == 0.5);
+  CHECK(registry->Get(id)->stage == "tree, layer 7");
+  CHECK(registry.store().GetOperation(id)->state == OperationState::kRunning);
+  CHECK(registry.store().GetOperation(id)->progress == 0);
+  CHECK(registry->List("db", "", 10)->front().progress == 0.5);
+  registry->Succeed(id, 3);
+  CHECK(registry.store().GetOperation(id)->state == OperationState::kSucceeded);
+  CHECK(registry->Get(id)->model_version == 3);
+  CHECK(registry->Get(id)->progress == 1);
+}
+
+TEST_CASE("OperationRegistry: a failure keeps its code and message", "[server]") {
+  Book registry;
+  const std::string id = registry->Create("db")->id;
+  registry->Fail(id, absl::DataLossError("clip 'a' is damaged"));
+  const auto record = *registry->Get(id);
+  CHECK(record.state == OperationState::kFailed);
+  CHECK(record.error_code == static_cast<int>(absl::StatusCode::kDataLoss));
+  CHECK(record.error_message == "clip 'a' is damaged");
+}
+
+TEST_CASE("OperationRegistry: what is done stays as it is", "[server]") {
+  Book registry;
+  const std::string id = registry->Create("db")->id;
+  CHECK(registry->Cancel(id).ok());
+  registry->Succeed(id, 1);
+  CHECK(registry->Get(id)->state == OperationState::kCancelled);
+}
+
+TEST_CASE("OperationRegistry: a watcher is called once, with the end", "[server]") {
+  Book registry;
+  const std::string id = registry->Create("db")->id;
+  int calls = 0;
+  OperationState seen = OperationState::kPending;
+  const auto watcher = [&](const storage::OperationRecord& record) {
+    ++calls;
+    seen = record.state;
+  };
+  CHECK(registry->Watch(id, watcher) != 0);
+  const auto unwatched = registry->Watch(id, [](const auto&) { FAIL("was unwatched"); });
+  registry->Unwatch(id, unwatched);
+  registry->Start(id);
+  registry->Advance(id, 0.1, "reading");
+  CHECK(calls == 0);
+  registry->Succeed(id, 1);
+  CHECK(calls == 1);
+  CHECK(seen == OperationState::kSucceeded);
+  CHECK(registry->Watch(id, watcher) == 0);
+  CHECK(registry->Watch("no-such-operation", watcher) == 0);
+}
+
+TEST_CASE("OperationRegistry: a stopping server lets nobody wait", "[server]") {
+  Book registry;
+  const std::string id = registry->Create("db")->id;
+  int calls = 0;
+  registry->Watch(id, [&](const auto&) { ++calls; });
+  registry->ReleaseWaiters();
+  CHECK(calls == 1);
+  CHECK(registry->Watch(id, [&](const auto&) { ++calls; }) == 0);
+}
+
+TEST_CASE("OperationRegistry: ids differ and the newest comes first", "[server]") {
+  Book registry;
+  std::set<std::string> ids;
+  std::string last;
+  for (int i = 0; i < 50; ++i) ids.insert(last = registry->Create("db")->id);
+  CHECK(ids.size() == 50);
+  CHECK(registry->List("db", "", 1)->front().id == last);
+  CHECK(registry->List("", "", 100)->size() == 50);
+  CHECK(absl::IsNotFound(registry->Get("x").status()));
+  CHECK(absl::IsNotFound(registry->Create("no-such-database").status()));
+}
+
+// The server's log while it lives.
+class Log {
+ public:
+  Log() {
+    spdlog::set_default_logger(std::make_shared<spdlog::logger>(
+        "test", std::make_shared<spdlog::sinks::ostream_sink_st>(text_)));
+  }
+  ~Log() { spdlog::set_default_logger(former_); }
+  int line_count() const {
+    const std::string text = text_.str();
+    return static_cast<int>(std::ranges::count(text, '\n'));
+  }
+
+ private:
+  std::ostringstream text_;
+  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
+};
+
+TEST_CASE(
+    "OperationRegistry: without room in the store it lives in memory, and the log says so once",
+    "[server]") {
+  const Log log;
+  Book registry;
+  registry.disk().Set(tests::FullDisk::Lacks::kRoomForOperations);
+  const auto created = registry->Create("db");
+  INFO(created.status().ToString());
+  REQUIRE(created.ok());
+  CHECK(log.line_count() == 1);
+  CHECK(registry->Get(created->id)->state == OperationState::kPending);
+  CHECK(absl::IsNotFound(registry.store().GetOperation(created->id).status()));
+  int called = 0;
+  CHECK(registry->Watch(created->id, [&](const storage::OperationRecord&) { ++called; }) != 0);
+  registry->Start(created->id);
+  CHECK(registry->Get(created->id)->state == OperationState::kRunning);
+
+  SECTION("there is room before it ends") {
+    registry.disk().Set(tests::FullDisk::Lacks::kNothing);
+    registry->Succeed(created->id, 2);
+    CHECK(registry.store().GetOperation(created->id)->state == OperationState::kSucceeded);
+  }
+  SECTION("there is none to the end") {
+    registry->Succeed(created->id, 2);
+    CHECK(absl::IsNotFound(registry.store().GetOperation(created->id).status()));
+  }
+  CHECK(called == 1);
+  CHECK(registry->Get(created->id)->state == OperationState::kSucceeded);
+  CHECK(registry->Get(created->id)->model_version == 2);
+  CHECK(log.line_count() == 1);
+}
+
+TEST_CASE("OperationRegistry: what is no longer wanted when its turn comes changes nothing",
+          "[server]") {
+  const Log log;
+  const core::Cancelled at_once = [] { return true; };
+  Book registry;
+  CHECK(absl::IsCancelled(registry->Create("db", at_once).status()));
+  CHECK(registry->List("db", "", 10)->empty());
+  const std::string id = registry->Create("db")->id;
+  int called = 0;
+  registry->Watch(id, [&](const storage::OperationRecord&) { ++called; });
+  CHECK(absl::IsCancelled(registry->Cancel(id, at_once)));
+  CHECK(registry->Get(id)->state == OperationState::kPending);
+  CHECK(called == 0);
+  CHECK(registry->Cancel(id).ok());
+  CHECK(registry->Get(id)->state == OperationState::kCancelled);
+  CHECK(called == 1);
+  CHECK(log.line_count() == 0);
+}
+
+TEST_CASE("OperationRegistry: a deleted database takes its operations along, and nothing is amiss",
+          "[server]") {
+  const Log log;
+  Book registry;
+  const std::string building = registry->Create("db")->id;
+  const std::string waiting = registry->Create("db")->id;
+  int called = 0;
+  registry->Watch(building, [&](const storage::OperationRecord&) { ++called; });
+  REQUIRE(registry.store().DeleteDatabase("db").ok());
+  registry->Start(building);
+  registry->Succeed(building, 1);
+  CHECK(registry->Cancel(waiting).ok());
+  CHECK(called == 1);
+  CHECK(absl::IsNotFound(registry->Get(building).status()));
+  CHECK(absl::IsNotFound(registry->Get(waiting).status()));
+  CHECK(log.line_count() == 0);
+}
+
+}  // namespace
+}  // namespace motiondb::server::operation_registry_test

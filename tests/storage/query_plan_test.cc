@@ -1,0 +1,127 @@
+// No statement of the store goes through all rows of a table that grows, but for those listed here.
+#include <sqlite3.h>
+
+#include <array>
+#include <catch2/catch.hpp>
+#include <map>
+#include <set>
+#include <string>
+
+#include "storage/sqlite/sqlite_motion_store.h"
+#include "tests/storage/motion_store_conformance.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_file.h"
+
+namespace motiondb::tests::query_plan_test {
+namespace {
+
+// Statements that every connection of this process ran, while one of these is there.
+class StatementLog {
+ public:
+  StatementLog() {
+    Seen().clear();
+    sqlite3_auto_extension(reinterpret_cast<void (*)()>(&Watch));
+  }
+  StatementLog(const StatementLog&) = delete;
+  StatementLog& operator=(const StatementLog&) = delete;
+  ~StatementLog() { sqlite3_cancel_auto_extension(reinterpret_cast<void (*)()>(&Watch)); }
+
+  static std::set<std::string>& Seen() {
+    static std::set<std::string> seen;
+    return seen;
+  }
+
+ private:
+  static int Watch(sqlite3* database, const char**, const sqlite3_api_routines*) {
+    return sqlite3_trace_v2(database, SQLITE_TRACE_STMT, &Note, nullptr);
+  }
+  static int Note(unsigned, void*, void* statement, void*) {
+    Seen().insert(sqlite3_sql(static_cast<sqlite3_stmt*>(statement)));
+    return 0;
+  }
+};
+
+// Scans that are meant, by their beginning, and why.
+constexpr std::array kMeant = {
+    // The migration to version 8, once.
+    "UPDATE clip SET\n  given_metres_per_unit",
+    // Counted at the start, once.
+    "SELECT count(*) FROM database WHERE deleted = 0",
+    // Clips that an older version stored are counted at the first opening, a hundred at a time.
+    "SELECT clip_key FROM clip WHERE byte_count IS NULL",
+    // `verify` reads all there is, row by row.
+    "SELECT clip_key, clip.id, name, label",
+    "SELECT model_key, name, version",
+    "SELECT skeleton_key, skeleton.id",
+};
+
+bool IsMeant(const std::string& sql) {
+  for (const char* const beginning : kMeant) {
+    if (sql.starts_with(beginning)) return true;
+  }
+  return sql.find("motiondb_crc(") != std::string::npos && sql.starts_with("SELECT");  // verify
+}
+
+// The steps of a statement's plan that go through a whole table, or make an index for one use.
+std::string ScansOf(sqlite3* database, const std::string& sql) {
+  sqlite3_stmt* plan = nullptr;
+  const std::string explain = "EXPLAIN QUERY PLAN " + sql;
+  if (sqlite3_prepare_v2(database, explain.c_str(), -1, &plan, nullptr) != SQLITE_OK) return "";
+  std::string scans;
+  while (sqlite3_step(plan) == SQLITE_ROW) {
+    const std::string step = reinterpret_cast<const char*>(sqlite3_column_text(plan, 3));
+    const bool is_scan = step.starts_with("SCAN ") && step.find("CONSTANT ROW") == step.npos;
+    if (is_scan || step.find("AUTOMATIC") != step.npos) scans += step + "; ";
+  }
+  sqlite3_finalize(plan);
+  return scans;
+}
+
+class OnFile final : public StoreUnderTest {
+ public:
+  storage::MotionStore& Get() override { return *store_; }
+
+ private:
+  StoreFile file_;
+  std::unique_ptr<storage::SqliteMotionStore> store_ =
+      file_.Open({.now_us = [] { return kPutTime; }});
+};
+
+void CheckPlans(const std::set<std::string>& statements) {
+  const StoreFile file;
+  file.Open();
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(file.path().c_str(), &database) == SQLITE_OK);
+  for (const std::string& sql : statements) {
+    if (IsMeant(sql)) continue;
+    INFO(sql);
+    CHECK(ScansOf(database, sql) == "");
+  }
+  sqlite3_close(database);
+}
+
+}  // namespace
+
+TEST_CASE("SqliteMotionStore: no statement scans a table that grows", "[storage][plan]") {
+  const StatementLog log;
+  TestMotionStore([] { return std::make_unique<OnFile>(); });
+  CheckPlans(StatementLog::Seen());
+}
+
+TEST_CASE("SqliteMotionStore: a plan test that sees statements, and scans", "[storage][plan]") {
+  const StatementLog log;
+  const StoreFile file;
+  {
+    const auto store = file.Open();
+    REQUIRE_OK(store->CreateDatabase(SampleDatabase("a")));
+  }
+  CHECK(StatementLog::Seen().size() > 5);
+  sqlite3* database = nullptr;
+  REQUIRE(sqlite3_open(file.path().c_str(), &database) == SQLITE_OK);
+  CHECK(ScansOf(database, "SELECT label FROM clip WHERE label = 'walk'") == "SCAN clip; ");
+  CHECK(ScansOf(database, "SELECT label FROM clip WHERE clip_key = 1") == "");
+  sqlite3_close(database);
+}
+
+}  // namespace motiondb::tests::query_plan_test

@@ -1,0 +1,413 @@
+// The queue of the one connection that writes. Catch's assertions belong to one thread.
+#include "storage/sqlite/writer.h"
+
+#include <algorithm>
+#include <atomic>
+#include <catch2/catch.hpp>
+#include <functional>
+#include <future>
+#include <memory>
+#include <new>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "core/motion/error.h"
+#include "storage/sqlite/transaction.h"
+#include "tests/storage/require_ok.h"
+#include "tests/storage/samples.h"
+#include "tests/storage/store_file.h"
+#include "tests/storage/while_writing.h"
+
+namespace motiondb::tests::writer_test {
+namespace {
+
+using storage::Connection;
+using storage::Priority;
+using storage::Writer;
+using Work = std::function<absl::Status(Connection&)>;
+
+std::unique_ptr<Writer> MakeWriter() {
+  return std::make_unique<Writer>(
+      Require(Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "")));
+}
+
+// Work that is submitted by a thread of its own. It is in its queue once this is made.
+class Submitted {
+ public:
+  Submitted(Writer& writer, Priority priority, Work work) {
+    std::promise<void> queued;
+    thread_ = std::jthread([this, &writer, priority, &queued, work = std::move(work)] {
+      // The first question comes when the work is queued.
+      const auto cancelled = [&, is_first = true]() mutable {
+        if (std::exchange(is_first, false)) queued.set_value();
+        return cancelled_.load();
+      };
+      try {
+        status_ = writer.Run(priority, cancelled, work);
+      } catch (const std::bad_alloc&) {
+        threw_ = true;
+      }
+    });
+    queued.get_future().wait();
+  }
+  void Cancel() { cancelled_ = true; }
+  void Join() { thread_.join(); }
+  // Once joined.
+  const absl::Status& status() const { return status_; }
+  bool threw() const { return threw_; }
+
+ private:
+  std::atomic<bool> cancelled_ = false;
+  absl::Status status_ = absl::UnknownError("it has not returned");
+  bool threw_ = false;
+  std::jthread thread_;  // last: it uses the rest
+};
+
+// Keeps a writer at work until it is released.
+class Holder {
+ public:
+  explicit Holder(Writer& writer) {
+    std::promise<void> begun;
+    thread_ = std::jthread([&writer, &begun, release = release_.get_future().share()] {
+      const auto hold = [&](Connection&) {
+        begun.set_value();
+        release.wait();
+        return absl::OkStatus();
+      };
+      writer.Run(Priority::kOrdinary, {}, hold).IgnoreError();
+    });
+    begun.get_future().wait();
+  }
+  void Release() { release_.set_value(); }
+
+ private:
+  std::promise<void> release_;
+  std::jthread thread_;
+};
+
+TEST_CASE("Writer: queued work begins by priority, then in the order in which it came",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  std::string order;  // used by the writer's thread alone, then by this one
+  std::vector<std::unique_ptr<Submitted>> submitted;
+  {
+    Holder holder(*writer);
+    const auto submit = [&](Priority priority, char name) {
+      submitted.push_back(std::make_unique<Submitted>(*writer, priority, [&, name](Connection&) {
+        order += name;
+        return absl::OkStatus();
+      }));
+    };
+    for (const char name : std::string("abcde")) submit(Priority::kBackground, name);
+    for (const char name : std::string("123456789")) submit(Priority::kOrdinary, name);
+    for (const char name : std::string("UVWXYZ")) submit(Priority::kUrgent, name);
+    holder.Release();
+  }
+  for (const auto& work : submitted) work->Join();
+  // Background work has every fifth turn while ordinary work waits.
+  CHECK(order == "UVWXYZ1234a5678b9cde");
+}
+
+TEST_CASE("Writer: urgent work that comes while others wait is next", "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  std::string order;
+  std::unique_ptr<Submitted> urgent;
+  std::vector<std::unique_ptr<Submitted>> submitted;
+  {
+    Holder holder(*writer);
+    for (const char name : std::string("abcdefgh")) {
+      const auto work = [&, name](Connection&) {
+        order += name;
+        if (name == 'b') {
+          urgent = std::make_unique<Submitted>(*writer, Priority::kUrgent, [&](Connection&) {
+            order += '!';
+            return absl::OkStatus();
+          });
+        }
+        return absl::OkStatus();
+      };
+      submitted.push_back(std::make_unique<Submitted>(
+          *writer, name < 'e' ? Priority::kBackground : Priority::kOrdinary, work));
+    }
+    holder.Release();
+  }
+  for (const auto& work : submitted) work->Join();
+  urgent->Join();
+  CHECK(order == "efghab!cd");
+}
+
+TEST_CASE("Writer: a caller who gives up withdraws what has not begun, and nothing else",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  const Priority priority = GENERATE(Priority::kUrgent, Priority::kOrdinary, Priority::kBackground);
+  int runs = 0;
+  const auto work = [&](Connection&) {
+    ++runs;
+    return absl::OkStatus();
+  };
+  Holder holder(*writer);
+  Submitted before(*writer, priority, work);
+  Submitted withdrawn(*writer, priority, work);
+  Submitted after(*writer, priority, work);
+  withdrawn.Cancel();
+  withdrawn.Join();  // while the writer is still held
+  CHECK(absl::IsCancelled(withdrawn.status()));
+  holder.Release();
+  before.Join();
+  after.Join();
+  CHECK(before.status().ok());
+  CHECK(after.status().ok());
+  CHECK(runs == 2);
+
+  // What is at work goes on to its end.
+  std::promise<void> begun;
+  std::promise<void> release;
+  Submitted running(*writer, priority, [&](Connection&) -> absl::Status {
+    begun.set_value();
+    release.get_future().wait();
+    return absl::DataLossError("its own result");
+  });
+  begun.get_future().wait();
+  running.Cancel();
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));  // asks in vain, if it asks
+  release.set_value();
+  running.Join();
+  CHECK(absl::IsDataLoss(running.status()));
+  // Not wanted from the start.
+  CHECK(absl::IsCancelled(writer->Run(
+      priority, [] { return true; }, work)));
+  CHECK(runs == 2);
+}
+
+TEST_CASE("Writer: what work throws reaches its caller, and the writer goes on",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  const Work fail = [](Connection&) -> absl::Status { throw std::bad_alloc(); };
+  CHECK_THROWS_AS(writer->Run(Priority::kOrdinary, {}, fail), std::bad_alloc);
+  const Work too_long = [](Connection&) -> absl::Status { throw std::length_error("too long"); };
+  CHECK_THROWS_AS(writer->Run(Priority::kOrdinary, {}, too_long), std::length_error);
+  Holder holder(*writer);
+  Submitted throws(*writer, Priority::kOrdinary, fail);
+  Submitted next(*writer, Priority::kOrdinary,
+                 [](Connection& connection) { return connection.Execute("SELECT 1"); });
+  holder.Release();
+  throws.Join();
+  next.Join();
+  CHECK(throws.threw());
+  CHECK(next.status().ok());
+}
+
+TEST_CASE("Writer: what is queued when it is closed is done, and callers learn so",
+          "[storage][concurrency]") {
+  auto writer = MakeWriter();
+  int runs = 0;
+  std::vector<std::unique_ptr<Submitted>> submitted;
+  std::jthread closing;
+  {
+    Holder holder(*writer);
+    for (const Priority priority :
+         {Priority::kBackground, Priority::kOrdinary, Priority::kUrgent, Priority::kBackground}) {
+      submitted.push_back(std::make_unique<Submitted>(*writer, priority, [&](Connection&) {
+        ++runs;
+        return absl::OkStatus();
+      }));
+    }
+    submitted.front()->Cancel();
+    submitted.front()->Join();
+    closing = std::jthread([&] { writer.reset(); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    holder.Release();
+  }
+  closing.join();
+  CHECK(runs == 3);
+  CHECK(absl::IsCancelled(submitted.front()->status()));
+  for (std::size_t i = 1; i < submitted.size(); ++i) {
+    submitted[i]->Join();
+    CHECK(submitted[i]->status().ok());
+  }
+}
+
+// Work that may share a transaction, on a table with one column of unique numbers.
+class SharedWork {
+ public:
+  explicit SharedWork(Writer& writer) : writer_(writer) {
+    REQUIRE_OK(writer.Run(Priority::kOrdinary, {}, [](Connection& connection) {
+      return connection.Execute("CREATE TABLE t (n INTEGER PRIMARY KEY)");
+    }));
+  }
+
+  // Submits an insertion, and waits until it is queued.
+  void Insert(int n, std::int64_t added_bytes, std::function<void()> before = {}) {
+    std::promise<void> queued;
+    absl::StatusOr<int>* const told =
+        told_.emplace_back(std::make_unique<absl::StatusOr<int>>(0)).get();
+    callers_.emplace_back([&queued, this, told, n, added_bytes, before = std::move(before)] {
+      const auto cancelled = [&, is_first = true]() mutable {
+        if (std::exchange(is_first, false)) queued.set_value();
+        return false;
+      };
+      const auto insert = [&](Connection& connection) -> absl::StatusOr<int> {
+        if (before) before();
+        MOTIONDB_RETURN_IF_ERROR(connection.Query("INSERT INTO t VALUES (?)", n).Run());
+        return n;
+      };
+      try {
+        *told = writer_.RunInShared(transact_, added_bytes, cancelled, insert);
+      } catch (const std::bad_alloc&) {
+        *told = absl::ResourceExhaustedError("thrown");
+      }
+    });
+    queued.get_future().wait();
+  }
+
+  // What each was told, in the order of submission.
+  std::vector<absl::StatusOr<int>> Told() {
+    callers_.clear();
+    std::vector<absl::StatusOr<int>> told;
+    for (const auto& each : told_) told.push_back(*each);
+    return told;
+  }
+  std::int64_t Count() {
+    return Require(writer_.Run(Priority::kOrdinary, {}, [](Connection& connection) {
+      return connection.QueryInteger("SELECT count(*) FROM t");
+    }));
+  }
+  // The bytes of each transaction, those that failed among them.
+  const std::vector<std::int64_t>& transactions() const { return transactions_; }
+
+ private:
+  Writer& writer_;
+  std::vector<std::int64_t> transactions_;
+  const Writer::Transact transact_ = [this](Connection& connection, std::int64_t bytes,
+                                            const Writer::Body& body) {
+    transactions_.push_back(bytes);
+    return storage::InTransaction(connection, storage::Transaction::Kind::kWrite, body);
+  };
+  std::vector<std::unique_ptr<absl::StatusOr<int>>> told_;
+  std::vector<std::jthread> callers_;
+};
+
+TEST_CASE("Writer: work that is queued side by side shares a transaction of a few megabytes",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  SharedWork work(*writer);
+  {
+    Holder holder(*writer);
+    for (int n = 0; n < 5; ++n) work.Insert(n, 1 << 20);
+    holder.Release();
+  }
+  for (const auto& each : work.Told()) CHECK(each.ok());
+  CHECK(work.Count() == 5);
+  CHECK(work.transactions() == std::vector<std::int64_t>{4 << 20, 1 << 20});
+}
+
+TEST_CASE("Writer: of work that shares a transaction what fails fails alone",
+          "[storage][concurrency]") {
+  const auto writer = MakeWriter();
+  SharedWork work(*writer);
+  const bool throws = GENERATE(false, true);
+  {
+    Holder holder(*writer);
+    work.Insert(1, 10);
+    work.Insert(2, 20, [&] {
+      if (throws) throw std::bad_alloc();
+    });
+    work.Insert(1, 30);  // is there already
+    work.Insert(3, 40);
+    holder.Release();
+  }
+  const auto told = work.Told();
+  CHECK(told[0].ok());
+  CHECK(told[1].ok() == !throws);
+  CHECK_FALSE(told[2].ok());
+  CHECK(told[3].ok());
+  CHECK(work.Count() == (throws ? 2 : 3));
+  CHECK(work.transactions() == std::vector<std::int64_t>{100, 10, 20, 30, 40});
+}
+
+TEST_CASE("Writer: among many callers each learns whether its work was done",
+          "[storage][concurrency]") {
+  constexpr unsigned kCallers = 8;
+  constexpr int kRounds = 200;
+  const auto writer = MakeWriter();
+  REQUIRE_OK(writer->Run(Priority::kOrdinary, {}, [](Connection& connection) {
+    return connection.Execute("CREATE TABLE done (caller INTEGER)");
+  }));
+  std::atomic<int> wrong = 0;
+  std::vector<int> done(kCallers);
+  {
+    std::vector<std::jthread> callers;
+    for (unsigned c = 0; c < kCallers; ++c) {
+      callers.emplace_back([&, c] {
+        std::mt19937 random(c);
+        for (int r = 0; r < kRounds; ++r) {
+          bool ran = false;
+          const auto status = writer->Run(
+              static_cast<Priority>(random() % 3),
+              [left = static_cast<int>(random() % 3)]() mutable { return left-- == 0; },
+              [&](Connection& connection) {
+                ran = true;
+                return connection.Query("INSERT INTO done VALUES (?)", c).Run();
+              });
+          if (ran ? !status.ok() : !absl::IsCancelled(status)) ++wrong;
+          done[c] += ran ? 1 : 0;
+        }
+      });
+    }
+  }
+  CHECK(wrong == 0);
+  for (unsigned c = 0; c < kCallers; ++c) {
+    CHECK(done[c] > 0);
+    CHECK(Require(writer->Run(Priority::kOrdinary, {}, [&](Connection& connection) {
+            return connection.QueryInteger("SELECT count(*) FROM done WHERE caller = " +
+                                           std::to_string(c));
+          })) == done[c]);
+  }
+}
+
+TEST_CASE("SqliteMotionStore: a token is revoked before changes that came earlier",
+          "[storage][concurrency]") {
+  const StoreFile file;
+  const auto store = file.Open();
+  REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
+  REQUIRE_OK(store->access().AddToken({.id = "stolen"}));
+  REQUIRE_OK(store->PutOperation(SampleOperation("d", "op")));
+  const storage::AuditRecord created{.method = "Create"};
+  const storage::AuditRecord revoked{.method = "Revoke"};
+  std::atomic<int> queued = 0;
+  const auto count = [&] {
+    return [&queued, is_first = true]() mutable {
+      if (std::exchange(is_first, false)) ++queued;
+      return false;
+    };
+  };
+  std::atomic<int> failures = 0;
+  std::vector<std::jthread> callers;
+  const auto call = [&](const std::function<absl::Status()>& change) {
+    const int before = queued;
+    callers.emplace_back([&failures, change] { failures += change().ok() ? 0 : 1; });
+    while (queued == before) std::this_thread::yield();
+  };
+  WhileWriting(*store, SampleClip("d", "holder", 1), [&] {
+    call([&] { return store->CreateDatabase(SampleDatabase("e"), {&created, count()}); });
+    call([&] { return store->access().RevokeToken("stolen", 1, {&revoked, count()}).status(); });
+    call([&] { return store->access().AddAuditRecord({.method = "Record"}, count()); });
+    auto cancelled = SampleOperation("d", "op");
+    cancelled.state = storage::OperationState::kCancelled;
+    call([&, cancelled] { return store->PutOperation(cancelled, count()); });
+  });
+  callers.clear();
+  CHECK(failures == 0);
+  std::vector<std::string> order;  // newest first
+  for (const auto& record : Require(store->access().ListAuditRecords(0, 10))) {
+    order.push_back(record.method);
+  }
+  CHECK(order == std::vector<std::string>{"Create", "Record", "Revoke", "Hold"});
+}
+
+}  // namespace
+}  // namespace motiondb::tests::writer_test

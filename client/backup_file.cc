@@ -17,20 +17,20 @@ namespace {
 
 constexpr size_t kDigestBytes = 32;
 
-// By errno.
-absl::Status Failed(const std::string& path) {
+// Converts errno.
+absl::Status WriteError(const std::string& path) {
   return absl::UnknownError(fmt::format("{}: cannot be written: {}", path, std::strerror(errno)));
 }
 
-absl::Status AlreadyThere(const std::filesystem::path& path) {
-  return absl::AlreadyExistsError(fmt::format("{}: exists already", path.string()));
+absl::Status AlreadyExists(const std::filesystem::path& path) {
+  return absl::AlreadyExistsError(fmt::format("{}: already exists", path.string()));
 }
 
-// What a folder lists stays so after a power cut.
+// Syncs a folder, so that its entries survive a power cut.
 bool SyncFolder(const std::filesystem::path& folder) {
   const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (descriptor < 0) return errno == EACCES;  // one may write to it and not list it
-  // Some file systems know no syncing of folders, and say so.
+  if (descriptor < 0) return errno == EACCES;  // a folder can be writable but not readable
+  // EINVAL: the file system does not support syncing a folder.
   const bool synced = fsync(descriptor) == 0 || errno == EINVAL;
   const int error = errno;
   close(descriptor);
@@ -50,11 +50,11 @@ BackupFile::~BackupFile() = default;
 
 absl::Status BackupFile::Open(const std::filesystem::path& path, bool overwrite) {
   std::error_code ignored;
-  if (!overwrite && std::filesystem::exists(path, ignored)) return AlreadyThere(path);
+  if (!overwrite && std::filesystem::exists(path, ignored)) return AlreadyExists(path);
   if (const absl::Status free = CheckReplaceable(path); !free.ok()) return free;
   path_ = path;
   overwrite_ = overwrite;
-  // A backup holds all motion and the hashes of tokens, and is its owner's alone.
+  // Only the owner can read a backup: it contains all motion and the hashes of tokens.
   auto file = OutputFile::Create(path, 0600);
   if (!file.ok()) return file.status();
   file_ = *std::move(file);
@@ -77,30 +77,30 @@ absl::Status BackupFile::Complete() {
   std::string digest(kDigestBytes, '\0');
   EVP_DigestFinal_ex(digest_.get(), reinterpret_cast<unsigned char*>(digest.data()), nullptr);
   if (digest != tail_) {
-    return absl::DataLossError(
-        fmt::format("{}: the backup did not arrive whole: its checksum is wrong", path_.string()));
+    return absl::DataLossError(fmt::format(
+        "{}: the received backup is corrupt: its checksum does not match", path_.string()));
   }
   if (const absl::Status synced = file_->Flush(/*to_disk=*/true); !synced.ok()) return synced;
-  // Again, for a server may have been started on it meanwhile.
+  // Checks again, because a server may have been started on the file meanwhile.
   if (const absl::Status free = CheckReplaceable(path_); overwrite_ && !free.ok()) return free;
   if (const absl::Status named = file_->Commit(overwrite_); !named.ok()) return named;
   const std::filesystem::path folder = path_.parent_path();
-  return SyncFolder(folder.empty() ? "." : folder) ? absl::OkStatus() : Failed(path_.string());
+  return SyncFolder(folder.empty() ? "." : folder) ? absl::OkStatus() : WriteError(path_.string());
 }
 
 namespace {
 
-// What a store begins with, as SQLite writes it and docs/storage_format.md says; a backup ends with
-// a mark and a checksum besides.
+// A store begins with SQLite's header and the application id; a backup also ends with a mark and a
+// checksum (docs/storage_format.md).
 constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 constexpr off_t kApplicationIdOffset = 68;
 constexpr std::string_view kApplicationId = "mtdb";
 constexpr std::string_view kBackupMark = "mtdbback";
 constexpr off_t kChecksumBytes = 32;
 
-absl::Status Kept(const std::filesystem::path& path, std::string_view what) {
+absl::Status Refusal(const std::filesystem::path& path, std::string_view what) {
   return absl::FailedPreconditionError(
-      fmt::format("{}: {}; it was left as it was", path.string(), what));
+      fmt::format("{}: {}; the file was not changed", path.string(), what));
 }
 
 const char* KindOf(mode_t mode) {
@@ -121,17 +121,18 @@ bool IsStore(int file) {
   return HasAt(file, 0, kSqliteMagic) && HasAt(file, kApplicationIdOffset, kApplicationId);
 }
 
-// Whether it ends as a backup does.
-bool IsSealed(int file, off_t size) {
+// Returns whether the file ends like a backup.
+bool EndsLikeBackup(int file, off_t size) {
   return HasAt(file, size - kChecksumBytes - static_cast<off_t>(kBackupMark.size()), kBackupMark);
 }
 
-// What a server keeps beside its store, whatever that was made from; empty where there is none.
-std::string BesideStore(const std::filesystem::path& path) {
+// Returns the path of a lock file or WAL beside the file, which a server creates, or an empty
+// string.
+std::string CompanionOfStore(const std::filesystem::path& path) {
   for (const char* const suffix : {"-lock", "-wal"}) {
-    const std::string beside = path.string() + suffix;
+    const std::string companion = path.string() + suffix;
     struct stat status {};
-    if (lstat(beside.c_str(), &status) == 0) return beside;
+    if (lstat(companion.c_str(), &status) == 0) return companion;
   }
   return "";
 }
@@ -142,26 +143,26 @@ absl::Status CheckReplaceable(const std::filesystem::path& path) {
   struct stat status {};
   if (lstat(path.c_str(), &status) != 0) {
     if (errno == ENOENT) return absl::OkStatus();
-    return Kept(path, fmt::format("cannot be looked at: {}", std::strerror(errno)));
+    return Refusal(path, fmt::format("cannot be inspected: {}", std::strerror(errno)));
   }
   if (!S_ISREG(status.st_mode)) {
-    return Kept(path,
-                fmt::format("is {}, and only regular files are replaced", KindOf(status.st_mode)));
+    return Refusal(
+        path, fmt::format("is {}, and only regular files are replaced", KindOf(status.st_mode)));
   }
-  if (const std::string beside = BesideStore(path); !beside.empty()) {
-    return Kept(path, fmt::format("is or was a server's store, for {} is beside it", beside));
+  if (const std::string companion = CompanionOfStore(path); !companion.empty()) {
+    return Refusal(path, fmt::format("is or was a server's store: {} exists", companion));
   }
   const int file = open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) {
-    return Kept(
-        path, fmt::format("cannot be read, and may be a server's store: {}", std::strerror(errno)));
+    return Refusal(
+        path, fmt::format("cannot be read and may be a server's store: {}", std::strerror(errno)));
   }
   const bool is_store = IsStore(file);
-  const bool is_backup = is_store && IsSealed(file, status.st_size);
+  const bool is_backup = is_store && EndsLikeBackup(file, status.st_size);
   close(file);
   if (is_backup || status.st_size == 0) return absl::OkStatus();
-  return Kept(path, is_store ? "is a motiondb store, not a backup of one"
-                             : "is no backup of a motiondb store");
+  return Refusal(path, is_store ? "is a motiondb store, not a backup of one"
+                                : "is not a backup of a motiondb store");
 }
 
 }  // namespace motiondb::client

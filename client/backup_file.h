@@ -1,5 +1,5 @@
-// A backup on disk. The file has no name until it is whole, so that two to one FILE do not mix. Not
-// thread-safe.
+// A backup file that is being written. It gets its name when it is complete, so that two concurrent
+// backups to one path do not mix.
 #pragma once
 
 #include <cstdint>
@@ -20,16 +20,15 @@ class BackupFile {
   BackupFile();
   BackupFile(const BackupFile&) = delete;
   BackupFile& operator=(const BackupFile&) = delete;
-  ~BackupFile();  // removes what was not completed
+  ~BackupFile();  // removes an incomplete file
 
-  // ALREADY_EXISTS where there is a file, unless `overwrite`; then FAILED_PRECONDITION where what
-  // is there is no backup, or a server has it as its store.
+  // ALREADY_EXISTS: `path` exists, without `overwrite`. FAILED_PRECONDITION: the existing file is
+  // not a backup, or is the store of a server.
   absl::Status Open(const std::filesystem::path& path, bool overwrite);
   absl::Status Append(const std::string& block);
-  // Brings it to the disk and gives it its name. DATA_LOSS unless its last 32 bytes are the SHA-256
-  // of those before; ALREADY_EXISTS where there is a file by now, unless it may be overwritten, and
-  // FAILED_PRECONDITION as above.
-  // Where only the folder cannot be brought to the disk, that is said, and the backup is there.
+  // Syncs the file to disk and gives it its name. DATA_LOSS: its last 32 bytes are not the SHA-256
+  // of the bytes before. ALREADY_EXISTS, FAILED_PRECONDITION: as Open. UNKNOWN: a write or sync
+  // failed; if only the sync of the folder failed, the backup exists.
   absl::Status Complete();
 
   std::int64_t bytes() const { return bytes_; }
@@ -42,12 +41,12 @@ class BackupFile {
   bool overwrite_ = false;
   std::optional<OutputFile> file_;  // between Open and Complete
   std::unique_ptr<evp_md_ctx_st, Free> digest_;
-  std::string tail_;  // the last bytes so far, which may be the checksum
+  std::string tail_;  // the last 32 bytes so far, possibly the checksum
   std::int64_t bytes_ = 0;
 };
 
-// OK where there is nothing, or an empty file, or a backup that no server has as its store. Else
-// FAILED_PRECONDITION, naming the path and what it is. What cannot be read is not replaced either.
+// Returns OK if `path` does not exist, or is an empty file or a backup that is not the store of a
+// server. FAILED_PRECONDITION: anything else, or a file that cannot be read; the error names it.
 absl::Status CheckReplaceable(const std::filesystem::path& path);
 
 }  // namespace motiondb::client

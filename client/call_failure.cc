@@ -14,7 +14,7 @@ namespace motiondb::client {
 
 namespace {
 
-// Any's type URL may have any prefix; what follows the last slash is the type.
+// Compares types, the part after the last slash; the prefix of a type URL may differ.
 bool IsOfType(const google::protobuf::Any& any, absl::string_view url) {
   const std::string type(url.substr(url.rfind('/')));
   const std::string& given = any.type_url();
@@ -31,14 +31,14 @@ void AppendViolations(const v1::BadRequest& bad_request, std::string& message) {
   }
 }
 
-// Errors whose message explains the request completely: the log of the server adds nothing.
+// Errors that are fully explained by their message, without the log of the server.
 bool IsAboutTheRequest(absl::StatusCode code) {
   return code == absl::StatusCode::kInvalidArgument || code == absl::StatusCode::kNotFound ||
          code == absl::StatusCode::kAlreadyExists || code == absl::StatusCode::kOutOfRange ||
          code == absl::StatusCode::kFailedPrecondition;
 }
 
-// The payload under `url` as a message; false where there is none.
+// Parses the payload `url` into `message`; returns false if there is none.
 template <typename Message>
 bool Payload(const absl::Status& status, absl::string_view url, Message& message) {
   const auto payload = status.GetPayload(url);
@@ -116,13 +116,13 @@ namespace {
 
 constexpr absl::string_view kFailureUrl = "motiondb/connect-failure";
 
-// gRPC tells by words alone. The first that is found counts.
+// gRPC reports the reason only in its message. The first match counts.
 constexpr std::pair<const char*, ConnectFailure> kWords[] = {
     {"Connection refused", ConnectFailure::kNotListening},
-    {"No such file or directory", ConnectFailure::kNotListening},  // unix:PATH
+    {"No such file or directory", ConnectFailure::kNotListening},  // of unix:PATH
     {"DNS resolution failed", ConnectFailure::kUnknownHost},
     {"certificate verify failed", ConnectFailure::kUntrusted},
-    {"CERTIFICATE_VERIFY_FAILED", ConnectFailure::kUntrusted},  // BoringSSL's
+    {"CERTIFICATE_VERIFY_FAILED", ConnectFailure::kUntrusted},  // BoringSSL
     {"is not in peer certificate", ConnectFailure::kOtherName},
     {"wrong version number", ConnectFailure::kNotTls},
     {"WRONG_VERSION_NUMBER", ConnectFailure::kNotTls},
@@ -136,7 +136,7 @@ constexpr std::pair<const char*, ConnectFailure> kWords[] = {
     {"Handshake read failed", ConnectFailure::kClosed},
 };
 
-// What is said by gRPC of the last address alone.
+// Returns the part of gRPC's message about the last address.
 std::string LastError(const std::string& grpc_message) {
   constexpr absl::string_view kBefore = "last error: ";
   const size_t at = grpc_message.find(kBefore.data());
@@ -148,29 +148,27 @@ std::string Authority(const TlsOptions& tls) {
 }
 
 std::string ClosedText(const ClientOptions& options) {
-  if (!options.tls)
-    return "what is there closes connections in plain text, as a server by TLS does";
+  if (!options.tls) return "it closes connections in plain text; it probably requires TLS";
   if (options.tls->certificate_file.empty()) {
-    return "what is there closes connections by TLS, as a server does that asks for a client's "
-           "certificate";
+    return "it closes TLS connections; it probably requires a client certificate";
   }
   return fmt::format(
-      "what is there closes connections by TLS, as a server does that does not trust who signed {}",
+      "it closes TLS connections; it probably does not trust the authority that signed {}",
       options.tls->certificate_file);
 }
 
 std::string NotGrpcText(const ClientOptions& options) {
-  return options.tls ? "what is there speaks TLS, but not gRPC: it is another program's port"
-                     : "what is there does not speak gRPC in plain text: it is another program's "
-                       "port, or one for TLS";
+  return options.tls ? "it uses TLS, but not gRPC; the port belongs to another program"
+                     : "it does not use gRPC in plain text; the port belongs to another program, "
+                       "or requires TLS";
 }
 
 std::string UnusableText(const ClientOptions& options) {
   const TlsOptions tls = options.tls.value_or(TlsOptions());
   const std::string files =
       fmt::format("{}{}{}", tls.ca_file, tls.ca_file.empty() ? "" : " or ", tls.certificate_file);
-  if (tls.certificate_file.empty()) return Authority(tls) + ": holds no certificate of use";
-  return fmt::format("{}: holds no certificate of use, or {} is not the key of {}", files,
+  if (tls.certificate_file.empty()) return Authority(tls) + ": contains no valid certificate";
+  return fmt::format("{}: contains no valid certificate, or {} is not the key of {}", files,
                      tls.key_file, tls.certificate_file);
 }
 
@@ -179,25 +177,25 @@ std::string Reason(ConnectFailure failure, const ClientOptions& options,
   const TlsOptions tls = options.tls.value_or(TlsOptions());
   switch (failure) {
     case ConnectFailure::kNotListening:
-      return fmt::format("nothing listens there: start one with `motiondbd --listen {}`",
+      return fmt::format("nothing listens there; start a server with `motiondbd --listen {}`",
                          options.server);
     case ConnectFailure::kUnknownHost:
-      // The last of gRPC's words is the resolver's: the name may be wrong, or the name server away.
-      return fmt::format("no address is found for that host: {}",
+      // The last part of gRPC's message is the error of the resolver.
+      return fmt::format("the host name cannot be resolved: {}",
                          grpc_message.substr(grpc_message.rfind(": ") + 2));
     case ConnectFailure::kSilent:
-      return "nothing came back: the server hangs, a firewall is between, or it is another "
-             "program's port";
+      return "no response; the server hangs, a firewall blocks it, or the port belongs to another "
+             "program";
     case ConnectFailure::kClosed:
       return ClosedText(options);
     case ConnectFailure::kNotGrpc:
       return NotGrpcText(options);
     case ConnectFailure::kNotTls:
-      return "what is there does not speak TLS";
+      return "it does not use TLS";
     case ConnectFailure::kUntrusted:
-      return fmt::format("its certificate is not signed by {}, or is out of date", Authority(tls));
+      return fmt::format("its certificate is not signed by {}, or has expired", Authority(tls));
     case ConnectFailure::kOtherName:
-      return fmt::format("its certificate is not made out to {}",
+      return fmt::format("its certificate is not for {}",
                          tls.server_name.empty() ? "that host" : tls.server_name);
     case ConnectFailure::kUnusableTlsFiles:
       return UnusableText(options);

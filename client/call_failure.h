@@ -1,4 +1,4 @@
-// Why a call failed or a channel did not connect, as an absl::Status.
+// Converts errors of calls and of connecting to absl::Status.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -11,47 +11,43 @@
 
 namespace motiondb::client {
 
-// How a failed call becomes an absl::Status. Pure functions, safe on any thread.
-
-// The same canonical code and message. The field violations of `grpc-status-details-bin` are
-// appended as "field: description" where the message does not say them already, and attached as a
-// payload under kBadRequestTypeUrl.
+// Returns a status with the same canonical code and message. Appends the field violations of
+// `grpc-status-details-bin` to the message as "field: description", unless it contains them, and
+// attaches them as payload kBadRequestTypeUrl.
 //
-// The call's id and when to try again are attached under kRequestInfoTypeUrl and kRetryInfoTypeUrl.
-// Unless the error is about what was asked for (INVALID_ARGUMENT, NOT_FOUND, ALREADY_EXISTS,
-// FAILED_PRECONDITION, OUT_OF_RANGE), the message names the id, "(request ...)", for a person to
-// look up in the server's log.
+// Attaches request id and retry delay as payloads kRequestInfoTypeUrl and kRetryInfoTypeUrl.
+// Appends "(request ID)" to the message, for the server's log, unless the request itself is wrong
+// (INVALID_ARGUMENT, NOT_FOUND, ALREADY_EXISTS, FAILED_PRECONDITION, OUT_OF_RANGE).
 absl::Status FromGrpc(const grpc::Status& status);
 
-// The same with a call's id attached.
+// Attaches a request id.
 absl::Status WithRequestId(absl::Status status, const std::string& request_id);
 
-// The same code and payloads with another message.
+// Replaces the message; keeps code and payloads.
 absl::Status WithMessage(const absl::Status& status, const std::string& message);
 
-// Why a channel did not connect, for a person who has options to change. Pure functions, safe on
-// any thread.
+// Why a channel did not connect.
 enum class ConnectFailure {
-  kNotListening,      // the host says that nobody listens at the port
-  kUnknownHost,       // no address is found for the name
-  kSilent,            // nothing at all came back, or nothing after the connection was made
-  kClosed,            // the connection was made and closed again
-  kNotGrpc,           // an answer came that is not gRPC's
-  kNotTls,            // an answer came that is not TLS's
-  kUntrusted,         // the server's certificate is not signed by whom it should be, or ran out
-  kOtherName,         // the server's certificate is made out to another
-  kUnusableTlsFiles,  // what options.tls names is no certificate, or no key for it
+  kNotListening,      // connection refused
+  kUnknownHost,       // the host name does not resolve
+  kSilent,            // no response, before or after the TCP connection was established
+  kClosed,            // the peer closed the connection
+  kNotGrpc,           // the response is not gRPC
+  kNotTls,            // the response is not TLS
+  kUntrusted,         // the server's certificate is not signed by a trusted authority, or expired
+  kOtherName,         // the server's certificate has another name
+  kUnusableTlsFiles,  // options.tls names an invalid certificate, or a key that does not match it
   kOther,
 };
 
-// What gRPC's words for the last attempt mean.
+// Classifies gRPC's error message of the last attempt.
 ConnectFailure ConnectFailureOf(const std::string& grpc_message);
 
-// UNAVAILABLE: the address, how long it was tried and what is likely wrong, with the failure
-// attached for AttachedConnectFailure. `grpc_message` is empty where no attempt came to an end.
+// Returns UNAVAILABLE with address, timeout and the probable reason, and attaches the failure for
+// AttachedConnectFailure. `grpc_message` is empty if no attempt ended.
 absl::Status ConnectError(const ClientOptions& options, const std::string& grpc_message);
 
-// What a status says of connecting; nothing where it is about something else.
+// Returns the attached failure, or nullopt if the error is not about connecting.
 std::optional<ConnectFailure> AttachedConnectFailure(const absl::Status& status);
 
 }  // namespace motiondb::client

@@ -11,9 +11,9 @@
 namespace motiondb::client {
 namespace {
 
-constexpr size_t kMostPemBytes = size_t{16} << 20;  // all authorities of a system are below 1 MiB
+constexpr size_t kMaxPemBytes = size_t{16} << 20;  // a system's list of authorities is below 1 MiB
 
-// Whether what is sent to HOST:PORT stays on this machine.
+// Returns whether HOST:PORT is on this machine.
 bool IsLoopback(const std::string& server) {
   if (server.rfind("unix:", 0) == 0) return true;
   std::string host = server.substr(0, server.rfind(':'));
@@ -27,7 +27,7 @@ bool IsLoopback(const std::string& server) {
 
 absl::Status ReadPem(const char* option, const std::string& path, std::string& text) {
   if (path.empty()) return absl::OkStatus();
-  auto bytes = ReadWholeFile(path, kMostPemBytes);
+  auto bytes = ReadWholeFile(path, kMaxPemBytes);
   if (!bytes.ok()) {
     return absl::InvalidArgumentError(
         fmt::format("{}: {}", option, std::string(bytes.status().message())));
@@ -43,25 +43,26 @@ absl::Status ReadPem(const char* option, const std::string& path, std::string& t
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
     const ClientOptions& options) {
   if (!std::all_of(options.token.begin(), options.token.end(), absl::ascii_isgraph)) {
-    return absl::InvalidArgumentError("the token holds spaces or other signs that no token has");
+    return absl::InvalidArgumentError(
+        "the token contains spaces or other characters that a token cannot have");
   }
   if (options.credentials != nullptr) {
     if (!options.tls && options.token.empty()) return options.credentials;
     return absl::InvalidArgumentError(
-        "ClientOptions: credentials take the place of tls and token; expected one or the other");
+        "ClientOptions: expected either credentials, or tls and token; both are set");
   }
   if (!options.tls) {
     if (options.token.empty() || IsLoopback(options.server)) {
       return grpc::InsecureChannelCredentials();
     }
     return absl::InvalidArgumentError(
-        fmt::format("a token is not sent over plain text to another machine, {}: connect by TLS",
+        fmt::format("a token is not sent in plain text to another machine ({}); connect with TLS",
                     options.server));
   }
   const TlsOptions& tls = *options.tls;
   if (tls.certificate_file.empty() != tls.key_file.empty()) {
     return absl::InvalidArgumentError(
-        "TLS: a client's certificate and its key are given together or not at all");
+        "TLS: expected a client certificate together with its key, got only one of them");
   }
   grpc::SslCredentialsOptions pem;
   if (auto status = ReadPem("TLS authority", tls.ca_file, pem.pem_root_certs); !status.ok()) {

@@ -1,4 +1,4 @@
-// How a channel is secured, as ClientOptions say. Safe to call from any thread.
+// Credentials of a channel, from ClientOptions.
 #pragma once
 
 #include <grpcpp/security/credentials.h>
@@ -10,8 +10,8 @@
 
 namespace motiondb::client {
 
-// INVALID_ARGUMENT: options that contradict each other, a file that cannot be read (named), or a
-// token that would go over plain text to another machine.
+// INVALID_ARGUMENT: contradictory options, an unreadable file, or a token that would be sent in
+// plain text to another machine.
 absl::StatusOr<std::shared_ptr<grpc::ChannelCredentials>> CredentialsFor(
     const ClientOptions& options);
 

@@ -40,7 +40,7 @@ Client::Client(Client&&) noexcept = default;
 Client& Client::operator=(Client&&) noexcept = default;
 Client::~Client() = default;
 
-// One line for each call that is a request and a response.
+// Defines a unary call.
 #define MOTIONDB_UNARY(Method, stub, Service)                                                   \
   absl::StatusOr<v1::Method##Response> Client::Method(const v1::Method##Request& request,       \
                                                       CallOptions options) const {              \
@@ -99,11 +99,11 @@ absl::Status Client::PredictSeries(
                                  request, on_prediction, options);
 }
 
-// Whole lists: one call a page until the server gives no further token.
+// Whole lists: one call for each page, until the server returns no page token.
 
 namespace {
 
-// `fetch` makes one call; `items` is the accessor of a page's repeated field.
+// `fetch` makes one call; `items` returns the repeated field of a page.
 template <typename Item, typename Request, typename Fetch, typename Items>
 absl::StatusOr<std::vector<Item>> AllPages(Request request, const Fetch& fetch,
                                            const Items& items) {
@@ -115,10 +115,10 @@ absl::StatusOr<std::vector<Item>> AllPages(Request request, const Fetch& fetch,
     auto page = fetch(request);
     if (!page.ok()) return page.status();
     for (Item& item : *items(*page)) all.push_back(std::move(item));
-    // A token that does not move on would never end.
+    // A repeated token would cause an endless loop.
     if (!page->next_page_token().empty() && page->next_page_token() == request.page_token()) {
       return absl::InternalError(
-          fmt::format("the server gave the page token \"{}\" twice", request.page_token()));
+          fmt::format("the server returned the page token \"{}\" twice", request.page_token()));
     }
     request.set_page_token(page->next_page_token());
     if (request.page_token().empty()) return all;
@@ -181,15 +181,15 @@ absl::StatusOr<std::vector<v1::Operation>> Client::AllOperations(
       [](auto& page) { return page.mutable_operations(); });
 }
 
-// Waiting for long work: the server's long poll, again and again until the work is done.
+// Waiting for an operation: repeated long polls until it is done.
 
 namespace {
 
 using std::chrono::milliseconds;
 
-// Time between two reports of progress.
+// Time between two progress reports.
 constexpr milliseconds kPollTime{500};
-// What a poll may take beyond that before the server counts as gone.
+// A poll that takes longer than this beyond kPollTime fails.
 constexpr milliseconds kPollGrace{30'000};
 
 }  // namespace
@@ -203,7 +203,7 @@ absl::StatusOr<v1::Operation> Client::WaitOperation(
     const auto waited =
         std::chrono::duration_cast<milliseconds>(std::chrono::steady_clock::now() - start);
     if (waited >= limit) {
-      return absl::DeadlineExceededError(fmt::format("{} was not done within {:g} s", name,
+      return absl::DeadlineExceededError(fmt::format("{} did not end within {:g} s", name,
                                                      std::chrono::duration<double>(limit).count()));
     }
     const milliseconds poll = std::min(kPollTime, limit - waited);
@@ -233,7 +233,7 @@ absl::Status OperationStatus(const v1::Operation& operation) {
           fmt::format("{} failed: {}", operation.name(), operation.error().message()));
     }
     default:
-      return absl::FailedPreconditionError(fmt::format("{} is not done", operation.name()));
+      return absl::FailedPreconditionError(fmt::format("{} has not ended", operation.name()));
   }
 }
 

@@ -1,4 +1,4 @@
-// Files going in: a header, then blocks.
+// Calls that send or receive files: a header, then blocks.
 
 #include <fmt/format.h>
 
@@ -26,8 +26,7 @@ BlockReader BlocksOf(InputFile& file) {
   return [&file](std::string& block) { return file.Read(kBlockBytes, block); };
 }
 
-// Sends all blocks. A stream that the server has ended early is not an error here: how the call
-// finishes says why.
+// Sends all blocks. If the server ended the stream early, returns OK; Finish returns the reason.
 template <typename Set>
 absl::Status Send(grpc::ClientWriter<v1::IngestClipRequest>& writer, const BlockReader& next,
                   const Set& set) {
@@ -57,7 +56,7 @@ absl::StatusOr<v1::IngestClipResponse> Client::Connection::Ingest(
       sent = Send(*writer, file, [](auto& message) { return message.mutable_file_block(); });
     }
   }
-  // A file that could not be read to its end must not be stored in part.
+  // If a file cannot be read completely, cancel, so that the server does not store a part of it.
   if (!sent.ok()) call.context.TryCancel();
   writer->WritesDone();
   const grpc::Status finished = writer->Finish();
@@ -92,7 +91,7 @@ absl::StatusOr<v1::IngestClipResponse> Client::IngestBytes(const v1::IngestClipH
   return connection_->Ingest(header, BlocksOf(file), BlocksOf(skeleton), options);
 }
 
-// Files coming out: a header, then blocks.
+// Receiving files.
 
 namespace {
 
@@ -102,7 +101,7 @@ absl::Status BrokenStream(const std::string& clip, const char* what) {
   return absl::DataLossError(fmt::format("export of {}: {}", clip, what));
 }
 
-// One of the files that come. `file` has none after Open failed, or where the same bytes are there.
+// A received file. `file` is empty after Open failed, or if a file with the same contents exists.
 struct ExportedFile {
   fs::path path;
   std::optional<OutputFile> file;
@@ -116,8 +115,8 @@ struct ExportedFile {
     return absl::OkStatus();
   }
 
-  // ALREADY_EXISTS if other bytes lie under the name; the same bytes do no harm, and clips share
-  // skeletons.
+  // ALREADY_EXISTS: a file with different contents exists, without `overwrite`. The same contents
+  // are accepted, because clips share skeletons.
   absl::Status Compare(bool overwrite) {
     if (!file) return absl::OkStatus();
     const auto same = file->IsThereAlready();
@@ -127,7 +126,7 @@ struct ExportedFile {
       file.reset();
     } else if (!overwrite && fs::exists(fs::symlink_status(path, ignored))) {
       return absl::AlreadyExistsError(
-          fmt::format("{}: exists already, with other contents", path.string()));
+          fmt::format("{}: already exists, with different contents", path.string()));
     }
     return absl::OkStatus();
   }
@@ -216,7 +215,7 @@ absl::StatusOr<v1::ExportClipHeader> Client::ExportClipToDirectory(
   return header;
 }
 
-// The store as a whole: checked, copied, filled.
+// Verify, backup and restore.
 
 namespace {
 
@@ -229,7 +228,7 @@ absl::StatusOr<v1::VerifySummary> Client::VerifyStore(
     CallOptions options) const {
   v1::VerifySummary summary;
   bool ended = false;
-  const std::function<absl::Status(const v1::VerifyStoreResponse&)> keep =
+  const std::function<absl::Status(const v1::VerifyStoreResponse&)> handle_message =
       [&](const v1::VerifyStoreResponse& message) {
         if (message.has_summary()) {
           summary = message.summary();
@@ -239,7 +238,7 @@ absl::StatusOr<v1::VerifySummary> Client::VerifyStore(
       };
   const absl::Status status =
       connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::VerifyStore,
-                              v1::VerifyStoreRequest(), keep, options);
+                              v1::VerifyStoreRequest(), handle_message, options);
   if (!status.ok()) return status;
   if (!ended) return absl::DataLossError("the verification ended without a summary");
   return summary;
@@ -251,7 +250,7 @@ absl::StatusOr<std::int64_t> Client::BackupStore(const std::filesystem::path& pa
   BackupFile file;
   if (const absl::Status opened = file.Open(path, overwrite); !opened.ok()) return opened;
   double total = 0;
-  const std::function<absl::Status(const v1::BackupStoreResponse&)> take =
+  const std::function<absl::Status(const v1::BackupStoreResponse&)> append_block =
       [&](const v1::BackupStoreResponse& message) {
         if (message.total_bytes() > 0) total = static_cast<double>(message.total_bytes());
         const absl::Status written = file.Append(message.block());
@@ -262,7 +261,7 @@ absl::StatusOr<std::int64_t> Client::BackupStore(const std::filesystem::path& pa
       };
   const absl::Status status =
       connection_->ReadStream(*connection_->store, &v1::StoreService::Stub::BackupStore,
-                              v1::BackupStoreRequest(), take, options);
+                              v1::BackupStoreRequest(), append_block, options);
   if (!status.ok()) return status;
   if (const absl::Status whole = file.Complete(); !whole.ok()) return whole;
   return file.bytes();
@@ -274,7 +273,7 @@ absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
   auto file = InputFile::Open(path);
   if (!file.ok()) return file.status();
   if (!file->size()) {
-    return absl::InvalidArgumentError(fmt::format("{}: is no regular file", path.string()));
+    return absl::InvalidArgumentError(fmt::format("{}: is not a regular file", path.string()));
   }
 
   OutgoingCall call(options);
@@ -286,7 +285,7 @@ absl::StatusOr<v1::RestoreStoreResponse> Client::RestoreStore(
   absl::Status read;
   while (true) {
     read = file->Read(kBlockBytes, *message.mutable_block());
-    // How the call finishes says why it was ended early.
+    // If Write fails, Finish returns the reason.
     if (!read.ok() || message.block().empty() || !writer->Write(message)) break;
     sent += static_cast<double>(message.block().size());
     if (on_progress) on_progress(Share(sent, static_cast<double>(*file->size())));

@@ -16,9 +16,9 @@ std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
   grpc::ChannelArguments arguments;
   arguments.SetMaxReceiveMessageSize(options.max_receive_bytes);
   arguments.SetMaxSendMessageSize(options.max_send_bytes);
-  // A motiondb server is on one's own network: a proxy for the web is not the way to it.
+  // Servers are in the local network: ignore the http_proxy variable.
   arguments.SetInt(GRPC_ARG_ENABLE_HTTP_PROXY, 0);
-  // Try again soon, so that a server that is just starting is found within connect_timeout.
+  // Retry fast, so that a starting server is reached within connect_timeout.
   arguments.SetInt(GRPC_ARG_INITIAL_RECONNECT_BACKOFF_MS, 100);
   arguments.SetInt(GRPC_ARG_MAX_RECONNECT_BACKOFF_MS, 2000);
   if (options.tls && !options.tls->server_name.empty()) {
@@ -27,16 +27,16 @@ std::shared_ptr<grpc::Channel> OpenChannel(const ClientOptions& options) {
   return grpc::CreateCustomChannel(options.server, options.credentials, arguments);
 }
 
-// Unlikely to be met twice.
+// Returns 64 random bits in hexadecimal.
 std::string NewRequestId() {
   thread_local std::mt19937_64 random{std::random_device{}()};
   return fmt::format("{:016x}", random());
 }
 
-// A server that ends cancels what comes in its last moment.
-absl::Status BrokenOff(const absl::Status& status, const OutgoingCall& call) {
+// A server that stops cancels the last calls. For the client this is UNAVAILABLE.
+absl::Status RemoteCancelled(const absl::Status& status, const OutgoingCall& call) {
   if (!absl::IsCancelled(status) || call.is_cancelled) return status;
-  return absl::UnavailableError("the call was broken off");
+  return absl::UnavailableError("the call was cancelled");
 }
 
 double Seconds(std::chrono::milliseconds time) {
@@ -64,18 +64,18 @@ absl::Status Client::Connection::WaitUntilConnected() const {
   if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {
     return absl::OkStatus();
   }
-  // An attempt that is still under way has nothing to say.
+  // An attempt in progress has no error yet.
   if (channel_->GetState(/*try_to_connect=*/false) != GRPC_CHANNEL_TRANSIENT_FAILURE) {
     return ConnectError(options_, "");
   }
-  // A channel tells only a call why it failed: at once, and no call leaves here.
+  // Only a failed call contains the reason. It fails immediately, without network traffic.
   OutgoingCall call({.timeout = kReasonTimeout});
   Prepare(call);
   v1::GetDatabaseResponse unused;
   const grpc::Status status =
       databases->GetDatabase(&call.context, v1::GetDatabaseRequest(), &unused);
   if (status.error_code() == grpc::StatusCode::DEADLINE_EXCEEDED) return ConnectError(options_, "");
-  // Else the server has come meanwhile and answered.
+  // Any other code: the server has started meanwhile and responded.
   return status.error_code() == grpc::StatusCode::UNAVAILABLE
              ? ConnectError(options_, status.error_message())
              : absl::OkStatus();
@@ -91,7 +91,7 @@ void Client::Connection::Prepare(OutgoingCall& call) const {
     call.context.AddMetadata("authorization", "Bearer " + options_.token);
   }
   const auto timeout = TimeoutOf(call.options);
-  // Later than a year is as good as never, and cannot overflow the clock.
+  // More than a year counts as unlimited, which avoids an overflow of the clock.
   if (timeout > std::chrono::hours(24 * 365)) return;
   call.context.set_deadline(std::chrono::system_clock::now() + timeout);
 }
@@ -100,18 +100,18 @@ absl::Status Client::Connection::Finish(const grpc::Status& status,
                                         const OutgoingCall& call) const {
   absl::Status result = FromGrpc(status);
   if (result.ok()) return result;
-  // What gRPC itself ends brings none; the server may have begun with it all the same.
+  // Errors of gRPC itself have no request id, although the server may have processed the call.
   const bool by_server = !RequestId(result).empty();
-  if (!by_server) result = WithRequestId(BrokenOff(result, call), call.request_id);
+  if (!by_server) result = WithRequestId(RemoteCancelled(result, call), call.request_id);
   if (result.code() == absl::StatusCode::kUnavailable) {
     return WithMessage(
         result, fmt::format("the motiondb server at {} is not available ({}){}", options_.server,
                             std::string(result.message()),
                             by_server ? ""
-                                      : ": see that motiondbd runs there, or give the address of "
-                                        "another"));
+                                      : "; check that motiondbd runs there, or use another "
+                                        "address"));
   }
-  // gRPC's own words for a deadline that passed here; a server that ran out of time says more.
+  // This is gRPC's message for a deadline that expired here. A server's message has more details.
   if (result.code() == absl::StatusCode::kDeadlineExceeded &&
       status.error_message() == "Deadline Exceeded") {
     return WithMessage(

@@ -1,6 +1,5 @@
-// A client's connection: its channel, its stubs, and how one call is made on it. The only header
-// that sees the generated services; everything in it may be used from any number of threads at
-// once.
+// The connection of a client: its channel, its stubs, and how to make a call. The only header that
+// includes the generated services.
 #pragma once
 
 #include <grpcpp/grpcpp.h>
@@ -22,49 +21,49 @@
 
 namespace motiondb::client {
 
-// The largest block of a file that the contract allows.
+// Maximum size of a file block in the wire contract.
 inline constexpr size_t kBlockBytes = size_t{1} << 20;
 
-// Puts the next block of a file into `block`; nothing at the end.
+// Stores the next block of a file in `block`; an empty block at the end.
 using BlockReader = std::function<absl::Status(std::string& block)>;
 
-// Who takes the parts of an export, in the order in which they come.
+// Callbacks for the parts of an export, called in stream order.
 struct ExportSink {
   std::function<absl::Status(const v1::ExportClipHeader&)> on_header;
   std::function<absl::Status(const std::string&)> on_file_block;
   std::function<absl::Status(const std::string&)> on_skeleton_block;
 };
 
-// A call that is made: gRPC's side of it, how long it may take, and under which id the server's log
-// has it. Used by one thread at a time.
+// An outgoing call: its gRPC context, options and request id. Used by one thread at a time.
 struct OutgoingCall {
   explicit OutgoingCall(const CallOptions& its_options);
 
   grpc::ClientContext context;
   const CallOptions options;
   const std::string request_id;
-  bool is_cancelled = false;  // by us
+  bool is_cancelled = false;  // by this client
 };
 
 class Client::Connection {
  public:
-  // Opens the channel, without waiting for it to connect. The options have their credentials.
+  // Opens the channel without waiting for the connection. options.credentials must be set.
   explicit Connection(ClientOptions options);
 
-  // Waits until the server answers. UNAVAILABLE after options.connect_timeout.
+  // Waits until the channel is connected. UNAVAILABLE after options.connect_timeout.
   absl::Status WaitUntilConnected() const;
 
-  // How long a call may take.
+  // Returns the timeout of a call, or the default.
   std::chrono::milliseconds TimeoutOf(const CallOptions& options) const;
 
-  // Sets a call's deadline, and says who calls and under which id.
+  // Sets the deadline of a call, its token and its request id.
   void Prepare(OutgoingCall& call) const;
 
-  // How a call ended: UNAVAILABLE where it was broken off, and not by us; with its id, the address
-  // where the server was not reached and the time where it was too short.
+  // Converts the result of a call. The error has the request id, and names the address if it is
+  // UNAVAILABLE or the timeout if it is DEADLINE_EXCEEDED. CANCELLED becomes UNAVAILABLE unless
+  // this client cancelled the call.
   absl::Status Finish(const grpc::Status& status, const OutgoingCall& call) const;
 
-  // One unary call.
+  // Makes a unary call.
   template <typename Stub, typename Request, typename Response>
   absl::StatusOr<Response> Call(Stub& stub,
                                 grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&,
@@ -78,8 +77,8 @@ class Client::Connection {
     return response;
   }
 
-  // One call answered by a stream: `on_message` sees each message, and an error from it cancels the
-  // call.
+  // Makes a server-streaming call. `on_message` receives each message; if it returns an error, the
+  // call is cancelled and the error returned.
   template <typename Stub, typename Request, typename Response>
   absl::Status ReadStream(Stub& stub,
                           std::unique_ptr<grpc::ClientReader<Response>> (Stub::*method)(
@@ -98,12 +97,12 @@ class Client::Connection {
     return consumed.ok() ? Finish(status, call) : consumed;
   }
 
-  // One ingest: the header, then the blocks of both files.
+  // Makes an ingest call: the header, then the blocks of both files.
   absl::StatusOr<v1::IngestClipResponse> Ingest(const v1::IngestClipHeader& header,
                                                 const BlockReader& file,
                                                 const BlockReader& skeleton,
                                                 const CallOptions& options) const;
-  // One export: DATA_LOSS unless a header comes first, and once.
+  // Makes an export call. DATA_LOSS: the stream does not have exactly one header, at its beginning.
   absl::Status Export(const v1::ExportClipRequest& request, const ExportSink& sink,
                       const CallOptions& options) const;
 

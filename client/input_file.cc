@@ -13,7 +13,7 @@
 namespace motiondb::client {
 namespace {
 
-// By errno.
+// Converts errno.
 absl::Status Unreadable(const std::filesystem::path& path) {
   if (errno == ENOENT) return absl::NotFoundError(fmt::format("{}: no such file", path.string()));
   return absl::UnknownError(
@@ -24,10 +24,9 @@ std::string LimitText(std::size_t bytes) {
   return bytes >> 20 > 0 ? fmt::format("{} MiB", bytes >> 20) : fmt::format("{} KiB", bytes >> 10);
 }
 
-absl::Status TooLarge(const std::filesystem::path& path, std::size_t most_bytes) {
-  return absl::InvalidArgumentError(
-      fmt::format("{}: is larger than {}, the most that is read of such a file", path.string(),
-                  LimitText(most_bytes)));
+absl::Status TooLarge(const std::filesystem::path& path, std::size_t max_bytes) {
+  return absl::InvalidArgumentError(fmt::format(
+      "{}: is larger than {}, the maximum for such a file", path.string(), LimitText(max_bytes)));
 }
 
 }  // namespace
@@ -62,11 +61,11 @@ absl::StatusOr<InputFile> InputFile::Open(const std::filesystem::path& path) {
   return file;
 }
 
-absl::Status InputFile::Read(std::size_t most, std::string& block) {
-  block.resize(most);
+absl::Status InputFile::Read(std::size_t max_bytes, std::string& block) {
+  block.resize(max_bytes);
   std::size_t got = 0;
-  while (got < most) {
-    const ssize_t count = read(descriptor_, block.data() + got, most - got);
+  while (got < max_bytes) {
+    const ssize_t count = read(descriptor_, block.data() + got, max_bytes - got);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) return Unreadable(path_);
     if (count == 0) break;
@@ -77,18 +76,18 @@ absl::Status InputFile::Read(std::size_t most, std::string& block) {
 }
 
 absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path,
-                                          std::size_t most_bytes) {
+                                          std::size_t max_bytes) {
   constexpr std::size_t kReadBytes = std::size_t{1} << 20;
   auto file = InputFile::Open(path);
   if (!file.ok()) return file.status();
-  if (file->size() && *file->size() > most_bytes) return TooLarge(path, most_bytes);
+  if (file->size() && *file->size() > max_bytes) return TooLarge(path, max_bytes);
   std::string bytes, block;
   do {
-    // One more than is allowed shows that there is too much.
-    const std::size_t wanted = std::min(kReadBytes, most_bytes + 1 - bytes.size());
-    if (const absl::Status read = file->Read(wanted, block); !read.ok()) return read;
+    // Reads at most one byte more than allowed, to detect a file that is too large.
+    const std::size_t block_bytes = std::min(kReadBytes, max_bytes + 1 - bytes.size());
+    if (const absl::Status read = file->Read(block_bytes, block); !read.ok()) return read;
     bytes += block;
-    if (bytes.size() > most_bytes) return TooLarge(path, most_bytes);
+    if (bytes.size() > max_bytes) return TooLarge(path, max_bytes);
   } while (!block.empty());
   return bytes;
 }

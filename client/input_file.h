@@ -1,4 +1,4 @@
-// A file that is read from its beginning, in blocks or whole. Not thread-safe.
+// Reads a file from its beginning, in blocks or completely.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@ namespace motiondb::client {
 
 class InputFile {
  public:
-  // NOT_FOUND if there is none, INVALID_ARGUMENT for a folder, UNKNOWN where it cannot be opened;
-  // all name it, and why.
+  // NOT_FOUND: the file does not exist. INVALID_ARGUMENT: it is a folder. UNKNOWN: it cannot be
+  // opened. Errors name the file and the reason.
   static absl::StatusOr<InputFile> Open(const std::filesystem::path& path);
   InputFile(InputFile&& other) noexcept;
   InputFile& operator=(InputFile&& other) noexcept;
   ~InputFile();
 
-  // Puts the next bytes into `block`, `most` unless the file ends before; none at the end. UNKNOWN,
-  // naming the file and why, where it cannot be read.
-  absl::Status Read(std::size_t most, std::string& block);
+  // Stores the next `max_bytes` bytes in `block`; fewer at the end of the file. UNKNOWN, with file
+  // and reason: a read error.
+  absl::Status Read(std::size_t max_bytes, std::string& block);
 
-  // Bytes of a regular file; nothing of a pipe or a device, whose end only reading finds.
+  // Size of a regular file in bytes; nullopt for a pipe or a device.
   std::optional<std::uint64_t> size() const { return size_; }
 
  private:
@@ -36,9 +36,8 @@ class InputFile {
   std::optional<std::uint64_t> size_;
 };
 
-// All bytes of a file. As InputFile; and INVALID_ARGUMENT, naming it, where there are more than
-// `most_bytes`: of a regular file none is read then, of a device without an end no more than that.
-absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path,
-                                          std::size_t most_bytes);
+// Returns all bytes of a file. Errors as InputFile, and INVALID_ARGUMENT if the file has more than
+// `max_bytes`. It never reads more, also from a device without an end.
+absl::StatusOr<std::string> ReadWholeFile(const std::filesystem::path& path, std::size_t max_bytes);
 
 }  // namespace motiondb::client

@@ -45,7 +45,7 @@ class ObserveStream::Call {
   }
 
  private:
-  // A robot moves as long as it likes.
+  // A stream has no time limit by default.
   static CallOptions WithTimeout(CallOptions options) {
     if (!options.timeout) options.timeout = kNoTimeout;
     return options;

@@ -21,24 +21,25 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostKept = std::size_t{64} << 10;
-constexpr int kTries = 100;  // for a name that is free
+constexpr std::size_t kBufferBytes = std::size_t{64} << 10;
+constexpr int kMaxAttempts = 100;  // to find a free name
 
 fs::path FolderOf(const fs::path& path) {
   return path.has_parent_path() ? path.parent_path() : fs::path(".");
 }
 
-// In the folder of `path`, and short whatever the length of its name.
+// Returns a random name in the folder of `path`. It is short, even if the name in `path` is long.
 std::string TemporaryName(const fs::path& path) {
   std::random_device random;
   const std::uint64_t number = (std::uint64_t{random()} << 32) | random();
   return (FolderOf(path) / fmt::format(".motiondb-{:016x}", number)).string();
 }
 
-// Calls `take` with names until it returns 0 or fails with anything but EEXIST.
+// Calls `take` with random names until it returns 0 or fails with an error other than EEXIST.
+// Returns the name, or an empty string after a failure.
 template <typename Take>
 std::string FirstFreeName(const fs::path& path, const Take& take) {
-  for (int i = 0; i < kTries; ++i) {
+  for (int i = 0; i < kMaxAttempts; ++i) {
     std::string name = TemporaryName(path);
     if (take(name.c_str()) == 0) return name;
     if (errno != EEXIST) break;
@@ -48,7 +49,7 @@ std::string FirstFreeName(const fs::path& path, const Take& take) {
 
 std::string DescriptorLink(int descriptor) { return fmt::format("/proc/self/fd/{}", descriptor); }
 
-// A file without a name that can get one; -1 where there are none such.
+// Opens an unnamed file that can be linked later; returns -1 if the system does not support it.
 int OpenWithoutName(const fs::path& folder, mode_t mode) {
   const int descriptor = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, mode);
   if (descriptor < 0) return -1;
@@ -67,7 +68,7 @@ bool WriteAll(int file, std::string_view bytes) {
   return true;
 }
 
-// Up to `bytes.size()` bytes; nothing at the end or after an error.
+// Reads up to `bytes.size()` bytes; returns an empty view at the end or after an error.
 std::string_view ReadAt(int file, off_t offset, std::string& bytes) {
   const ssize_t got = pread(file, bytes.data(), bytes.size(), offset);
   return std::string_view(bytes).substr(0, got < 0 ? 0 : static_cast<std::size_t>(got));
@@ -78,7 +79,7 @@ bool SameBytes(int one, int other) {
   }, second{};
   if (fstat(one, &first) != 0 || fstat(other, &second) != 0) return false;
   if (!S_ISREG(second.st_mode) || first.st_size != second.st_size) return false;
-  std::string a(kMostKept, '\0'), b(kMostKept, '\0');
+  std::string a(kBufferBytes, '\0'), b(kBufferBytes, '\0');
   for (off_t offset = 0; offset < first.st_size;) {
     const std::string_view read = ReadAt(one, offset, a);
     if (read.empty() || read != ReadAt(other, offset, b)) return false;
@@ -96,13 +97,13 @@ OutputFile::OutputFile(OutputFile&& other) noexcept
     : path_(std::move(other.path_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       temporary_(std::exchange(other.temporary_, "")),
-      kept_(std::move(other.kept_)) {}
+      buffer_(std::move(other.buffer_)) {}
 
 OutputFile& OutputFile::operator=(OutputFile&& other) noexcept {
   std::swap(path_, other.path_);
   std::swap(descriptor_, other.descriptor_);
   std::swap(temporary_, other.temporary_);
-  std::swap(kept_, other.kept_);
+  std::swap(buffer_, other.buffer_);
   return *this;
 }
 
@@ -111,7 +112,7 @@ OutputFile::~OutputFile() {
   if (!temporary_.empty()) unlink(temporary_.c_str());
 }
 
-absl::Status OutputFile::Failed() const {
+absl::Status OutputFile::WriteError() const {
   return absl::UnknownError(
       fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
 }
@@ -123,69 +124,70 @@ absl::StatusOr<OutputFile> OutputFile::Create(const fs::path& path, mode_t mode)
     file.descriptor_ = open(name, O_CREAT | O_EXCL | O_NOFOLLOW | O_RDWR | O_CLOEXEC, mode);
     return file.descriptor_ < 0 ? -1 : 0;
   });
-  if (file.descriptor_ < 0) return file.Failed();
+  if (file.descriptor_ < 0) return file.WriteError();
   return file;
 }
 
 absl::Status OutputFile::Append(std::string_view bytes) {
-  kept_ += bytes;
-  return kept_.size() < kMostKept ? absl::OkStatus() : Flush();
+  buffer_ += bytes;
+  return buffer_.size() < kBufferBytes ? absl::OkStatus() : Flush();
 }
 
 absl::Status OutputFile::Flush(bool to_disk) {
-  if (!WriteAll(descriptor_, kept_)) return Failed();
-  kept_.clear();
-  return to_disk && fsync(descriptor_) != 0 ? Failed() : absl::OkStatus();
+  if (!WriteAll(descriptor_, buffer_)) return WriteError();
+  buffer_.clear();
+  return to_disk && fsync(descriptor_) != 0 ? WriteError() : absl::OkStatus();
 }
 
 absl::StatusOr<bool> OutputFile::IsThereAlready() {
   if (absl::Status flushed = Flush(); !flushed.ok()) return flushed;
-  const int there = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
-  if (there < 0) return false;
-  const bool same = SameBytes(descriptor_, there);
-  close(there);
+  const int existing = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (existing < 0) return false;
+  const bool same = SameBytes(descriptor_, existing);
+  close(existing);
   return same;
 }
 
 absl::Status OutputFile::Commit(bool replace) {
   if (absl::Status flushed = Flush(); !flushed.ok()) return flushed;
-  absl::Status named = replace ? Name() : TakeFreeName();
+  absl::Status named = replace ? RenameReplacing() : RenameIfFree();
   if (!named.ok()) return named;
   temporary_.clear();
-  // Only now does a network file system tell of a full disk.
-  return close(std::exchange(descriptor_, -1)) == 0 ? absl::OkStatus() : Failed();
+  // A network file system may report a full disk only at close.
+  return close(std::exchange(descriptor_, -1)) == 0 ? absl::OkStatus() : WriteError();
 }
 
-absl::Status OutputFile::Name() {
-  struct stat there {};
-  if (lstat(path_.c_str(), &there) == 0 && !S_ISREG(there.st_mode) && !S_ISLNK(there.st_mode)) {
-    return absl::FailedPreconditionError(
-        fmt::format("{}: is not a file, and only files and links are replaced", path_.string()));
+absl::Status OutputFile::RenameReplacing() {
+  struct stat existing {};
+  if (lstat(path_.c_str(), &existing) == 0 && !S_ISREG(existing.st_mode) &&
+      !S_ISLNK(existing.st_mode)) {
+    return absl::FailedPreconditionError(fmt::format(
+        "{}: is neither a regular file nor a symbolic link; choose another name", path_.string()));
   }
-  // What has no name cannot take that of another file in one step.
+  // linkat cannot replace an existing name, but rename can: give the unnamed file a temporary name.
   if (temporary_.empty()) {
     temporary_ = FirstFreeName(path_, [&](const char* name) {
       return linkat(AT_FDCWD, DescriptorLink(descriptor_).c_str(), AT_FDCWD, name,
                     AT_SYMLINK_FOLLOW);
     });
-    if (temporary_.empty()) return Failed();
+    if (temporary_.empty()) return WriteError();
   }
-  return rename(temporary_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : Failed();
+  return rename(temporary_.c_str(), path_.c_str()) == 0 ? absl::OkStatus() : WriteError();
 }
 
-absl::Status OutputFile::TakeFreeName() {
-  const int taken = temporary_.empty() ? linkat(AT_FDCWD, DescriptorLink(descriptor_).c_str(),
-                                                AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW)
-                                       : renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD,
-                                                   path_.c_str(), RENAME_NOREPLACE);
-  if (taken == 0) return absl::OkStatus();
-  struct stat there {};
-  if (errno == EEXIST || lstat(path_.c_str(), &there) == 0) {
-    return absl::AlreadyExistsError(fmt::format("{}: exists already", path_.string()));
+absl::Status OutputFile::RenameIfFree() {
+  const int renamed = temporary_.empty() ? linkat(AT_FDCWD, DescriptorLink(descriptor_).c_str(),
+                                                  AT_FDCWD, path_.c_str(), AT_SYMLINK_FOLLOW)
+                                         : renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD,
+                                                     path_.c_str(), RENAME_NOREPLACE);
+  if (renamed == 0) return absl::OkStatus();
+  struct stat existing {};
+  if (errno == EEXIST || lstat(path_.c_str(), &existing) == 0) {
+    return absl::AlreadyExistsError(fmt::format("{}: already exists", path_.string()));
   }
-  // Not every file system can tell in one step whether the name is free.
+  // Some file systems do not support RENAME_NOREPLACE.
   const bool can_rename = !temporary_.empty() && (errno == EINVAL || errno == ENOSYS);
-  return can_rename ? Name() : Failed();
+  return can_rename ? RenameReplacing() : WriteError();
 }
 
 absl::Status CheckFileNameFromServer(const std::string& name) {
@@ -193,10 +195,11 @@ absl::Status CheckFileNameFromServer(const std::string& name) {
   if (!hides && name.find_first_of("/\\") == std::string::npos && text::DisplayText(name) == name) {
     return absl::OkStatus();
   }
-  return absl::DataLossError(fmt::format(
-      "the server names a file \"{}\"; expected a name without folders and control characters that "
-      "begins with neither '.' nor '-'. Nothing was written",
-      name));
+  return absl::DataLossError(
+      fmt::format("the server sent the file name \"{}\"; expected no folders, no control "
+                  "characters, and neither "
+                  "'.' nor '-' at the beginning. Nothing was written",
+                  name));
 }
 
 absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes) {

@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Installs what a set of purposes needs and this machine lacks (Debian 12): install_packages.sh build test.
+# Installs missing Debian 12 packages for the given purposes, for example: install_packages.sh build
+# test
 set -euo pipefail
 
 build=(
@@ -7,50 +8,50 @@ build=(
   libabsl-dev libboost-dev libcli11-dev libeigen3-dev libfmt-dev libspdlog-dev libsqlite3-dev
   libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc zlib1g-dev
   libssl-dev       # tokens: random bytes and hashes; checksums of backups; the listener's TLS
-  libnghttp2-dev   # HTTP/2 before gRPC: Debian's gRPC 1.51 does not bound what a connection may hold
+  libnghttp2-dev   # HTTP/2 listener: gRPC 1.51 of Debian does not bound the memory of a connection
   libtinyxml2-dev  # URDF files are XML
   libtomlplusplus-dev # the configuration file is TOML
-  nlohmann-json3-dev # log lines as JSON, and the figures that motiondb_eval writes
+  nlohmann-json3-dev # log lines as JSON, and the results of motiondb_eval
   prometheus-cpp-dev # metrics: counters, histograms and their text format (its HTTP server is not used)
-  python3          # manual pages and completions, from what the programs say of themselves
-  file             # what the package's programs link, for its dependencies
+  python3          # generates manual pages and completions from --help
+  file             # dpkg-shlibdeps: dependencies of the package
   dpkg-dev
 )
 test=(
   catch2 clang-format
-  assimp-testmodels  # real motion that any machine can install
+  assimp-testmodels  # real motion in BVH
   dart-doc           # two C3D captures
-  libassimp-dev      # an importer that the BVH we write must please
-  libbenchmark-dev   # Google Benchmark: what tests/bench measures speed with
-  libfaiss-dev       # nearest neighbours: what recognition is measured against
-  libopenblas0-pthread # FAISS at its own speed: the reference BLAS is many times slower
-  openssl            # certificates that tests make
-  python3-grpcio     # the client in Python of docs/api.md
+  libassimp-dev      # an importer, which must read the BVH files that we write
+  libbenchmark-dev   # Google Benchmark, for tests/bench
+  libfaiss-dev       # nearest neighbours, the baseline of recognition
+  libopenblas0-pthread # for FAISS: the reference BLAS is many times slower
+  openssl            # certificates of tests
+  python3-grpcio     # the Python client of docs/api.md
   python3-protobuf
-  python3-numpy      # opens what `motiondb dump` writes
-  python3-prometheus-client # reads the metrics as Prometheus does
+  python3-numpy      # reads the files of `motiondb dump`
+  python3-prometheus-client # parses the metrics
 )
 demo=(assimp-testmodels)
 fuzz=(
-  clang            # the compiler that has libFuzzer
-  libclang-rt-dev  # its run-time libraries: libFuzzer and the sanitizers
-  llvm             # llvm-symbolizer: findings with names and lines
-  bsdextrautils    # column: the table of what was run
+  clang            # compiler with libFuzzer
+  libclang-rt-dev  # run-time libraries of libFuzzer and the sanitizers
+  llvm             # llvm-symbolizer: names and lines in findings
+  bsdextrautils    # column: the table of results
 )
 lint=(
-  clang            # checks what mutexes guard
-  clang-tidy       # checks sources that changed
+  clang            # thread safety analysis of mutexes
+  clang-tidy       # checks changed sources
 )
-deploy_test=(       # what tests/deploy uses beyond these
-  debootstrap       # a Debian to install the package in, and to make an image from
+deploy_test=(       # additional packages for tests/deploy
+  debootstrap       # Debian systems for the package and the image
   buildah           # builds and runs the image without a container engine
-  nginx-light       # the front
-  curl              # asks the front over HTTP/2
-  prometheus        # promtool, which evaluates the alert rules
-  openssl           # certificates of a test's own
-  systemd           # systemd-analyze, which judges the unit
-  man-db            # reads the manual pages
-  bsdextrautils     # col, that takes their bold face off
+  nginx-light       # the proxy
+  curl              # HTTP/2 requests to the proxy
+  prometheus        # promtool, which tests the alert rules
+  openssl           # certificates of tests
+  systemd           # systemd-analyze, which checks the unit
+  man-db            # renders the manual pages
+  bsdextrautils     # col, which removes bold text
   python3-yaml      # the Kubernetes manifests
 )
 
@@ -77,12 +78,12 @@ done
 echo "installing: ${missing[*]}"
 as_root=()
 if [ "$(id -u)" != 0 ]; then
-  command -v sudo >/dev/null || { echo "install these as root: ${missing[*]}" >&2; exit 1; }
+  command -v sudo >/dev/null || { echo "install_packages.sh: no sudo; install as root: ${missing[*]}" >&2; exit 1; }
   as_root=(sudo)
 fi
 export DEBIAN_FRONTEND=noninteractive
-# nginx and Prometheus are wanted as programs: their services would open ports. Where nobody has said what may
-# start, nothing is started while this installs.
+# The tests need only the programs of nginx and Prometheus; their services would open ports. Unless
+# the machine has its own policy, prevent service starts during the installation.
 policy=/usr/sbin/policy-rc.d
 if [[ " ${missing[*]} " =~ \ (nginx-light|prometheus)\  && ! -e $policy ]]; then
   trap '"${as_root[@]}" rm -f "$policy"' EXIT

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# From nothing to answers: installs what is missing, builds, starts a server on a store of its own, gives
-# it real motion that Debian packages, asks about a part of it that was held back, and plans a motion.
+# Demo: installs missing packages, builds, starts a server with a temporary store, ingests real
+# motion from a Debian package, runs queries on held-out parts of it, and plans a motion.
 #   deploy/quickstart.sh
 set -euo pipefail
 if [ $# -gt 0 ]; then
@@ -23,10 +23,11 @@ finish() {
 }
 trap finish EXIT
 cmake --preset release -DMOTIONDB_BUILD_TESTS=OFF -B build/quickstart >"$log" 2>&1 || { cat "$log" >&2; exit 1; }
-cmake --build build/quickstart --target motiondb motiondbd  # which shows how far it is
+cmake --build build/quickstart --target motiondb motiondbd  # prints the progress
 PATH="$PWD/build/quickstart/client/cli:$PWD/build/quickstart/server:$PATH"
 
-# keep FILE FROM TO OUT: the frames of a BVH file from one fraction of its length to another.
+# keep FILE FROM TO OUT: writes the frames of a BVH file between two fractions (0 to 1) of its
+# length.
 keep() {
   awk -v from="$2" -v to="$3" '
     /^[[:space:]]*Frames:/ { count = $2; first = int(from * count); last = int(to * count)
@@ -61,7 +62,7 @@ MOTIONDB_SERVER=$(sed -n 's/.*listening on //p' "$work/address")
 export MOTIONDB_SERVER
 
 ask() {
-  printf '\n$ motiondb %s\n' "$*" >&2  # apart from the answer, which may be cut
+  printf '\n$ motiondb %s\n' "$*" >&2  # standard error, because callers may cut the output
   (cd "$work" && motiondb "$@")
 }
 
@@ -73,4 +74,4 @@ ask recognize demo held_back/Boxing_Toes.bvh --window 1 | tail -n 1
 ask estimate demo held_back/01_01.bvh --layer 5 | cut -c1-120 | head -n 8
 ask predict demo held_back/01_01.bvh --at 2 --horizon 0.08,0.4,1
 ask plan demo --start 01_01@3 --goal 1.5,0,0 --disc 0.8,0.7,0.2 --out "$plan.bvh" --plot "$plan.svg"
-printf '\nThe first 70 %% of each clip was stored, the rest asked about. README.md has the next steps.\n'
+printf '\nThe first 70 %% of each clip is stored; the queries use the rest. README.md has the next steps.\n'

@@ -1,4 +1,4 @@
-// motiondbd: opens the store, serves until SIGTERM or SIGINT, and drains.
+// motiondbd: opens the store, serves until SIGTERM, SIGINT or SIGHUP, and drains.
 #include <fmt/format.h>
 #include <google/protobuf/stubs/logging.h>
 #include <grpc/grpc.h>
@@ -44,10 +44,9 @@
 namespace motiondb::server {
 namespace {
 
-// Tells the service manager how the server stands, by the protocol of sd_notify(3): a datagram to
-// the socket that NOTIFY_SOCKET names. A few lines, so that no library of systemd's is needed where
-// there is no systemd. `state` is lines of NAME=VALUE, as "READY=1". Does nothing where nobody
-// listens.
+// Sends the state to the service manager by the protocol of sd_notify(3): a datagram to the socket
+// NOTIFY_SOCKET. Implemented here to avoid a dependency on libsystemd. `state`: lines of
+// NAME=VALUE, such as "READY=1". Does nothing if NOTIFY_SOCKET is not set.
 void NotifyServiceManager(const std::string& state) {
   const char* const name = std::getenv("NOTIFY_SOCKET");
   if (name == nullptr || name[0] == '\0') return;
@@ -55,11 +54,11 @@ void NotifyServiceManager(const std::string& state) {
   address.sun_family = AF_UNIX;
   const std::size_t length = std::strlen(name);
   if (length >= sizeof(address.sun_path)) {
-    spdlog::warn("NOTIFY_SOCKET: {} is too long for a socket's name", name);
+    spdlog::warn("NOTIFY_SOCKET: the name of the socket is too long: {}", name);
     return;
   }
   std::memcpy(address.sun_path, name, length);
-  if (name[0] == '@') address.sun_path[0] = '\0';  // of Linux's abstract names
+  if (name[0] == '@') address.sun_path[0] = '\0';  // abstract socket address
   const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + length);
 
   const int socket_fd = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -71,19 +70,18 @@ void NotifyServiceManager(const std::string& state) {
 }
 
 void LogGrpc() {
-  // What gRPC cannot do comes back as a status and is told once, in our words.
+  // The server returns and logs gRPC's errors itself, as a status.
   gpr_set_log_function([](gpr_log_func_args* line) { spdlog::debug("grpc: {}", line->message); });
-  // Nor is it for a client to write lines of its own: text that is not UTF-8 is a field's
-  // violation.
+  // Clients must not be able to write log lines: invalid UTF-8 is reported as a field violation.
   google::protobuf::SetLogHandler(
       [](google::protobuf::LogLevel, const char*, int, const std::string& message) {
         spdlog::debug("protobuf: {}", message);
       });
 }
 
-// Whatever it makes is its owner's alone, and who reads what it prints may go away. Large arrays of
-// calls go back to the system when they are freed; by default glibc keeps ever larger ones. Arrays
-// of a usual ingest are reused: to give them back takes a tenth of its time.
+// Only the owner can read new files, and a closed pipe on standard output is no error. Large arrays
+// of calls return to the system when they are freed; by default glibc keeps larger and larger ones.
+// Arrays of a usual ingest are reused: returning them costs a tenth of its time.
 void SetUpProcess() {
   mallopt(M_MMAP_THRESHOLD, 2 << 20);
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
@@ -93,8 +91,8 @@ void SetUpProcess() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
-// Those that drain it. A hangup is one, unless nohup had it ignored: what runs in a terminal ends
-// in order when that is closed.
+// Adds the signals that drain the server. SIGHUP is one, so that closing the terminal drains it,
+// unless nohup ignores SIGHUP.
 void AddDrainSignals(boost::asio::signal_set& signals) {
   signals.add(SIGTERM);
   signals.add(SIGINT);
@@ -110,19 +108,19 @@ void WaitForSignal(boost::asio::io_context& context, boost::asio::signal_set& si
   context.run();
 }
 
-// Opens the store, which upgrades one of an older version: that is told, for an older server
-// refuses it from then on.
+// Opens the store. This upgrades a store of an older version, which is logged, because older
+// servers can no longer open it.
 absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& settings) {
   const std::string& path = settings.store_path;
-  // What is wrong with it is for Open to say.
+  // Open reports errors.
   const int former = settings.read_only ? 0 : storage::ReadStoreVersion(path).value_or(0);
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(
                                             path, {.reserve_bytes = settings.disk_reserve_bytes,
                                                    .read_only = settings.read_only}));
-  if (settings.read_only) spdlog::info("store {} is open read-only: changes are refused", path);
+  if (settings.read_only) spdlog::info("store {} opened read-only: changes are refused", path);
   const auto latest = static_cast<int>(storage::Migrations().size());
   if (former > 0 && former < latest) {
-    spdlog::info("store {} upgraded from version {} to {}: older servers refuse it now", path,
+    spdlog::info("store {} upgraded from version {} to {}: older servers cannot open it", path,
                  former, latest);
   }
   return store;
@@ -130,20 +128,19 @@ absl::StatusOr<std::unique_ptr<storage::MotionStore>> OpenStore(const Settings& 
 
 absl::Status Serve(const Settings& settings) {
   std::optional<AllocationsMayFail> starting(std::in_place);
-  // Before the store is made or upgraded: not for a server that cannot run.
+  // Before the store is created or upgraded: a server that cannot run must not do it.
   MOTIONDB_RETURN_IF_ERROR(InstallMemoryReserve());
   MOTIONDB_RETURN_IF_ERROR(CheckProcessLimits(Workers::ThreadCount(settings.server.engine)));
-  // Before any thread is made and before the address is announced: a signal that comes at any later
-  // moment drains.
+  // Before any thread starts and before the address is printed, so that every later signal drains.
   boost::asio::io_context context;
   boost::asio::signal_set signals(context);
   AddDrainSignals(signals);
 
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
                             PlanSecurity(settings.server.security, settings.server.listen));
-  // Whatever the level of the log.
+  // At any log level.
   for (const std::string& warning : plan.warnings) Tell(settings.log.format, warning);
-  // First, so that a long start can be watched.
+  // Before the store, so that a long start can be monitored.
   const auto monitor =
       std::make_shared<Monitor>(MonitorOptions{.methods = MethodNames(),
                                                .store_path = settings.store_path,
@@ -154,11 +151,11 @@ absl::Status Serve(const Settings& settings) {
     fmt::print("motiondbd: metrics at http://{}/metrics\n", http->address());
     std::fflush(stdout);
   }
-  // Before the store is opened, which makes or upgrades it: not for a server that cannot serve.
+  // Before the store is created or upgraded: a server that cannot listen must not do it.
   MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings));
-  // Held to the end of the process: at its shutdown gRPC waits for all of its threads, also for one
-  // that it could not start for lack of memory, and the store would not be closed.
+  // Never shut down: grpc_shutdown waits for all of gRPC's threads, even for one that did not start
+  // because memory was exhausted. Then the store would not be closed.
   grpc_init();
   MOTIONDB_ASSIGN_OR_RETURN(const auto server,
                             Server::Start(std::move(store), settings.server, monitor));
@@ -176,7 +173,7 @@ absl::Status Serve(const Settings& settings) {
   return absl::OkStatus();
 }
 
-// Serve, with what it throws as a status.
+// Runs Serve and converts exceptions to a status.
 absl::Status ServeWithoutExceptions(const Settings& settings) {
   try {
     return Serve(settings);
@@ -199,7 +196,7 @@ int PrintProblems(const std::vector<absl::Status>& problems) {
   return kWrongSettings;
 }
 
-// In the syntax of the configuration file, each setting with the place that it comes from.
+// Prints each setting and its source in the syntax of the configuration file, then all problems.
 int CheckConfig(const SettingsReader& reader) {
   for (const EffectiveSetting& setting : reader.Effective()) {
     const std::string line = fmt::format("{} = {}", setting.key, setting.value);
@@ -211,7 +208,7 @@ int CheckConfig(const SettingsReader& reader) {
   const std::vector<absl::Status> problems = reader.Check();
   if (!problems.empty()) return PrintProblems(problems);
   const Settings& settings = reader.settings();
-  // As it would say when it starts.
+  // The same warnings as at a start.
   const auto plan = PlanSecurity(settings.server.security, settings.server.listen);
   if (!plan.ok()) return PrintProblems({plan.status()});
   for (const std::string& warning : plan->warnings) {
@@ -245,16 +242,18 @@ int Run(int argc, const char* const* argv) {
   StartLog(log.format, log.level);
   LogGrpc();
   for (const std::string& warning : reader.warnings()) Tell(log.format, warning);
-  const std::vector<absl::Status> wrong = reader.CheckToServe();
-  for (const absl::Status& problem : wrong) Tell(log.format, std::string(problem.message()));
-  if (!wrong.empty()) return kWrongSettings;
+  const std::vector<absl::Status> violations = reader.CheckToServe();
+  for (const absl::Status& problem : violations) Tell(log.format, std::string(problem.message()));
+  if (!violations.empty()) return kWrongSettings;
   const absl::Status status = ServeWithoutExceptions(reader.settings());
   if (status.ok()) return 0;
   Tell(log.format, std::string(status.message()));
   if (absl::IsDataLoss(status)) {
-    Tell(log.format,
-         "the store is damaged where all of it hangs on: restore a backup into a new one, or copy "
-         "it with its -wal file and make a new one of what `sqlite3 COPY .recover` prints");
+    Tell(
+        log.format,
+        "the store is corrupt and cannot be opened: restore a backup into a new store, or copy the "
+        "file with its -wal file and create a new store from the output of `sqlite3 COPY "
+        ".recover`");
   }
   return kFailed;
 }

@@ -40,13 +40,13 @@ class WithoutReflection final : public grpc::ServerBuilderOption {
   }
 };
 
-// Whether the server tells what calls it has, by grpc.reflection.v1alpha; before it is built.
-// gRPC's plugin is the process's: it comes with every builder.
+// Switches grpc.reflection.v1alpha on or off, before the server is built. gRPC's plugin is
+// process-wide and part of every builder.
 void SetReflection(bool on, grpc::ServerBuilder& builder) {
   if (!on) builder.SetOption(std::make_unique<WithoutReflection>());
 }
 
-// Both are process-wide and must be on before the first builder.
+// Both plugins are process-wide and must be enabled before the first builder.
 void EnablePlugins() {
   static const bool kEnabled = [] {
     grpc::EnableDefaultHealthCheckService(true);
@@ -56,9 +56,9 @@ void EnablePlugins() {
   (void)kEnabled;
 }
 
-// Breaks off calls that were answered, and whose client takes nothing for as long as it may be
-// silent, or a tenth longer.
-std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
+// Cancels ended calls whose client has not read the response within the idle timeout, or up to a
+// tenth later.
+std::unique_ptr<SilenceLimit> WatchUnreadResponses(CallHost& host) {
   const auto longest = host.limits.options().longest_silence;
   const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
   return std::make_unique<SilenceLimit>(
@@ -66,13 +66,14 @@ std::unique_ptr<SilenceLimit> WatchUntaken(CallHost& host) {
       [&gate = host.gate, longest] { gate.CancelEndedBefore(CallGate::Clock::now() - longest); });
 }
 
-// How long clients have to close their connections before they are cut.
-constexpr milliseconds kFarewell{100};
+// Time for clients to close their connections before the server closes them.
+constexpr milliseconds kCloseTime{100};
 
-// Of calls on their way in and out, of all clients; one may have half of it.
+// Returns the memory budget for messages in transit of all clients, in bytes. One client may use
+// half of it.
 std::int64_t TransportMemory(const CallLimitOptions& calls) {
-  constexpr std::int64_t kMost = 192 << 20;
-  return std::min(calls.message_memory_bytes, kMost);
+  constexpr std::int64_t kMax = 192 << 20;
+  return std::min(calls.message_memory_bytes, kMax);
 }
 
 constexpr const char* kServiceNames[] = {
@@ -93,8 +94,8 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
   if (!server->host_->access.CanBeAdministered(NowMicroseconds())) {
     spdlog::warn(
-        "no token of an administrator holds, so that nobody can make one: give --admin-token-file, "
-        "or start once on 127.0.0.1 and make one there (`motiondb token create --role admin`)");
+        "no valid admin token exists: set --admin-token-file, or start once on 127.0.0.1 and "
+        "create one there with `motiondb token create --role admin`");
   }
   if (const std::string& file = options.security.admin_token_file; !file.empty()) {
     server->admin_token_ = std::make_unique<FileWatch>(
@@ -105,10 +106,10 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
         });
   }
   if (options.security.tls.enabled()) {
-    const auto tell_end = [&monitor = *server->monitor_](std::int64_t end_time_s) {
+    const auto set_end = [&monitor = *server->monitor_](std::int64_t end_time_s) {
       monitor.SetCertificateEnd(end_time_s);
     };
-    MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, tell_end));
+    MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, set_end));
   }
   MOTIONDB_RETURN_IF_ERROR(server->Listen(options, plan.reflection));
   server->health_ =
@@ -127,7 +128,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
                          CallMemory(calls.message_memory_bytes),
                          {},
                          *monitor_}) {
-  untaken_ = WatchUntaken(*host_);
+  idle_watch_ = WatchUnreadResponses(*host_);
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
   services_.push_back(MakeModelService(*host_));
@@ -146,12 +147,12 @@ absl::Status Server::Listen(const ServerOptions& options, bool reflection) {
   SetReflection(reflection, builder);
   builder.SetMaxReceiveMessageSize(options.max_message_bytes);
   for (const auto& service : services_) builder.RegisterService(service.get());
-  // It listens nowhere: all calls come by the listener, through the channel within the process.
+  // gRPC has no port: all calls come from the listener through the in-process channel.
   grpc_ = builder.BuildAndStart();
   if (grpc_ == nullptr)
-    return absl::InternalError("gRPC does not start; --log-level debug shows more");
+    return absl::InternalError("gRPC did not start; see the log with --log-level debug");
   grpc::ChannelArguments arguments;
-  arguments.SetMaxReceiveMessageSize(-1);  // of answers, which the server bounds itself
+  arguments.SetMaxReceiveMessageSize(-1);  // responses have their own limits
   auto bridge = std::make_unique<CallBridge>(grpc::GenericStub(grpc_->InProcessChannel(arguments)),
                                              TransportMemory(options.calls), host_->limits,
                                              static_cast<std::uint32_t>(options.max_message_bytes));
@@ -174,28 +175,28 @@ void Server::Drain(milliseconds grace) {
   health_.reset();
   grpc_->GetHealthCheckService()->Shutdown();
   host_->gate.Close();
-  // Calls that wait for an operation end with this, and builds stop.
+  // Ends calls that wait for an operation, and stops builds.
   engine_->Drain();
   host_->gate.AwaitEmpty(latest);
-  // No call is left, or none that may stay; the moment is for clients to take notice.
-  const milliseconds farewell = std::min(grace, kFarewell);
-  if (listener_ != nullptr) listener_->Close(farewell);
-  grpc_->Shutdown(std::chrono::system_clock::now() + farewell);
+  // All calls have ended or `grace` is over. Clients get a moment to close their connections.
+  const milliseconds close_time = std::min(grace, kCloseTime);
+  if (listener_ != nullptr) listener_->Close(close_time);
+  grpc_->Shutdown(std::chrono::system_clock::now() + close_time);
   listener_.reset();
 }
 
 namespace {
 
-constexpr std::chrono::milliseconds kPeriod{1000};
+constexpr std::chrono::milliseconds kCheckPeriod{1000};
 
-// "" is the server as a whole.
-constexpr const char* kNeedWrites[] = {"", "motiondb.v1.ClipService",
-                                       "motiondb.v1.DatabaseService"};
+// Services that are NOT_SERVING while writes fail; "" is the server as a whole.
+constexpr const char* kWritingServices[] = {"", "motiondb.v1.ClipService",
+                                            "motiondb.v1.DatabaseService"};
 
 }  // namespace
 
 struct HealthWatch::State {
-  std::atomic<bool> is_looking = false;
+  std::atomic<bool> is_checking = false;
   storage::Mutex mutex;
   grpc::HealthCheckServiceInterface* health ABSL_GUARDED_BY(mutex) =
       nullptr;  // null: the watch has ended
@@ -205,10 +206,10 @@ struct HealthWatch::State {
 HealthWatch::HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health)
     : state_(std::make_shared<State>()),
       timer_(std::make_unique<SilenceLimit>(
-          engine.workers(), kPeriod, kPeriod, [&engine, state = state_] {
-            // The check may wait for the disk: not on a request thread.
-            if (state->is_looking.exchange(true)) return;
-            engine.workers().Post(Pool::kChanges, [&engine, state] { Look(engine, state); });
+          engine.workers(), kCheckPeriod, kCheckPeriod, [&engine, state = state_] {
+            // The check may block on the disk, so it must not run on a request thread.
+            if (state->is_checking.exchange(true)) return;
+            engine.workers().Post(Pool::kChanges, [&engine, state] { Check(engine, state); });
           })) {
   const storage::MutexLock lock(state_->mutex);
   state_->health = &health;
@@ -219,20 +220,19 @@ HealthWatch::~HealthWatch() {
   state_->health = nullptr;
 }
 
-void HealthWatch::Look(Engine& engine, const std::shared_ptr<State>& state) {
-  const absl::Cleanup end = [&] { state->is_looking = false; };
+void HealthWatch::Check(Engine& engine, const std::shared_ptr<State>& state) {
+  const absl::Cleanup end = [&] { state->is_checking = false; };
   const absl::Status writes = engine.store().CheckWrites();
   const storage::MutexLock lock(state->mutex);
   if (state->health == nullptr || state->writes == writes.ok()) return;
   state->writes = writes.ok();
-  for (const char* const service : kNeedWrites) {
+  for (const char* const service : kWritingServices) {
     state->health->SetServingStatus(service, writes.ok());
   }
   if (writes.ok()) {
-    spdlog::info("the store accepts additions again");
+    spdlog::info("store accepts additions again");
   } else {
-    spdlog::error("the store accepts no additions, queries go on: {}",
-                  std::string(writes.message()));
+    spdlog::error("store refuses additions, queries continue: {}", std::string(writes.message()));
   }
 }
 

@@ -1,4 +1,4 @@
-// A running server: the engine behind gRPC, with health checks and reflection.
+// A running server: the engine with its gRPC services, health checks and reflection.
 #pragma once
 
 #include <chrono>
@@ -33,22 +33,21 @@ class Tls;
 // Thread-safe. Owns the store, all threads and the socket.
 class Server {
  public:
-  // Opens the engine and answers from then on. The monitor, one of its own where it is null, sees
-  // the server from here to its end. Codes: those of the store, of PlanSecurity and of ListenOn.
+  // Opens the engine and serves. `monitor`: null creates one. Errors: those of the store, of
+  // PlanSecurity and of ListenOn.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
                                                        const ServerOptions& options,
                                                        std::shared_ptr<Monitor> monitor = nullptr);
-  // Ends at once what still runs.
+  // Drains without a grace time.
   ~Server();
 
-  // HOST:PORT that clients reach it at.
+  // HOST:PORT for clients.
   const std::string& address() const { return address_; }
   Engine& engine() { return *engine_; }
   Monitor& monitor() { return *monitor_; }
 
-  // Says NOT_SERVING to health checks, answers new calls with UNAVAILABLE, leaves builds to the
-  // next server, and returns when all calls have ended; those that have not after `grace` are
-  // cancelled.
+  // Reports NOT_SERVING to health checks, refuses new calls with UNAVAILABLE, and leaves builds to
+  // the next server. Returns when all calls have ended; after `grace` they are cancelled.
   void Drain(std::chrono::milliseconds grace);
 
  private:
@@ -60,8 +59,8 @@ class Server {
   const std::unique_ptr<Engine> engine_;
   const Monitor::Attachment attachment_;
   const std::unique_ptr<CallHost> host_;
-  std::unique_ptr<SilenceLimit> untaken_;   // looks after answers that nobody takes
-  std::unique_ptr<FileWatch> admin_token_;  // null: there is no file of it
+  std::unique_ptr<SilenceLimit> idle_watch_;  // cancels calls with unread responses
+  std::unique_ptr<FileWatch> admin_token_;    // null: no admin token file
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
@@ -70,23 +69,23 @@ class Server {
   std::string address_;
 };
 
-// Keeps gRPC's health service in step with the store: while additions fail, for lack of room or
-// because the disk fails, the server as a whole and the services that add are NOT_SERVING. Services
-// that only read stay SERVING. It looks every second, on the thread of urgent changes.
 class SilenceLimit;
 
+// Updates gRPC's health service every second, on the thread of urgent changes. While the store
+// refuses additions (disk full or failing), the server as a whole and the services that add data
+// are NOT_SERVING. Read-only services stay SERVING.
 class HealthWatch {
  public:
-  // All services are SERVING at first. The engine must outlive the watch; the health service is not
-  // used after its destruction.
+  // All services are SERVING at first. The engine must outlive the watch. The health service is not
+  // used after the watch is destroyed.
   HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health);
   ~HealthWatch();
 
  private:
   struct State;
-  static void Look(Engine& engine, const std::shared_ptr<State>& state);
+  static void Check(Engine& engine, const std::shared_ptr<State>& state);
 
-  const std::shared_ptr<State> state_;  // shared with work that is posted
+  const std::shared_ptr<State> state_;  // shared with posted work
   const std::unique_ptr<SilenceLimit> timer_;
 };
 

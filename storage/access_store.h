@@ -1,5 +1,4 @@
-// Where bearer tokens and the record of changes are kept, beside the motion, and on what terms a
-// store is changed.
+// Interface of the storage of bearer tokens and the audit log, and the options of a write.
 #pragma once
 
 #include <cstdint>
@@ -11,40 +10,38 @@
 
 namespace motiondb::storage {
 
-// On what terms something in a store is changed.
 struct AuditRecord;
 
+// Options of a write to a store.
 struct ChangeTerms {
-  // The entry in the record of changes: kept with the change, or neither is. Null: there is none.
+  // Audit entry, stored in the same transaction as the change. Null: no entry.
   const AuditRecord* audit = nullptr;
-  // Asked while the change waits for its turn, and not once it is being made: CANCELLED, with
-  // nothing changed.
+  // Polled while the change waits in the queue, not after it has begun. If it returns true, the
+  // call returns CANCELLED and changes nothing.
   core::Cancelled cancelled;
 };
 
-// Where bearer tokens and the record of changes are kept, beside the motion. Implementations are
-// safe to call from any thread; a call that changes something returns when the change is durable.
-// Times are microseconds since the Unix epoch.
+// All times are microseconds since the Unix epoch.
 
-// Each may do what those before it may.
+// Each role includes the permissions of the roles before it.
 enum class Role { kReader = 1, kIngester = 2, kAdmin = 3 };
 
-// A bearer token without its secret, of which only a salted hash is kept.
+// A bearer token. Only a salted hash of its secret is stored.
 struct TokenRecord {
-  std::string id;  // no secret
+  std::string id;  // not secret
   Role role = Role::kReader;
-  std::string database;  // the one it is good for; empty: all
+  std::string database;  // the only database that the token is valid for; empty: all
   std::string description;
   std::string salt;
   std::string secret_hash;
   std::int64_t create_time_us = 0;
   std::int64_t expire_time_us = 0;  // 0: never
-  std::int64_t revoke_time_us = 0;  // 0: it is good
+  std::int64_t revoke_time_us = 0;  // 0: not revoked
 };
 
-// One change that was made, or tried; or a copy of the whole store that was taken.
+// An attempted or completed change, or a backup.
 struct AuditRecord {
-  std::int64_t sequence = 0;  // rises with each entry; given by the store
+  std::int64_t sequence = 0;  // increases with each entry; set by the store
   std::int64_t time_us = 0;
   std::string principal;
   std::string peer;
@@ -54,26 +51,29 @@ struct AuditRecord {
   std::string request_id;
 };
 
+// Thread-safe. A call that changes something returns when the change is durable.
 class AccessStore {
  public:
   virtual ~AccessStore() = default;
 
-  // ALREADY_EXISTS if the id is taken.
+  // ALREADY_EXISTS if the id exists.
   virtual absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) = 0;
-  // NOT_FOUND.
+  // NOT_FOUND if there is no such token.
   virtual absl::StatusOr<TokenRecord> GetToken(const std::string& id) = 0;
-  // In the order in which they were made: those after the token `after` (empty: from the first), at
-  // most `limit`. NOT_FOUND if there is no token `after`.
+  // Returns at most `limit` tokens after the token `after` (empty: from the first), in order of
+  // creation. NOT_FOUND if the token `after` does not exist.
   virtual absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after,
                                                               int limit) = 0;
-  // The record as it then stands; one that was revoked keeps its time. NOT_FOUND.
+  // Returns the updated record. A token that is already revoked keeps its revoke time. NOT_FOUND
+  // if there is no such token.
   virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
                                                   const ChangeTerms& terms = {}) = 0;
 
-  // The last hundred thousand entries are kept. `cancelled` as ChangeTerms has it.
+  // The last 100,000 entries are kept. `cancelled`: see ChangeTerms.
   virtual absl::Status AddAuditRecord(const AuditRecord& record,
                                       const core::Cancelled& cancelled = {}) = 0;
-  // Newest first: those of a lower sequence than `before` (0: from the newest), at most `limit`.
+  // Returns at most `limit` entries with a sequence below `before` (0: from the newest), newest
+  // first.
   virtual absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                                     int limit) = 0;
 };

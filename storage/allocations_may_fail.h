@@ -1,12 +1,12 @@
-// Which work can do without the memory that it asks for: it throws std::bad_alloc, and whoever
-// asked for the work gets a status. The process may keep a reserve for all other work
+// Marks work that may fail if memory runs out: it throws std::bad_alloc, and the caller gets a
+// status. For all other work the process may keep a memory reserve
 // (server/engine/memory_reserve.h).
 #pragma once
 
 namespace motiondb::storage {
 
-// On the thread that made it, while it lives: failed allocations throw std::bad_alloc immediately.
-// May be nested. Whoever makes one catches the exception.
+// During its lifetime, failed allocations on its thread throw std::bad_alloc immediately. The code
+// that creates it catches the exception. Scopes may nest.
 class AllocationsMayFail {
  public:
   AllocationsMayFail() { ++depth_; }
@@ -14,7 +14,7 @@ class AllocationsMayFail {
   AllocationsMayFail(const AllocationsMayFail&) = delete;
   AllocationsMayFail& operator=(const AllocationsMayFail&) = delete;
 
-  // Of this thread.
+  // Returns whether a scope is active on this thread.
   static bool hold() { return depth_ > 0; }
 
  private:

@@ -1,5 +1,4 @@
-// A mutex that is held for long, and waited for no longer than somebody wants what it guards.
-// Thread-safe.
+// A mutex that may be held for long. Waiting for it can be cancelled.
 #pragma once
 
 #include <memory>
@@ -11,7 +10,7 @@
 namespace motiondb::storage {
 
 inline absl::Status NotWanted() {
-  return absl::CancelledError("what was asked for was no longer wanted when its turn came");
+  return absl::CancelledError("the request was cancelled while it waited in the queue");
 }
 
 class CancellableMutex {
@@ -19,10 +18,10 @@ class CancellableMutex {
   struct Unlock {
     void operator()(CancellableMutex* mutex) const { mutex->Release(); }
   };
-  // Holds the mutex while it lives. Null: holds none.
+  // Releases the mutex on destruction. Null: holds no mutex.
   using Holder = std::unique_ptr<CancellableMutex, Unlock>;
 
-  // CANCELLED, without the mutex, soon after `cancelled` says so.
+  // Waits for the mutex. Returns CANCELLED within about 20 ms after `cancelled` returns true.
   absl::StatusOr<Holder> Lock(const core::Cancelled& cancelled) {
     const MutexLock lock(mutex_);
     const bool is_free = released_.WaitUnless(mutex_, cancelled, [this] {

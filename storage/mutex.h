@@ -1,5 +1,5 @@
-// std::mutex with the annotations that clang checks (-Wthread-safety). absl::Mutex has them too,
-// but the thread sanitizer does not see into Debian's build of it.
+// std::mutex with annotations for clang's -Wthread-safety. absl::Mutex has them too, but the thread
+// sanitizer cannot instrument Debian's build of it.
 #pragma once
 
 #include <chrono>
@@ -17,14 +17,14 @@ class ABSL_LOCKABLE Mutex {
   void lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
   void unlock() ABSL_UNLOCK_FUNCTION() { mutex_.unlock(); }
   bool try_lock() ABSL_EXCLUSIVE_TRYLOCK_FUNCTION(true) { return mutex_.try_lock(); }
-  // Tells the check that the mutex is held: in the condition of a wait, say.
+  // Tells the static analysis that the mutex is held, for example in the condition of a wait.
   void AssertHeld() const ABSL_ASSERT_EXCLUSIVE_LOCK() {}
 
  private:
   std::mutex mutex_;
 };
 
-// A thread that holds it may lock it once more.
+// The thread that holds it may lock it again.
 class ABSL_LOCKABLE RecursiveMutex {
  public:
   void lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
@@ -34,7 +34,7 @@ class ABSL_LOCKABLE RecursiveMutex {
   std::recursive_mutex mutex_;
 };
 
-// Held by one who changes what it guards, or by several who read it.
+// Held by one writer or by several readers.
 class ABSL_LOCKABLE SharedMutex {
  public:
   void lock() ABSL_EXCLUSIVE_LOCK_FUNCTION() { mutex_.lock(); }
@@ -46,7 +46,7 @@ class ABSL_LOCKABLE SharedMutex {
   std::shared_mutex mutex_;
 };
 
-// Holds a mutex while it lives, alone.
+// Holds a mutex exclusively during its lifetime.
 template <typename Lockable>
 class ABSL_SCOPED_LOCKABLE MutexLock {
  public:
@@ -61,7 +61,7 @@ class ABSL_SCOPED_LOCKABLE MutexLock {
   Lockable& mutex_;
 };
 
-// Holds a mutex while it lives, beside others who read.
+// Holds a mutex shared with other readers during its lifetime.
 class ABSL_SCOPED_LOCKABLE ReadLock {
  public:
   explicit ReadLock(SharedMutex& mutex) ABSL_SHARED_LOCK_FUNCTION(mutex) : mutex_(mutex) {
@@ -76,17 +76,17 @@ class ABSL_SCOPED_LOCKABLE ReadLock {
 };
 
 #ifdef __SANITIZE_THREAD__
-using WaitClock = std::chrono::system_clock;  // of waits by the steady one GCC 12's knows nothing
+using WaitClock = std::chrono::system_clock;  // GCC 12's tsan does not see steady_clock waits
 #else
 using WaitClock = std::chrono::steady_clock;
 #endif
 
-// When a waiting thread next asks whether it is cancelled.
+// Returns when a waiting thread polls its cancellation next.
 inline WaitClock::time_point NextQuestion() {
   return WaitClock::now() + std::chrono::milliseconds(20);
 }
 
-// What threads wait for, under a mutex: `condition` is called with it held.
+// Waits for a condition. `condition` is called with the mutex held.
 class ConditionVariable {
  public:
   void NotifyOne() { changed_.notify_one(); }
@@ -96,14 +96,14 @@ class ConditionVariable {
   void Wait(Mutex& mutex, const Condition& condition) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     changed_.wait(mutex, condition);
   }
-  // False where the condition does not hold by then.
+  // Returns false if the condition is still false at `end`.
   template <typename Condition>
   bool WaitUntil(Mutex& mutex, WaitClock::time_point end, const Condition& condition)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     return changed_.wait_until(mutex, end, condition);
   }
-  // False if `cancelled`, which is called with the mutex held, says so before the condition holds:
-  // it is asked first, and then every 20 ms. Where it is empty, this waits as long as it takes.
+  // Returns false if `cancelled` returns true before the condition does. `cancelled` is called with
+  // the mutex held: immediately, and then every 20 ms. If it is empty, the wait is unlimited.
   template <typename Condition>
   bool WaitUnless(Mutex& mutex, const core::Cancelled& cancelled, const Condition& condition)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {

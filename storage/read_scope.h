@@ -1,4 +1,4 @@
-// How long a read of a store waits for its turn: no longer than the caller wants the answer.
+// Cancellation of reads that wait for a connection.
 #pragma once
 
 #include <utility>
@@ -7,9 +7,9 @@
 
 namespace motiondb::storage {
 
-// While it lives, reads of this thread that wait for their turn give up with CANCELLED soon after
-// `cancelled` says so. An empty function: they wait as long as it takes, as without a scope. Scopes
-// nest. The function must outlive the scope.
+// During its lifetime, reads of this thread that wait for a connection return CANCELLED within
+// about 20 ms after `cancelled` returns true. With an empty function, or without a scope, they wait
+// without limit. Scopes nest. The function must outlive the scope.
 class ReadScope {
  public:
   explicit ReadScope(const core::Cancelled& cancelled)
@@ -18,7 +18,7 @@ class ReadScope {
   ReadScope& operator=(const ReadScope&) = delete;
   ~ReadScope() { current_ = outer_; }
 
-  // Of this thread; empty without a scope.
+  // Returns the function of this thread's innermost scope; empty without a scope.
   static core::Cancelled cancelled() { return current_ == nullptr ? core::Cancelled() : *current_; }
 
  private:

@@ -1,4 +1,4 @@
-// What a store keeps, as plain values. Times are microseconds since the Unix epoch.
+// The records of a store. Times are microseconds since the Unix epoch.
 #pragma once
 
 #include <cstdint>
@@ -18,10 +18,10 @@
 namespace motiondb::storage {
 
 struct DatabaseRecord {
-  std::string name;  // the id alone, without "databases/"
+  std::string name;  // the id, without "databases/"
   core::BuildSettings settings;
   std::string marker_set;       // name of the set; "source" until the first clip names it
-  std::string marker_set_text;  // a marker-set file; empty for `source` until the first clip
+  std::string marker_set_text;  // content of a marker-set file; empty for `source` until then
   std::int64_t create_time_us = 0;
 };
 
@@ -31,7 +31,7 @@ struct ClipRecord {
   std::string label;
   std::string subject;
   std::string file_name;           // without folders
-  std::string skeleton_file_name;  // of the ASF that came with an AMC; empty otherwise
+  std::string skeleton_file_name;  // the ASF file of an AMC file; empty otherwise
   core::FileFormat format = core::FileFormat::kBvh;
   std::int32_t frame_count = 0;  // at the database's frame rate
   double duration_seconds = 0;
@@ -39,44 +39,45 @@ struct ClipRecord {
   double leg_length_m = 0;
   std::string skeleton_id;  // empty for bare markers
   std::string source_report;
-  std::uint64_t content_hash =
-      0;  // of motion and skeleton bytes; tells the same file ingested twice
+  // Hash of the motion and skeleton bytes; detects a file that is ingested twice.
+  std::uint64_t content_hash = 0;
   std::int64_t create_time_us = 0;
-  std::int64_t byte_count = 0;  // that its blobs take; told by the store
+  std::int64_t byte_count = 0;  // size of its blobs; set by the store
 
-  // What the ingest was given, to derive the states again with.
+  // Conventions given on ingest, to derive the states again.
   core::ReadOptions given;
   std::optional<double> given_leg_length_m;
-  // That made the states (core::kRepresentationVersion).
+  // Version of the code that made the states (core::kRepresentationVersion).
   std::int32_t representation_version = core::kRepresentationVersion;
-  // The last attempt to derive them: by which version, when, and why it failed (empty: it did not).
-  // A clip that was tried by a newer version than made its states is in no model.
+  // The last attempt to derive the states: version of the code, time, and error (empty: success). A
+  // clip is in no new model if tried_version is above representation_version.
   std::int32_t tried_version = core::kRepresentationVersion;
   std::int64_t tried_time_us = 0;
   std::string derive_error;
 };
 
-// A clip on its way in.
+// A clip to add.
 struct NewClip {
-  ClipRecord record;  // id: the wanted one; see MotionStore::AddClip
+  ClipRecord record;  // id: the requested one; see MotionStore::AddClip
   bool id_is_fixed = false;
   std::string file_bytes;
   std::string skeleton_bytes;
-  core::StateSequence states;  // not scaled
+  core::StateSequence states;  // unscaled
   std::optional<core::Skeleton> skeleton;
-  std::optional<std::string> marker_set_text;  // first clip of a `source` database: its scheme
-  // The entry of the record of changes that is kept in the same transaction, of the clip as stored;
-  // empty: none. May be called more than once, on the thread that writes.
+  std::optional<std::string>
+      marker_set_text;  // marker set of the first clip of a `source` database
+  // Makes the audit entry of the stored clip, which is stored in the same transaction; empty: no
+  // entry. May be called more than once, on the writer thread.
   std::function<AuditRecord(const ClipRecord&)> audit;
-  core::Cancelled cancelled;  // as ChangeTerms has it
+  core::Cancelled cancelled;  // see ChangeTerms
 };
 
-// A clip after its states were derived again from its file, or could not be.
+// The result of an attempt to derive a clip's states from its file again.
 struct DerivedClip {
-  // As it was listed, but for frame_count, duration_seconds, leg_length_m, source_report and what
-  // tells of the attempt.
+  // The record as listed, with new frame_count, duration_seconds, leg_length_m, source_report,
+  // representation_version, tried_version, tried_time_us and derive_error.
   ClipRecord record;
-  std::optional<core::StateSequence> states = std::nullopt;  // none: those that are stored stay
+  std::optional<core::StateSequence> states = std::nullopt;  // none: the stored states stay
 };
 
 struct ClipSource {
@@ -89,7 +90,7 @@ struct SkeletonRecord {
   core::Skeleton skeleton;
 };
 
-// The figures of a model; kept for superseded ones too.
+// The statistics of a model; also kept for former models.
 struct ModelRecord {
   std::string database;
   std::int32_t version = 0;
@@ -100,20 +101,20 @@ struct ModelRecord {
   std::int32_t clip_count = 0;
   std::int32_t dimension_count = 0;
   std::vector<std::int32_t> nodes_per_layer;  // layer 1 first
-  // Of the clips and frames, those that were added after the build.
+  // Clips and frames that were added after the build; included in the counts above.
   std::int32_t added_clip_count = 0;
   std::int32_t added_frame_count = 0;
   double drift_fraction = 0;  // core::ModelDrift
 };
 
-// How the current model differs from the clips that are stored.
+// Differences between the current model and the stored clips.
 struct ModelStaleness {
-  // Ids of clips that it does not know, ascending; but of those whose states are of another version
-  // (core::kRepresentationVersion), which are in no new model.
+  // Ids of stored clips that are not in the model, ascending. Without clips whose states have
+  // another representation version than core::kRepresentationVersion: no new model contains them.
   std::vector<std::string> missing;
-  int removed = 0;    // clips that it knows and that were deleted, or have other states by now
-  int outdated = 0;   // clips that it knows by states that were replaced, or of another version
-  int to_derive = 0;  // stored clips that the present version has not tried to derive
+  int removed = 0;    // clips of the model that were deleted, or whose states were replaced
+  int outdated = 0;   // clips of the model with replaced states, or states of another version
+  int to_derive = 0;  // stored clips that this version has not tried to derive
 
   bool empty() const { return missing.empty() && removed == 0 && outdated == 0 && to_derive == 0; }
 };
@@ -127,8 +128,8 @@ enum class OperationState {
 };
 
 enum class OperationKind {
-  kRebuild = 1,   // of the model, after clips came or went
-  kReprocess = 2  // the same, after all clips were derived again
+  kRebuild = 1,   // builds the model after clips were added or deleted
+  kReprocess = 2  // derives all clips again, then builds the model
 };
 
 struct OperationRecord {

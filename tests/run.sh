@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds, and runs every test (under tsan those that it can judge), or some.
+# Installs missing packages, builds, and runs all tests (under tsan only the suitable ones) or some.
 #   tests/run.sh [PRESET] [TEST...] [CTEST OPTIONS...]
 #     PRESET: release (default), dev, asan, tsan
-#     TEST: a test program, for example tree_tests: builds and runs it alone
+#     TEST: a test program, for example tree_tests: builds and runs only that one
 set -euo pipefail
 cd "$(dirname "$0")/.."
 preset=${1:-release}
@@ -14,22 +14,23 @@ while [[ ${1:-} = *_tests ]]; do
 done
 
 ./deploy/install_packages.sh build test
-# Tests are asked for: the folder may be one that was configured without.
+# The build folder may have been configured without tests.
 cmake --preset "$preset" -DMOTIONDB_BUILD_TESTS=ON >"/tmp/motiondb-configure-$$.log" 2>&1 ||
   { cat "/tmp/motiondb-configure-$$.log" >&2; rm -f "/tmp/motiondb-configure-$$.log"; exit 1; }
 rm -f "/tmp/motiondb-configure-$$.log"
-timeout=900  # seconds, after which a test is taken to hang
+timeout=900  # seconds; a test that takes longer hangs
 if [ "$preset" != release ]; then
   timeout=1800
   export MOTIONDB_TEST_SLOWNESS=10
-  # Which of the writes a power cut loses is tried in the release build; the code is the same for all.
+  # The release build tries all writes that a power cut can lose; the code is equal in all builds.
   export MOTIONDB_FAULT_SEEDS=${MOTIONDB_FAULT_SEEDS:-2}
   export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}"
 fi
-# Sanitizers find nothing new in tests of documents, packaging and figures.
+# Sanitizers find nothing new in tests of documents, packaging and accuracy.
 [[ "$preset" != *san ]] || set -- -LE '^once$' "$@"
 if [ "$preset" = tsan ] && [ ${#tests[@]} = 0 ]; then
-  # Debian's gRPC is not instrumented, so the thread sanitizer sees core, storage and the jobs.
+  # Debian's gRPC is not instrumented, so only core, storage and the jobs run under the thread
+  # sanitizer.
   tests=({motion,format,kinematics,tree,graph,model,inference,calibration,recognition}_tests
          {estimation,prediction,observe,planning,storage,storage_commit}_tests
          server_{engine,observability}_tests)

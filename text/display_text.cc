@@ -12,7 +12,7 @@
 namespace motiondb::text {
 namespace {
 
-// What may follow a token in an error or a log line. None of it can be part of a secret.
+// Characters that end a token in a text. A secret contains none of them.
 constexpr std::string_view kTokenEnds = " \t\r\n/'\"`,;:@()[]{}<>";
 
 std::string WithoutControls(std::string_view text, std::string_view replacement,
@@ -85,7 +85,7 @@ std::string WithoutSecrets(std::string_view text) {
     if (end > text.size() || text[end - 1] != '_' || !std::ranges::all_of(id, [](char c) {
           return absl::ascii_isxdigit(static_cast<unsigned char>(c));
         })) {
-      // No token's beginning: another may begin right after its first letter.
+      // Not a token. The next prefix may begin within this one: skip one character.
       shown.append(text.substr(0, begin + 1));
       text.remove_prefix(begin + 1);
       continue;

@@ -30,10 +30,10 @@ bool IsUtf8(std::string_view text) {
 
 bool ContinuesCharacter(char byte) { return (static_cast<std::uint8_t>(byte) & 0xC0) == 0x80; }
 
-std::string_view CutAt(std::string_view text, std::size_t most) {
-  if (text.size() <= most) return text;
-  while (most > 0 && ContinuesCharacter(text[most])) --most;
-  return text.substr(0, most);
+std::string_view CutAt(std::string_view text, std::size_t max_bytes) {
+  if (text.size() <= max_bytes) return text;
+  while (max_bytes > 0 && ContinuesCharacter(text[max_bytes])) --max_bytes;
+  return text.substr(0, max_bytes);
 }
 
 std::string ValidUtf8(std::string_view text) {

@@ -1,4 +1,4 @@
-// UTF-8. Texts of files and of clients need not be valid; protobuf strings must be. Pure functions.
+// UTF-8. Texts from files and clients may be invalid; protobuf strings must be valid.
 #pragma once
 
 #include <cstddef>
@@ -14,22 +14,22 @@ struct Character {
   std::size_t bytes = 0;  // 0: the text does not begin with well-formed UTF-8
 };
 
-// The first character of a text that is not empty (Unicode, table 3-7).
+// Returns the first character of a non-empty text (Unicode, table 3-7).
 Character FirstCharacter(std::string_view text);
 
-// Whether the text is well-formed UTF-8.
+// Returns whether the text is well-formed UTF-8.
 bool IsUtf8(std::string_view text);
 
-// Whether a byte is the second or a later one of a character.
+// Returns whether a byte is a continuation byte of a character.
 bool ContinuesCharacter(char byte);
 
-// The text up to the last end of a character within its first `most` bytes.
-std::string_view CutAt(std::string_view text, std::size_t most);
+// Returns the longest prefix of whole characters with at most `max_bytes` bytes.
+std::string_view CutAt(std::string_view text, std::size_t max_bytes);
 
-// The text with every byte that is not part of valid UTF-8 replaced by U+FFFD.
+// Returns the text with each invalid byte replaced by U+FFFD.
 std::string ValidUtf8(std::string_view text);
 
-// The same, cut to at most `limit` bytes, which are 3 or more, with "..." if something was cut.
+// As above, cut to at most `limit` bytes (at least 3); ends with "..." if it was cut.
 std::string ValidUtf8(std::string_view text, std::size_t limit);
 
 }  // namespace motiondb::text

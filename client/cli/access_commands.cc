@@ -1,4 +1,4 @@
-// motiondb audit: what was changed or backed up, by whom, when and from where.
+// motiondb audit: lists the audit log. motiondb token: creates, lists and revokes tokens.
 
 #include <fmt/format.h>
 #include <google/protobuf/util/time_util.h>
@@ -24,7 +24,7 @@ struct AuditOptions {
 };
 
 void Declare(CLI::App& command, AuditOptions& options) {
-  command.add_option("--count", options.count, "How many, the newest first")
+  command.add_option("--count", options.count, "Number of entries, newest first")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
 }
@@ -52,19 +52,18 @@ absl::Status Run(const AuditOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddAuditCommand(CommandLine line) {
-  AddCommand<AuditOptions>(line, "audit",
-                           "List what was changed or backed up, by whom, when and from where",
-                           Declare, Run);
+  AddCommand<AuditOptions>(
+      line, "audit", "List changes and backups: who, what, when and from where", Declare, Run);
 }
 
-// motiondb token create|list|revoke: who may call the server.
+// motiondb token create|list|revoke.
 
 namespace {
 
 struct TokenCreateOptions {
   v1::Role role = v1::ROLE_UNSPECIFIED;
   std::string database;
-  double lifetime_seconds = 0;  // 0: for ever
+  double lifetime_seconds = 0;  // 0: unlimited
   std::string description;
 };
 
@@ -80,20 +79,21 @@ void DeclareCreate(CLI::App& command, TokenCreateOptions& options) {
   command
       .add_option_function<std::string>(
           "--role", [&options, roles](const std::string& word) { options.role = roles.at(word); },
-          "reader: asks, lists, exports; ingester: also stores and deletes clips; admin: "
-          "everything")
+          "reader: query, list, export; ingester: also store and delete clips; admin: everything")
       ->required()
       ->type_name("ROLE")
       ->check(CLI::IsMember(roles));
-  command.add_option("--database", options.database, "Good for this database alone")
+  command.add_option("--database", options.database, "Restrict the token to this database")
       ->type_name("DB");
   const std::map<std::string, double> units = {
       {"s", 1}, {"m", 60}, {"h", 3600}, {"d", 86400}, {"w", 604800}};
-  command.add_option("--expires", options.lifetime_seconds, "Good for so long: 30d, 12h, 90m")
+  command
+      .add_option("--expires", options.lifetime_seconds, "Lifetime: 30d, 12h, 90m; else unlimited")
       ->type_name("TIME")
       ->transform(CLI::AsNumberWithUnit(units, CLI::AsNumberWithUnit::UNIT_REQUIRED, "TIME"))
       ->check(PositiveNumber());
-  command.add_option("--description", options.description, "What it is for")->type_name("TEXT");
+  command.add_option("--description", options.description, "Purpose of the token")
+      ->type_name("TEXT");
 }
 
 absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& global) {
@@ -103,9 +103,9 @@ absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& g
   request.set_role(options.role);
   if (!options.database.empty()) request.set_database(DatabaseName(options.database));
   if (options.lifetime_seconds > 0) {
-    const double most = 1e10;  // more than the server takes, and no overflow
+    const double max_seconds = 1e10;  // more than the server accepts, without overflow
     *request.mutable_lifetime() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
-        std::llround(std::min(options.lifetime_seconds, most) * 1000));
+        std::llround(std::min(options.lifetime_seconds, max_seconds) * 1000));
   }
   request.set_description(options.description);
   const auto response = client->CreateToken(request);
@@ -114,8 +114,8 @@ absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& g
     PrintJson(*response);
     return absl::OkStatus();
   }
-  // The secret alone on standard output, so that it can go straight into a file.
-  fmt::print(stderr, "{}. Keep what follows: it is not shown again.\n",
+  // Only the secret goes to standard output, so that it can be redirected into a file.
+  fmt::print(stderr, "{}. Keep the following secret; it is not shown again.\n",
              text::DisplayText(TokenText(response->token())));
   PrintLineText(response->secret());
   return absl::OkStatus();
@@ -137,7 +137,7 @@ absl::Status RunList(const TokenListOptions&, const GlobalOptions& global) {
 }
 
 void DeclareRevoke(CLI::App& command, TokenRevokeOptions& options) {
-  command.add_option("TOKEN", options.token, "As `motiondb token list` names it")->required();
+  command.add_option("TOKEN", options.token, "Name in `motiondb token list`")->required();
 }
 
 absl::Status RunRevoke(const TokenRevokeOptions& options, const GlobalOptions& global) {
@@ -158,15 +158,16 @@ absl::Status RunRevoke(const TokenRevokeOptions& options, const GlobalOptions& g
 }  // namespace
 
 void AddTokenCommand(CommandLine line) {
-  CLI::App* token = line.app.add_subcommand("token", "Make, list or revoke tokens");
+  CLI::App* token = line.app.add_subcommand("token", "Create, list or revoke tokens");
   token->fallthrough();
   token->require_subcommand(1);
   const CommandLine inner{*token, line.global, line.chosen};
-  AddCommand<TokenCreateOptions>(inner, "create", "Make a token and print its secret, once",
+  AddCommand<TokenCreateOptions>(inner, "create", "Create a token and print its secret, once",
                                  DeclareCreate, RunCreate);
   AddCommand<TokenListOptions>(inner, "list", "List tokens, without their secrets", DeclareList,
                                RunList);
-  AddCommand<TokenRevokeOptions>(inner, "revoke", "End a token at once", DeclareRevoke, RunRevoke);
+  AddCommand<TokenRevokeOptions>(inner, "revoke", "Revoke a token immediately", DeclareRevoke,
+                                 RunRevoke);
 }
 
 }  // namespace motiondb::client

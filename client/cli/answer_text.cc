@@ -17,15 +17,15 @@ namespace motiondb::client {
 
 namespace {
 
-// Labels shown of each window.
-constexpr int kLabelsOfWindow = 3;
-// A label less probable than this, after the first, says nothing.
-constexpr double kShownProbability = 0.005;
+// Number of labels shown for each window.
+constexpr int kShownLabels = 3;
+// Less probable labels are not shown, except the first.
+constexpr double kMinShownProbability = 0.005;
 
 std::string Label(const v1::RecognitionWindow& window, int rank) {
   if (rank >= window.labels_size()) return "";
   const auto& label = window.labels(rank);
-  if (rank > 0 && label.probability() < kShownProbability) return "";
+  if (rank > 0 && label.probability() < kMinShownProbability) return "";
   return fmt::format("{} {:.2f}", LabelWord(label.label()), label.probability());
 }
 
@@ -51,13 +51,13 @@ std::string Summary(const v1::RecognizeResponse& response) {
 
 std::string RecognitionText(const v1::RecognizeResponse& response) {
   std::vector<Table::Column> columns = {{"", Align::kRight}};
-  for (int i = 0; i < kLabelsOfWindow; ++i) columns.push_back({""});
+  for (int i = 0; i < kShownLabels; ++i) columns.push_back({""});
   columns.insert(columns.end(), {{""}, {""}});
   Table table(columns);
   for (const auto& window : response.windows()) {
     std::vector<std::string> cells = {
         fmt::format("{:.2f}-{:.2f} s", window.start_seconds(), window.end_seconds())};
-    for (int i = 0; i < kLabelsOfWindow; ++i) cells.push_back(Label(window, i));
+    for (int i = 0; i < kShownLabels; ++i) cells.push_back(Label(window, i));
     cells.push_back(fmt::format("familiarity {:.2f}", window.familiarity()));
     cells.push_back(window.clips_size() == 0 ? "no clip explains it"
                                              : "best clip " + ShortName(window.clips(0).clip()));
@@ -71,7 +71,7 @@ namespace {
 
 constexpr size_t kLineColumns = 96;
 
-// "  12x5 13x3 ...", broken into lines.
+// Returns "  12x5 13x3 ...", wrapped into lines.
 std::string RunsText(const v1::NodePath& path) {
   std::string text;
   std::string line = " ";
@@ -87,7 +87,7 @@ std::string RunsText(const v1::NodePath& path) {
   return text + line + "\n";
 }
 
-// "missing at 1.20 s:", then a line for each missing marker.
+// Returns "filled in at 1.20 s", then a line for each missing marker.
 std::string FilledText(const v1::FilledFrame& frame, const std::vector<std::string>& marker_names) {
   Table table({{"  MISSING"}, {"x, y, z (m)"}, {"EXPECTED ERROR (m)", Align::kRight}});
   const int markers = std::min({frame.marker_deviations_size(), frame.marker_positions_size() / 3,
@@ -156,7 +156,7 @@ std::string Position(double x, double y, double z) {
   return fmt::format("{:7.3f} {:7.3f} {:7.3f}", x, y, z);
 }
 
-// The mean of all markers: where the body is.
+// Returns the mean of all markers, the position of the body.
 std::string MiddleOf(const v1::PredictedFrame& frame) {
   const int markers = frame.marker_positions_size() / 3;
   double sum[3] = {0, 0, 0};

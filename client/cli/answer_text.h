@@ -1,5 +1,4 @@
-// What a motion was recognized as, where in the tree it is, and what comes next, for a person. Pure
-// functions.
+// Answers of queries as text for the terminal.
 #pragma once
 
 #include <motiondb/messages.h>
@@ -10,30 +9,28 @@
 
 namespace motiondb::client {
 
-// A line for each window: its time, the most probable labels, familiarity and the best clip; then
-// how many windows each label leads.
+// Returns a line for each window: time, most probable labels, familiarity, best clip. The last line
+// has the share of windows of each label.
 std::string RecognitionText(const v1::RecognizeResponse& response);
 
-// The state, then each path with the runs of frames that stay in one node as "NODExFRAMES", then
-// the markers that were missing, with where they are and how far off that may be.
+// Returns the state, each path as runs "NODExFRAMES", and the positions and expected errors of
+// missing markers.
 std::string EstimationText(const v1::EstimateResponse& response,
                            const std::vector<std::string>& marker_names);
 
-// The next nodes with their probabilities; then for each horizon where the body's middle (the mean
-// of all markers) and the first marker are, in metres, with the confidence.
+// Returns the next nodes with their probabilities. For each horizon: confidence, and the positions
+// (m) of the body's middle (the mean of all markers) and of the first marker.
 std::string PredictionText(const v1::PredictResponse& response,
                            const std::vector<std::string>& marker_names);
 
-// A plan, for a person. Pure functions.
-
-// "EXACT".
+// Returns the name of an outcome, such as "EXACT".
 std::string OutcomeText(v1::PlanOutcome outcome);
 
-// One line: duration, length, errors at the end and the smallest clearance.
+// Returns one line: duration, length, distance from the goal, smallest clearance.
 std::string PlanFigures(const v1::PlanQuality& quality);
 
-// The outcome and what is missing, the stored motion that is played, a table of the quality figures
-// with a column for each motion, and what the search took.
+// Returns the outcome, the stored segments, a table of quality values with a column for each
+// motion, and the effort of the search.
 std::string PlanText(const v1::PlanResponse& response);
 
 }  // namespace motiondb::client

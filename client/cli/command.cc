@@ -16,7 +16,7 @@ namespace motiondb::client {
 
 namespace {
 
-constexpr size_t kMostTokenFileBytes = size_t{64} << 10;
+constexpr size_t kMaxTokenFileBytes = size_t{64} << 10;
 
 CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
   return CLI::Validator(
@@ -28,13 +28,13 @@ CLI::Validator NumberThat(const char* expected, bool (*fits)(double)) {
       "");
 }
 
-// Not from a flag, which every user of the machine could read.
+// There is no flag for the token, because every user of the machine can read command lines.
 absl::StatusOr<std::string> ReadToken(const GlobalOptions& global) {
   if (global.token_file.empty()) {
     const char* const token = std::getenv("MOTIONDB_TOKEN");
     return std::string(token == nullptr ? "" : token);
   }
-  const auto bytes = ReadWholeFile(global.token_file, kMostTokenFileBytes);
+  const auto bytes = ReadWholeFile(global.token_file, kMaxTokenFileBytes);
   if (!bytes.ok()) {
     return absl::InvalidArgumentError(
         fmt::format("--token-file: {}", std::string(bytes.status().message())));
@@ -42,7 +42,7 @@ absl::StatusOr<std::string> ReadToken(const GlobalOptions& global) {
   std::string token;
   if (std::istringstream(*bytes) >> token) return token;
   return absl::InvalidArgumentError(
-      fmt::format("--token-file: {}: expected a token, it is empty", global.token_file));
+      fmt::format("--token-file: {}: expected a token, but the file is empty", global.token_file));
 }
 
 }  // namespace
@@ -54,15 +54,15 @@ bool UsesTls(const GlobalOptions& global) {
 }
 
 CLI::Validator PositiveNumber() {
-  return NumberThat("a number above 0", [](double number) { return number > 0; });
+  return NumberThat("a number greater than 0", [](double number) { return number > 0; });
 }
 
 CLI::Validator NonNegativeNumber() {
-  return NumberThat("0 or a number above it", [](double number) { return number >= 0; });
+  return NumberThat("a number of at least 0", [](double number) { return number >= 0; });
 }
 
 CLI::Validator TimeInSeconds() {
-  return NumberThat("a number of seconds from 0.001",
+  return NumberThat("a number of at least 0.001 seconds",
                     [](double number) { return number >= 0.001; });
 }
 
@@ -73,7 +73,7 @@ absl::StatusOr<Client> Connect(const GlobalOptions& global) {
   if (!token.ok()) return token.status();
   options.token = *token;
   if (UsesTls(global)) options.tls = global.tls;
-  // Bounded, so that any number of seconds fits.
+  // Limited to avoid an overflow.
   const double timeout_seconds = std::min(global.timeout_seconds, 1e9);
   options.call_timeout = std::chrono::milliseconds(std::llround(timeout_seconds * 1000));
   auto client = Client::Connect(options);
@@ -84,39 +84,39 @@ absl::StatusOr<Client> Connect(const GlobalOptions& global) {
 namespace {
 
 std::string ClosedAdvice(const GlobalOptions& global) {
-  if (!UsesTls(global)) return "connect by TLS with --tls, or --tls-ca FILE";
+  if (!UsesTls(global)) return "connect with --tls, or --tls-ca FILE";
   return global.tls.certificate_file.empty()
-             ? "show one with --tls-certificate FILE and --tls-key FILE"
-             : "show another with --tls-certificate FILE and --tls-key FILE";
+             ? "set one with --tls-certificate FILE and --tls-key FILE"
+             : "set another with --tls-certificate FILE and --tls-key FILE";
 }
 
 std::string NotGrpcAdvice(const GlobalOptions& global) {
-  const std::string address = "give the server's address with --server";
-  return UsesTls(global) ? address : address + ", or connect by TLS with --tls or --tls-ca FILE";
+  const std::string address = "set the server's address with --server";
+  return UsesTls(global) ? address : address + ", or connect with --tls or --tls-ca FILE";
 }
 
 std::string Advice(ConnectFailure failure, const GlobalOptions& global) {
   switch (failure) {
     case ConnectFailure::kNotListening:
-      return "or give the address of one that runs with --server or MOTIONDB_SERVER";
+      return "or set the address of a running server with --server or MOTIONDB_SERVER";
     case ConnectFailure::kClosed:
       return ClosedAdvice(global);
     case ConnectFailure::kNotGrpc:
       return NotGrpcAdvice(global);
     case ConnectFailure::kNotTls:
-      return "leave out --tls, and what else begins --tls- or MOTIONDB_TLS";
+      return "omit --tls and the options and variables that begin with --tls- and MOTIONDB_TLS";
     case ConnectFailure::kUntrusted:
-      return "name the file of who signed it with --tls-ca";
+      return "set the certificate of its authority with --tls-ca";
     case ConnectFailure::kOtherName:
-      return "say whom it is made out to with --tls-server-name, or give that name with --server";
+      return "set the name in the certificate with --tls-server-name, or use it with --server";
     case ConnectFailure::kUnusableTlsFiles:
-      return "see --tls-ca, --tls-certificate and --tls-key";
+      return "check --tls-ca, --tls-certificate and --tls-key";
     case ConnectFailure::kUnknownHost:
     case ConnectFailure::kSilent:
     case ConnectFailure::kOther:
       break;
   }
-  return "give the server's address with --server or MOTIONDB_SERVER";
+  return "set the server's address with --server or MOTIONDB_SERVER";
 }
 
 }  // namespace

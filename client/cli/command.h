@@ -1,5 +1,5 @@
-// What the commands of `motiondb` have in common: global options, the connection, and the form that
-// a command takes. One command, one file; `main.cc` parses, then runs the one that was chosen.
+// Common parts of the commands of `motiondb`: global options, the connection, and how to add a
+// command. `main.cc` parses the command line and runs the chosen command.
 #pragma once
 
 #include <motiondb/client.h>
@@ -13,24 +13,24 @@
 
 namespace motiondb::client {
 
-// Options that every command takes, before or after its name.
+// Options of every command, before or after its name.
 struct GlobalOptions {
   std::string server = ClientOptions().server;
   bool json = false;
   double timeout_seconds = 600;
   std::string token_file;
-  bool use_tls = false;  // without any file: the authorities that the system trusts
+  bool use_tls = false;  // without a file: trusts the authorities of the system
   TlsOptions tls;
 };
 
-// Where a command puts what it will do, while the command line is being read.
+// The parser, its options, and the function of the chosen command.
 struct CommandLine {
   CLI::App& app;
   const GlobalOptions& global;
   std::function<absl::Status()>& chosen;
 };
 
-// Adds a command whose `Options` its `declare` binds to the command line and its `run` then uses.
+// Adds a command. `declare` binds `Options` to the command line; `run` executes the command.
 template <typename Options>
 void AddCommand(CommandLine line, const std::string& name, const std::string& description,
                 void (*declare)(CLI::App&, Options&),
@@ -44,16 +44,16 @@ void AddCommand(CommandLine line, const std::string& name, const std::string& de
   });
 }
 
-// Whether the command line asks for TLS, by any of its options.
+// Returns whether any option requests TLS.
 bool UsesTls(const GlobalOptions& global);
 
-// Connects to the server that the command line names. An error says which option may mend it.
+// Connects to the server. The error names the option that may fix it.
 absl::StatusOr<Client> Connect(const GlobalOptions& global);
 
-// Checks of an option's number, which say what was expected.
+// Validators of numeric options.
 CLI::Validator PositiveNumber();
 CLI::Validator NonNegativeNumber();
-CLI::Validator TimeInSeconds();  // from a millisecond
+CLI::Validator TimeInSeconds();  // at least 0.001
 
 void AddAuditCommand(CommandLine line);
 void AddBackupCommand(CommandLine line);
@@ -76,19 +76,19 @@ void AddStatusCommand(CommandLine line);
 void AddTokenCommand(CommandLine line);
 void AddVerifyCommand(CommandLine line);
 
-// The same error, and after it what to do; errors that are not about connecting stay as they are.
+// Appends advice to an error about connecting; returns other errors unchanged.
 absl::Status WithConnectAdvice(const absl::Status& status, const GlobalOptions& global);
 
-// The program's exit code where a command failed, for those that scripts tell apart.
+// Exit codes of failed commands.
 
 inline constexpr int kFailed = 1;
 inline constexpr int kWrongUsage = 2;
-inline constexpr int kUnreachable = 3;  // a plan: the goal cannot be reached
+inline constexpr int kUnreachable = 3;  // of `plan`: the goal is unreachable
 
-// The same error, with which the program is to exit by `code`.
+// Attaches an exit code to an error.
 absl::Status WithExitCode(absl::Status status, int code);
 
-// 0 where all is well; kFailed where the error does not say.
+// Returns 0 for OK, the attached exit code, or kFailed if there is none.
 int ExitCodeOf(const absl::Status& status);
 
 }  // namespace motiondb::client

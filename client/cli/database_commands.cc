@@ -1,4 +1,4 @@
-// motiondb create DB: an empty database.
+// motiondb create, list, describe and delete.
 
 #include <fmt/format.h>
 #include <motiondb/v1/clip.pb.h>
@@ -36,14 +36,14 @@ void Declare(CLI::App& command, CreateOptions& options) {
       ->type_name("HZ")
       ->check(PositiveNumber())
       ->capture_default_str();
-  command.add_option("--min-frames", options.min_frames, "The fewest frames that a node may have")
+  command.add_option("--min-frames", options.min_frames, "Minimum number of frames of a node")
       ->type_name("N")
       ->check(PositiveNumber())
       ->capture_default_str();
   command
       .add_option("--scaling", options.scaling,
-                  "What features are divided by: nothing, one scale for positions and one for "
-                  "velocities, or each dimension's own")
+                  "Divisor of features: none, one for positions and one for velocities, or one "
+                  "for each dimension")
       ->type_name("none|kind|dimension")
       ->check(CLI::IsMember({"none", "kind", "dimension"}))
       ->capture_default_str();
@@ -56,8 +56,8 @@ void Declare(CLI::App& command, CreateOptions& options) {
   command
       .add_option(
           "--glitches", options.glitches,
-          "Of clips with frames that no body can be in: interpolate up to 0.25 s and refuse "
-          "more, refuse all, store the longest part without, or store as they are")
+          "Clips with glitches: interpolate up to 0.25 s and refuse longer ones, refuse all, store "
+          "the longest part without glitches, or store unchanged")
       ->type_name("repair|reject|drop|keep")
       ->check(CLI::IsMember({"repair", "reject", "drop", "keep"}))
       ->capture_default_str();
@@ -122,7 +122,7 @@ void AddCreateCommand(CommandLine line) {
   AddCommand<CreateOptions>(line, "create", "Create an empty database", Declare, Run);
 }
 
-// motiondb list [DB]: the databases, or the clips of one.
+// motiondb list [DB]
 
 namespace {
 
@@ -131,7 +131,7 @@ struct ListOptions {
 };
 
 void Declare(CLI::App& command, ListOptions& options) {
-  command.add_option("DB", options.database, "List the clips of this database; else all databases");
+  command.add_option("DB", options.database, "Database whose clips are listed; else all databases");
 }
 
 template <typename Item, typename Text>
@@ -158,10 +158,11 @@ absl::Status Run(const ListOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddListCommand(CommandLine line) {
-  AddCommand<ListOptions>(line, "list", "List the databases, or the clips of one", Declare, Run);
+  AddCommand<ListOptions>(line, "list", "List all databases, or the clips of a database", Declare,
+                          Run);
 }
 
-// motiondb describe DB: the figures of a database and its model.
+// motiondb describe DB
 
 namespace {
 
@@ -195,7 +196,7 @@ void AddDescribeCommand(CommandLine line) {
                               Declare, Run);
 }
 
-// motiondb delete DB [CLIP]: a clip, or a whole database.
+// motiondb delete DB [CLIP]
 
 namespace {
 
@@ -207,17 +208,17 @@ struct DeleteOptions {
 
 void Declare(CLI::App& command, DeleteOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
-  command.add_option("CLIP", options.clip, "Delete this clip only; else the whole database");
+  command.add_option("CLIP", options.clip, "Clip to delete; else the whole database");
   command.add_flag("--yes", options.yes,
-                   "Do not ask before a whole database is deleted; where standard input is no "
-                   "terminal, as in a script, nothing is asked in any case");
+                   "Do not ask before a whole database is deleted. If standard input is not a "
+                   "terminal, as in a script, it never asks");
 }
 
-// On a terminal the database's name must be typed; a script is taken at its word.
+// On a terminal, asks the user to type the name of the database. Scripts are not asked.
 absl::Status Confirm(const std::string& name) {
   if (isatty(STDIN_FILENO) != 1) return absl::OkStatus();
-  fmt::print(stderr,
-             "This deletes all clips and models of {0}. Type {0} to go on: ", text::SafeText(name));
+  fmt::print(stderr, "This deletes all clips and models of {0}. Type {0} to continue: ",
+             text::SafeText(name));
   std::fflush(stderr);
   std::string typed;
   std::getline(std::cin, typed);
@@ -272,7 +273,7 @@ absl::Status Run(const DeleteOptions& options, const GlobalOptions& global) {
 
 void AddDeleteCommand(CommandLine line) {
   AddCommand<DeleteOptions>(line, "delete",
-                            "Delete a clip and wait for the model without it, or a whole database",
+                            "Delete a clip and wait for the new model, or delete a whole database",
                             Declare, Run);
 }
 

@@ -42,7 +42,7 @@ std::string StateWord(const v1::Operation& operation) {
 }
 
 std::string DatabasesText(const std::vector<v1::Database>& databases) {
-  if (databases.empty()) return "no databases yet: make one with `motiondb create DB`\n";
+  if (databases.empty()) return "no databases; create one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
@@ -65,7 +65,7 @@ std::string DatabaseText(const v1::Database& database) {
   Table table({{""}, {""}});
   table.AddRow({"database", ShortName(database.name())});
   table.AddRow({"frame rate", fmt::format("{:g} Hz", database.frame_rate_hz())});
-  table.AddRow({"least frames in a node", std::to_string(database.min_frames())});
+  table.AddRow({"minimum frames of a node", std::to_string(database.min_frames())});
   table.AddRow({"scaling", LastWord(v1::Scaling_Name(database.scaling()))});
   table.AddRow({"glitches", LastWord(v1::Glitches_Name(database.glitches()))});
   table.AddRow(
@@ -77,7 +77,7 @@ std::string DatabaseText(const v1::Database& database) {
 }
 
 std::string ClipsText(const std::vector<v1::Clip>& clips) {
-  if (clips.empty()) return "no clips yet: put some in with `motiondb ingest DB FILE...`\n";
+  if (clips.empty()) return "no clips; add some with `motiondb ingest DB FILE...`\n";
   Table table({{"CLIP"},
                {"LABEL"},
                {"SUBJECT"},
@@ -112,7 +112,7 @@ std::string IngestedClipText(const v1::Clip& clip) {
                                  CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
                                  clip.leg_length_m(), text::DisplayText(clip.file_name()),
                                  clip.source_frame_rate_hz());
-  // The report may have several lines; all are set in under their clip.
+  // Indents each line of the report under its clip.
   std::string report = clip.source_report();
   while (!report.empty()) {
     const size_t end = report.find('\n');
@@ -138,7 +138,7 @@ std::string UnderivedText(const v1::DescribeDatabaseResponse& description) {
 std::string BorrowedCalibrationText(v1::Calibration calibration) {
   if (calibration != v1::CALIBRATION_PREVIOUS && calibration != v1::CALIBRATION_TYPICAL) return "";
   return fmt::format(
-      "a new model answers, with {} calibration until its own is known; it is stored then\n",
+      "the model is new: it uses {} calibration until its own is complete, and is stored then\n",
       calibration == v1::CALIBRATION_PREVIOUS ? "the previous model's" : "a typical");
 }
 
@@ -155,7 +155,7 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   count("nodes, bottom layer", description.bottom_node_count());
   count("dimensions", description.dimension_count());
   table.AddRow({"frame rate", fmt::format("{:g} Hz", description.frame_rate_hz())});
-  if (description.glitches() != v1::GLITCHES_UNSPECIFIED) {  // an older server's
+  if (description.glitches() != v1::GLITCHES_UNSPECIFIED) {  // from an older server
     table.AddRow({"glitches", LastWord(v1::Glitches_Name(description.glitches()))});
   }
   table.AddRow({"model version", ModelWord(description.model_version())});
@@ -171,7 +171,7 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   }
   if (description.stored_clip_count() != description.clip_count()) {
     const int stored = description.stored_clip_count();
-    text += fmt::format("{} {} stored; the model knows {} of them\n", CountText(stored, "clip"),
+    text += fmt::format("{} {} stored; {} of them in the model\n", CountText(stored, "clip"),
                         stored == 1 ? "is" : "are", description.clip_count());
   }
   text += UnderivedText(description);
@@ -222,14 +222,14 @@ std::string DatabaseWord(const v1::Token& token) {
 
 std::string StateText(const v1::Token& token, std::int64_t now_seconds) {
   if (token.has_revoke_time()) return "revoked";
-  if (!token.has_expire_time()) return "good";
-  return token.expire_time().seconds() <= now_seconds ? "expired" : "good";
+  if (!token.has_expire_time()) return "valid";
+  return token.expire_time().seconds() <= now_seconds ? "expired" : "valid";
 }
 
 }  // namespace
 
 std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds) {
-  if (tokens.empty()) return "no tokens yet: make one with `motiondb token create --role ROLE`\n";
+  if (tokens.empty()) return "no tokens; create one with `motiondb token create --role ROLE`\n";
   Table table({{"TOKEN"}, {"ROLE"}, {"DATABASE"}, {"STATE"}, {"EXPIRES"}, {"CREATED"}, {"FOR"}});
   for (const v1::Token& token : tokens) {
     table.AddRow({ShortName(token.name()), LastWord(v1::Role_Name(token.role())),
@@ -248,7 +248,7 @@ std::string TokenText(const v1::Token& token) {
 }
 
 std::string AuditText(const v1::ListAuditEntriesResponse& response) {
-  if (response.entries().empty()) return "nothing was changed yet\n";
+  if (response.entries().empty()) return "no entries\n";
   Table table({{"TIME"}, {"WHO"}, {"FROM"}, {"CALL"}, {"ON"}, {"ENDED"}, {"REQUEST"}});
   for (const v1::AuditEntry& entry : response.entries()) {
     table.AddRow({TimeText(entry.time()), entry.principal(), entry.peer(), entry.method(),

@@ -1,4 +1,4 @@
-// Databases, clips and operations as tables for a person. Pure functions.
+// Databases, clips, operations, tokens, audit entries and server status as text for the terminal.
 #pragma once
 
 #include <google/protobuf/timestamp.pb.h>
@@ -16,21 +16,21 @@ namespace motiondb::client {
 
 std::string DatabasesText(const std::vector<v1::Database>& databases);
 
-// One database and its settings, a line each.
+// Returns a database and its settings, one per line.
 std::string DatabaseText(const v1::Database& database);
 
 std::string ClipsText(const std::vector<v1::Clip>& clips);
 
-// One clip in one line, followed by what the reader found out about its file.
+// Returns a line for the clip, then the indented report of the file reader.
 std::string IngestedClipText(const v1::Clip& clip);
 
-// A line for a model that has no calibration of its own yet; else empty.
+// Returns a note if the model has no calibration of its own yet; else an empty string.
 std::string BorrowedCalibrationText(v1::Calibration calibration);
 
-// The figures of the paper's Table I, and those beside them.
+// Returns statistics of the model, with those of the paper's Table I.
 std::string DescriptionText(const v1::DescribeDatabaseResponse& description);
 
-// The clips that could not be derived again, a line each; empty where there is none.
+// Returns the clips that could not be derived again, one per line; empty if there are none.
 std::string UnderivedText(const v1::DescribeDatabaseResponse& description);
 
 std::string OperationsText(const std::vector<v1::Operation>& operations);
@@ -38,37 +38,34 @@ std::string OperationsText(const std::vector<v1::Operation>& operations);
 // "running", "succeeded", ...
 std::string StateWord(const v1::Operation& operation);
 
-// The last word of an enum's name, in small letters: SCALING_KIND -> "kind".
+// Returns the last word of an enum name in lower case: SCALING_KIND -> "kind".
 std::string LastWord(const std::string& enum_name);
 
-// To the second: a person does not read nanoseconds.
+// Returns the time without fractions of seconds.
 std::string TimeText(const google::protobuf::Timestamp& time);
 
-// What a label is called where it is empty.
+// Returns the label, or "(no label)" if it is empty.
 std::string LabelWord(const std::string& label);
 
-// Tokens and the record of changes as tables for a person. Pure functions.
-
-// `now_seconds` since the Unix epoch tells which tokens have expired.
+// `now_seconds`: Unix time, for the state of the tokens.
 std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds);
 
-// One token in one line: whom it is good for, and how long.
+// Returns name, role, database and expiry of a token in one line.
 std::string TokenText(const v1::Token& token);
 
 std::string AuditText(const v1::ListAuditEntriesResponse& response);
 
-// How a server is doing, on one screen for a person. Pure functions.
-
-// `now_us`: the time it is now, in microseconds since the Unix epoch.
+// Returns the state of a server, which fits on one screen. `now_us`: microseconds since the Unix
+// epoch.
 std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t now_us);
 
-// In its two largest units: "12 s", "3 min 4 s", "5 h 0 min", "2 d 7 h".
+// Returns a duration in its two largest units: "12 s", "3 min 4 s", "5 h 0 min", "2 d 7 h".
 std::string DurationText(std::int64_t seconds);
 
-// Three figures in a unit that suits: "0.42 ms", "12.5 ms", "3.20 s", "75.0 s".
+// Returns a duration with three digits: "0.42 ms", "12.5 ms", "3.20 s", "75.0 s".
 std::string LatencyText(double seconds);
 
-// In the largest unit that leaves at least 1: "512 B", "1.5 MiB".
+// Returns a size in its largest unit: "512 B", "1.5 MiB".
 std::string BytesText(std::int64_t bytes);
 
 }  // namespace motiondb::client

@@ -1,4 +1,4 @@
-// motiondb dump DB DIR: the model as NumPy files.
+// motiondb dump DB DIR and motiondb export DB CLIP.
 
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/model.pb.h>
@@ -23,9 +23,8 @@ struct DumpOptions {
 
 void Declare(CLI::App& command, DumpOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
-  command.add_option("DIR", options.directory, "Folder to write into, made if absent")->required();
-  command.add_flag("--force", options.force,
-                   "Replace an earlier dump in a folder that is not empty");
+  command.add_option("DIR", options.directory, "Output folder, created if necessary")->required();
+  command.add_flag("--force", options.force, "Replace an earlier dump if the folder is not empty");
   command.footer(
       "Writes states.npy (frames x dimensions), clip_of_frame.npy, model.json, and for each layer\n"
       "layers/LL/{node_of_frame,parent,mean,variance,transitions}.npy (transitions: from, to, "
@@ -62,7 +61,7 @@ void AddDumpCommand(CommandLine line) {
   AddCommand<DumpOptions>(line, "dump", "Write the model as NumPy files", Declare, Run);
 }
 
-// motiondb export DB CLIP: the original files, byte for byte.
+// motiondb export DB CLIP
 
 namespace {
 
@@ -75,11 +74,11 @@ struct ExportOptions {
 
 void Declare(CLI::App& command, ExportOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
-  command.add_option("CLIP", options.clip, "Clip, as `motiondb list DB` names it")->required();
-  command.add_option("--out", options.directory, "Folder to write into, made if absent")
+  command.add_option("CLIP", options.clip, "Clip, as in `motiondb list DB`")->required();
+  command.add_option("--out", options.directory, "Output folder, created if necessary")
       ->type_name("DIR")
       ->capture_default_str();
-  command.add_flag("--force", options.force, "Replace files of other contents");
+  command.add_flag("--force", options.force, "Replace files with different contents");
 }
 
 absl::Status Run(const ExportOptions& options, const GlobalOptions& global) {

@@ -16,10 +16,10 @@ namespace motiondb::client {
 
 namespace {
 
-constexpr double kBorder = 0.06;       // of the larger extent, around what is shown
-constexpr double kLeastExtentM = 0.5;  // of a picture of standing still
+constexpr double kBorder = 0.06;     // margin, as a share of the larger extent
+constexpr double kMinExtentM = 0.5;  // if nothing moves
 
-// Widens [low, high] about its middle to an extent.
+// Widens [low, high] symmetrically to at least `extent`.
 void Widen(double extent, double& low, double& high) {
   const double missing = extent - (high - low);
   if (missing <= 0) return;
@@ -39,9 +39,9 @@ void FloorBounds::Add(double x, double y, double radius) {
 
 FloorView::FloorView(const FloorBounds& bounds, double left, double top, const Limits& limits)
     : bounds_(bounds) {
-  const double border = kBorder * std::max({bounds.width(), bounds.height(), kLeastExtentM});
-  Widen(std::max(bounds.width(), kLeastExtentM) + 2 * border, bounds_.min_x, bounds_.max_x);
-  Widen(std::max(bounds.height(), kLeastExtentM) + 2 * border, bounds_.min_y, bounds_.max_y);
+  const double border = kBorder * std::max({bounds.width(), bounds.height(), kMinExtentM});
+  Widen(std::max(bounds.width(), kMinExtentM) + 2 * border, bounds_.min_x, bounds_.max_x);
+  Widen(std::max(bounds.height(), kMinExtentM) + 2 * border, bounds_.min_y, bounds_.max_y);
   pixels_per_m_ =
       std::min(limits.largest_width / bounds_.width(), limits.largest_height / bounds_.height());
   Widen(limits.least_width / pixels_per_m_, bounds_.min_x, bounds_.max_x);
@@ -51,7 +51,7 @@ FloorView::FloorView(const FloorBounds& bounds, double left, double top, const L
 
 namespace {
 
-constexpr double kLeft = 70, kRight = 26, kBottom = 96;  // around the floor, pixels
+constexpr double kLeft = 70, kRight = 26, kBottom = 96;  // margins of the floor (pixels)
 constexpr double kPosesPerSecond = 6;
 constexpr double kPoseRadius = 3.4, kHeadingLength = 15;
 constexpr double kWedgeRadius = 46;
@@ -75,15 +75,15 @@ constexpr const char* kFloorStyle = R"(
 
 std::string N(double value) { return SvgNumber(value); }
 
-// A line of so many pixels from a point towards a heading. The picture's y points down.
+// A line of `length` pixels from a point in a direction. The picture's y axis points down.
 std::string Ray(const char* style, double x, double y, double heading, double length) {
   return SvgLine(style, x, y, x + length * std::cos(heading), y - length * std::sin(heading));
 }
 
-// ---- What is drawn on the floor -----------------------------------------------------------------
+// ---- The floor ----------------------------------------------------------------------------------
 
 double Clearance(const v1::PlanRequest& request) {
-  constexpr double kDefault = 0.3;  // the contract's
+  constexpr double kDefault = 0.3;  // from the wire contract
   return request.obstacles().has_clearance_m() ? request.obstacles().clearance_m() : kDefault;
 }
 
@@ -101,9 +101,9 @@ void AddPath(const v1::PlannedMotion& motion, FloorBounds& bounds) {
   for (const v1::FloorPose& pose : motion.root()) bounds.Add(pose.x_m(), pose.y_m());
 }
 
-// Start, goal and paths; obstacles as far as they are near to these.
+// Bounds of start, goal and paths, and of obstacles near them.
 FloorBounds BoundsOf(const v1::PlanRequest& request, const v1::PlanResponse& response) {
-  FloorBounds bounds;  // the start is in it
+  FloorBounds bounds;  // contains the start, the origin
   bounds.Add(request.goal().x_m(), request.goal().y_m(), PositionTolerance(request));
   AddPath(response.motion(), bounds);
   for (const v1::PlannedMotion& motion : response.alternatives()) AddPath(motion, bounds);
@@ -128,7 +128,7 @@ FloorBounds BoundsOf(const v1::PlanRequest& request, const v1::PlanResponse& res
   return bounds;
 }
 
-// All obstacles in one style, each grown by `margin` pixels.
+// All obstacles, each grown by `margin` pixels.
 std::string Grown(const v1::Obstacles& obstacles, const FloorView& view, const char* style,
                   double margin) {
   std::string svg;
@@ -142,14 +142,14 @@ std::string Grown(const v1::Obstacles& obstacles, const FloorView& view, const c
       points += fmt::format("{}{},{}", points.empty() ? "" : " ", N(view.X(corner.x_m())),
                             N(view.Y(corner.y_m())));
     }
-    // A wide line with round corners is what lies within the margin.
+    // A wide outline with round corners covers the margin.
     const std::string width = margin > 0 ? fmt::format(" stroke-width=\"{}\"", N(2 * margin)) : "";
     svg += fmt::format("<polygon class=\"{}\"{} points=\"{}\"/>\n", style, width, points);
   }
   return svg;
 }
 
-// The edge first and the inside of all over it: overlapping clearances have one outline.
+// Draws all edges first and all insides over them, so that overlapping clearances have one outline.
 std::string ObstaclesSvg(const v1::PlanRequest& request, const FloorView& view) {
   const double clearance = view.Pixels(Clearance(request));
   const v1::Obstacles& obstacles = request.obstacles();
@@ -199,14 +199,14 @@ struct PathStyle {
 
 std::string PathSvg(const v1::PlannedMotion& motion, const FloorView& view,
                     const PathStyle& style) {
-  constexpr double kLeastStep = 0.75;  // pixels: what nobody would see is left out
+  constexpr double kMinStep = 0.75;  // pixels; closer points are omitted
   std::string points;
   double last_x = 0, last_y = 0;
   for (int i = 0; i < motion.root_size(); ++i) {
     const double x = view.X(motion.root(i).x_m());
     const double y = view.Y(motion.root(i).y_m());
     const bool end = i == 0 || i == motion.root_size() - 1;
-    if (!end && std::hypot(x - last_x, y - last_y) < kLeastStep) continue;
+    if (!end && std::hypot(x - last_x, y - last_y) < kMinStep) continue;
     points += fmt::format("{}{},{}", points.empty() ? "" : " ", N(x), N(y));
     last_x = x;
     last_y = y;
@@ -242,7 +242,7 @@ std::string EndSvg(const v1::PlannedMotion& motion, const FloorView& view) {
          SvgCircle("end", x, y, kPoseRadius);
 }
 
-// ---- What is around it --------------------------------------------------------------------------
+// ---- Axes, legend, heading ----------------------------------------------------------------------
 
 std::string AxesSvg(const FloorView& view) {
   const PictureFrame& frame = view.frame();
@@ -288,7 +288,7 @@ std::string FloorLegendSvg(const v1::PlanRequest& request, const v1::PlanRespons
   return LegendSvg(entries, frame.left + 8, frame.right() + kRight, frame.bottom() + 62).svg;
 }
 
-// What is to be read under the title, a line each.
+// Returns the lines below the title.
 std::vector<std::string> LinesBelowTitle(const v1::PlanResponse& response) {
   std::vector<std::string> lines;
   if (response.has_motion()) lines.push_back(PlanFigures(response.motion().quality()));
@@ -322,7 +322,7 @@ std::string FloorPlanSvg(const v1::PlanRequest& request, const v1::PlanResponse&
   svg += TitleSvg(request, response, view) + AxesSvg(view);
   svg += "<g clip-path=\"url(#floor)\">\n";
   svg += ObstaclesSvg(request, view) + GoalSvg(request, view);
-  // The best lies over the others, and the better ones over the worse.
+  // Better paths are drawn over worse ones, the best on top.
   for (int i = response.alternatives_size(); i-- > 0;) {
     svg += PathSvg(response.alternatives(i), view, {"other", "other-pose", "other-heading"});
   }

@@ -1,4 +1,4 @@
-// A plan seen from above, as in the paper's Fig. 16. Pure function.
+// A plan seen from above, as in the paper's Fig. 16.
 #pragma once
 
 #include <motiondb/messages.h>
@@ -9,14 +9,11 @@
 
 namespace motiondb::client {
 
-// An SVG file that needs no other: the root's path with a circle and a heading line every 1/6 s,
-// start, goal with both tolerances, obstacles with the clearance around them, and alternatives in a
-// lighter colour, over axes in metres; above it the outcome and its figures, below it a legend. The
-// same messages make the same bytes.
+// Returns a self-contained SVG file. It shows the root's path with a circle and a heading line
+// every 1/6 s, start, goal with both tolerances, obstacles with clearance, and alternatives in a
+// lighter colour. Axes are in metres. The heading has the outcome and its quality. The output is
+// deterministic.
 std::string FloorPlanSvg(const v1::PlanRequest& request, const v1::PlanResponse& response);
-
-// The part of a floor that a picture shows, and where its points are in the picture: x to the
-// right, y upwards, one scale for both. Plain values; pure functions.
 
 // A rectangle of the floor (m).
 struct FloorBounds {
@@ -25,16 +22,17 @@ struct FloorBounds {
   double min_y = 0;
   double max_y = 0;
 
-  // Grows to hold a disc; one that is not finite is passed over.
+  // Extends the bounds by a disc; ignores one that is not finite.
   void Add(double x, double y, double radius = 0);
   double width() const { return max_x - min_x; }
   double height() const { return max_y - min_y; }
 };
 
+// Maps a part of the floor to a picture: x to the right, y upwards, one scale for both.
 class FloorView {
  public:
-  // Shows `bounds` and a little around them, as large as it fits into the largest width and height,
-  // but not narrower or lower than the least, for which more floor is shown.
+  // Shows `bounds` and a margin as large as the maximum width and height allow. Shows more floor if
+  // the view would be smaller than the minimum. All limits in pixels.
   struct Limits {
     double least_width = 520;
     double least_height = 260;
@@ -50,7 +48,7 @@ class FloorView {
   double Y(double y_m) const { return frame_.top + (bounds_.max_y - y_m) * pixels_per_m_; }
   double Pixels(double metres) const { return metres * pixels_per_m_; }
 
-  // Metres between ticks.
+  // Distance between ticks (m).
   double TickStep() const { return client::TickStep(pixels_per_m_); }
 
  private:

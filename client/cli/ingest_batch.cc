@@ -19,7 +19,7 @@ namespace motiondb::client {
 
 namespace {
 
-// Takes the text up to the separator, or all of it, off the front.
+// Removes and returns the text before the separator, or all of it.
 std::string_view TakeUntil(std::string_view& text, char separator) {
   const size_t end = text.find(separator);
   const std::string_view taken = text.substr(0, end);
@@ -41,7 +41,7 @@ std::vector<std::string> Cells(std::string_view line) {
   return cells;
 }
 
-// Where each known column stands.
+// Indices of the known columns.
 struct Columns {
   size_t count = 0;
   std::optional<size_t> path, label, subject, skeleton;
@@ -63,7 +63,7 @@ Columns ReadHeader(const std::vector<std::string>& titles) {
 
 absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path& list_file,
                                                      std::string_view text) {
-  // Spreadsheets put a byte-order mark in front.
+  // Spreadsheet programs write a byte-order mark.
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
   const std::filesystem::path folder = list_file.parent_path();
   std::optional<Columns> columns;
@@ -79,8 +79,7 @@ absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path
     if (!columns) {
       columns = ReadHeader(cells);
       if (!columns->path || !columns->label) {
-        return error(
-            "expected a header line that names the columns, \"path\" and \"label\" among them");
+        return error("expected a header line that names the columns, with \"path\" and \"label\"");
       }
       continue;
     }
@@ -106,7 +105,7 @@ absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path
 
 namespace {
 
-// "PATH: what was wrong"; readers' messages name the file themselves, without its folder.
+// Returns "PATH: message". Messages of file readers already contain the file name, without folder.
 std::string Failure(const std::filesystem::path& path, const absl::Status& status) {
   const std::string message(status.message());
   for (const std::string& name : {path.string(), path.filename().string()}) {
@@ -137,7 +136,7 @@ absl::Status IngestBatch::Send(const std::vector<ClipEntry>& clips) {
     if (absl::IsUnavailable(response.status())) {
       return absl::UnavailableError(
           fmt::format("stopped after {} of {}; {}; `motiondb list {}` shows whether the last file "
-                      "is, too",
+                      "is stored",
                       i, CountText(clips.size(), "file"), StoredText(), ShortName(database_)));
     }
   }
@@ -151,7 +150,7 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
       {"label", clip.label}, {"subject", clip.subject}, {"name", clip.path.filename().string()}};
   for (const auto& [what, text] : texts) {
     if (text::IsUtf8(text)) continue;
-    return absl::InvalidArgumentError(fmt::format("its {} is not UTF-8 text", what));
+    return absl::InvalidArgumentError(fmt::format("the {} is not UTF-8 text", what));
   }
   v1::IngestClipHeader header;
   header.set_parent(database_);
@@ -164,14 +163,14 @@ absl::StatusOr<v1::IngestClipResponse> IngestBatch::SendOne(const ClipEntry& cli
 void IngestBatch::Stored(const v1::IngestClipResponse& response) {
   ++stored_clips_;
   stored_frames_ += response.clip().frame_count();
-  // The last rebuild asked for begins after all clips before it were stored, so it knows them all.
+  // The last requested rebuild includes all clips, because it begins after they were stored.
   operation_ = response.operation().name();
   if (json_) {
     PrintJson(response);
   } else {
     PrintText(IngestedClipText(response.clip()));
   }
-  // At once, so that a script which is ended knows what is stored.
+  // Flushes, so that a script knows the stored clips even if this process is killed.
   std::fflush(stdout);
 }
 
@@ -188,7 +187,7 @@ absl::Status IngestBatch::AwaitModel() {
   const auto summary = ModelSummary(client_, *done);
   if (!summary.ok()) {
     return WithMessage(summary.status(),
-                       fmt::format("{}; {}, and the model knows them",
+                       fmt::format("{}; {} and in the model",
                                    std::string(summary.status().message()), StoredText()));
   }
   PrintLine("ingested {}, {}; {}", CountText(stored_clips_, "clip"),

@@ -1,4 +1,4 @@
-// Many files into one database, and the lists that name them.
+// Ingests many files into a database; reads lists of clips.
 #pragma once
 
 #include <motiondb/client.h>
@@ -14,10 +14,7 @@
 
 namespace motiondb::client {
 
-// Lists of clips in a file: tab-separated, with a header line that names the columns. Pure
-// functions.
-
-// One clip to ingest; empty fields are not given.
+// A clip to ingest; empty fields are not set.
 struct ClipEntry {
   std::filesystem::path path;
   std::string label;
@@ -25,28 +22,28 @@ struct ClipEntry {
   std::filesystem::path skeleton;
 };
 
-// Reads a list: columns `path` and `label`, where present `subject` and `skeleton`, in any order,
-// and any others, which are ignored. Blank lines and lines that begin with '#' count for nothing.
-// Relative paths are relative to the list file. INVALID_ARGUMENT names the file, the line and what
-// was expected.
+// Parses a list: tab-separated, with a header line that names the columns. Columns `path` and
+// `label`, optionally `subject` and `skeleton`, in any order; others are ignored. Blank lines and
+// lines that begin with '#' are ignored. Paths are relative to the list file. INVALID_ARGUMENT
+// names the file, the line and what was expected.
 absl::StatusOr<std::vector<ClipEntry>> ParseClipList(const std::filesystem::path& list_file,
                                                      std::string_view text);
 
-// Many files into one database, one after the other: goes on past a bad file, stops when the server
-// is gone, and waits for the model that knows them all.
+// Ingests files one after the other. Continues after a bad file, stops if the server is
+// unavailable, and waits for the new model.
 class IngestBatch {
  public:
-  // The client must outlive the batch. `json`: each answer is printed as JSON, and nothing else.
+  // The client must outlive the batch. `json`: prints only the responses, as JSON.
   IngestBatch(const Client& client, std::string database, SourceOptions source, bool json);
 
-  // Sends every clip, printing each as it is stored. An error here is one that no further file
-  // could escape; those of single files are kept.
+  // Sends all clips and prints each when it is stored. Returns only an error that concerns all
+  // files; failures() has the errors of single files.
   absl::Status Send(const std::vector<ClipEntry>& clips);
 
-  // Waits for the new model, if anything was stored, and says what came of it.
+  // Waits for the new model, if anything was stored, and prints a summary.
   absl::Status AwaitModel();
 
-  // The files that were not stored, each with its reason.
+  // Files that were not stored, with the reason.
   const std::vector<std::string>& failures() const { return failures_; }
 
  private:

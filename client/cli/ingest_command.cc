@@ -1,4 +1,4 @@
-// motiondb ingest DB FILE...: motion files in, and the model that knows them.
+// motiondb ingest DB FILE...: stores motion files and waits for the new model.
 #include <fmt/format.h>
 #include <motiondb/v1/database.pb.h>
 
@@ -28,21 +28,21 @@ void Declare(CLI::App& command, IngestOptions& options) {
   command
       .add_option(
           "--list", options.list,
-          "File that lists clips: tab-separated, a header line, columns path and label, where "
-          "present subject and skeleton; paths relative to it")
+          "Tab-separated list of clips with a header line: columns path and label, optionally "
+          "subject and skeleton; paths are relative to the list")
       ->type_name("FILE.tsv");
-  command.add_option("--label", options.label, "Label of clips that the list gives none")
+  command.add_option("--label", options.label, "Label of clips without a label in the list")
       ->type_name("L");
-  command.add_option("--subject", options.subject, "Subject of clips that the list gives none")
+  command
+      .add_option("--subject", options.subject, "Subject of clips without a subject in the list")
       ->type_name("S");
   AddSourceOptions(command, options.source);
   command.footer(
-      "Waits for the new model. A file that cannot be ingested does not stop the others; each "
-      "such\n"
-      "file is reported at the end, and the exit status is then 1.");
+      "Waits for the new model. A file that cannot be ingested does not stop the others; it is\n"
+      "reported at the end, and the exit status is then 1.");
 }
 
-// The clips that files and list name; what the list leaves open comes from the options.
+// Returns the clips of files and list; the options replace empty fields.
 absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
   std::vector<ClipEntry> clips;
   for (const std::string& file : options.files) clips.push_back({file, "", "", {}});
@@ -54,7 +54,7 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
     std::move(listed->begin(), listed->end(), std::back_inserter(clips));
   }
   if (clips.empty())
-    return absl::InvalidArgumentError("nothing to ingest: name files, or a --list");
+    return absl::InvalidArgumentError("nothing to ingest; expected files or --list");
   for (ClipEntry& clip : clips) {
     if (clip.label.empty()) clip.label = options.label;
     if (clip.subject.empty()) clip.subject = options.subject;
@@ -63,7 +63,7 @@ absl::StatusOr<std::vector<ClipEntry>> Clips(const IngestOptions& options) {
   return clips;
 }
 
-// Asked first, so that a misspelt database is one error, not one for each file.
+// Checked first, so that a wrong database name is one error, not one for each file.
 absl::Status CheckDatabase(const Client& client, const std::string& name) {
   v1::GetDatabaseRequest request;
   request.set_name(name);

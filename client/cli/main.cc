@@ -1,4 +1,4 @@
-// `motiondb`, the command line of a motiondb server: parses, runs one command, reports its error.
+// `motiondb`, the command line of a motiondb server: parses, runs a command, reports its error.
 #include <fmt/format.h>
 #include <grpc/support/log.h>
 
@@ -13,7 +13,7 @@
 namespace motiondb::client {
 namespace {
 
-// What was wrong with the command line, and where help is.
+// Returns the error of a wrong command line, with a hint to --help.
 std::string UsageError(const CLI::App* app, const CLI::Error& error) {
   const CLI::App* command = app;
   std::string name = "motiondb";
@@ -21,16 +21,16 @@ std::string UsageError(const CLI::App* app, const CLI::Error& error) {
     command = command->get_subcommands().front();
     name += " " + command->get_name();
   }
-  // CLI11 only says that a command is missing where a word is no command.
+  // For an unknown command, CLI11 only reports that a command is missing.
   const std::vector<std::string> unknown = app->remaining(true);
   const std::string what = unknown.empty() || error.get_name() != "RequiredError"
                                ? error.what()
-                               : fmt::format("no such command: {}", unknown.front());
+                               : fmt::format("unknown command: {}", unknown.front());
   return fmt::format("motiondb: {}\nTry `{} --help`.\n", text::SafeText(what), name);
 }
 
-// gRPC writes what it meets to standard error; what matters of it is in the errors of calls. Who
-// asks for it by gRPC's own variable gets it.
+// Switches off gRPC's log on standard error, unless gRPC's own variable is set. Errors of calls
+// contain the important part.
 void QuietGrpc() {
   if (std::getenv("GRPC_VERBOSITY") == nullptr) gpr_set_log_function([](gpr_log_func_args*) {});
 }
@@ -41,32 +41,33 @@ void AddGlobalOptions(CLI::App& app, GlobalOptions& global) {
       ->type_name("HOST:PORT")
       ->capture_default_str();
   app.add_flag("--json", global.json,
-               "Print the server's answer as JSON with the proto's field names; one object a line");
-  app.add_option("--timeout", global.timeout_seconds, "How long one call may take")
+               "Print the response as JSON with the field names of the proto, one object per line");
+  app.add_option("--timeout", global.timeout_seconds, "Time limit of one call")
       ->type_name("SECONDS")
       ->check(TimeInSeconds())
       ->capture_default_str();
   app.add_option("--token-file", global.token_file,
-                 "File that holds the token to show; or the token in MOTIONDB_TOKEN")
+                 "File with the access token; MOTIONDB_TOKEN can hold the token itself")
       ->envname("MOTIONDB_TOKEN_FILE")
       ->type_name("FILE");
   app.add_flag(
          "--tls", global.use_tls,
-         "Connect by TLS; the options below do, too. Without --tls-ca the system's authorities "
-         "are trusted")
+         "Connect with TLS; implied by the options below. Without --tls-ca, trust the authorities "
+         "of the system")
       ->envname("MOTIONDB_TLS");
-  app.add_option("--tls-ca", global.tls.ca_file, "Who signs the server's certificate, PEM")
+  app.add_option("--tls-ca", global.tls.ca_file,
+                 "Authority that signed the server's certificate, PEM")
       ->envname("MOTIONDB_TLS_CA")
       ->type_name("FILE");
   app.add_option("--tls-certificate", global.tls.certificate_file,
-                 "Certificate to show to a server that asks for one, PEM")
+                 "Client certificate for mutual TLS, PEM")
       ->envname("MOTIONDB_TLS_CERTIFICATE")
       ->type_name("FILE");
-  app.add_option("--tls-key", global.tls.key_file, "Its key, PEM")
+  app.add_option("--tls-key", global.tls.key_file, "Key of the client certificate, PEM")
       ->envname("MOTIONDB_TLS_KEY")
       ->type_name("FILE");
   app.add_option("--tls-server-name", global.tls.server_name,
-                 "Whom the server's certificate is made out to, if not the host of its address")
+                 "Name in the server's certificate, if it is not the host of the address")
       ->envname("MOTIONDB_TLS_SERVER_NAME")
       ->type_name("NAME");
   app.set_version_flag("--version", "motiondb " MOTIONDB_VERSION, "Print the version and exit");
@@ -79,10 +80,10 @@ int Run(int argc, char** argv) {
   std::function<absl::Status()> chosen;
   app.require_subcommand(1);
   app.failure_message(UsageError);
-  // Commands take over the footer that stands when they are added.
+  // A command gets the footer that is set when the command is added.
   app.footer(
-      "Every command also takes --server HOST:PORT, --json, --timeout SECONDS, and what a server\n"
-      "with TLS and tokens asks for: see `motiondb --help`.");
+      "Every command also has the options --server HOST:PORT, --json, --timeout SECONDS, and the\n"
+      "options for TLS and tokens: see `motiondb --help`.");
   AddGlobalOptions(app, global);
   const CommandLine line{app, global, chosen};
   AddCreateCommand(line);
@@ -107,20 +108,21 @@ int Run(int argc, char** argv) {
   AddVerifyCommand(line);
   app.footer(
       "DB is the name of a database, with or without \"databases/\". Motion files keep their\n"
-      "extensions: .bvh, .amc (its .asf is found beside it), .trc, .c3d. Options may stand before\n"
-      "or after the command. `motiondb COMMAND --help` says more about a command.");
+      "extensions: .bvh, .amc (with its .asf in the same folder), .trc, .c3d. Options can be "
+      "before\n"
+      "or after the command. `motiondb COMMAND --help` describes a command.");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : kWrongUsage;
   }
   absl::Status status = chosen();
-  // An answer that did not reach its reader (a full disk) is a failure, too.
+  // An answer that cannot be written (for example, the disk is full) is a failure.
   if ((std::fflush(stdout) != 0 || std::ferror(stdout) != 0) && status.ok()) {
     status = absl::DataLossError("standard output: cannot be written");
   }
   if (status.ok()) return 0;
-  // gRPC has no words for some, such as text that is not UTF-8.
+  // Some of gRPC's errors have no message, for example for text that is not UTF-8.
   PrintError(status.message().empty() ? absl::StatusCodeToString(status.code())
                                       : std::string(status.message()));
   return ExitCodeOf(status);

@@ -30,7 +30,7 @@ int64_t ElementCount(const std::vector<int64_t>& shape) {
 std::string NpyHeader(NpyType type, const std::vector<int64_t>& shape) {
   std::string extents;
   for (const int64_t extent : shape) extents += fmt::format("{}, ", extent);
-  // One extent keeps its comma, as Python writes a tuple of one.
+  // A Python tuple of one element has a trailing comma.
   extents.resize(extents.size() - (shape.size() == 1 ? 1 : 2));
   std::string description =
       fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': ({}), }}",
@@ -90,13 +90,13 @@ absl::Status FileError(const fs::path& path, const std::error_code& error) {
   return absl::UnknownError(fmt::format("{}: {}", path.string(), error.message()));
 }
 
-// Whether it is a folder itself, and not a link to one.
+// Returns whether `path` is a folder, and not a link to a folder.
 bool IsFolder(const fs::path& path) {
   std::error_code ignored;
   return fs::symlink_status(path, ignored).type() == fs::file_type::directory;
 }
 
-// Makes a folder of a dump. A link in its place would lead the files elsewhere.
+// Creates a folder of a dump. Refuses a link, which would redirect the files.
 absl::Status MakeFolder(const fs::path& path) {
   std::error_code error;
   fs::create_directory(path, error);
@@ -106,8 +106,7 @@ absl::Status MakeFolder(const fs::path& path) {
       fmt::format("{}: expected a folder or nothing; remove it", path.string()));
 }
 
-// Removes what a dump writes. Folders go only when nothing else is left in them; what is a link, or
-// no folder, stays.
+// Removes the files of a dump, and its folders if they are then empty. Does not follow links.
 void RemoveEarlierDump(const fs::path& directory) {
   std::error_code ignored;
   for (const char* file : kModelFiles) fs::remove(directory / file, ignored);
@@ -124,7 +123,7 @@ void RemoveEarlierDump(const fs::path& directory) {
   fs::remove(all, ignored);
 }
 
-// Reads one model and writes it, from the frames to the bottom layer and up to the root.
+// Reads a model and writes it: first the frames, then the layers from the bottom to the root.
 class Dump {
  public:
   Dump(const Client& client, v1::Model model, fs::path directory)
@@ -135,7 +134,7 @@ class Dump {
 
   absl::Status WriteStates();
   absl::Status WriteClipOfFrame() const;
-  // Must be called for the bottom layer first, then for each one above in turn.
+  // Call it for the bottom layer first, then for each layer above.
   absl::Status WriteLayer(int layer);
   absl::Status WriteJson(const v1::Database& database) const;
 
@@ -146,7 +145,7 @@ class Dump {
   const Client& client_;
   const v1::Model model_;
   const fs::path directory_;
-  // Of the layer written last.
+  // Of the layer that was written last.
   std::vector<int32_t> node_of_frame_;
   std::vector<int32_t> parents_below_;
 };
@@ -199,7 +198,7 @@ absl::Status Dump::WriteClipOfFrame() const {
 }
 
 absl::Status Dump::WriteLayer(int layer) {
-  // A frame's node here is the parent of its node in the layer below.
+  // The node of a frame in this layer is the parent of its node in the layer below.
   if (layer < layer_count()) {
     for (int32_t& node : node_of_frame_) {
       if (node < 0 || node >= static_cast<int64_t>(parents_below_.size())) {
@@ -298,7 +297,7 @@ absl::Status PrepareDumpDirectory(const fs::path& directory, bool force) {
   if (empty) return absl::OkStatus();
   if (!force) {
     return absl::FailedPreconditionError(fmt::format(
-        "{}: is not empty; give another folder, or replace an earlier dump with --force",
+        "{}: is not empty; choose another folder, or replace an earlier dump with --force",
         directory.string()));
   }
   RemoveEarlierDump(directory);
@@ -317,7 +316,7 @@ absl::StatusOr<v1::Model> DumpModel(
   const auto model = client.GetModel(model_request);
   if (!model.ok()) return model.status();
 
-  // Everything is asked of the version that GetModel named, so that no dump mixes two models.
+  // All calls read the version that GetModel returned, so that a dump does not mix two models.
   Dump dump(client, model->model(), directory);
   on_progress(0, "states");
   absl::Status status = dump.WriteStates();

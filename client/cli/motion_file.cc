@@ -32,12 +32,14 @@ bool HasExtension(const fs::path& file, const std::string& expected) {
 
 void AddSourceOptions(CLI::App& command, SourceOptions& options) {
   command
-      .add_option("--skeleton", options.skeleton,
-                  "ASF skeleton of AMC files; else the ASF beside each whose name begins the AMC's")
+      .add_option(
+          "--skeleton", options.skeleton,
+          "ASF skeleton of AMC files; else the ASF file in the same folder with the longest "
+          "name that the AMC name begins with")
       ->type_name("FILE.asf");
   command
       .add_option("--metres-per-unit", options.metres_per_unit,
-                  "Metres in one unit of length of the file; else as stated or deduced")
+                  "Metres per length unit of the file; else as stated or deduced")
       ->type_name("M")
       ->check(PositiveNumber());
   command
@@ -46,7 +48,7 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
       ->check(CLI::IsMember({"x", "y", "z"}));
   command
       .add_option("--frame-rate", options.frame_rate_hz,
-                  "Frame rate of files that state none (AMC: 120)")
+                  "Frame rate of files that do not state it; else 120 for AMC")
       ->type_name("HZ")
       ->check(PositiveNumber());
   command
@@ -81,8 +83,8 @@ absl::StatusOr<fs::path> FindSkeletonBeside(const fs::path& amc) {
   }
   if (best.empty()) {
     return absl::NotFoundError(fmt::format(
-        "{}: no ASF file beside it has a name that begins \"{}\"; name its skeleton with "
-        "--skeleton",
+        "{}: expected an ASF file in the same folder whose name is a prefix of \"{}\", found none; "
+        "set it with --skeleton",
         amc.string(), name));
   }
   return best;

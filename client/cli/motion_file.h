@@ -1,4 +1,4 @@
-// A motion file on disk, with the skeleton file that it needs and what the user knows about it.
+// Motion files on disk, their skeleton files, and the options that describe them.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,7 +15,7 @@ class SourceConventions;
 
 namespace motiondb::client {
 
-// What the command line says about a file.
+// Command line options about a file; 0 or empty: not set.
 struct SourceOptions {
   std::string skeleton;
   double metres_per_unit = 0;
@@ -24,31 +24,31 @@ struct SourceOptions {
   double leg_length_m = 0;
 };
 
-// Binds them to a command.
+// Binds the options to a command.
 void AddSourceOptions(CLI::App& command, SourceOptions& options);
 
 v1::SourceConventions Conventions(const SourceOptions& options);
 
-// True for a file that has this extension, ".amc", in upper or lower case.
+// Returns whether the file has the extension `expected`, such as ".amc", ignoring case.
 bool HasExtension(const std::filesystem::path& file, const std::string& expected);
 
-// True for a file whose joints come in a file of their own: AMC.
+// Returns whether the joints are in a separate file (AMC).
 bool NeedsSkeleton(const std::filesystem::path& file);
 
-// The ASF file beside an AMC file: the longest ASF name (without extension) that begins the AMC's
-// name. NOT_FOUND if there is none.
+// Returns the ASF file in the folder of an AMC file whose name (without extension) is the longest
+// prefix of the AMC's name. NOT_FOUND: there is none.
 absl::StatusOr<std::filesystem::path> FindSkeletonBeside(const std::filesystem::path& amc);
 
-// The skeleton file for a motion file: `given`, or the one beside it; empty where none is needed.
+// Returns the skeleton file of a motion file: `given`, or the result of FindSkeletonBeside; empty
+// if it needs none.
 absl::StatusOr<std::filesystem::path> SkeletonFor(const std::filesystem::path& file,
                                                   const std::filesystem::path& given);
 
-// All bytes of a file that goes into one message. NOT_FOUND if there is none; INVALID_ARGUMENT for
-// a folder, and for more than a message may hold, 64 MiB; UNKNOWN, saying why, if it cannot be
-// read.
+// Reads a file for one message. NOT_FOUND: no such file. INVALID_ARGUMENT: a folder, or more than
+// the maximum of a message, 64 MiB. UNKNOWN: it cannot be read.
 absl::StatusOr<std::string> ReadFileBytes(const std::filesystem::path& path);
 
-// An observation that carries the whole file, and its skeleton.
+// Returns an observation with the contents of the file and of its skeleton file.
 absl::StatusOr<v1::Observation> ObservationFromFile(const std::filesystem::path& file,
                                                     const SourceOptions& options);
 

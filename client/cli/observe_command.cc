@@ -1,5 +1,4 @@
-// motiondb observe DB FILE: sends a motion frame by frame, as a robot would, and shows what the
-// server makes of it while it comes in.
+// motiondb observe DB FILE: sends a motion frame by frame, like a robot, and shows the answers.
 #include <fmt/format.h>
 #include <motiondb/v1/observe.pb.h>
 #include <unistd.h>
@@ -16,7 +15,7 @@
 namespace motiondb::client {
 namespace {
 
-constexpr double kLineEvery = 0.1;  // seconds of motion, where lines scroll
+constexpr double kLineEvery = 0.1;  // seconds of motion; not on a terminal
 
 struct ObserveOptions {
   QueryOptions query;
@@ -31,25 +30,27 @@ void Declare(CLI::App& command, ObserveOptions& options) {
   AddQueryOptions(command, options.query);
   CLI::Option* realtime =
       command.add_flag("--realtime", options.realtime,
-                       "Send at the motion's own rate; else as fast as answers come");
+                       "Send at the frame rate of the motion; else as fast as possible");
   command
       .add_option("--rate-multiplier", options.rate_multiplier,
-                  "Send so many times as fast as the motion's own rate")
+                  "Factor of the frame rate of the motion at which to send")
       ->type_name("X")
       ->check(PositiveNumber())
       ->needs(realtime)
       ->capture_default_str();
-  command.add_option("--frames-per-message", options.frames_per_message, "Frames sent at a time")
+  command
+      .add_option("--frames-per-message", options.frames_per_message,
+                  "Number of frames in a message")
       ->type_name("N")
       ->check(CLI::Range(1, 10000))
       ->capture_default_str();
-  command.add_option("--window", options.window_seconds, "What labels and familiarity are about")
+  command.add_option("--window", options.window_seconds, "Window of labels and familiarity")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
   command
       .add_option("--horizon", options.horizon_seconds,
-                  "How far ahead to predict; else there is no prediction")
+                  "Horizons of the prediction; else no prediction")
       ->type_name("SECONDS,...")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -70,7 +71,7 @@ v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest
   return start;
 }
 
-// Shows answers as they come: one line that changes on a terminal, lines apart in a file.
+// Shows answers when they arrive: on a terminal one line that changes, otherwise separate lines.
 class LiveLine {
  public:
   explicit LiveLine(double frame_rate_hz)
@@ -130,8 +131,7 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddObserveCommand(CommandLine line) {
-  AddCommand<ObserveOptions>(line, "observe",
-                             "Send a motion frame by frame, and show what the server makes of it",
+  AddCommand<ObserveOptions>(line, "observe", "Send a motion frame by frame and show the answers",
                              Declare, Run);
 }
 

@@ -23,7 +23,7 @@ double MillisecondsSince(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
 
-// When each message was sent. The sender adds, the receiver reads.
+// The time when each message was sent. The sender adds, the receiver reads. Thread-safe.
 class SendTimes {
  public:
   void Add() {
@@ -47,7 +47,7 @@ void SendAll(const std::vector<float>& positions, int frame_count, const ReplayO
   for (int first = 0; first < frame_count; first += options.frames_per_message) {
     const int count = std::min(options.frames_per_message, frame_count - first);
     if (options.frames_per_second > 0) {
-      // A message leaves when its last frame would have been captured.
+      // Sends a message at the capture time of its last frame.
       std::this_thread::sleep_until(
           begin + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(
                       (first + count - 1) / options.frames_per_second)));
@@ -89,18 +89,18 @@ absl::StatusOr<ReplayFigures> Replay(
 
 namespace {
 
-constexpr int kLabelsOfMoment = 2;
+constexpr int kShownLabels = 2;
 
-// The value that a share of them does not exceed; `sorted` is not empty.
-double Quantile(const std::vector<double>& sorted, double share) {
-  const auto place =
-      static_cast<std::size_t>(std::ceil(share * static_cast<double>(sorted.size())));
-  return sorted[std::max<std::size_t>(place, 1) - 1];
+// Returns the `fraction` quantile; `sorted` is not empty.
+double Quantile(const std::vector<double>& sorted, double fraction) {
+  const auto rank =
+      static_cast<std::size_t>(std::ceil(fraction * static_cast<double>(sorted.size())));
+  return sorted[std::max<std::size_t>(rank, 1) - 1];
 }
 
 std::string LabelsText(const v1::ObserveResponse& answer) {
   std::string text;
-  for (int i = 0; i < std::min(answer.labels_size(), kLabelsOfMoment); ++i) {
+  for (int i = 0; i < std::min(answer.labels_size(), kShownLabels); ++i) {
     const v1::LabelProbability& label = answer.labels(i);
     text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelWord(label.label()),
                         label.probability());
@@ -125,11 +125,11 @@ std::string ObservedLine(const v1::ObserveResponse& answer, double seconds) {
     }
   }
   if (answer.model_replaced()) {
-    // One that is not stored yet has no version.
+    // A model that is not stored yet has no version.
     const bool is_stored = answer.calibration() != v1::CALIBRATION_PREVIOUS &&
                            answer.calibration() != v1::CALIBRATION_TYPICAL;
-    line += is_stored ? fmt::format("  (model {} now)", answer.model_version())
-                      : "  (a newer model now, not calibrated yet)";
+    line += is_stored ? fmt::format("  (now model {})", answer.model_version())
+                      : "  (now a newer model, not calibrated yet)";
   }
   return line;
 }
@@ -138,7 +138,7 @@ std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& 
   std::vector<double> sorted = figures.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
   std::string text = fmt::format(
-      "{} in {:.2f} s, {:.0f} a second; model {}\n", CountText(figures.frames, "frame"),
+      "{} in {:.2f} s, {:.0f} per second; model {}\n", CountText(figures.frames, "frame"),
       figures.seconds, figures.frames / std::max(figures.seconds, 1e-9), last.model_version());
   if (paced && !sorted.empty()) {
     text += fmt::format("{} after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
@@ -146,7 +146,7 @@ std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& 
                         Quantile(sorted, 0.99), sorted.back());
   }
   if (last.late_frames() + last.missing_frames() > 0) {
-    text += fmt::format("{} came late, {} never came\n", CountText(last.late_frames(), "frame"),
+    text += fmt::format("{} late, {} missing\n", CountText(last.late_frames(), "frame"),
                         last.missing_frames());
   }
   return text;

@@ -1,4 +1,4 @@
-// motiondb operations list|wait|cancel: long work on the server.
+// motiondb operations list|wait|cancel
 #include <motiondb/v1/operation.pb.h>
 
 #include "client/cli/command.h"
@@ -19,15 +19,16 @@ struct OperationOptions {
 };
 
 void DeclareList(CLI::App& command, OperationsListOptions& options) {
-  command.add_option("DB", options.database, "Only those of this database; else all");
+  command.add_option("DB", options.database, "Database; else the operations of all");
 }
 
 void DeclareOperation(CLI::App& command, OperationOptions& options) {
-  command.add_option("OPERATION", options.operation, "As `motiondb operations list` names it")
+  command.add_option("OPERATION", options.operation, "Name in `motiondb operations list`")
       ->required();
 }
 
-// An error's details are of types that JSON output does not know; its message says the same.
+// Removes error details, because the JSON printer does not know their types. The message contains
+// the same information.
 v1::Operation Printable(v1::Operation operation) {
   if (operation.has_error()) operation.mutable_error()->clear_details();
   return operation;
@@ -48,7 +49,7 @@ absl::Status RunList(const OperationsListOptions& options, const GlobalOptions& 
   return absl::OkStatus();
 }
 
-// Prints how an operation stands, as `Response`, which carries it.
+// Prints an operation, in JSON as the message `Response`.
 template <typename Response>
 void Print(const v1::Operation& operation, bool json) {
   if (json) {
@@ -87,7 +88,8 @@ absl::Status RunCancel(const OperationOptions& options, const GlobalOptions& glo
 }  // namespace
 
 void AddOperationsCommand(CommandLine line) {
-  CLI::App* operations = line.app.add_subcommand("operations", "List, await or cancel long work");
+  CLI::App* operations =
+      line.app.add_subcommand("operations", "List, wait for or cancel operations");
   operations->fallthrough();
   operations->require_subcommand(1);
   const CommandLine inner{*operations, line.global, line.chosen};
@@ -95,8 +97,7 @@ void AddOperationsCommand(CommandLine line) {
                                     RunList);
   AddCommand<OperationOptions>(inner, "wait", "Wait until an operation is done; fails if it failed",
                                DeclareOperation, RunWait);
-  AddCommand<OperationOptions>(inner, "cancel", "Ask an operation to stop", DeclareOperation,
-                               RunCancel);
+  AddCommand<OperationOptions>(inner, "cancel", "Cancel an operation", DeclareOperation, RunCancel);
 }
 
 }  // namespace motiondb::client

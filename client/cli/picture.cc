@@ -58,7 +58,7 @@ std::string SvgLabel(std::string_view style, double x, double y, std::string_vie
 namespace {
 
 constexpr double kTitleHeight = 30, kLineHeight = 20, kBelowHeading = 18;
-constexpr double kCharacterWidth = 6.6;  // of the lines below the title, about
+constexpr double kCharacterWidth = 6.6;  // average, of the lines below the title
 constexpr double kLegendRowHeight = 22;
 constexpr double kSampleWidth = 26;
 
@@ -89,10 +89,10 @@ std::string BackgroundSvg(double width, double height) {
 
 std::string FittingText(const std::string& text, double width) {
   constexpr std::string_view kCut = "...";
-  const auto most = static_cast<std::size_t>(std::max(0.0, width) / kCharacterWidth);
-  if (text.size() <= most) return text;
-  if (most <= kCut.size()) return "";
-  return std::string(text::CutAt(text, most - kCut.size())).append(kCut);
+  const auto max_size = static_cast<std::size_t>(std::max(0.0, width) / kCharacterWidth);
+  if (text.size() <= max_size) return text;
+  if (max_size <= kCut.size()) return "";
+  return std::string(text::CutAt(text, max_size - kCut.size())).append(kCut);
 }
 
 std::string HeadingSvg(double left, double width, const std::string& title,
@@ -145,7 +145,7 @@ double TickStep(double pixels_per_unit) {
 
 std::vector<double> Ticks(double low, double high, double step) {
   std::vector<double> ticks;
-  // Counted, so that no error adds up.
+  // Multiplies instead of adding, to avoid rounding errors.
   const auto last = static_cast<long>(std::floor(high / step));
   for (auto i = static_cast<long>(std::ceil(low / step)); i <= last; ++i) {
     ticks.push_back(static_cast<double>(i) * step);
@@ -211,8 +211,8 @@ std::string ClipPathSvg(std::string_view id, const PictureFrame& frame) {
 
 namespace {
 
-constexpr double kLinear = 3;                   // about where the scale turns logarithmic
-constexpr double kAbove = 0.05, kBelow = 0.04;  // of the axis, around the values
+constexpr double kLinear = 3;                   // the scale is logarithmic from about here
+constexpr double kAbove = 0.05, kBelow = 0.04;  // margins, as a share of the axis
 
 double Scaled(double value) { return std::asinh(value / kLinear); }
 
@@ -231,11 +231,11 @@ double LogProbabilityAxis::Fraction(double value) const {
   return kAbove + (Scaled(high_) - Scaled(value)) / span;
 }
 
-std::vector<double> LogProbabilityAxis::Ticks(double least) const {
+std::vector<double> LogProbabilityAxis::Ticks(double min_distance) const {
   std::vector<double> below = {0}, above;
   const auto add = [&](std::vector<double>& ticks, double value) {
     const double last = ticks.empty() ? 0 : ticks.back();
-    if (std::abs(Fraction(value) - Fraction(last)) >= least) ticks.push_back(value);
+    if (std::abs(Fraction(value) - Fraction(last)) >= min_distance) ticks.push_back(value);
   };
   for (double value = 1; - value >= low_; value *= 10) add(below, -value);
   for (double value = 1; value <= high_; value *= 10) add(above, value);

@@ -1,4 +1,4 @@
-// motiondb plan DB --goal X,Y,HEADING: how do I get there?
+// motiondb plan DB --goal X,Y,HEADING: plans a motion to a goal.
 #include <fmt/format.h>
 #include <motiondb/v1/plan.pb.h>
 
@@ -27,24 +27,23 @@ void Declare(CLI::App& command, PlanOptions& options) {
   AddPlanRequestOptions(command, options.request);
   command
       .add_option("--out", options.out,
-                  "Write the motion: BVH, or for a robot CSV of joint positions; alternatives as "
-                  "FILE-2 and so on")
+                  "Write the motion as BVH, or for a robot as CSV of joint positions; alternatives "
+                  "as FILE-2 and so on")
       ->type_name("FILE.bvh|FILE.csv");
   command.add_option("--plot", options.plot, "Draw the plan seen from above")
       ->type_name("FILE.svg");
-  command.footer(
-      "The exit status is 3 where the goal is UNREACHABLE, with or without files to write.");
+  command.footer("The exit status is 3 if the goal is UNREACHABLE, with or without output files.");
 }
 
-// Whether the files that are to be written can hold what will be in them.
+// Checks the extensions of the output files.
 absl::Status CheckFiles(const PlanOptions& options) {
   const bool robot = PlansForRobot(options.request);
   if (!options.out.empty() && !HasExtension(options.out, robot ? ".csv" : ".bvh")) {
     return absl::InvalidArgumentError(
-        robot ? fmt::format("--out {}: a robot's joint positions are written as FILE.csv",
+        robot ? fmt::format("--out {}: joint positions of a robot are written as FILE.csv",
                             options.out)
-              : fmt::format("--out {}: a skeleton's motion is written as FILE.bvh; CSV is for a "
-                            "robot, --skeleton FILE.urdf",
+              : fmt::format("--out {}: motion of a skeleton is written as FILE.bvh; CSV is for a "
+                            "robot (--skeleton FILE.urdf)",
                             options.out));
   }
   if (!options.plot.empty() && !HasExtension(options.plot, ".svg")) {
@@ -62,7 +61,7 @@ fs::path Numbered(const fs::path& path, int number) {
       fmt::format("{}-{}{}", path.stem().string(), number, path.extension().string()));
 }
 
-// Writes all that was asked for and names it in `written`.
+// Writes the requested files and appends their names to `written`.
 absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& request,
                         const v1::PlanResponse& response, std::vector<std::string>& written) {
   const auto write = [&](const fs::path& path, const std::string& bytes) {
@@ -86,8 +85,8 @@ absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& reque
   return status;
 }
 
-// A goal that cannot be reached is a failure to a script, and one that it can tell from others; so
-// is a file that was not written, unless there was nothing to write in it.
+// Returns the status of the command. An unreachable goal has an exit code of its own. If writing
+// failed for another reason than a missing motion, returns that error.
 absl::Status Outcome(const v1::PlanResponse& response, const absl::Status& written) {
   if (response.outcome() != v1::UNREACHABLE) return written;
   if (!written.ok() && !absl::IsNotFound(written)) return written;

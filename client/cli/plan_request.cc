@@ -25,7 +25,7 @@ bool IsTolerance(const Numbers& numbers) {
 bool IsDisc(const Numbers& numbers) { return numbers.size() == 3 && numbers[2] > 0; }
 bool IsPolygon(const Numbers& numbers) { return numbers.size() >= 6 && numbers.size() % 2 == 0; }
 
-// The moment in "CLIP@SECONDS".
+// A time in a clip: "CLIP@SECONDS".
 struct Moment {
   std::string clip;
   double seconds = 0;
@@ -49,14 +49,14 @@ CLI::Validator ClipMomentText() {
 
 void AddStartOptions(CLI::App& command, PlanRequestOptions& options) {
   CLI::Option* start = command.add_option("--start", options.start,
-                                          "Begin at a moment of a stored clip; else standing");
+                                          "Start at a time of a stored clip; else standing");
   start->type_name("CLIP@SECONDS")->check(ClipMomentText());
   CLI::Option* observation = command.add_option("--observation", options.observation,
-                                                "Begin where the motion in this file ends");
+                                                "Start where the motion in this file ends");
   observation->type_name("FILE")->excludes(start);
   command
       .add_option("--observation-skeleton", options.observation_skeleton,
-                  "ASF skeleton of an AMC observation; else the ASF beside it")
+                  "ASF skeleton of an AMC observation; else the ASF in its folder")
       ->type_name("FILE.asf")
       ->needs(observation);
 }
@@ -64,50 +64,52 @@ void AddStartOptions(CLI::App& command, PlanRequestOptions& options) {
 void AddGoalOptions(CLI::App& command, PlanRequestOptions& options) {
   command
       .add_option("--goal", options.goal,
-                  "Where to end: metres to the front and to the left of the start, radians "
+                  "Goal relative to the start: metres to the front and to the left, radians "
                   "counter-clockwise")
       ->type_name("X,Y,HEADING")
       ->required()
       ->check(NumberList("X,Y,HEADING, three numbers", IsPose));
   command
       .add_option("--tolerance", options.tolerance,
-                  "How far from the goal it may end; else 0.1,0.1")
+                  "Tolerances of goal position and heading; else 0.1,0.1")
       ->type_name("METRES,RADIANS")
-      ->check(NumberList("METRES,RADIANS, two numbers from 0", IsTolerance));
-  command.add_option("--max-duration", options.max_duration_seconds, "Longest motion")
+      ->check(NumberList("METRES,RADIANS, two numbers of at least 0", IsTolerance));
+  command
+      .add_option("--max-duration", options.max_duration_seconds, "Maximum duration of the motion")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
-  command.add_option("--search-seconds", options.search_seconds, "Longest search")
+  command.add_option("--search-seconds", options.search_seconds, "Time limit of the search")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
 }
 
 void AddFloorOptions(CLI::App& command, PlanRequestOptions& options) {
-  command.add_option("--disc", options.discs, "A round obstacle; may be given again")
+  command.add_option("--disc", options.discs, "Round obstacle; may be repeated")
       ->type_name("X,Y,RADIUS")
       ->allow_extra_args(false)
-      ->check(NumberList("X,Y,RADIUS, three numbers, the last above 0", IsDisc));
-  command.add_option("--polygon", options.polygons, "An obstacle with corners; may be given again")
+      ->check(NumberList("X,Y,RADIUS, three numbers, a radius greater than 0", IsDisc));
+  command.add_option("--polygon", options.polygons, "Polygonal obstacle; may be repeated")
       ->type_name("X,Y,X,Y,X,Y,...")
       ->allow_extra_args(false)
       ->check(NumberList("the X,Y of at least three corners", IsPolygon));
   command
       .add_option("--clearance", options.clearance_m,
-                  "Distance that the root keeps from obstacles; else 0.3")
+                  "Minimum distance of the root from obstacles; else 0.3")
       ->type_name("METRES")
       ->check(NonNegativeNumber());
 }
 
 void AddBodyOptions(CLI::App& command, PlanRequestOptions& options) {
   command
-      .add_option("--skeleton", options.skeleton,
-                  "Who is to play it: a skeleton of the database, or a robot; else the skeleton of "
-                  "the clip that it begins in")
+      .add_option(
+          "--skeleton", options.skeleton,
+          "Body of the motion: a skeleton of the database, or a robot; else the skeleton of "
+          "the start clip")
       ->type_name("NAME|FILE.urdf");
   command.add_flag("--ignore-joint-limits", options.ignore_joint_limits,
-                   "Let joints go beyond their limits");
+                   "Allow joint positions beyond their limits");
   command
       .add_option("--frame-rate", options.frame_rate_hz,
                   "Frame rate of the motion; else the database's")
@@ -118,23 +120,22 @@ void AddBodyOptions(CLI::App& command, PlanRequestOptions& options) {
 void AddSearchOptions(CLI::App& command, PlanRequestOptions& options) {
   command
       .add_option("--layer", options.layer,
-                  "Layer of the coarse search, from 1; else about four fifths down")
+                  "Layer of the coarse search, from 1; else about four fifths of the depth")
       ->type_name("N")
       ->check(PositiveNumber());
-  command
-      .add_option("--label", options.labels, "Play only clips with this label; may be given again")
+  command.add_option("--label", options.labels, "Use only clips with this label; may be repeated")
       ->type_name("L")
       ->allow_extra_args(false);
-  command.add_option("--seed", options.seed, "Another seed, another plan; the same, the same")
+  command.add_option("--seed", options.seed, "Random seed; equal seeds give equal plans")
       ->type_name("N")
       ->capture_default_str();
-  command.add_option("--alternatives", options.alternatives, "How many other plans to add")
+  command.add_option("--alternatives", options.alternatives, "Number of alternative plans")
       ->type_name("N")
       ->check(CLI::Range(0, 10))
       ->capture_default_str();
   command
       .add_option("--method", options.method,
-                  "How to search: stored segments, or the paper's random sampling")
+                  "Search method: stored segments, or the paper's random sampling")
       ->type_name("segments|random")
       ->check(CLI::IsMember({"segments", "random"}))
       ->capture_default_str();

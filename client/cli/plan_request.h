@@ -1,4 +1,4 @@
-// What a person says on the command line of `motiondb plan`, and the request that it makes.
+// Options of `motiondb plan`, and their conversion to a request.
 #pragma once
 
 #include <motiondb/messages.h>
@@ -35,21 +35,19 @@ struct PlanRequestOptions {
   std::string method = "segments";
 };
 
-// Binds them to a command.
+// Binds the options to a command.
 void AddPlanRequestOptions(CLI::App& command, PlanRequestOptions& options);
 
-// Whether --skeleton names a file of a robot.
+// Returns whether --skeleton names a robot file.
 bool PlansForRobot(const PlanRequestOptions& options);
 
-// Reads the files that the options name. Lists of numbers must have been checked, as the command
-// line does.
+// Converts the options to a request and reads their files. REQUIRES: lists of numbers are valid.
 absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& request);
 
-// The numbers between the commas; nothing unless all are finite numbers.
+// Parses numbers separated by commas; nullopt unless all are finite.
 std::optional<std::vector<double>> ParseNumbers(const std::string& text);
 
-// Checks an option's value: `fits` says whether the numbers are right, `expected` what they should
-// be.
+// Returns a validator of a list of numbers. `fits` checks the numbers; `expected` describes them.
 CLI::Validator NumberList(const char* expected, bool (*fits)(const std::vector<double>&));
 
 }  // namespace motiondb::client

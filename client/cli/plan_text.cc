@@ -14,7 +14,7 @@ namespace {
 constexpr int kShownSegments = 8;
 
 std::string SegmentsText(const v1::PlannedMotion& motion) {
-  if (motion.segments_size() == 0) return "";  // made of nodes' means
+  if (motion.segments_size() == 0) return "";  // made from node means
   std::string text = "plays ";
   for (int i = 0; i < std::min(motion.segments_size(), kShownSegments); ++i) {
     const v1::PlayedSegment& segment = motion.segments(i);
@@ -28,24 +28,24 @@ std::string SegmentsText(const v1::PlannedMotion& motion) {
   return text + "\n";
 }
 
-// A row of the table: a figure, its unit and how it is written.
-struct Figure {
+// A row of the table: a quality value, its unit and its text.
+struct QualityRow {
   const char* name;
   const char* unit;
   std::string (*text)(const v1::PlanQuality&);
 };
 
-const std::vector<Figure>& Figures() {
-  static const std::vector<Figure> kFigures = {
-      {"end to goal", "m",
+const std::vector<QualityRow>& QualityRows() {
+  static const std::vector<QualityRow> kRows = {
+      {"distance from goal", "m",
        [](const auto& q) { return fmt::format("{:.3f}", q.position_error_m()); }},
-      {"end's heading to goal's", "rad",
+      {"heading error", "rad",
        [](const auto& q) { return fmt::format("{:.3f}", q.heading_error_rad()); }},
       {"duration", "s", [](const auto& q) { return fmt::format("{:.2f}", q.duration_seconds()); }},
       {"length", "m", [](const auto& q) { return fmt::format("{:.2f}", q.length_m()); }},
-      {"path corrected by", "m",
+      {"path correction", "m",
        [](const auto& q) { return fmt::format("{:.3f}", q.correction_m()); }},
-      {"path turned by", "rad",
+      {"path rotation", "rad",
        [](const auto& q) { return fmt::format("{:.3f}", q.correction_heading_rad()); }},
       {"foot slide", "cm/s",
        [](const auto& q) { return fmt::format("{:.2f}", q.foot_slide_cm_per_s()); }},
@@ -59,7 +59,7 @@ const std::vector<Figure>& Figures() {
        [](const auto& q) { return fmt::format("{:.0f}", q.peak_joint_jerk_rad_s3()); }},
       {"joint limits exceeded", "",
        [](const auto& q) { return fmt::format("{}", q.joint_limit_violations()); }},
-      {"joints' markers off by", "m",
+      {"marker fit error (rms)", "m",
        [](const auto& q) { return fmt::format("{:.3f}", q.marker_fit_rms_m()); }},
       {"smallest clearance", "m",
        [](const auto& q) {
@@ -67,7 +67,7 @@ const std::vector<Figure>& Figures() {
                                              : std::string("-");
        }},
   };
-  return kFigures;
+  return kRows;
 }
 
 std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
@@ -84,9 +84,9 @@ std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
     for (const auto* motion : motions) row.push_back(OutcomeText(motion->outcome()));
     table.AddRow(row);
   }
-  for (const Figure& figure : Figures()) {
-    std::vector<std::string> row = {std::string("  ") + figure.name, figure.unit};
-    for (const auto* motion : motions) row.push_back(figure.text(motion->quality()));
+  for (const QualityRow& value : QualityRows()) {
+    std::vector<std::string> row = {std::string("  ") + value.name, value.unit};
+    for (const auto* motion : motions) row.push_back(value.text(motion->quality()));
     table.AddRow(row);
   }
   return table.ToString();
@@ -95,11 +95,10 @@ std::string QualityText(const std::vector<const v1::PlannedMotion*>& motions) {
 std::string EffortText(const v1::PlanResponse& response) {
   const v1::SearchEffort& effort = response.effort();
   return fmt::format(
-      "searched {} in {:.3f} s, {}{}; {:.3f} s with the motion made; for a leg of {:.3f} m\n",
+      "searched {} in {:.3f} s, {}{}; {:.3f} s including the motion; leg length {:.3f} m\n",
       CountText(effort.expansions(), "state"), effort.search_seconds(),
-      CountText(effort.improvements(), "improvement"),
-      effort.complete() ? ", nothing left to search" : "", effort.total_seconds(),
-      response.leg_length_m());
+      CountText(effort.improvements(), "improvement"), effort.complete() ? ", search complete" : "",
+      effort.total_seconds(), response.leg_length_m());
 }
 
 }  // namespace
@@ -114,7 +113,7 @@ std::string PlanFigures(const v1::PlanQuality& quality) {
                                  quality.duration_seconds(), quality.length_m(),
                                  quality.position_error_m(), quality.heading_error_rad());
   if (quality.has_smallest_clearance_m()) {
-    text += fmt::format(", {:.2f} m clear", quality.smallest_clearance_m());
+    text += fmt::format(", clearance {:.2f} m", quality.smallest_clearance_m());
   }
   return text;
 }

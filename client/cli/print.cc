@@ -82,7 +82,7 @@ std::string Json(const google::protobuf::Message& message, bool indented) {
   options.always_print_primitive_fields = true;
   options.add_whitespace = indented;
   std::string json;
-  // Fails only on an Any of a type that is not linked in: OperationJson leaves those out.
+  // Fails only for an Any of an unknown type; callers remove these.
   (void)google::protobuf::util::MessageToJsonString(message, &json, options);
   return text::EscapedJson(json);
 }
@@ -101,7 +101,7 @@ std::string JsonString(const std::string& text) {
 
 void PrintJson(const google::protobuf::Message& message) {
   fmt::print("{}\n", JsonLine(message));
-  // A reader at the other end of a pipe sees each answer when it comes.
+  // Flushes, so that the reader of a pipe gets each answer immediately.
   std::fflush(stdout);
 }
 

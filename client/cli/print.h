@@ -1,6 +1,5 @@
-// What the command line prints goes through here, text and JSON: no string of a
-// server or a file reaches a terminal with display controls in it (client/display_text.h). Counts
-// in words, and text in aligned columns.
+// Output of the command line as text, tables and JSON. All output goes through these functions,
+// which replace control characters in strings of servers and files (text/display_text.h).
 #pragma once
 
 #include <fmt/format.h>
@@ -17,20 +16,20 @@ class Message;
 
 namespace motiondb::client {
 
-// To standard output: text of several lines, each with its line end.
+// Prints text of several lines, with line ends, to standard output.
 void PrintText(std::string_view text);
 
-// To standard output: one line, without its line end, which a string in it does not end either.
+// Prints one line, given without line end, to standard output. Line ends in it are replaced.
 void PrintLineText(std::string_view line);
 template <typename... Args>
 void PrintLine(fmt::format_string<Args...> format, Args&&... args) {
   PrintLineText(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// To standard error: "motiondb: ..." and a line end. The secrets of tokens are left out.
+// Prints "motiondb: ERROR" to standard error. Removes secrets of tokens.
 void PrintError(std::string_view error);
 
-// "1 clip", "2 clips"; `noun` takes an s.
+// Returns "1 clip", "2 clips": adds an s to `noun`.
 std::string CountText(std::int64_t count, const char* noun);
 
 enum class Align { kLeft, kRight };
@@ -42,13 +41,13 @@ class Table {
     Align align = Align::kLeft;
   };
 
-  // Without a title in any column no title line is printed.
+  // Without titles there is no title line.
   explicit Table(std::vector<Column> columns);
 
   // One cell for each column.
   void AddRow(std::vector<std::string> cells);
 
-  // Lines, each ended by '\n', columns two spaces apart, no spaces at the end of a line.
+  // Returns lines with line ends. Columns are two spaces apart; lines have no trailing spaces.
   std::string ToString() const;
 
  private:
@@ -56,24 +55,23 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
-// Characters of UTF-8 text, as a terminal shows them.
+// Returns the number of characters of UTF-8 text.
 size_t DisplayWidth(const std::string& text);
 
-// `text` followed by spaces up to `width` characters.
+// Appends spaces to `text` up to `width` characters.
 std::string PadRight(const std::string& text, size_t width);
 
-// Answers as JSON: the proto's field names, zeros included, one object a line.
-
-// One line, without its line end.
+// Returns a message as one line of JSON without line end: proto field names, default values
+// included.
 std::string JsonLine(const google::protobuf::Message& message);
 
-// The same, indented.
+// Returns a message as indented JSON.
 std::string IndentedJson(const google::protobuf::Message& message);
 
-// A string as JSON, quoted and escaped.
+// Returns a quoted and escaped JSON string.
 std::string JsonString(const std::string& text);
 
-// Prints one line to standard output.
+// Prints JsonLine to standard output.
 void PrintJson(const google::protobuf::Message& message);
 
 }  // namespace motiondb::client

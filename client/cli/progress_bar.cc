@@ -22,12 +22,12 @@ int TerminalColumns() {
 
 }  // namespace
 
-std::string ProgressLine(double fraction, const std::string& doing, int columns) {
+std::string ProgressLine(double fraction, const std::string& activity, int columns) {
   const double shown = std::clamp(fraction, 0.0, 1.0);
   const int filled = static_cast<int>(shown * kBarCells);
   const std::string line =
       fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
-                  std::string(kBarCells - filled, '.'), shown * 100, text::DisplayText(doing));
+                  std::string(kBarCells - filled, '.'), shown * 100, text::DisplayText(activity));
   return std::string(text::CutAt(line, static_cast<std::size_t>(std::max(columns - 1, 0))));
 }
 
@@ -35,9 +35,9 @@ ProgressBar::ProgressBar() : enabled_(isatty(STDERR_FILENO) == 1) {}
 
 ProgressBar::~ProgressBar() { Clear(); }
 
-void ProgressBar::Show(double fraction, const std::string& doing) {
+void ProgressBar::Show(double fraction, const std::string& activity) {
   if (!enabled_) return;
-  fmt::print(stderr, "\r\033[K{}", ProgressLine(fraction, doing, TerminalColumns()));
+  fmt::print(stderr, "\r\033[K{}", ProgressLine(fraction, activity, TerminalColumns()));
   std::fflush(stderr);
   shown_ = true;
 }

@@ -1,5 +1,4 @@
-// A progress bar on standard error, for long work. Shows nothing where standard error is not a
-// terminal, so that logs stay clean. Not thread-safe.
+// A progress bar on standard error. Shows nothing if standard error is not a terminal.
 #pragma once
 
 #include <string>
@@ -13,10 +12,10 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar();  // clears the line
 
-  // Draws the bar filled to `fraction` (0 to 1) with what is being done beside it.
-  void Show(double fraction, const std::string& doing);
+  // Draws the bar with `fraction` (0 to 1) and the current activity.
+  void Show(double fraction, const std::string& activity);
 
-  // Takes the bar off the screen, so that other lines can be printed.
+  // Removes the bar, so that other lines can be printed.
   void Clear();
 
  private:
@@ -24,7 +23,7 @@ class ProgressBar {
   bool shown_ = false;
 };
 
-// The line that Show draws: at most `columns` characters.
-std::string ProgressLine(double fraction, const std::string& doing, int columns);
+// Returns the line that Show draws, at most `columns` characters.
+std::string ProgressLine(double fraction, const std::string& activity, int columns);
 
 }  // namespace motiondb::client

@@ -1,4 +1,4 @@
-// motiondb recognize DB FILE: what is this motion?
+// motiondb recognize, estimate and predict.
 
 #include <fmt/format.h>
 #include <motiondb/v1/query.pb.h>
@@ -42,23 +42,23 @@ void Declare(CLI::App& command, RecognizeOptions& options) {
       ->type_name("SECONDS|all")
       ->check(CheckWindow)
       ->capture_default_str();
-  command.add_option("--hop", options.hop_seconds, "How far the window moves each time")
+  command.add_option("--hop", options.hop_seconds, "Distance between windows")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
-  command.add_option("--top", options.top, "At most this many clips a window; else all")
+  command.add_option("--top", options.top, "Maximum number of clips per window; else all")
       ->type_name("K")
       ->check(PositiveNumber());
   command
       .add_option("--paths", options.paths,
-                  "Sum the K best paths, as in the paper; else all paths, exactly")
+                  "Sum only the K best paths, as in the paper; else all paths")
       ->type_name("K")
       ->check(PositiveNumber());
   AddMethodOption(command, options.method);
   command
       .add_option("--plot", options.plot,
-                  "Draw how probable each clip's graph makes each window, at the bottom, a middle "
-                  "and an upper layer, or at that of --layer; asks once more for each")
+                  "Draw the generation probability of each clip and window at the bottom, a middle "
+                  "and an upper layer, or at --layer; needs a query for each layer")
       ->type_name("FILE.svg");
 }
 
@@ -85,7 +85,7 @@ absl::Status CheckFiles(const RecognizeOptions& options) {
       fmt::format("--plot {}: the profiles are drawn as FILE.svg", options.plot));
 }
 
-// Asks again, for all clips under the graphs of each layer, and draws the answers.
+// Queries all clips at each layer by the paper's method, and draws the answers.
 absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
                        v1::RecognizeRequest& request) {
   request.set_top_count(0);
@@ -130,11 +130,11 @@ absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddRecognizeCommand(CommandLine line) {
-  AddCommand<RecognizeOptions>(line, "recognize", "Say what a motion is, window by window", Declare,
-                               Run);
+  AddCommand<RecognizeOptions>(line, "recognize", "Name the motion of each window of a file",
+                               Declare, Run);
 }
 
-// motiondb estimate DB FILE: what state is the motion in?
+// motiondb estimate DB FILE
 
 namespace {
 
@@ -147,17 +147,17 @@ struct EstimateOptions {
 
 void Declare(CLI::App& command, EstimateOptions& options) {
   AddQueryOptions(command, options.query);
-  command.add_option("--paths", options.paths, "How many node paths, best first")
+  command.add_option("--paths", options.paths, "Number of node paths, best first")
       ->type_name("K")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
   command
       .add_option("--max-candidates", options.max_candidates,
-                  "Candidates kept for each frame and layer; else 16; 0 keeps all (exact)")
+                  "Candidates per frame and layer; else 16; 0 keeps all (exact)")
       ->type_name("N")
       ->check(NonNegativeNumber());
   command.add_flag("--fill-every-frame", options.fill_every_frame,
-                   "Fill in missing markers in every frame; else in the last alone");
+                   "Fill in missing markers in every frame; else only in the last");
 }
 
 absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
@@ -187,11 +187,11 @@ absl::Status Run(const EstimateOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddEstimateCommand(CommandLine line) {
-  AddCommand<EstimateOptions>(line, "estimate", "Say which nodes a motion goes through", Declare,
+  AddCommand<EstimateOptions>(line, "estimate", "Estimate the node paths of a motion", Declare,
                               Run);
 }
 
-// motiondb predict DB FILE: what comes next, at one moment or at many?
+// motiondb predict DB FILE
 
 namespace {
 
@@ -207,20 +207,22 @@ struct PredictOptions {
 void Declare(CLI::App& command, PredictOptions& options) {
   AddQueryOptions(command, options.query);
   CLI::Option* at = command.add_option("--at", options.at_seconds,
-                                       "The moment to predict from; else the end of the motion");
+                                       "Time to predict from; else the end of the motion");
   at->type_name("SECONDS")->check(NonNegativeNumber());
   command
       .add_option("--every", options.every_seconds,
-                  "Predict again and again, so far apart, from the first moment with a history")
+                  "Interval of repeated predictions, from the first time with a full history")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->excludes(at);
-  command.add_option("--history", options.history_seconds, "How much before the moment is used")
+  command
+      .add_option("--history", options.history_seconds,
+                  "Length of the motion before that time that is used")
       ->type_name("SECONDS")
       ->check(PositiveNumber())
       ->capture_default_str();
   command
-      .add_option("--horizon", options.horizon_seconds, "How far ahead to give marker positions")
+      .add_option("--horizon", options.horizon_seconds, "Horizons of predicted marker positions")
       ->type_name("SECONDS,...")
       ->delimiter(',')
       ->allow_extra_args(false)
@@ -238,7 +240,7 @@ v1::PredictRequest Request(const PredictOptions& options) {
   return request;
 }
 
-// Prints predictions as they come.
+// Prints predictions when they arrive.
 class Printer {
  public:
   Printer(bool json, std::vector<std::string> marker_names)
@@ -289,7 +291,7 @@ absl::Status Run(const PredictOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddPredictCommand(CommandLine line) {
-  AddCommand<PredictOptions>(line, "predict", "Say what comes next, at one moment or at many",
+  AddCommand<PredictOptions>(line, "predict", "Predict the motion from one or many times of a file",
                              Declare, Run);
 }
 

@@ -18,9 +18,8 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options) {
       ->type_name("N")
       ->check(PositiveNumber());
   command
-      .add_option(
-          "--floor", options.floor,
-          "Probability of a transition that was never seen; else 1e-6; 0 is the strict rule")
+      .add_option("--floor", options.floor,
+                  "Probability of a transition without stored counts; else 1e-6; 0 forbids it")
       ->type_name("P")
       ->check(CLI::Range(0.0, 1.0));
 }
@@ -30,8 +29,7 @@ void AddMethodOption(CLI::App& command, v1::Method& method) {
   command
       .add_option_function<std::string>(
           "--method", [&method, methods](const std::string& word) { method = methods.at(word); },
-          "best: what measures best, with stored frames compared; paper: the tree and its "
-          "graphs alone")
+          "best: most accurate, also compares stored frames; paper: only the tree and its graphs")
       ->type_name("METHOD")
       ->check(CLI::IsMember(methods))
       ->default_str("best");

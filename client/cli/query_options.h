@@ -1,5 +1,4 @@
-// What the queries have in common on the command line: a database, its markers, a motion file, a
-// layer, the floor of transitions and, where there is a choice, the method.
+// Common options of query commands.
 #pragma once
 
 #include <motiondb/v1/query.pb.h>
@@ -26,13 +25,13 @@ struct QueryOptions {
   std::optional<double> floor;
 };
 
-// Binds them to a command.
+// Binds the options to a command.
 void AddQueryOptions(CLI::App& command, QueryOptions& options);
 
-// --method, for the queries that have one; `method` holds the default.
+// Adds --method; `method` contains the default.
 void AddMethodOption(CLI::App& command, v1::Method& method);
 
-// Puts them into a query's request, whose type must be complete, and the file's bytes with them.
+// Sets the options and the contents of the file in a request. REQUIRES: Request is a complete type.
 template <typename Request>
 absl::Status SetQuery(const QueryOptions& options, Request& request) {
   auto observation = ObservationFromFile(options.file, options.source);
@@ -44,8 +43,8 @@ absl::Status SetQuery(const QueryOptions& options, Request& request) {
   return absl::OkStatus();
 }
 
-// Names in the order of a state's markers. NOT_FOUND if there is no such database; errors of the
-// connection.
+// Returns the marker names of a database in the order of the state vector. NOT_FOUND: no such
+// database.
 absl::StatusOr<std::vector<std::string>> MarkerNames(const Client& client,
                                                      const std::string& database);
 

@@ -12,21 +12,23 @@ namespace motiondb::client {
 
 absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::string& operation,
                                              const std::string& done_before) {
-  const auto with_what_is_done = [&](const absl::Status& status, const std::string& message) {
-    const bool gone = absl::IsUnavailable(status);
+  const auto with_done_before = [&](const absl::Status& status, const std::string& message) {
+    const bool is_unavailable = absl::IsUnavailable(status);
     return WithMessage(
-        status, fmt::format("{}; {}{}", message, done_before,
-                            gone ? ", and the server builds the model when it runs again" : ""));
+        status,
+        fmt::format(
+            "{}; {}{}", message, done_before,
+            is_unavailable ? ", and the server builds the model after its next start" : ""));
   };
   ProgressBar bar;
   auto done = client.WaitOperation(operation, [&](const v1::Operation& now) {
     bar.Show(now.progress(), "model: " + (now.stage().empty() ? "waiting" : now.stage()));
   });
   if (!done.ok()) {
-    return with_what_is_done(done.status(), std::string(done.status().message()));
+    return with_done_before(done.status(), std::string(done.status().message()));
   }
   if (const absl::Status status = OperationStatus(*done); !status.ok()) {
-    return with_what_is_done(
+    return with_done_before(
         status, fmt::format("the new model was not built: {}", std::string(status.message())));
   }
   return done;
@@ -35,8 +37,7 @@ absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::st
 std::string AddedSinceText(int added_clips, double drift_fraction) {
   if (added_clips == 0) return "";
   return fmt::format(
-      ", {} of them added since it was built ({:.1f} % of frames in nodes that a build would "
-      "divide)",
+      ", {} of them added since the build ({:.1f} % of frames in nodes that a build would split)",
       added_clips, 100 * drift_fraction);
 }
 

@@ -21,10 +21,10 @@ namespace motiondb::client {
 
 namespace {
 
-bool MakesSense(const v1::RecognitionWindow& window) {
-  constexpr double kLongestSeconds = 1e8;
+bool HasValidTimes(const v1::RecognitionWindow& window) {
+  constexpr double kMaxSeconds = 1e8;
   return window.start_seconds() >= 0 && window.start_seconds() <= window.end_seconds() &&
-         window.end_seconds() <= kLongestSeconds;
+         window.end_seconds() <= kMaxSeconds;
 }
 
 std::vector<WindowCell> Cells(const std::vector<const v1::RecognitionWindow*>& windows) {
@@ -37,7 +37,7 @@ std::vector<WindowCell> Cells(const std::vector<const v1::RecognitionWindow*>& w
   for (std::size_t i = 0; i + 1 < count; ++i) {
     cells[i].end = cells[i + 1].start = (cells[i].middle + cells[i + 1].middle) / 2;
   }
-  if (count > 1) {  // the ends are as wide to both sides; a window alone stands for all of itself
+  if (count > 1) {  // first and last are symmetric; a single window keeps its own times
     cells.front().start = 2 * cells.front().middle - cells.front().end;
     cells.back().end = 2 * cells.back().middle - cells.back().start;
   }
@@ -50,7 +50,7 @@ LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   std::vector<const v1::RecognitionWindow*> windows;
   for (const v1::RecognitionWindow& window : response.windows()) {
-    if (MakesSense(window)) windows.push_back(&window);
+    if (HasValidTimes(window)) windows.push_back(&window);
   }
   LayerProfile profile;
   if (windows.empty()) return profile;
@@ -71,7 +71,7 @@ LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
       drawn.log_probability[i] = clip.log_probability();
       explained = true;
     }
-    // Where no clip fits, all labels are alike, and none of them wins.
+    // If no clip has a path, all labels are equal, and none wins.
     profile.winners.emplace_back();
     if (explained && windows[i]->labels_size() > 0) {
       profile.winners.back() = LabelWord(windows[i]->labels(0).label());
@@ -85,7 +85,7 @@ namespace {
 
 struct Colour {
   const char* code;
-  const char* text;  // that is read on it
+  const char* text;  // colour of text on it
 };
 
 constexpr Colour kColours[] = {
@@ -104,7 +104,7 @@ std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers) {
   for (const LayerProfile& layer : layers) {
     std::map<std::string, int> clip_counts;
     for (const ClipProfile& clip : layer.clips) ++clip_counts[clip.label];
-    // All layers have the same clips, unless the model changed in between.
+    // All layers have the same clips, unless the model was replaced between the queries.
     for (const auto& [label, count] : clip_counts) {
       found[label].clip_count = std::max(found[label].clip_count, count);
     }
@@ -155,13 +155,13 @@ std::string LabelStyleSheet() {
 
 namespace {
 
-constexpr double kPanelLeft = 80, kPanelRight = 26, kPanelWidth = 854;  // of the panels
+constexpr double kPanelLeft = 80, kPanelRight = 26, kPanelWidth = 854;
 constexpr double kBetweenPanels = 14;
-constexpr double kBelowPanels = 66;  // to the legend: the time axis
+constexpr double kBelowPanels = 66;  // for the time axis
 constexpr double kBelowLegend = 24, kBetweenLegendEntries = 34;
 
 PanelAxes AxesOf(const std::vector<LayerProfile>& layers, const std::vector<PlotLabel>& labels) {
-  constexpr double kLeastSeconds = 0.01;
+  constexpr double kMinSeconds = 0.01;
   PanelAxes axes;
   axes.label_places = PlacesOf(labels);
   bool first = true;
@@ -175,7 +175,7 @@ PanelAxes AxesOf(const std::vector<LayerProfile>& layers, const std::vector<Plot
       for (const double value : clip.log_probability) axes.log_probability.Add(value);
     }
   }
-  axes.end_seconds = std::max(axes.end_seconds, axes.start_seconds + kLeastSeconds);
+  axes.end_seconds = std::max(axes.end_seconds, axes.start_seconds + kMinSeconds);
   return axes;
 }
 
@@ -191,16 +191,16 @@ std::string WindowsText(const LayerProfile& layer) {
 std::vector<std::string> HeadingLines(const v1::RecognizeRequest& request,
                                       const LayerProfile& layer, std::size_t label_count) {
   std::string what =
-      fmt::format("{}; {} of {}; by the tree and its graphs alone", WindowsText(layer),
+      fmt::format("{}; {} of {}; only the tree and its graphs", WindowsText(layer),
                   CountText(layer.clips.size(), "stored clip"), CountText(label_count, "label"));
   if (request.generation() == v1::GENERATION_TOP_PATHS) {
-    constexpr int kDefaultPaths = 5;  // the contract's
+    constexpr int kDefaultPaths = 5;  // from the wire contract
     const int paths = request.path_count() > 0 ? request.path_count() : kDefaultPaths;
     what += fmt::format(", best {}", CountText(paths, "path"));
   }
   return {what,
-          "Natural logarithm, nearly linear to -10. Thick lines: clips that are the best of a "
-          "window. Strips: the label that wins."};
+          "Natural logarithm, nearly linear to -10. Thick lines: best clips of a window. Strips: "
+          "winning labels."};
 }
 
 std::string PanelTitle(const LayerProfile& layer, bool bottom) {
@@ -209,17 +209,17 @@ std::string PanelTitle(const LayerProfile& layer, bool bottom) {
 }
 
 std::vector<LegendEntry> LegendOf(const std::vector<PlotLabel>& labels) {
-  constexpr std::size_t kMostEntries = 24;
+  constexpr std::size_t kMaxEntries = 24;
   constexpr double kNameWidth = 190;
   std::vector<LegendEntry> entries;
-  for (std::size_t i = 0; i < std::min(labels.size(), kMostEntries); ++i) {
+  for (std::size_t i = 0; i < std::min(labels.size(), kMaxEntries); ++i) {
     const std::string style = "sample " + LabelLineStyle(static_cast<int>(i));
     entries.push_back({fmt::format("{}: {}", FittingText(labels[i].name, kNameWidth),
                                    CountText(labels[i].clip_count, "clip")),
                        [style](double x, double y) { return SvgLine(style, x, y, x + 20, y); }});
   }
-  if (labels.size() > kMostEntries) {
-    entries.push_back({fmt::format("and {} more", labels.size() - kMostEntries),
+  if (labels.size() > kMaxEntries) {
+    entries.push_back({fmt::format("and {} more", labels.size() - kMaxEntries),
                        [](double, double) { return std::string(); }});
   }
   return entries;

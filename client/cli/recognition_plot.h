@@ -1,5 +1,4 @@
-// What an observation looks like to a database over time, as in the paper's Figs. 13-15: profiles,
-// labels, and the picture. Pure functions.
+// Generation probabilities of an observation over time, as in the paper's Figs. 13-15.
 #pragma once
 
 #include <motiondb/messages.h>
@@ -11,17 +10,14 @@
 
 namespace motiondb::client {
 
-// What Recognize answered, turned from windows into what is drawn: a profile over time for each
-// stored clip, and the label that wins each window. Plain values; pure function.
-
-// The time that a window stands for (s): around its middle, half way to its neighbours.
+// The time interval of a window in the plot (s): around its middle, half way to its neighbours.
 struct WindowCell {
   double start = 0;
   double middle = 0;
   double end = 0;
 };
 
-// One stored clip. Where it has no log probability, or one that is not finite, there is -Infinity.
+// The log probabilities of a stored clip. A missing value or one that is not finite is -Infinity.
 struct ClipProfile {
   std::string clip;  // short name
   std::string label;
@@ -32,50 +28,46 @@ struct LayerProfile {
   int layer = 0;
   double window_seconds = 0;  // width of the first window
   std::vector<WindowCell> windows;
-  std::vector<ClipProfile> clips;                   // in order of name
-  std::vector<std::optional<std::string>> winners;  // one for each window; none if no clip fits
+  std::vector<ClipProfile> clips;  // in order of name
+  // One for each window; nullopt if no clip has a path.
+  std::vector<std::optional<std::string>> winners;
 };
 
-// Windows whose times make no sense are left out.
+// Converts a response. Omits windows with invalid times.
 LayerProfile ProfileOf(const v1::RecognizeResponse& response);
 
-// The labels of a picture of recognition and what they look like: colours that people with any
-// colour vision can tell apart (those of Okabe and Ito, without the yellow that white swallows),
-// and where there are more labels than colours, the same colours dashed. Pure functions.
+// A label of the plot. Labels have the colours of Okabe and Ito, which are safe for colour
+// blindness, except yellow; further labels have the same colours, dashed.
 struct PlotLabel {
   std::string name;
   int clip_count = 0;
   int windows_won = 0;  // in all layers
 };
 
-// All labels of the layers' clips and winners. As many as there are colours: in order of name, so
-// that every picture of a database shows them alike. More: those that win most windows first, so
-// that these differ in colour.
+// Returns all labels of clips and winners. Up to the number of colours they are sorted by name, so
+// that all plots of a database use the same colours. More labels are sorted by the windows that
+// they win, so that the most frequent ones have different colours.
 std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers);
 
-// Their places in that order.
+// Returns the indices of the labels.
 std::map<std::string, int> PlacesOf(const std::vector<PlotLabel>& labels);
 
-// Styles for the label at a place, of a line, of an area and of text on that area, and the style
-// sheet that they are in.
+// Style names of the label with index `place`: for lines, areas, and text on areas; and their style
+// sheet.
 std::string LabelLineStyle(int place);
 std::string LabelAreaStyle(int place);
 std::string LabelTextStyle(int place);
 std::string LabelStyleSheet();
 
-// What an observation looks like to a database over time, as in the paper's Figs. 13-15. Pure
-// function.
-
-// The layers that are worth a panel beside the bottom layer: the middle one and an upper one, as
-// far as the tree has them and they are not the root alone.
+// Returns the layers of the panels besides the bottom layer: a middle and an upper one, if the tree
+// has them below the root.
 std::vector<int> LayersAbove(int bottom_layer);
 
-// An SVG file that needs no other, with a panel for each answer of Recognize, one below the other:
-// the log generation probability of every stored clip at the middle of each window, coloured by
-// label, and below them the label that wins the window. All panels have the same axes; values that
-// are not finite are left out, and the picture says so. `request` is what was asked of the layer on
-// top; where it names no layer, that is the bottom layer of the tree. The same messages make the
-// same bytes.
+// Returns a self-contained SVG file with a panel for each response. A panel shows the log
+// generation probability of every stored clip at the middle of each window, coloured by label, and
+// below them the label that wins the window. All panels have the same axes. Values that are not
+// finite are omitted and counted. `request` is the request of the first layer; layer 0 is the
+// bottom layer. The output is deterministic.
 std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
                                const std::vector<v1::RecognizeResponse>& layers);
 

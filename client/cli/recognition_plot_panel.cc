@@ -19,14 +19,14 @@ struct Point {
   double y = 0;
 };
 
-// Where lines of one panel are.
+// Maps values to coordinates of a panel.
 class Panel {
  public:
   Panel(const PanelAxes& axes, const PictureFrame& frame) : axes_(axes), frame_(frame) {}
 
   double X(double seconds) const { return PanelX(axes_, frame_, seconds); }
   double Y(double log_probability) const {
-    constexpr double kFarBelow = 2;  // frames: as good as any lower place, which nobody sees
+    constexpr double kFarBelow = 2;  // frame heights; invisible, like all lower positions
     return frame_.top +
            frame_.height * std::min(axes_.log_probability.Fraction(log_probability), kFarBelow);
   }
@@ -36,7 +36,7 @@ class Panel {
   const PictureFrame& frame_;
 };
 
-// The lowest and the highest of the points that share a column of pixels: nobody would see more.
+// Keeps only the lowest and the highest point of each pixel column.
 std::vector<Point> Thinned(const std::vector<Point>& points) {
   std::vector<Point> thinned;
   for (std::size_t begin = 0, end = 0; begin < points.size(); begin = end) {
@@ -52,7 +52,7 @@ std::vector<Point> Thinned(const std::vector<Point>& points) {
   return thinned;
 }
 
-// A line through windows that follow each other; one alone is a dash as wide as it stands for.
+// A line through consecutive windows; a single window is a dash over its interval.
 std::string Piece(std::vector<Point> points, const WindowCell& first, const Panel& panel) {
   if (points.size() == 1) {
     points = {{panel.X(first.start), points[0].y}, {panel.X(first.end), points[0].y}};
@@ -84,7 +84,7 @@ std::string ProfileSvg(const ClipProfile& clip, const std::vector<WindowCell>& w
                      SvgText(clip.clip), SvgText(clip.label));
 }
 
-// How low a clip's line is in the middle, its gaps lowest of all: to draw the likely ones last.
+// Returns the mean height of a clip's line, 1 for gaps. The most probable clips are drawn last.
 double MeanFraction(const ClipProfile& clip, const LogProbabilityAxis& axis) {
   double sum = 0;
   for (const double value : clip.log_probability) {
@@ -93,7 +93,7 @@ double MeanFraction(const ClipProfile& clip, const LogProbabilityAxis& axis) {
   return sum / static_cast<double>(clip.log_probability.size());
 }
 
-// The clips that are the best of a window.
+// Returns the clips that are the best of any window.
 std::set<const ClipProfile*> BestClips(const LayerProfile& layer) {
   std::set<const ClipProfile*> best_clips;
   for (std::size_t i = 0; i < layer.windows.size(); ++i) {
@@ -114,7 +114,7 @@ std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const 
     clips.emplace_back(best_clips.count(&clip) > 0, -MeanFraction(clip, axes.log_probability),
                        &clip);
   }
-  // By place in the layer where all else is equal: the pointers are to one vector.
+  // Comparing pointers is deterministic: they point into one vector.
   std::sort(clips.begin(), clips.end());
   std::string svg;
   for (const auto& [best, height, clip] : clips) {
@@ -125,7 +125,7 @@ std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const 
   return svg;
 }
 
-// Windows of one winner after another are one area, named where the name has room.
+// Consecutive windows with the same winner are one area, with its name if it fits.
 std::string StripSvg(const LayerProfile& layer, const PanelAxes& axes, const Panel& panel,
                      double top) {
   constexpr double kTextMargin = 5;
@@ -149,7 +149,7 @@ std::string StripSvg(const LayerProfile& layer, const PanelAxes& axes, const Pan
   return svg;
 }
 
-// What the picture does not show.
+// Returns the number of values that the panel does not show.
 std::string LeftOutText(const LayerProfile& layer, const LogProbabilityAxis& axis) {
   std::size_t impossible = 0, below = 0, all = 0;
   for (const ClipProfile& clip : layer.clips) {
@@ -190,10 +190,10 @@ std::vector<Tick> TimeTicks(const PanelAxes& axes, const PictureFrame& frame) {
 
 std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
                      const PictureFrame& frame) {
-  constexpr double kLeastBetweenTicks = 17;
+  constexpr double kMinTickDistance = 17;
   const Panel panel(axes, frame);
   std::vector<Tick> y_ticks;
-  for (const double value : axes.log_probability.Ticks(kLeastBetweenTicks / frame.height)) {
+  for (const double value : axes.log_probability.Ticks(kMinTickDistance / frame.height)) {
     y_ticks.push_back({panel.Y(value), LogProbabilityAxis::TickText(value)});
   }
   const std::string clip_path = fmt::format("panel-{}", SvgNumber(frame.top));

@@ -1,5 +1,5 @@
-// One layer in a picture of recognition: the profiles of all clips in a frame, and a strip below it
-// with the label that wins each window. Sizes and places are pixels, y downwards. Pure functions.
+// A panel of the recognition plot: the profiles of all clips of a layer in a frame, and a strip
+// below with the label that wins each window. Coordinates and sizes are pixels, y downwards.
 #pragma once
 
 #include <map>
@@ -10,7 +10,7 @@
 
 namespace motiondb::client {
 
-// What all panels of a picture share.
+// Axes that all panels share.
 struct PanelAxes {
   double start_seconds = 0;
   double end_seconds = 1;
@@ -18,7 +18,7 @@ struct PanelAxes {
   std::map<std::string, int> label_places;
 };
 
-// A panel's heights: of the frame, and of all with the title above and the strip below.
+// Heights of a panel: title, frame, strip, and all together.
 constexpr double kPanelTitleHeight = 24;
 constexpr double kPanelFrameHeight = 176;
 constexpr double kStripGap = 5;
@@ -28,14 +28,15 @@ constexpr double kPanelHeight = kPanelTitleHeight + kPanelFrameHeight + kStripGa
 std::string PanelSvg(const LayerProfile& layer, const std::string& title, const PanelAxes& axes,
                      const PictureFrame& frame);
 
-// Where a time is.
+// Returns the x coordinate of a time.
 double PanelX(const PanelAxes& axes, const PictureFrame& frame, double seconds);
 
-// The numbers of the time axis.
+// Returns the ticks of the time axis.
 std::vector<Tick> TimeTicks(const PanelAxes& axes, const PictureFrame& frame);
 
-// The styles of the panels, of which `layer` is one: the more clips, the thinner and paler the
-// lines; in many windows many clips are the best, which then stand out less.
+// Returns the styles of the panels, chosen by one of their layers. With more clips, lines are
+// thinner and paler. With more windows, more clips are the best of a window, and these lines are
+// less bold.
 std::string PanelStyleSheet(const LayerProfile& layer);
 
 }  // namespace motiondb::client

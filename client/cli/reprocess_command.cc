@@ -1,4 +1,4 @@
-// motiondb reprocess DB: the stored clips, derived again from their files.
+// motiondb reprocess DB: derives the stored clips again from their files.
 #include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/operation.pb.h>
 
@@ -18,12 +18,11 @@ struct ReprocessOptions {
 void Declare(CLI::App& command, ReprocessOptions& options) {
   command.add_option("DB", options.database, "Database")->required();
   command.footer(
-      "Reads the files that were ingested again, by the rules of the server's version, and waits "
-      "for\n"
-      "the new model. After an upgrade that needs it the server does this by itself. A clip that\n"
-      "cannot be derived stays as it is stored; `motiondb describe DB` says why. What is done "
-      "stays\n"
-      "so where this is interrupted; `motiondb operations` shows and cancels the rest.");
+      "Reads the ingested files again with the current version of the server, and waits for the\n"
+      "new model. After an upgrade the server does this itself if necessary. A clip that cannot "
+      "be\n"
+      "derived stays unchanged; `motiondb describe DB` shows why. If this command is interrupted,\n"
+      "the server continues; `motiondb operations` shows and cancels the operation.");
 }
 
 absl::Status Run(const ReprocessOptions& options, const GlobalOptions& global) {
@@ -34,7 +33,7 @@ absl::Status Run(const ReprocessOptions& options, const GlobalOptions& global) {
   auto response = client->ReprocessDatabase(request);
   if (!response.ok()) return response.status();
   auto done = WaitForRebuild(*client, response->operation().name(),
-                             "the clips that were derived again stay so");
+                             "clips that were derived again keep their new states");
   if (!done.ok()) return done.status();
   if (global.json) {
     *response->mutable_operation() = *std::move(done);

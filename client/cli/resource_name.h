@@ -1,27 +1,27 @@
-// Resource names as a person types them: "walks" or "databases/walks". Pure functions.
+// Converts short names of resources, such as "walks", to full names, such as "databases/walks".
+// Full names stay unchanged.
 #pragma once
 
 #include <string>
 
 namespace motiondb::client {
 
-// "walks" -> "databases/walks"; a full name stays as it is.
+// "walks" -> "databases/walks"
 std::string DatabaseName(const std::string& given);
 
-// "07_01" in database "walks" -> "databases/walks/clips/07_01"; a full name stays as it is.
+// "07_01" in database "walks" -> "databases/walks/clips/07_01"
 std::string ClipName(const std::string& database, const std::string& given);
 
-// The same for a skeleton.
+// "07" in database "walks" -> "databases/walks/skeletons/07"
 std::string SkeletonName(const std::string& database, const std::string& given);
 
-// "17" -> "operations/17"; a full name stays as it is.
+// "17" -> "operations/17"
 std::string OperationName(const std::string& given);
 
-// "5e1f" -> "tokens/5e1f"; a full name stays as it is. Of the token itself, "mdb_5e1f_{secret}",
-// which somebody may paste, the id alone.
+// "5e1f" -> "tokens/5e1f". Of a complete token, "mdb_5e1f_{secret}", only the id is used.
 std::string TokenName(const std::string& given);
 
-// The last part: what a person calls it.
+// Returns the last part of a name.
 std::string ShortName(const std::string& name);
 
 }  // namespace motiondb::client

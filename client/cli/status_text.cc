@@ -18,7 +18,7 @@
 namespace motiondb::client {
 namespace {
 
-// More would push the rest off the screen; --json has them all.
+// Maximum numbers of rows, so that the status fits on a screen. --json prints all.
 constexpr int kShownDamages = 5;
 constexpr std::size_t kShownMethods = 10;
 constexpr std::size_t kShownDatabases = 12;
@@ -32,11 +32,11 @@ std::string ConnectionText(const v1::GetServerStatusResponse& status) {
   std::string wire = status.encrypted() ? "encrypted" : "not encrypted";
   if (status.has_certificate_end_time()) {
     const auto end = static_cast<std::time_t>(status.certificate_end_time().seconds());
-    wire += fmt::format(" by a certificate until {:%Y-%m-%d %H:%M} UTC", fmt::gmtime(end));
+    wire += fmt::format(", certificate valid until {:%Y-%m-%d %H:%M} UTC", fmt::gmtime(end));
   }
-  return fmt::format("{}, {}", wire,
-                     status.authenticated() ? "callers say who they are"
-                                            : "anybody who reaches it may do anything");
+  return fmt::format(
+      "{}, {}", wire,
+      status.authenticated() ? "authentication: required" : "authentication: DISABLED");
 }
 
 std::string ServingText(const v1::GetServerStatusResponse& status) {
@@ -46,11 +46,11 @@ std::string ServingText(const v1::GetServerStatusResponse& status) {
 }
 
 std::string CallsText(const v1::GetServerStatusResponse& status) {
-  return fmt::format("{} ended, {} of them failed by the server's fault; {} under way",
-                     status.call_count(), status.failed_call_count(), status.open_call_count());
+  return fmt::format("{} ended, {} of them with a server error; {} in flight", status.call_count(),
+                     status.failed_call_count(), status.open_call_count());
 }
 
-// A bar of ten, how far it is, and what is being done.
+// Returns a bar of ten cells, the progress and the stage.
 std::string WorkText(const v1::DatabaseStatus& database) {
   if (database.operation().empty()) return "";
   const int full = static_cast<int>(std::lround(database.progress() * 10));
@@ -61,7 +61,7 @@ std::string WorkText(const v1::DatabaseStatus& database) {
 
 std::string WaitingText(const v1::GetServerStatusResponse& status) {
   std::string text =
-      fmt::format("{}, of {} threads", status.queued_call_count(), status.request_thread_count());
+      fmt::format("{}; {} threads", status.queued_call_count(), status.request_thread_count());
   if (status.running_heavy_call_count() > 0) {
     text += "; " + CountText(status.running_heavy_call_count(), "heavy call") + " running";
   }
@@ -80,7 +80,7 @@ std::string StoreText(const v1::GetServerStatusResponse& status) {
   if (status.failed_write_count() > 0) {
     text += ", " + CountText(status.failed_write_count(), "failed write");
   }
-  if (status.disk_bytes() == 0) return text;  // not known, or told by an older server
+  if (status.disk_bytes() == 0) return text;  // unknown, or from an older server
   return text + fmt::format("; {} of {} free on its disk", BytesText(status.disk_free_bytes()),
                             BytesText(status.disk_bytes()));
 }
@@ -94,14 +94,13 @@ std::string ErrorsText(const v1::MethodStatus& method) {
   return text;
 }
 
-// The busiest first.
+// Methods, most calls first.
 std::string MethodsText(const v1::GetServerStatusResponse& status) {
   if (status.methods().empty()) return "";
   std::vector<const v1::MethodStatus*> methods;
   for (const v1::MethodStatus& method : status.methods()) methods.push_back(&method);
-  std::stable_sort(methods.begin(), methods.end(), [](const auto* one, const auto* other) {
-    return one->call_count() > other->call_count();
-  });
+  std::stable_sort(methods.begin(), methods.end(),
+                   [](const auto* a, const auto* b) { return a->call_count() > b->call_count(); });
   Table table({{"CALLS OF"},
                {"ENDED", Align::kRight},
                {"P50", Align::kRight},
@@ -118,7 +117,7 @@ std::string MethodsText(const v1::GetServerStatusResponse& status) {
   }
   std::string text = "\n" + table.ToString();
   if (methods.size() > shown) {
-    text += fmt::format("and {} methods more\n", methods.size() - shown);
+    text += fmt::format("and {} more methods\n", methods.size() - shown);
   }
   return text;
 }
@@ -138,22 +137,22 @@ std::string RebuildsText(const v1::DatabaseStatus& database) {
   return text;
 }
 
-// In order of name; where they are too many for a screen, those where most is going on, first.
+// Returns the databases in order of name, or the most active ones if there are too many.
 std::vector<const v1::DatabaseStatus*> ShownDatabases(const v1::GetServerStatusResponse& status) {
   std::vector<const v1::DatabaseStatus*> databases;
   for (const v1::DatabaseStatus& database : status.databases()) databases.push_back(&database);
   if (databases.size() <= kShownDatabases) return databases;
-  const auto weight = [](const v1::DatabaseStatus* database) {
+  const auto activity = [](const v1::DatabaseStatus* database) {
     return std::tuple(!database->operation().empty(), database->open_stream_count(),
                       database->stored_frame_count());
   };
-  std::ranges::stable_sort(databases, std::greater(), weight);
+  std::ranges::stable_sort(databases, std::greater(), activity);
   databases.resize(kShownDatabases);
   return databases;
 }
 
 std::string DatabasesText(const v1::GetServerStatusResponse& status) {
-  if (status.databases().empty()) return "no databases yet: make one with `motiondb create DB`\n";
+  if (status.databases().empty()) return "no databases; create one with `motiondb create DB`\n";
   Table table({{"DATABASE"},
                {"CLIPS", Align::kRight},
                {"FRAMES", Align::kRight},
@@ -168,7 +167,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   const std::vector<const v1::DatabaseStatus*> shown = ShownDatabases(status);
   for (const v1::DatabaseStatus* const each : shown) {
     const v1::DatabaseStatus& database = *each;
-    // One that is not stored yet has frames and no version.
+    // A model that is not stored yet has frames but no version.
     const bool has_model = database.frame_count() > 0;
     const std::string version =
         database.model_version() > 0 ? std::to_string(database.model_version()) : "new";
@@ -183,7 +182,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
   std::string text = table.ToString();
   if (const std::size_t more = static_cast<std::size_t>(status.databases_size()) - shown.size();
       more > 0) {
-    text += fmt::format("and {} databases more: `motiondb list`\n", more);
+    text += fmt::format("and {} more databases: `motiondb list`\n", more);
   }
   return text;
 }
@@ -191,7 +190,7 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
 std::string DamagesText(const v1::GetServerStatusResponse& status) {
   const int count = status.damages_size();
   if (count == 0) return "";
-  std::string text = fmt::format("\ndamaged: {} (`motiondb verify` reads everything)\n", count);
+  std::string text = fmt::format("\ncorrupt: {} (`motiondb verify` checks everything)\n", count);
   for (int i = 0; i < std::min(count, kShownDamages); ++i) {
     const v1::Damage& damage = status.damages(i);
     const std::string what = damage.resource().empty() ? "the store's file" : damage.resource();
@@ -241,7 +240,7 @@ std::string StatusText(const v1::GetServerStatusResponse& status, std::int64_t n
   table.AddRow({"calls", CallsText(status)});
   table.AddRow({"streams of frames", std::to_string(status.open_stream_count())});
   table.AddRow({"waiting for a thread", WaitingText(status)});
-  table.AddRow({"without a good token", CountText(status.authentication_failure_count(), "call")});
+  table.AddRow({"unauthenticated", CountText(status.authentication_failure_count(), "call")});
   table.AddRow({"process", ProcessText(status)});
   table.AddRow({"store", StoreText(status)});
   return table.ToString() + "\n" + DatabasesText(status) + MethodsText(status) +

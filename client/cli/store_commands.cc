@@ -1,4 +1,4 @@
-// motiondb status: how the server is doing.
+// motiondb status, backup, restore and verify.
 
 #include <fmt/format.h>
 #include <motiondb/v1/store.pb.h>
@@ -22,7 +22,7 @@ struct StatusOptions {
 };
 
 void Declare(CLI::App& command, StatusOptions& options) {
-  command.add_option("--watch", options.watch_seconds, "Show it again and again, so often")
+  command.add_option("--watch", options.watch_seconds, "Interval of repeated output; else once")
       ->type_name("SECONDS")
       ->check(TimeInSeconds());
 }
@@ -40,7 +40,7 @@ absl::Status ShowOnce(const Client& client, const GlobalOptions& global, bool on
     PrintJson(*status);
     return absl::OkStatus();
   }
-  // To the upper left, over what stood there, and nothing below.
+  // Moves to the upper left corner and clears the screen.
   const char* const clear = on_cleared_screen ? "\x1b[H\x1b[J" : "";
   fmt::print("{}", clear);
   PrintText(StatusText(*status, NowMicroseconds()));
@@ -52,12 +52,12 @@ absl::Status Run(const StatusOptions& options, const GlobalOptions& global) {
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   if (options.watch_seconds <= 0) return ShowOnce(*client, global, false);
-  // Bounded, so that any number of seconds fits.
+  // Limited to avoid an overflow.
   const std::chrono::duration<double> pause(std::min(options.watch_seconds, 1e6));
   while (true) {
     const absl::Status shown = ShowOnce(*client, global, isatty(STDOUT_FILENO) == 1);
     if (!shown.ok()) return shown;
-    if (std::ferror(stdout) != 0) return absl::OkStatus();  // main says so
+    if (std::ferror(stdout) != 0) return absl::OkStatus();  // main reports it
     std::this_thread::sleep_for(pause);
   }
 }
@@ -66,11 +66,11 @@ absl::Status Run(const StatusOptions& options, const GlobalOptions& global) {
 
 void AddStatusCommand(CommandLine line) {
   AddCommand<StatusOptions>(line, "status",
-                            "Show how the server is doing: calls, memory, databases, rebuilds",
+                            "Show the state of the server: calls, memory, databases, builds",
                             Declare, Run);
 }
 
-// motiondb backup FILE: a copy of the whole store of a running server.
+// motiondb backup FILE
 
 namespace {
 
@@ -80,10 +80,10 @@ struct BackupOptions {
 };
 
 void Declare(CLI::App& command, BackupOptions& options) {
-  command.add_option("FILE", options.file, "File to write; it is there when it is whole")
+  command.add_option("FILE", options.file, "Output file; it appears when it is complete")
       ->required();
   command.add_flag("--force", options.force,
-                   "Replace a backup that exists; never a server's store, nor what is no backup");
+                   "Replace an existing backup; never the store of a server or another file");
 }
 
 absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
@@ -95,10 +95,10 @@ absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
   bar.Clear();
   if (!bytes.ok()) return bytes.status();
   if (global.json) {
-    // The response is a stream of blocks, so this is its sum.
+    // The response is a stream of blocks; this is a summary.
     fmt::print("{{\"file\":{},\"total_bytes\":{}}}\n", JsonString(options.file), *bytes);
   } else {
-    PrintLine("{}: {:.1f} MB, checksum right", options.file, static_cast<double>(*bytes) / 1e6);
+    PrintLine("{}: {:.1f} MB, checksum correct", options.file, static_cast<double>(*bytes) / 1e6);
   }
   return absl::OkStatus();
 }
@@ -106,12 +106,12 @@ absl::Status Run(const BackupOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddBackupCommand(CommandLine line) {
-  AddCommand<BackupOptions>(
-      line, "backup", "Write a consistent copy of the whole store; the server goes on meanwhile",
-      Declare, Run);
+  AddCommand<BackupOptions>(line, "backup",
+                            "Write a consistent copy of the whole store while the server works",
+                            Declare, Run);
 }
 
-// motiondb restore FILE: fills a server whose store is empty with a backup.
+// motiondb restore FILE
 
 namespace {
 
@@ -120,7 +120,7 @@ struct RestoreOptions {
 };
 
 void Declare(CLI::App& command, RestoreOptions& options) {
-  command.add_option("FILE", options.file, "Backup, as `motiondb backup` wrote it")->required();
+  command.add_option("FILE", options.file, "Backup file of `motiondb backup`")->required();
 }
 
 absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
@@ -128,7 +128,7 @@ absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
   if (!client.ok()) return client.status();
   ProgressBar bar;
   const auto response = client->RestoreStore(options.file, [&](double share) {
-    bar.Show(share, share < 1 ? "sending" : "the server checks it");
+    bar.Show(share, share < 1 ? "sending" : "the server checks the backup");
   });
   bar.Clear();
   if (!response.ok()) return response.status();
@@ -144,12 +144,11 @@ absl::Status Run(const RestoreOptions& options, const GlobalOptions& global) {
 }  // namespace
 
 void AddRestoreCommand(CommandLine line) {
-  AddCommand<RestoreOptions>(line, "restore",
-                             "Fill a server without databases with a backup; refuses a damaged one",
+  AddCommand<RestoreOptions>(line, "restore", "Restore a backup into a server without databases",
                              Declare, Run);
 }
 
-// motiondb verify: reads all that is stored and says what is damaged.
+// motiondb verify
 
 namespace {
 
@@ -157,9 +156,9 @@ struct VerifyOptions {};
 
 void Declare(CLI::App&, VerifyOptions&) {}
 
-// One finding a line, on standard output: it is the answer.
+// Prints a corrupt item as one line.
 void Print(const v1::Damage& damage) {
-  PrintLine("damaged: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
+  PrintLine("corrupt: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
             damage.description());
 }
 
@@ -192,14 +191,14 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
   }
   if (summary->damage_count() == 0) return absl::OkStatus();
   return absl::DataLossError(
-      fmt::format("{} of damage", CountText(summary->damage_count(), "finding")));
+      fmt::format("{} found", CountText(summary->damage_count(), "corrupt item")));
 }
 
 }  // namespace
 
 void AddVerifyCommand(CommandLine line) {
   AddCommand<VerifyOptions>(line, "verify",
-                            "Check everything that is stored; fails if something is damaged",
+                            "Check everything that is stored; fails if something is corrupt",
                             Declare, Run);
 }
 

@@ -1,4 +1,4 @@
-// Puts one motion file into a database, then asks what another one shows:
+// Stores a motion file in a database, then recognizes another one:
 //   recognize_motion HOST:PORT DATABASE LABEL KNOWN.bvh UNKNOWN.bvh
 #include <motiondb/client.h>
 #include <motiondb/v1/clip.pb.h>
@@ -15,7 +15,7 @@ namespace {
 using motiondb::client::Client;
 namespace v1 = motiondb::v1;
 
-// Stores the file and waits for the model that knows it.
+// Stores the file and waits for the model with it.
 absl::Status Ingest(const Client& client, const std::string& database, const std::string& label,
                     const std::string& file) {
   v1::IngestClipHeader header;

@@ -15,37 +15,37 @@ namespace motiondb::core {
 
 namespace {
 
-// Chosen on motion of other people and behaviours than those stored (database 1 stored, walks of
-// database 2 and five kinds of HDM05 motion observed). Lengths are leg lengths.
+// Tuned on motion of other people and behaviours than the stored ones (stored: database 1;
+// observed: walks of database 2 and five kinds of HDM05 motion). Lengths are leg lengths.
 constexpr int kExemplars = 64;
-constexpr int kGroups = 4;              // of markers that are left out together
-constexpr double kNoise = 0.08;         // by which bodies differ at a seen marker
-constexpr double kScatter = 0.01;       // left where the regression knows it all
-constexpr double kAnchorSeconds = 0.5;  // how far from a missing marker its last sight may be
-constexpr double kErrorSeconds = 0.4;   // over which what the regression misses changes
-constexpr double kLeastSurprise = 1.5;
-constexpr double kAcceleration = 15;  // a second squared, that a straight line passes over
-constexpr double kStraight = 0.003;   // error of a straight line however short
+constexpr int kGroups = 4;              // of markers, left out together
+constexpr double kNoise = 0.08;         // difference between bodies at a seen marker
+constexpr double kScatter = 0.01;       // minimum error of the regression
+constexpr double kAnchorSeconds = 0.5;  // maximum time to a frame that sees the marker
+constexpr double kErrorSeconds = 0.4;   // correlation time of the regression's error
+constexpr double kMinSurprise = 1.5;
+constexpr double kAcceleration = 15;  // per s^2, not followed by linear interpolation
+constexpr double kStraight = 0.003;   // minimum error of linear interpolation
 
-// Correlation of the regression's errors, so many seconds apart.
+// Correlation of the regression's errors over a time difference.
 double ErrorCorrelation(double seconds) { return std::exp(-seconds / kErrorSeconds); }
 
-// Marker positions of one frame in its reference frame, leg lengths.
+// Estimated position of a marker in the frame's reference frame, leg lengths.
 struct Guess {
   Eigen::Vector3d position;
-  double variance = 0;  // of the distance
+  double variance = 0;  // of the distance to the true position
 };
 
-// How the regression does on markers that are seen.
+// Errors of the regression on markers that are seen.
 struct Trial {
   Eigen::MatrixX3d errors;  // markers x 3
-  double surprise = 1;      // mean square of the errors against what was expected of them
+  double surprise = 1;      // mean squared error over expected squared error
 };
 
-// A frame near a gap in which the marker is seen.
+// A frame near a gap that sees the marker.
 struct Anchor {
   int frame = 0;
-  Eigen::Vector3d error;  // of the regression there
+  Eigen::Vector3d error;  // of the regression in that frame
 };
 
 class Filler {
@@ -56,7 +56,7 @@ class Filler {
 
   // Frames must come in ascending order.
   FilledFrame Fill(int frame) {
-    // What is further back than an anchor may be is not asked for again.
+    // Frames before the reach of anchors are no longer needed.
     exemplars_.erase(exemplars_.begin(), exemplars_.lower_bound(frame - Reach()));
     trials_.erase(trials_.begin(), trials_.lower_bound(frame - Reach()));
     FilledFrame filled{.frame = frame};
@@ -102,7 +102,7 @@ class Filler {
     return known->second;
   }
 
-  // Where `markers` are, from all others that are seen in the frame.
+  // Returns the positions of `markers`, from all other markers seen in the frame.
   std::vector<Guess> Regression(int frame, const std::vector<int>& markers) {
     if (markers.empty()) return {};
     std::vector<int> seen;
@@ -118,9 +118,9 @@ class Filler {
     Eigen::MatrixXd wanted(count, 3 * static_cast<Eigen::Index>(markers.size()));
     for (Eigen::Index e = 0; e < count; ++e) {
       weights[e] = exemplars[e].weight;
-      const auto copy = [&](const std::vector<int>& from, auto&& to) {
+      const auto copy = [&](const std::vector<int>& from, auto&& from_start) {
         for (std::size_t i = 0; i < from.size(); ++i) {
-          to.template segment<3>(3 * static_cast<Eigen::Index>(i)) =
+          from_start.template segment<3>(3 * static_cast<Eigen::Index>(i)) =
               model_.states()
                   .row(exemplars[e].frame)
                   .segment<3>(6 * from[i])
@@ -149,8 +149,9 @@ class Filler {
     return observation_.states.row(frame).segment<3>(6 * marker).cast<double>().transpose();
   }
 
-  // The regression tried on the markers seen in a frame, each left out in turn with a few others.
-  const Trial& Try(int frame) {
+  // Tests the regression on the markers seen in a frame, leaving out one group of markers at a
+  // time.
+  const Trial& TestRegression(int frame) {
     auto [known, is_new] = trials_.try_emplace(frame);
     if (!is_new) return known->second;
     Trial& trial = known->second;
@@ -173,18 +174,18 @@ class Filler {
     return trial;
   }
 
-  // The nearest frame in one direction that sees the marker, if it is near enough.
+  // Returns the nearest frame in one direction, within reach, that sees the marker.
   std::optional<Anchor> FindAnchor(int frame, int marker, int direction) {
     for (int t = frame + direction;
          std::abs(t - frame) <= Reach() && t >= 0 && t < observation_.frame_count();
          t += direction) {
       if (!Sees(t, marker)) continue;
-      return Anchor{t, Try(t).errors.row(marker).transpose()};
+      return Anchor{t, TestRegression(t).errors.row(marker).transpose()};
     }
     return std::nullopt;
   }
 
-  // The guess with the errors at the anchors made up for, as far as they tell the error here (a
+  // Corrects the guess by the errors at the anchors, by their correlation with the error here (a
   // Gaussian process over time).
   Guess Anchored(int frame, int marker, Guess guess) {
     const auto before = FindAnchor(frame, marker, -1);
@@ -199,16 +200,17 @@ class Filler {
     const double share_after = (to_after - between * to_before) / settled;
     if (before) guess.position += share_before * before->error;
     if (after) guess.position += share_after * after->error;
-    // A body unlike the stored ones shows it on the markers seen, too.
-    guess.variance *= std::max(kLeastSurprise, Try(frame).surprise);
+    // A body unlike the stored ones has large errors on seen markers too.
+    guess.variance *= std::max(kMinSurprise, TestRegression(frame).surprise);
     guess.variance *= std::max(0.0, 1 - share_before * to_before - share_after * to_after);
     if (!(before && after)) return guess;
-    // Between two sights near each other the straight way is hard to beat.
-    const double to = apart(frame, before->frame);
-    const double left = apart(after->frame, frame);
+    // Combine with linear interpolation, which is accurate over short gaps.
+    const double from_start = apart(frame, before->frame);
+    const double to_end = apart(after->frame, frame);
     const Eigen::Vector3d straight =
-        (left * Seen(before->frame, marker) + to * Seen(after->frame, marker)) / (to + left);
-    const double off = kAcceleration * to * left / 2;
+        (to_end * Seen(before->frame, marker) + from_start * Seen(after->frame, marker)) /
+        (from_start + to_end);
+    const double off = kAcceleration * from_start * to_end / 2;
     const double straight_variance = off * off + kStraight * kStraight;
     const double share = guess.variance / (guess.variance + straight_variance);
     guess.position += share * (straight - guess.position);
@@ -268,7 +270,7 @@ Regressed Regress(const Eigen::MatrixXd& known, const Eigen::MatrixXd& wanted,
   const Eigen::MatrixXd x = root.asDiagonal() * (known.rowwise() - known_mean);
   const Eigen::MatrixXd y = root.asDiagonal() * (wanted.rowwise() - wanted_mean);
 
-  // The dual form: there are fewer examples than numbers.
+  // Dual form: there are fewer examples than values.
   const Eigen::MatrixXd shared = x * x.transpose();
   Eigen::MatrixXd kernel = shared;
   kernel.diagonal().array() += noise_variance;
@@ -279,7 +281,8 @@ Regressed Regress(const Eigen::MatrixXd& known, const Eigen::MatrixXd& wanted,
 
   Regressed regressed;
   regressed.mean = wanted_mean.transpose() + y.transpose() * share;
-  // What the examples leave open, made up for what fitting them has used, and for the leverage.
+  // Residual variance of the examples, corrected for the degrees of freedom of the fit and for
+  // leverage.
   const double examples = 1 / weights.squaredNorm();
   const double used = std::min(solver.solve(shared).trace() + 1, 0.9 * examples);
   const double leverage = 1 / examples + share.cwiseAbs2().dot(weights);

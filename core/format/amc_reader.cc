@@ -12,7 +12,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kMetresPerInch = 0.0254;
-constexpr double kCustomaryRate = 120;
+constexpr double kDefaultRate = 120;
 
 bool IsFrameNumber(std::string_view word) {
   return !word.empty() && word.find_first_not_of("0123456789") == word.npos;
@@ -98,7 +98,7 @@ class AmcFramesReader {
     return absl::OkStatus();
   }
 
-  // From the length of the first frame: memory for about as many as the file can hold.
+  // Reserves memory for the number of frames estimated from the first frame's length.
   void ReserveFrames() {
     const std::size_t frame_bytes = bytes_at_first_frame_ - scanner_.bytes_left();
     values_.reserve(width_ * (2 + bytes_at_first_frame_ / std::max<std::size_t>(1, frame_bytes)));
@@ -149,7 +149,7 @@ class AmcFramesReader {
     return absl::OkStatus();
   }
 
-  // Frames list their bones in the same order: try the one that came next the last time.
+  // Frames list bones in the same order, so first try the successor in the previous frame.
   absl::StatusOr<std::size_t> FindBone(std::string_view word) {
     const std::size_t guess = next_bone_[previous_bone_];
     if (skeleton_.bones[guess].name == word) return previous_bone_ = guess;
@@ -168,12 +168,12 @@ class AmcFramesReader {
   double metres_per_unit_;
   std::size_t width_;
   std::unordered_map<std::string, std::size_t> index_;
-  std::vector<int> last_frame_;         // of each bone, as a count of frames
-  std::vector<std::size_t> next_bone_;  // which bone followed each bone
+  std::vector<int> last_frame_;         // of each bone: the last frame that has it
+  std::vector<std::size_t> next_bone_;  // successor of each bone
   std::size_t previous_bone_ = 0;
   std::size_t bytes_at_first_frame_ = 0;
-  int bones_a_frame_ = 0;  // those with values
-  int bones_read_ = 0;     // of them, in this frame
+  int bones_a_frame_ = 0;  // bones with values
+  int bones_read_ = 0;     // bones with values in this frame
   int frames_ = 0;
   double number_ = 0;  // of this frame in the file
   std::vector<double> values_;
@@ -202,12 +202,12 @@ absl::StatusOr<MotionFile> ReadAmc(SourceFile file, SourceFile skeleton,
   AmcFramesReader frames(file, built, asf.degrees, report.metres_per_unit);
   MOTIONDB_RETURN_IF_ERROR(frames.Read());
   report.notes = frames.notes();
-  if (built.drops_stretch) report.notes.push_back("changes of bone length are left out");
+  if (built.drops_stretch) report.notes.push_back("changes of bone length are ignored");
   if (!options.frame_rate_hz && !frames.rate_hz()) {
     report.notes.push_back(
-        fmt::format("frame rate {} Hz assumed (the file states none)", kCustomaryRate));
+        fmt::format("frame rate {} Hz assumed (the file states none)", kDefaultRate));
   }
-  const double rate = frames.rate_hz().value_or(kCustomaryRate);
+  const double rate = frames.rate_hz().value_or(kDefaultRate);
   read.motion = JointMotion{.skeleton = std::make_shared<const Skeleton>(std::move(built.skeleton)),
                             .frame_rate_hz = options.frame_rate_hz.value_or(rate),
                             .angles = frames.angles()};

@@ -231,7 +231,7 @@ class AsfReader {
     return absl::OkStatus();
   }
 
-  // One pair in parentheses for each degree of freedom, on as many lines as it takes.
+  // Reads one pair in parentheses for each degree of freedom, on any number of lines.
   absl::Status ReadLimits() {
     for (AsfChannel& channel : bone_.channels) {
       MOTIONDB_RETURN_IF_ERROR(scanner_.ReadKeyword("("));
@@ -288,7 +288,7 @@ class AsfReader {
     return found->second;
   }
 
-  // The bones again, a parent before its children.
+  // Sorts the bones: parents before children.
   absl::StatusOr<AsfFile> InHierarchyOrder() {
     std::vector<std::vector<int>> children(file_.bones.size());
     for (int i = static_cast<int>(file_.bones.size()) - 1; i > 0; --i) {
@@ -305,7 +305,7 @@ class AsfReader {
                             kMostJoints, file_.bones.size(), tips);
     }
     std::vector<AsfBone> ordered;
-    std::vector<std::pair<int, int>> open = {{0, -1}};  // bone, its parent's place in `ordered`
+    std::vector<std::pair<int, int>> open = {{0, -1}};  // bone, index of its parent in `ordered`
     while (!open.empty()) {
       const auto [bone, parent] = open.back();
       open.pop_back();
@@ -315,7 +315,7 @@ class AsfReader {
       for (const int child : children[bone]) open.emplace_back(child, place);
     }
     if (ordered.size() != file_.bones.size()) {
-      return scanner_.Error("expected every bone of ':hierarchy' to hang from the root");
+      return scanner_.Error("expected every bone of ':hierarchy' to descend from the root");
     }
     file_.bones = std::move(ordered);
     return std::move(file_);

@@ -1,4 +1,5 @@
-// The contents of an ASF (Acclaim skeleton) file, in the file's own units and words.
+// The contents of an ASF (Acclaim skeleton) file, in the file's own units and terms; and its
+// conversion to a Skeleton.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,23 +15,23 @@
 
 namespace motiondb::core {
 
-// One value that a bone takes in each frame of an AMC file.
+// One value of a bone in each frame of an AMC file.
 struct AsfChannel {
   enum class Kind { kTranslation, kRotation, kStretch };
   Kind kind = Kind::kRotation;
-  int axis = 0;  // 0 x, 1 y, 2 z; means nothing for kStretch
+  int axis = 0;                                             // 0 x, 1 y, 2 z; unused for kStretch
   double lower = -std::numeric_limits<double>::infinity();  // in the file's units
   double upper = std::numeric_limits<double>::infinity();
 };
 
-// A bone, or the root, whose direction and length are zero.
+// A bone, or the root, which has direction and length zero.
 struct AsfBone {
   std::string name;                                     // UTF-8
   int parent = -1;                                      // index into AsfFile::bones
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit length, from its start to its tip
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  // unit length, from start to tip
   double length = 0;
   Eigen::Vector3d axis_angles =
-      Eigen::Vector3d::Zero();  // about axis_order's axes, first applied first
+      Eigen::Vector3d::Zero();  // about axis_order's axes, the first is applied first
   std::array<int, 3> axis_order = {0, 1, 2};
   std::vector<AsfChannel> channels;  // in the order in which an AMC lists their values
 };
@@ -46,11 +47,9 @@ struct AsfFile {
 // Unknown sections are skipped. Errors: see ReadMotionFile.
 absl::StatusOr<AsfFile> ReadAsf(SourceFile file);
 
-// An ASF file's bones -> a Skeleton, and where the values of an AMC file go in its joint angles.
-
-// Where one value of a bone's line in an AMC file goes.
+// Destination of one value of a bone's line in an AMC file.
 struct AmcValue {
-  int column = -1;  // degree of freedom of the skeleton; -1: none, the value is dropped
+  int column = -1;  // degree of freedom of the skeleton; -1: the value is ignored
   bool is_rotation = true;
 };
 
@@ -61,13 +60,14 @@ struct AmcBone {
 
 struct AsfSkeleton {
   Skeleton skeleton;           // metres, z up
-  std::vector<AmcBone> bones;  // those of the ASF, in its order
-  bool drops_stretch = false;  // some bone changes its length, which a skeleton cannot
+  std::vector<AmcBone> bones;  // in the order of the ASF
+  bool drops_stretch = false;  // a bone changes its length, which skeletons do not support
 };
 
-// Joint "x" is at the start of bone x (its parent's tip) and carries its rotation, within the axes
-// C of the bone: C R C^-1. Every bone without children gets a joint "x_end" at its tip. Values
-// listed as rx ry rz combine as Rz Ry Rx.
+// Converts an ASF file's bones to a Skeleton and the layout of AMC values. Joint "x" is at the
+// start of bone x (its parent's tip) and carries its rotation in the axes C of the bone: C R C^-1.
+// Every bone without children gets a joint "x_end" at its tip. Values listed as rx ry rz combine as
+// Rz Ry Rx.
 absl::StatusOr<AsfSkeleton> BuildAsfSkeleton(const AsfFile& file, double metres_per_unit,
                                              const Eigen::Matrix3d& world_from_file);
 

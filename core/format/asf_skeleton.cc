@@ -9,7 +9,7 @@
 namespace motiondb::core {
 namespace {
 
-// C of the bone: its axes in the frame that all bones share when angles are zero.
+// Returns C of the bone: its axes in the common frame of all bones at zero angles.
 Eigen::Matrix3d BoneAxes(const AsfBone& bone, double radians_per_angle) {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   for (int i = 0; i < 3; ++i) {
@@ -19,8 +19,8 @@ Eigen::Matrix3d BoneAxes(const AsfBone& bone, double radians_per_angle) {
   return axes;
 }
 
-// Adds the degrees of freedom of a bone to its joint, and to `values` where each channel goes, in
-// the file's order. Rotations are listed first applied first, the reverse of Joint::dofs.
+// Adds the degrees of freedom of a bone to its joint, and the column of each channel to `values`,
+// in file order. ASF lists the rotation applied first first; Joint::dofs is the reverse.
 void AddDofs(const AsfBone& bone, const Eigen::Matrix3d& translation_axes, double metres_per_unit,
              double radians_per_angle, int first_column, Joint& joint,
              std::vector<AmcValue>& values) {

@@ -9,7 +9,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostChannels = 6;
+constexpr int kMaxChannels = 6;
 
 struct ChannelName {
   std::string_view name;  // lower case
@@ -25,7 +25,7 @@ constexpr std::array<ChannelName, 6> kChannelNames = {{
     {"zrotation", {Dof::Kind::kRotation, 2}},
 }};
 
-// Reads joints into a list; the braces open and close them. Nesting takes no stack, however deep.
+// Reads joints into a list. Not recursive: nesting depth does not use stack.
 class HierarchyReader {
  public:
   explicit HierarchyReader(TextScanner& scanner) : scanner_(scanner) {}
@@ -72,7 +72,7 @@ class HierarchyReader {
   }
 
   absl::Status OpenEndSite() {
-    scanner_.RestOfLine("{");  // "Site", and whatever name some writers add
+    scanner_.RestOfLine("{");  // "Site", and a name that some writers add
     return Open({.name = names_.Add(joints_[current_].name + "_end"),
                  .parent = current_,
                  .channels = {},
@@ -112,7 +112,7 @@ class HierarchyReader {
     has_offset_[current_] = true;
     for (int axis = 0; axis < 3; ++axis) {
       MOTIONDB_RETURN_IF_ERROR(
-          scanner_.ReadNumber("a number (OFFSET takes three)", joint.offset[axis]));
+          scanner_.ReadNumber("a number (OFFSET has three)", joint.offset[axis]));
     }
     return absl::OkStatus();
   }
@@ -125,7 +125,7 @@ class HierarchyReader {
     has_channels_[current_] = true;
     int count = 0;
     MOTIONDB_RETURN_IF_ERROR(
-        scanner_.ReadInteger("the number of channels", 0, kMostChannels, count));
+        scanner_.ReadInteger("the number of channels", 0, kMaxChannels, count));
     for (int i = 0; i < count; ++i) MOTIONDB_RETURN_IF_ERROR(ReadChannel(joint, i, count));
     return absl::OkStatus();
   }

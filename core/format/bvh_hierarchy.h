@@ -1,4 +1,4 @@
-// The HIERARCHY section of a BVH file: joints, their offsets and channels, as the file has them.
+// The HIERARCHY section of a BVH file: joints, their offsets and channels, unconverted.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,7 +11,7 @@
 
 namespace motiondb::core {
 
-// The characters that are tokens of their own in a BVH file.
+// Characters that are separate tokens in a BVH file.
 inline constexpr std::string_view kBvhPunctuation = "{}:";
 
 struct BvhChannel {
@@ -27,8 +27,8 @@ struct BvhJoint {
   bool is_end_site = false;
 };
 
-// Reads up to and including the word MOTION. Joint names are distinct UTF-8; end sites are named
-// "<parent>_end". Adds to `notes` what was changed.
+// Reads up to and including the word MOTION. Joint names are unique UTF-8; end sites are named
+// "<parent>_end". Appends changes of names to `notes`.
 absl::StatusOr<std::vector<BvhJoint>> ReadBvhHierarchy(TextScanner& scanner,
                                                        std::vector<std::string>& notes);
 

@@ -12,15 +12,15 @@ namespace {
 
 constexpr double kCentimetre = 0.01;
 
-// Where the value of a channel goes: column = factor * value + bias.
+// Destination of a channel's value: column = factor * value + bias.
 struct ChannelColumn {
   int column;
   double factor;
   double bias;
 };
 
-// The channels of all joints in the file's order. A skeleton has a joint's translations before its
-// rotations; the file may have them in any order.
+// Returns the channels of all joints in file order. A skeleton has a joint's translations before
+// its rotations; the file may have any order.
 std::vector<ChannelColumn> ChannelColumns(const std::vector<BvhJoint>& joints) {
   std::vector<ChannelColumn> columns;
   int first = 0;
@@ -95,7 +95,7 @@ std::size_t CountNumbers(std::string_view line) {
   return count;
 }
 
-// How many numbers the first line of frames holds, if that may explain why they do not add up.
+// Returns the number count of the first line of frames, if it may explain the error.
 std::string NumbersOnLine(std::string_view line, std::size_t expected) {
   const std::size_t count = CountNumbers(line);
   if (count == 0 || count == expected) return "";
@@ -103,14 +103,16 @@ std::string NumbersOnLine(std::string_view line, std::size_t expected) {
                      expected);
 }
 
-// Nothing may follow the frames, but for one frame more, on a line as long as the others: some
+// Checks that nothing follows the frames. One extra frame of the same width is allowed: some
 // writers count from 0.
 absl::Status ReadSurplus(TextScanner& scanner, int frames, std::string_view first_line,
                          std::size_t width, std::vector<std::string>& notes) {
   if (scanner.AtEnd()) return absl::OkStatus();
   const std::string_view line = scanner.Line();
   if (CountNumbers(line) == width && CountNumbers(first_line) == width && scanner.AtEnd()) {
-    notes.push_back(fmt::format("the file has a frame more than the {} it says, left out", frames));
+    notes.push_back(fmt::format(
+        "the file has one frame more than its {} declared frames; the last frame is ignored",
+        frames));
     return absl::OkStatus();
   }
   return scanner.Error("expected the file to end after {} frames, found '{}'{}", frames,
@@ -125,14 +127,15 @@ absl::StatusOr<JointMatrix> ReadNumbers(TextScanner& scanner, int frames,
                                         const std::vector<ChannelColumn>& columns,
                                         std::vector<std::string>& notes) {
   const std::size_t width = columns.size();
-  // A file may claim more frames than it has. Memory is taken for as many as it has words.
-  const std::size_t most = CountWords(scanner.rest()) / width;
-  const int held = static_cast<int>(std::min<std::size_t>(most, static_cast<std::size_t>(frames)));
-  JointMatrix values(held, static_cast<Eigen::Index>(width));
+  // A file may declare more frames than it has: allocate by its number of words.
+  const std::size_t max_frames = CountWords(scanner.rest()) / width;
+  const int allocated =
+      static_cast<int>(std::min<std::size_t>(max_frames, static_cast<std::size_t>(frames)));
+  JointMatrix values(allocated, static_cast<Eigen::Index>(width));
   scanner.AtEnd();
   const std::string_view first_line = scanner.PeekLine();
   for (int frame = 0; frame < frames; ++frame) {
-    if (frame == held || scanner.AtEnd()) {
+    if (frame == allocated || scanner.AtEnd()) {
       return scanner.Error("the file ends here (truncated?), expected {} frames, found {}{}",
                            frames, frame, NumbersOnLine(first_line, width));
     }
@@ -152,14 +155,14 @@ absl::StatusOr<JointMatrix> ReadNumbers(TextScanner& scanner, int frames,
   return values;
 }
 
-// Whether each line seems to be a frame; one of the first two may be wrong.
+// Whether each line seems to be one frame; one of the first two lines may be wrong.
 bool HasFrameOnEachLine(TextScanner scanner, std::size_t width) {
   if (scanner.AtEnd()) return false;
   if (CountNumbers(scanner.Line()) == width) return true;
   return !scanner.AtEnd() && CountNumbers(scanner.Line()) == width;
 }
 
-// The error of the first line that is not one frame.
+// Returns the error of the first line that is not one frame.
 absl::Status CheckLines(TextScanner scanner, int frames, std::size_t width) {
   for (int frame = 1; frame <= frames && !scanner.AtEnd(); ++frame) {
     double value = 0;
@@ -175,8 +178,7 @@ absl::Status CheckLines(TextScanner scanner, int frames, std::size_t width) {
   return absl::OkStatus();
 }
 
-// Frames are a stream of numbers, whatever the lines; only when something is wrong do the lines
-// tell where.
+// Frames are a stream of numbers; line breaks do not matter. After an error, lines locate it.
 absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
                                        const std::vector<ChannelColumn>& columns,
                                        std::vector<std::string>& notes) {
@@ -188,7 +190,7 @@ absl::StatusOr<JointMatrix> ReadFrames(TextScanner& scanner, int frames,
   return values;
 }
 
-// Works out unit and up axis from the joints' positions in frames spread over the clip.
+// Determines unit and up axis from the joints' positions in frames spread over the clip.
 absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointMatrix& values,
                                const ReadOptions& options, SourceReport& report) {
   constexpr Eigen::Index kSamples = 32;
@@ -201,7 +203,8 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   for (Eigen::Index i = 0; i < count; ++i) {
     sample.angles.row(i) = values.row(i * values.rows() / count);
   }
-  // Relative to where the root begins: positions are floats, and files may be far from the origin.
+  // Relative to the root's first position: positions are floats, and files may be far from the
+  // origin.
   const std::vector<Dof>& root = sample.skeleton->joints().front().dofs;
   for (std::size_t k = 0; k < root.size() && root[k].kind == Dof::Kind::kTranslation; ++k) {
     const auto column = static_cast<Eigen::Index>(k);
@@ -230,7 +233,7 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   return absl::OkStatus();
 }
 
-// From the file's unit to metres; rotations stay.
+// Converts translations from the file's unit to metres.
 void ScaleTranslations(const Skeleton& skeleton, double metres_per_unit, JointMatrix& values) {
   for (int j = 0; j < skeleton.joint_count(); ++j) {
     int column = skeleton.first_dof(j);

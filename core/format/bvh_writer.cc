@@ -17,9 +17,9 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kCentimetresPerMetre = 100;
-constexpr int kDeepestIndent = 40;  // a chain of any depth makes a file of bounded lines
+constexpr int kMaxIndent = 40;  // bounds the line length for deep chains
 
-// One order of the three rotation channels, leftmost applied last.
+// An order of the three rotation channels; the rightmost is applied first.
 struct RotationOrder {
   std::string_view channels;
   std::array<int, 3> axes;  // 0 x, 1 y, 2 z
@@ -30,7 +30,7 @@ constexpr std::array<RotationOrder, 2> kOrders = {{
     {"Zrotation Yrotation Xrotation", {2, 1, 0}},
 }};
 
-// A joint as the file has it, in the file's order.
+// A joint of the file, in file order.
 struct BvhNode {
   int joint = -1;
   int depth = 0;
@@ -46,7 +46,7 @@ bool Slides(const Joint& joint) {
                      [](const Dof& dof) { return dof.kind == Dof::Kind::kTranslation; });
 }
 
-// What would be written as "-0.00000000" is 0.
+// Avoids "-0.00000000" in the output.
 double Plain(double value) { return std::abs(value) < 5e-9 ? 0 : value; }
 
 std::string SafeName(std::string_view name) {
@@ -58,7 +58,7 @@ std::string SafeName(std::string_view name) {
   return safe;
 }
 
-// The joints depth first, children in the skeleton's order.
+// Returns the joints depth first, children in the skeleton's order.
 std::vector<BvhNode> DepthFirst(const Skeleton& skeleton) {
   const std::vector<Joint>& joints = skeleton.joints();
   std::vector<std::vector<int>> children(joints.size());
@@ -88,7 +88,7 @@ std::vector<BvhNode> DepthFirst(const Skeleton& skeleton) {
   return nodes;
 }
 
-// Joints as the file has them: y up for the roots, all others in their parents' frames.
+// Roots are written with y up, all other joints in their parents' frames.
 class BvhWriter {
  public:
   explicit BvhWriter(const JointMotion& motion)
@@ -117,7 +117,7 @@ class BvhWriter {
  private:
   const Joint& JointOf(const BvhNode& node) const { return motion_.skeleton->joints()[node.joint]; }
 
-  // The joint's transform to its parent's frame, or a root's to the file's, in metres.
+  // Returns the joint's transform to its parent's frame, or a root's to the file's, in metres.
   Eigen::Isometry3d Local(int j, Eigen::Index frame) const {
     const Joint& joint = motion_.skeleton->joints()[j];
     const std::span<const double> row(motion_.angles.data() + frame * motion_.angles.cols(),
@@ -127,9 +127,9 @@ class BvhWriter {
     return joint.parent < 0 ? Eigen::Isometry3d(file_from_world_) * local : local;
   }
 
-  // A rotation order locks where its first and last axis come to lie along one line.
+  // Gimbal lock: the first and last axis become parallel. Chooses the order further from it.
   const RotationOrder& ChooseOrder(int joint) const {
-    std::array<double, 2> nearest_lock = {0, 0};  // cosine between the two axes at its worst
+    std::array<double, 2> nearest_lock = {0, 0};  // maximum cosine between the two axes
     for (Eigen::Index frame = 0; frame < motion_.angles.rows(); ++frame) {
       const Eigen::Matrix3d rotation = Local(joint, frame).linear();
       for (std::size_t i = 0; i < kOrders.size(); ++i) {
@@ -147,7 +147,7 @@ class BvhWriter {
 
   template <typename... Args>
   void Line(int depth, fmt::format_string<Args...> format, Args&&... args) {
-    text_.append(static_cast<std::size_t>(std::min(depth, kDeepestIndent)), '\t');
+    text_.append(static_cast<std::size_t>(std::min(depth, kMaxIndent)), '\t');
     fmt::format_to(std::back_inserter(text_), format, std::forward<Args>(args)...);
     text_ += '\n';
   }
@@ -156,7 +156,7 @@ class BvhWriter {
     Line(depth, "OFFSET {:.8f} {:.8f} {:.8f}", Plain(cm.x()), Plain(cm.y()), Plain(cm.z()));
   }
 
-  // All of a node but its children and closing brace.
+  // Writes a node without its children and closing brace.
   void WriteOpening(const BvhNode& node) {
     const Joint& joint = JointOf(node);
     if (node.is_end_site) {
@@ -172,7 +172,7 @@ class BvhWriter {
     if (node.is_leaf) WriteDefaultEnd(node.depth + 1, OffsetCm(joint));
   }
 
-  // Importers draw a bone from a joint to its end site, so one of no length would be lost.
+  // Importers draw a bone from a joint to its end site; a bone of zero length would be invisible.
   void WriteDefaultEnd(int depth, const Eigen::Vector3d& joint_offset_cm) {
     const bool has_direction = joint_offset_cm.norm() > 1e-3;
     Line(depth, "End Site");

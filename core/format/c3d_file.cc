@@ -37,7 +37,7 @@ float C3dBytes::Real(std::size_t offset) const {
   const std::uint32_t second = Word(offset + 2);
   if (processor_ == C3dProcessor::kIntel) return std::bit_cast<float>((second << 16) | first);
   const float value = std::bit_cast<float>((first << 16) | second);
-  // The VAX has IEEE's bits with the words swapped, and counts its exponent from two higher.
+  // VAX floats are IEEE floats with swapped words and an exponent bias that is larger by 2.
   return processor_ == C3dProcessor::kDec ? value / 4 : value;
 }
 
@@ -47,8 +47,8 @@ std::string_view C3dBytes::Text(std::size_t offset, std::size_t count) const {
 
 namespace {
 
-// A file has some hundred. Each takes many times its bytes in memory.
-constexpr std::size_t kMostParameters = 10'000;
+// Files have about a hundred. Each uses much more memory than its bytes in the file.
+constexpr std::size_t kMaxParameters = 10'000;
 
 std::string UpperCase(std::string_view name) {
   std::string upper(name);
@@ -72,10 +72,10 @@ absl::StatusOr<C3dParameters> C3dParameters::Read(const C3dBytes& bytes, std::si
   constexpr std::size_t kSectionHeader = 4;
   std::map<int, std::string> groups;
   std::map<std::pair<int, std::string>, Parameter> found;  // by group number and name
-  // The last entry tells so by a distance of 0, or points to zeros, or, in some old files, beyond.
+  // The last entry has a distance of 0, or points to zeros, or, in some old files, beyond the end.
   for (std::size_t next = start + kSectionHeader; next < end;) {
-    // Length of the name (negative if locked), number (negative for a group itself), name, distance
-    // to the next entry, and then the contents.
+    // An entry: length of the name (negative if locked), number (negative for a group), name,
+    // distance to the next entry, contents.
     MOTIONDB_RETURN_IF_ERROR(bytes.Require(next, 2, "a parameter"));
     const int length = std::abs(static_cast<std::int8_t>(bytes.Byte(next)));
     const int number = static_cast<std::int8_t>(bytes.Byte(next + 1));
@@ -91,12 +91,12 @@ absl::StatusOr<C3dParameters> C3dParameters::Read(const C3dBytes& bytes, std::si
       MOTIONDB_ASSIGN_OR_RETURN(Parameter parameter, ReadParameter(bytes, distance_at + 2, name));
       if (distance != 0 && distance_at + distance < EndOf(parameter)) {
         return bytes.Error(distance_at,
-                           "expected parameter '{}' to end before the next, {} bytes on",
+                           "expected parameter '{}' to end before the next, {} bytes later",
                            Shown(name), distance);
       }
       found.insert_or_assign({number, name}, std::move(parameter));
-      if (found.size() > kMostParameters) {
-        return bytes.Error(next, "expected at most {} parameters, found more", kMostParameters);
+      if (found.size() > kMaxParameters) {
+        return bytes.Error(next, "expected at most {} parameters, found more", kMaxParameters);
       }
     }
     if (distance == 0) break;
@@ -124,8 +124,8 @@ absl::StatusOr<C3dParameters::Parameter> C3dParameters::ReadParameter(const C3dB
                        Shown(name), type);
   }
   const std::size_t dimension_count = bytes.Byte(offset + 1);
-  constexpr std::size_t kMostDimensions = 7;
-  if (dimension_count > kMostDimensions) {
+  constexpr std::size_t kMaxDimensions = 7;
+  if (dimension_count > kMaxDimensions) {
     return bytes.Error(offset + 1, "expected parameter '{}' to have at most 7 dimensions, found {}",
                        Shown(name), dimension_count);
   }
@@ -183,7 +183,7 @@ std::vector<std::string_view> C3dParameters::Strings(const std::string& group,
 
 namespace {
 
-// The strings of NAME, NAME2, NAME3 ...: one parameter holds at most 255.
+// Returns the strings of NAME, NAME2, NAME3 ...: one parameter holds at most 255.
 std::vector<std::string_view> AllStrings(const C3dParameters& parameters, const std::string& name) {
   std::vector<std::string_view> all = parameters.Strings("POINT", name);
   for (int n = 2;; ++n) {
@@ -202,12 +202,12 @@ std::set<std::string_view> ComputedLabels(const C3dParameters& parameters) {
   return computed;
 }
 
-// The "subject:" that all labels begin with; empty if they differ.
+// Returns the "subject:" prefix that all labels share; empty if they differ.
 std::string_view CommonSubject(const std::vector<std::string_view>& labels) {
   std::string_view subject;
   for (const std::string_view label : labels) {
     const auto colon = label.rfind(':');
-    if (label.empty() || label[0] == '*') continue;  // not named by a person
+    if (label.empty() || label[0] == '*') continue;  // an automatic name
     if (colon == label.npos) return {};
     if (subject.empty()) subject = label.substr(0, colon + 1);
     if (label.substr(0, colon + 1) != subject) return {};

@@ -1,5 +1,4 @@
-// What a C3D file says beside its frames: numbers as its processor had them, parameters, and which
-// of its points are markers.
+// The parts of a C3D file other than its frames: number formats, parameters and markers.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,8 +19,8 @@
 
 namespace motiondb::core {
 
-// The bytes of a C3D file as the processor that wrote them had numbers: Intel (PC), DEC (VAX) or
-// MIPS (SGI). Offsets are from the start of the file. A view: the caller keeps the bytes.
+// The bytes of a C3D file, in the number format of the processor that wrote them: Intel (PC), DEC
+// (VAX) or MIPS (SGI). Offsets are from the start of the file. A view: the caller keeps the bytes.
 
 inline constexpr std::size_t kC3dBlock = 512;  // bytes
 
@@ -33,14 +32,14 @@ class C3dBytes {
 
   std::size_t size() const { return file_.bytes.size(); }
 
-  // OK if `count` bytes are there from `offset`; otherwise the error says what they were to be.
+  // Returns OK if `count` bytes exist from `offset`; otherwise an error with their meaning, `what`.
   absl::Status Require(std::size_t offset, std::size_t count, std::string_view what) const;
 
-  // REQUIRES of those below: the bytes are there.
+  // REQUIRES, for the functions below: the bytes exist.
   std::uint8_t Byte(std::size_t offset) const;
   std::uint16_t Word(std::size_t offset) const;
   std::int16_t SignedWord(std::size_t offset) const;
-  float Real(std::size_t offset) const;  // NaN or infinite if the bytes say so
+  float Real(std::size_t offset) const;  // may be NaN or infinite
   std::string_view Text(std::size_t offset, std::size_t count) const;
 
   // "walk.c3d: byte 512: ..."
@@ -63,14 +62,14 @@ class C3dParameters {
   static absl::StatusOr<C3dParameters> Read(const C3dBytes& bytes, std::size_t start,
                                             std::size_t end);
 
-  // The element of a numeric parameter; nothing if there is none. Whole numbers count from 0 to
-  // 65535, as files with more than 32767 frames have them. Names are in upper case.
+  // Returns the element of a numeric parameter; nothing if it does not exist. Integers count as
+  // unsigned, 0 to 65535, as in files with more than 32767 frames. Names are in upper case.
   std::optional<double> Number(const std::string& group, const std::string& name,
                                std::size_t element = 0) const;
 
-  // As many strings, and points, as a file can name.
+  // Maximum number of strings, and of points, in a file.
   static constexpr std::size_t kMostStrings = 65'535;
-  // The strings of a text parameter, trimmed, at most kMostStrings; empty if there is none.
+  // Returns the strings of a text parameter, trimmed, at most kMostStrings; empty if there is none.
   std::vector<std::string_view> Strings(const std::string& group, const std::string& name) const;
 
  private:
@@ -78,8 +77,8 @@ class C3dParameters {
   struct Parameter {
     Type type;
     std::vector<std::size_t> dimensions;  // the first varies fastest
-    std::size_t count;                    // of elements
-    std::size_t offset;                   // of the first
+    std::size_t count;                    // number of elements
+    std::size_t offset;                   // of the first element
   };
 
   explicit C3dParameters(const C3dBytes& bytes) : bytes_(bytes) {}
@@ -92,15 +91,15 @@ class C3dParameters {
   std::map<std::pair<std::string, std::string>, Parameter> parameters_;  // by group and name
 };
 
-// Which points of a C3D file are markers, and their names.
+// A point of a C3D file that is a marker.
 struct C3dMarker {
-  std::size_t point = 0;  // its place among the points of a frame
-  std::string name;       // distinct UTF-8
+  std::size_t point = 0;  // index in the points of a frame
+  std::string name;       // unique UTF-8
 };
 
-// The markers among the first `points` points, named by POINT:LABELS, LABELS2 and so on. Points
-// that POINT:ANGLES, FORCES, MOMENTS, POWERS or SCALARS list are not positions and are left out. A
-// "subject:" before all labels is dropped. Adds to `notes` what was changed.
+// Returns the markers among the first `points` points, named by POINT:LABELS, LABELS2 and so on.
+// Excludes points listed in POINT:ANGLES, FORCES, MOMENTS, POWERS or SCALARS: they are not
+// positions. Removes a "subject:" prefix that all labels share. Appends changes to `notes`.
 std::vector<C3dMarker> C3dMarkers(const C3dParameters& parameters, int points,
                                   std::vector<std::string>& notes);
 

@@ -11,7 +11,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kLargestCoordinate = 1e18;  // as in text files
+constexpr double kMaxCoordinate = 1e18;  // as in text files
 
 // Byte offsets in the header of a file.
 constexpr std::size_t kParameterBlockAt = 0;
@@ -24,7 +24,7 @@ constexpr std::size_t kScaleAt = 12;
 constexpr std::size_t kDataBlockAt = 16;
 constexpr std::size_t kRateAt = 20;
 
-// Where the points are in the file, and how they are written.
+// Position and encoding of the points in the file.
 struct PointLayout {
   std::size_t data = 0;          // offset of the first frame
   std::size_t frame_stride = 0;  // bytes
@@ -32,7 +32,7 @@ struct PointLayout {
   int first_frame = 1;
   int points = 0;
   bool real = false;
-  double scale = 1;  // of whole numbers
+  double scale = 1;  // of integers
   double rate_hz = 0;
 };
 
@@ -43,7 +43,7 @@ struct ParameterSection {
 };
 
 absl::StatusOr<ParameterSection> FindParameters(SourceFile file) {
-  const C3dBytes bytes(file, C3dProcessor::kIntel);  // single bytes are the same everywhere
+  const C3dBytes bytes(file, C3dProcessor::kIntel);  // single bytes do not depend on the processor
   MOTIONDB_RETURN_IF_ERROR(bytes.Require(0, kC3dBlock, "header"));
   constexpr int kKey = 0x50;
   if (bytes.Byte(kKeyAt) != kKey) {
@@ -69,7 +69,7 @@ absl::StatusOr<ParameterSection> FindParameters(SourceFile file) {
   return section;
 }
 
-// A whole number that TRIAL keeps in two words.
+// Reads an integer of TRIAL, stored in two words.
 std::optional<double> LongWord(const C3dParameters& parameters, const std::string& name) {
   const auto low = parameters.Number("TRIAL", name, 0);
   const auto high = parameters.Number("TRIAL", name, 1);
@@ -77,7 +77,7 @@ std::optional<double> LongWord(const C3dParameters& parameters, const std::strin
   return *low + 65536 * *high;
 }
 
-// The header counts frames in words of 16 bits; parameters tell the rest of a longer recording.
+// The header counts frames in 16 bits; parameters have the length of longer recordings.
 double FrameCount(const C3dBytes& bytes, const C3dParameters& parameters) {
   constexpr int kFull = 65535;
   const int first = bytes.Word(kFirstFrameAt);
@@ -99,7 +99,7 @@ absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameter
   }
   const double used = parameters.Number("POINT", "USED").value_or(layout.points);
   if (used != layout.points) {
-    return bytes.Error(kPointCountAt, "expected {} points, as POINT:USED says, found {}", used,
+    return bytes.Error(kPointCountAt, "expected {} points, as in POINT:USED, found {}", used,
                        layout.points);
   }
   layout.first_frame = bytes.Word(kFirstFrameAt);
@@ -134,8 +134,8 @@ absl::StatusOr<PointLayout> ReadLayout(const C3dBytes& bytes, const C3dParameter
   return layout;
 }
 
-// One point: x, y, z and a word that is negative where the point is invalid. False if a coordinate
-// is infinite or absurd.
+// Reads one point: x, y, z and a word that is negative if the point is invalid. Returns false if a
+// coordinate is infinite or implausible.
 bool ReadPoint(const C3dBytes& bytes, const PointLayout& layout, std::size_t offset,
                float* position) {
   double xyz[3];
@@ -148,7 +148,7 @@ bool ReadPoint(const C3dBytes& bytes, const PointLayout& layout, std::size_t off
   invalid |= layout.real ? bytes.Real(offset + 12) < 0 : bytes.SignedWord(offset + 6) < 0;
   invalid |= xyz[0] == 0 && xyz[1] == 0 && xyz[2] == 0;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!invalid && !(std::abs(xyz[axis]) <= kLargestCoordinate)) return false;
+    if (!invalid && !(std::abs(xyz[axis]) <= kMaxCoordinate)) return false;
     position[axis] =
         invalid ? std::numeric_limits<float>::quiet_NaN() : static_cast<float>(xyz[axis]);
   }
@@ -209,7 +209,7 @@ void DecideConventions(const C3dParameters& parameters, const std::vector<std::s
 absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options) {
   MOTIONDB_ASSIGN_OR_RETURN(const ParameterSection section, FindParameters(file));
   const C3dBytes bytes(file, section.processor);
-  // The count of blocks is wrong in some files: what lies before the data is parameters too.
+  // Some files have a wrong block count, so parameters extend at least up to the data.
   const std::size_t data = bytes.Word(kDataBlockAt) * kC3dBlock;
   MOTIONDB_ASSIGN_OR_RETURN(
       const C3dParameters parameters,

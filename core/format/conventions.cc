@@ -95,7 +95,7 @@ Eigen::Matrix3d WorldFromFile(UpAxis up) {
 void ToWorld(const SourceReport& report, FrameMatrix& positions) {
   const Eigen::Matrix3f world_from_file =
       (WorldFromFile(report.up_axis) * report.metres_per_unit).cast<float>();
-  // One row a point.
+  // One row for each point.
   Eigen::Map<Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>> points(
       positions.data(), positions.size() / 3, 3);
   points *= world_from_file.transpose();
@@ -105,7 +105,7 @@ bool IsFrameRate(double rate_hz) { return rate_hz >= 1e-3 && rate_hz <= 1e5; }
 
 double SnapFrameRate(double rate_hz, std::vector<std::string>& notes) {
   constexpr double kClose = 1e-3;
-  constexpr double kWorthSaying = 1e-6;
+  constexpr double kMinNotedDifference = 1e-6;
   constexpr std::array<double, 4> kBroadcast = {24000.0 / 1001, 30000.0 / 1001, 60000.0 / 1001,
                                                 120000.0 / 1001};
   double nearest = std::round(rate_hz);
@@ -114,7 +114,7 @@ double SnapFrameRate(double rate_hz, std::vector<std::string>& notes) {
   }
   const double difference = std::abs(nearest - rate_hz) / rate_hz;
   if (nearest <= 0 || difference > kClose) return rate_hz;
-  if (difference > kWorthSaying) {
+  if (difference > kMinNotedDifference) {
     notes.push_back(fmt::format("frame rate {:.8g} Hz taken for {:.8g} Hz", rate_hz, nearest));
   }
   return nearest;
@@ -166,7 +166,7 @@ HeadsAndFeet FindHeadsAndFeet(std::span<const std::string> names) {
   return found;
 }
 
-// The mean of those of the points that are there in the frame.
+// Returns the mean of the points that are present in the frame.
 std::optional<Eigen::Vector3d> MeanPoint(const FrameMatrix& positions, Eigen::Index frame,
                                          const std::vector<int>& points) {
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
@@ -182,7 +182,7 @@ std::optional<Eigen::Vector3d> MeanPoint(const FrameMatrix& positions, Eigen::In
   return sum / count;
 }
 
-// Vectors from the feet to the head in frames spread over the clip.
+// Returns the vectors from the feet to the head in frames spread over the clip.
 std::vector<Eigen::Vector3d> HeadsAboveFeet(std::span<const std::string> names,
                                             const FrameMatrix& positions) {
   const HeadsAndFeet points = FindHeadsAndFeet(names);
@@ -196,19 +196,20 @@ std::vector<Eigen::Vector3d> HeadsAboveFeet(std::span<const std::string> names,
   return vectors;
 }
 
-// The way along the bones from each joint to the nearest of `ends`; infinite where none is on its
-// tree. O(joints), whatever the names: a file may call every joint a head or a foot.
-std::vector<double> WaysToNearest(const Skeleton& skeleton, const FrameMatrix& positions,
-                                  Eigen::Index frame, const std::vector<int>& ends) {
-  std::vector<double> way(static_cast<std::size_t>(skeleton.joint_count()),
-                          std::numeric_limits<double>::infinity());
-  for (const int end : ends) way[end] = 0;
+// Returns the path length along the bones from each joint to the nearest of `ends`; infinite if its
+// tree has none. O(joints) for any names: a file may call every joint a head or a foot.
+std::vector<double> DistancesToNearest(const Skeleton& skeleton, const FrameMatrix& positions,
+                                       Eigen::Index frame, const std::vector<int>& ends) {
+  std::vector<double> distance_to_end(static_cast<std::size_t>(skeleton.joint_count()),
+                                      std::numeric_limits<double>::infinity());
+  for (const int end : ends) distance_to_end[end] = 0;
   const auto shorten = [&](int joint, int parent, int to, int from) {
     const auto bone =
         positions.block<1, 3>(frame, 3 * joint) - positions.block<1, 3>(frame, 3 * parent);
-    way[to] = std::min(way[to], way[from] + bone.cast<double>().norm());
+    distance_to_end[to] =
+        std::min(distance_to_end[to], distance_to_end[from] + bone.cast<double>().norm());
   };
-  // Up from children, which come after their parents, then down.
+  // First from children to parents (parents precede children), then back.
   for (int joint = skeleton.joint_count() - 1; joint >= 0; --joint) {
     const int parent = skeleton.joints()[joint].parent;
     if (parent >= 0) shorten(joint, parent, parent, joint);
@@ -217,7 +218,7 @@ std::vector<double> WaysToNearest(const Skeleton& skeleton, const FrameMatrix& p
     const int parent = skeleton.joints()[joint].parent;
     if (parent >= 0) shorten(joint, parent, joint, parent);
   }
-  return way;
+  return distance_to_end;
 }
 
 }  // namespace
@@ -235,9 +236,9 @@ std::optional<UpAxis> DeduceUpAxis(std::span<const std::string> names,
   }
   int up = 0;
   median.cwiseAbs().maxCoeff(&up);
-  constexpr double kStandsOut = 1.5;
+  constexpr double kDominance = 1.5;
   for (int axis = 0; axis < 3; ++axis) {
-    if (axis != up && std::abs(median[up]) <= kStandsOut * std::abs(median[axis])) {
+    if (axis != up && std::abs(median[up]) <= kDominance * std::abs(median[axis])) {
       return std::nullopt;
     }
   }
@@ -250,11 +251,12 @@ std::optional<double> StatureAlongBones(const Skeleton& skeleton, const FrameMat
   std::vector<std::string> names;
   for (const Joint& joint : skeleton.joints()) names.push_back(joint.name);
   const HeadsAndFeet joints = FindHeadsAndFeet(names);
-  // The highest of a head's joints, and the first of a foot's: an ankle, not a toe.
-  const std::vector<double> way = WaysToNearest(skeleton, positions, 0, joints.feet);
+  // Use the last joint of the head and the first of the foot: an ankle, not a toe.
+  const std::vector<double> distance_to_end =
+      DistancesToNearest(skeleton, positions, 0, joints.feet);
   double stature = 0;
   for (const int head : joints.heads) {
-    if (std::isfinite(way[head])) stature = std::max(stature, way[head]);
+    if (std::isfinite(distance_to_end[head])) stature = std::max(stature, distance_to_end[head]);
   }
   if (stature <= 0) return std::nullopt;
   return stature;
@@ -277,7 +279,7 @@ std::optional<double> DeduceMetresPerUnit(double stature) {
   };
   const double unit = *std::min_element(
       kUnits.begin(), kUnits.end(), [&](double a, double b) { return distance(a) < distance(b); });
-  constexpr double kPlausible = 1.7;  // a factor either way: 1 m to 2.9 m
+  constexpr double kPlausible = 1.7;  // factor in both directions: 1 m to 2.9 m
   if (!(distance(unit) < std::log(kPlausible))) return std::nullopt;
   return unit;
 }

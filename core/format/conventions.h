@@ -1,5 +1,5 @@
-// A file's unit and up axis against the world's: metres, z up. Who decides, in this order: the
-// caller, the file, the motion itself, custom.
+// Conversion of a file's unit and up axis to the world's: metres, z up. Sources of the decision, by
+// priority: the caller, the file, the motion itself, the format's default.
 #pragma once
 
 #include <Eigen/Core>
@@ -18,7 +18,7 @@ namespace motiondb::core {
 
 inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
-// What is known about a unit or an axis, and what custom has it to be where nothing is.
+// The known values of a unit or an axis, and the default.
 template <typename T>
 struct Evidence {
   std::optional<T> given;
@@ -27,46 +27,46 @@ struct Evidence {
   T custom;
 };
 
-// Write the value that the best evidence has, and its provenance, into the report.
+// Write the value with the highest priority and its provenance to the report.
 void DecideUnit(const Evidence<double>& metres_per_unit, SourceReport& report);
 void DecideUpAxis(const Evidence<UpAxis>& up, SourceReport& report);
 
-// Metres per unit of a name such as "mm" or "meters", in any case; nothing if unknown.
+// Returns the metres per unit of a name such as "mm" or "meters", in any case; nothing if unknown.
 std::optional<double> MetresPerUnitNamed(std::string_view name);
 
-// The rotation that takes the file's up axis to the world's z.
+// Returns the rotation from the file's axes to the world's (z up).
 Eigen::Matrix3d WorldFromFile(UpAxis up);
 
-// From the file's unit and axes to the world's, as the report has them. positions: frames x 3 N.
+// Converts positions (frames x 3 N) from the file's unit and axes to the world's, as in the report.
 void ToWorld(const SourceReport& report, FrameMatrix& positions);
 
-// A frame rate (Hz) that motion can have: 0.001 to 100000.
+// Whether the frame rate (Hz) is supported: 0.001 to 100000.
 bool IsFrameRate(double rate_hz);
 
-// The whole rate, or the broadcast rate (23.976, 29.97, 59.94, 119.88), closest to `rate_hz` if it
-// is within 0.1 percent of it, with a note if it differs; otherwise rate_hz.
+// Returns the nearest integer or broadcast rate (23.976, 29.97, 59.94, 119.88) if it is within 0.1
+// percent of `rate_hz`, with a note if it differs; otherwise rate_hz.
 double SnapFrameRate(double rate_hz, std::vector<std::string>& notes);
 
-// Heads and feet, known by the names of joints or markers, tell a file's up axis and unit where the
-// file does not. The functions keep no state and are safe to call from any thread.
+// Estimates of a file's up axis and unit from heads and feet, recognised by name.
 
-// The axis along which heads are above feet, over frames spread across the clip. Points are known
-// by their names ("Head", "LFHD", "LeftToeBase", "RANK"). Nothing if names do not tell heads and
-// feet, or if no axis stands out. positions: frames x 3 * names.size(), in the file's axes and any
+// Returns the axis along which heads are above feet, over frames spread across the clip. Points are
+// recognised by name ("Head", "LFHD", "LeftToeBase", "RANK"). Nothing if there are no heads or
+// feet, or if no axis dominates. positions: frames x 3 * names.size(), in the file's axes, any
 // unit.
 std::optional<UpAxis> DeduceUpAxis(std::span<const std::string> names,
                                    const FrameMatrix& positions);
 
-// Stature in the file's unit: the way along the bones from a foot up to the head, which does not
-// depend on the pose. positions: frames x 3 * joints. Nothing if names do not tell head and feet.
+// Returns the stature in the file's unit: the path length along the bones from a foot to the head,
+// independent of the pose. positions: frames x 3 * joints. Nothing if names contain no head or
+// foot.
 std::optional<double> StatureAlongBones(const Skeleton& skeleton, const FrameMatrix& positions);
 
-// Stature in the file's unit from bare points: the distance between head and feet.
+// Returns the stature in the file's unit from markers: the distance between head and feet.
 std::optional<double> StatureOfPoints(std::span<const std::string> names,
                                       const FrameMatrix& positions);
 
-// Of m, cm, mm, inch and CMU's 1/0.45 inch, the unit that makes the stature closest to a person's.
-// Nothing if none makes it plausible.
+// Returns the unit (m, cm, mm, inch or CMU's 1/0.45 inch, in metres) for which the stature is
+// closest to a person's. Nothing if none is plausible.
 std::optional<double> DeduceMetresPerUnit(double stature);
 
 }  // namespace motiondb::core

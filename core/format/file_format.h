@@ -9,7 +9,7 @@ namespace motiondb::core {
 
 enum class FileFormat { kBvh, kAmc, kTrc, kC3d };
 
-// The format that a file's extension names (any case). INVALID_ARGUMENT lists those known.
+// Returns the format for a file's extension (any case). INVALID_ARGUMENT lists the known ones.
 absl::StatusOr<FileFormat> FormatOfPath(std::string_view path);
 
 }  // namespace motiondb::core

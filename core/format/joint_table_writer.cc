@@ -34,7 +34,7 @@ std::string Field(std::string_view text) {
   return quoted + '"';
 }
 
-// What would be written as "-0" is 0.
+// Avoids "-0" in the output.
 double WithoutMinusZero(double value) { return value == 0 ? 0 : value; }
 
 absl::StatusOr<MimicIndex> IndexMimics(const Skeleton& skeleton,
@@ -48,8 +48,8 @@ absl::StatusOr<MimicIndex> IndexMimics(const Skeleton& skeleton,
     if (joint == joints.end() || !joint->second->dofs.empty() || master == joints.end() ||
         master->second->dofs.size() != 1) {
       return InvalidArgument(
-          "joint table: expected mimic joint '{}' without, and its master '{}' with one degree of "
-          "freedom",
+          "joint table: expected mimic joint '{}' with 0 degrees of freedom and its master '{}' "
+          "with 1",
           mimic.joint, mimic.master);
     }
     if (!std::isfinite(mimic.multiplier) || !std::isfinite(mimic.offset)) {

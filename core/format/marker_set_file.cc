@@ -17,10 +17,10 @@ constexpr std::string_view kVersion = "1";
 
 struct Token {
   std::string text;
-  bool quoted = false;  // a quoted token is a name, never a number or a sign
+  bool quoted = false;  // a quoted token is always a name
 };
 
-// One line cut at blanks; "..." keeps blanks in a name, and "" in it is a quote; # starts a
+// Splits a line at blanks. "..." quotes a name with blanks; "" inside it is a quote; # starts a
 // comment.
 absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
   std::vector<Token> tokens;
@@ -36,7 +36,7 @@ absl::StatusOr<std::vector<Token>> Tokens(std::string_view line) {
         if (end == std::string_view::npos) return InvalidArgument("expected a closing quote");
         name.text += line.substr(i, end - i);
         i = end + 1;
-        open = line.substr(i).starts_with('"');  // doubled: a quote of the name
+        open = line.substr(i).starts_with('"');  // "" is a quote in the name
         if (open) name.text += '"';
       }
       tokens.push_back(std::move(name));
@@ -90,7 +90,7 @@ class Reader {
       scheme_.set.landmarks = RecognizeLandmarks(scheme_.set.markers);
     }
     if (scheme_.set.landmarks.left_hip < 0 || scheme_.set.landmarks.right_hip < 0) {
-      return InvalidArgument("expected a line 'hips LEFT RIGHT': no marker's name tells the hips");
+      return InvalidArgument("expected a line 'hips LEFT RIGHT': no hips among the marker names");
     }
     return std::move(scheme_);
   }
@@ -117,9 +117,9 @@ class Reader {
 
   absl::Status ReadMarker(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "marker NAME"));
-    if (tokens[1].text.empty()) return InvalidArgument("a marker needs a name");
+    if (tokens[1].text.empty()) return InvalidArgument("expected a marker name that is not empty");
     if (Marker(tokens[1].text).ok()) {
-      return InvalidArgument("marker '{}' is there twice", tokens[1].text);
+      return InvalidArgument("expected unique markers, got '{}' twice", tokens[1].text);
     }
     if (mapping_) return InvalidArgument("expected all markers before the first mapping");
     if (scheme_.set.markers.size() == kMostMarkers) {
@@ -134,7 +134,7 @@ class Reader {
     MOTIONDB_ASSIGN_OR_RETURN(scheme_.set.landmarks.left_hip, Marker(tokens[1].text));
     MOTIONDB_ASSIGN_OR_RETURN(scheme_.set.landmarks.right_hip, Marker(tokens[2].text));
     if (scheme_.set.landmarks.left_hip == scheme_.set.landmarks.right_hip) {
-      return InvalidArgument("left and right hip must be two markers");
+      return InvalidArgument("expected left and right hip to be two markers");
     }
     return absl::OkStatus();
   }
@@ -167,8 +167,8 @@ class Reader {
     return absl::OkStatus();
   }
 
-  // For one more point.
-  static absl::Status CheckRoom(const MarkerRule& rule, std::string_view marker) {
+  // OK if the rule can have one more point.
+  static absl::Status CheckPointCount(const MarkerRule& rule, std::string_view marker) {
     if (rule.points.size() < kMostRulePoints) return absl::OkStatus();
     return InvalidArgument("marker '{}' is made of more than {} points", marker, kMostRulePoints);
   }
@@ -179,7 +179,7 @@ class Reader {
     if (!mapping_) defaults_.resize(scheme_.set.markers.size());
     MarkerRule& rule = mapping_ ? mapping_->rules[marker] : defaults_[marker];
     if (!rule.points.empty()) {
-      return InvalidArgument("marker '{}' has two rules", tokens[0].text);
+      return InvalidArgument("expected one rule for marker '{}', got a second", tokens[0].text);
     }
     const auto plain = [&](std::size_t i, std::string_view word) {
       return i < tokens.size() && !tokens[i].quoted && tokens[i].text == word;
@@ -195,7 +195,7 @@ class Reader {
         return InvalidArgument("expected the name of a joint or marker{}",
                                weight ? " after the weight" : "");
       }
-      MOTIONDB_RETURN_IF_ERROR(CheckRoom(rule, tokens[0].text));
+      MOTIONDB_RETURN_IF_ERROR(CheckPointCount(rule, tokens[0].text));
       rule.points.push_back({tokens[at].text, weight.value_or(1)});
       sum += rule.points.back().weight;
       ++at;
@@ -204,7 +204,7 @@ class Reader {
       return InvalidArgument("expected weights that sum to 1, got {}", sum);
     }
     if (at == tokens.size()) return absl::OkStatus();
-    if (!mapping_) return InvalidArgument("a rule before the first mapping has no offset");
+    if (!mapping_) return InvalidArgument("expected no offset in a rule before the first mapping");
     if (!plain(at, "offset") || tokens.size() != at + 5) {
       return InvalidArgument("expected '+ POINT', 'offset JOINT X Y Z' or the line's end at '{}'",
                              tokens[at].text);
@@ -218,19 +218,20 @@ class Reader {
     return absl::OkStatus();
   }
 
-  // A default rule made of the mapping's own rules for its markers.
+  // Expands a default rule with the mapping's rules for the markers that it uses.
   absl::StatusOr<MarkerRule> ExpandDefault(const std::vector<MarkerRule>& given,
                                            std::size_t marker) const {
     MarkerRule expanded;
     for (const WeightedPoint& part : defaults_[marker].points) {
-      const auto of = Marker(part.name);
-      if (!of.ok() || given[*of].points.empty() || !given[*of].offset_joint.empty()) {
+      const auto source = Marker(part.name);
+      if (!source.ok() || given[*source].points.empty() || !given[*source].offset_joint.empty()) {
         return InvalidArgument(
-            "mapping '{}' needs a rule for marker '{}', without an offset, to make '{}' of it",
+            "mapping '{}': expected a rule without an offset for marker '{}', which '{}' is made "
+            "of",
             mapping_->name, part.name, scheme_.set.markers[marker]);
       }
-      for (const WeightedPoint& point : given[*of].points) {
-        MOTIONDB_RETURN_IF_ERROR(CheckRoom(expanded, scheme_.set.markers[marker]));
+      for (const WeightedPoint& point : given[*source].points) {
+        MOTIONDB_RETURN_IF_ERROR(CheckPointCount(expanded, scheme_.set.markers[marker]));
         expanded.points.push_back({point.name, part.weight * point.weight});
       }
     }
@@ -251,7 +252,7 @@ class Reader {
       if (!mapping_->signature.empty()) continue;
       for (const WeightedPoint& point : mapping_->rules[m].points) signature.insert(point.name);
     }
-    // Without a signature of its own a mapping fits whatever has every point it uses.
+    // A mapping without a signature line fits every motion that has all points it uses.
     mapping_->signature.assign(signature.begin(), signature.end());
     scheme_.mappings.push_back(std::move(*mapping_));
     mapping_.reset();

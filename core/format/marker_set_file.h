@@ -1,5 +1,4 @@
-// Marker-set files: a virtual marker set and its mappings, as text. The format is described in
-// docs/file_formats.md. Safe to call from any thread.
+// Marker-set files: a virtual marker set and its mappings, as text. Format: docs/file_formats.md.
 #pragma once
 
 #include <string>
@@ -11,17 +10,18 @@
 
 namespace motiondb::core {
 
-// INVALID_ARGUMENT names file, line and what was expected.
+// INVALID_ARGUMENT names file, line and the expected content.
 absl::StatusOr<MarkerScheme> ReadMarkerSetFile(SourceFile file);
 
-// A scheme as text that ReadMarkerSetFile reads back to the same scheme.
+// Returns the scheme as text. ReadMarkerSetFile reads back the same scheme.
 std::string WriteMarkerSetFile(const MarkerScheme& scheme);
 
 // The default set: 34 markers, with mappings for the CMU and HDM05 ASF skeletons, common BVH
-// conversions of them and the CMU's optical markers.
+// conversions of them, and the CMU's optical markers.
 const MarkerScheme& StandardScheme();
 
-// Text in the marker-set file's format, to follow the set itself. Signatures are URDF joint names.
+// Returns mappings for robots in the marker-set file's format, to append to the default set.
+// Signatures are URDF joint names.
 std::string_view Standard34RobotMappings();
 
 }  // namespace motiondb::core

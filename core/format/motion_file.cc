@@ -43,7 +43,7 @@ std::string_view Word(UpAxis up) {
   return "";
 }
 
-// Words of the first lines of a TRC file that are not blank, up to that of its markers' names.
+// Counts the words of a TRC file's first non-blank lines, up to the marker names.
 std::int64_t WordsOfHeader(std::string_view text) {
   constexpr int kLines = 5;
   std::int64_t words = 0;
@@ -57,7 +57,7 @@ std::int64_t WordsOfHeader(std::string_view text) {
   return words;
 }
 
-// Points of a C3D file, read in the byte order that makes them more.
+// Number of points of a C3D file, in the byte order that yields the larger number.
 std::int64_t C3dPoints(std::string_view bytes) {
   if (bytes.size() < 4) return 0;
   const int low = static_cast<unsigned char>(bytes[2]);
@@ -104,7 +104,7 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
       return ReadBvh(file, options);
     case FileFormat::kAmc:
       if (!skeleton) {
-        return InvalidArgument("{}: expected the ASF file of its skeleton with it", file.name);
+        return InvalidArgument("{}: expected an ASF file with its skeleton", file.name);
       }
       return ReadAmc(file, *skeleton, options);
     case FileFormat::kTrc:
@@ -117,11 +117,11 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
 
 std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
                              std::optional<SourceFile> skeleton) {
-  constexpr std::int64_t kJoint = 2048;  // with its place in the skeletons that are tried
-  constexpr std::int64_t kName = 400;    // with its place in the sets that make names unique
-  constexpr std::int64_t kLeastBoneText = 40;
+  constexpr std::int64_t kJoint = 2048;  // including the temporary skeletons
+  constexpr std::int64_t kName = 400;    // including the sets that make names unique
+  constexpr std::int64_t kMinBoneText = 40;
   constexpr std::int64_t kC3dParameter = 300;
-  constexpr std::int64_t kMostC3dParameters = 10'000;
+  constexpr std::int64_t kMaxC3dParameters = 10'000;
   const auto words = static_cast<std::int64_t>(CountWords(file.bytes));
   const auto bytes = static_cast<std::int64_t>(file.bytes.size());
   const auto joints = [](std::int64_t count) {
@@ -131,16 +131,16 @@ std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
     case FileFormat::kBvh:
       return 8 * words + joints(std::count(file.bytes.begin(), file.bytes.end(), '{'));
     case FileFormat::kAmc:
-      // A vector that grows, or the vector and the result.
-      return 24 * words + joints(skeleton ? std::ssize(skeleton->bytes) / kLeastBoneText : 0);
+      // A growing vector, or the vector and the result.
+      return 24 * words + joints(skeleton ? std::ssize(skeleton->bytes) / kMinBoneText : 0);
     case FileFormat::kTrc:
-      // Cells may be empty, so tabs are counted. A vector and the result, of float.
+      // Cells may be empty, so tabs count. A vector and the result, float.
       return 8 * (words + std::count(file.bytes.begin(), file.bytes.end(), '\t')) +
              kName * WordsOfHeader(file.bytes);
     case FileFormat::kC3d:
-      // Three words of 16 bits become three floats; the fourth tells whether they are valid.
+      // Three 16-bit words become three floats; the fourth is a validity flag.
       return 3 * bytes / 2 + kName * std::min(bytes / 8, C3dPoints(file.bytes)) +
-             kC3dParameter * std::min(bytes / 8, kMostC3dParameters);
+             kC3dParameter * std::min(bytes / 8, kMaxC3dParameters);
   }
   return 0;
 }

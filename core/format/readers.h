@@ -1,5 +1,4 @@
-// The readers of ReadMotionFile, one for each format. Errors: see there. They keep no state and are
-// safe to call from any thread.
+// The readers behind ReadMotionFile, one for each format. Errors: see ReadMotionFile.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -7,28 +6,26 @@
 
 namespace motiondb::core {
 
-// The ASF states the unit (1/length inches) and, by its format, y up. The frame rate is that of
-// `options`, or of ":SAMPLES-PER-SECOND" if the AMC has it, or 120 Hz, which is reported. Joints
-// are laid out as BuildAsfSkeleton says. Errors: see ReadMotionFile.
+// Unit: from the ASF (1/length inches). Up axis: y, by the format. Frame rate: `options`, or
+// ":SAMPLES-PER-SECOND" of the AMC, or 120 Hz, which is reported. Joints: see BuildAsfSkeleton.
 absl::StatusOr<MotionFile> ReadAmc(SourceFile file, SourceFile skeleton,
                                    const ReadOptions& options);
 
-// BVH states neither unit nor up axis. The unit is deduced from the skeleton's stature, the up axis
-// from where heads are above feet in the motion itself (zero poses may lie down), unless `options`
-// give them; otherwise cm and y up are assumed. Position channels replace the joint's OFFSET, as
-// Blender and MotionBuilder play them. Errors: see ReadMotionFile.
+// BVH has neither unit nor up axis. Unless `options` set them, the unit is deduced from the
+// skeleton's stature, and the up axis from the positions of heads and feet in the motion (zero
+// poses may lie down); defaults: cm, y up. Position channels replace the joint's OFFSET, as in
+// Blender and MotionBuilder.
 absl::StatusOr<MotionFile> ReadBvh(SourceFile file, const ReadOptions& options);
 
-// Reads the points of files that Intel, DEC and MIPS processors wrote, with whole or real numbers;
-// analog channels, and points that a program computed (angles, forces, moments, powers, scalars),
-// are left out. A point marked invalid, or at exactly (0, 0, 0), is missing. The unit is
-// POINT:UNITS, or deduced, or mm; the up axis is POINT:Y_SCREEN, or deduced from names, or z. A
-// "subject:" before all labels is dropped. Errors name the byte offset; see also ReadMotionFile.
+// Reads files of Intel, DEC and MIPS processors, with integer or real numbers. Ignores analog
+// channels and computed points (angles, forces, moments, powers, scalars). A point marked invalid,
+// or at exactly (0, 0, 0), is missing. Unit: POINT:UNITS, or deduced, or mm. Up axis:
+// POINT:Y_SCREEN, or deduced from names, or z. Removes a "subject:" prefix that all labels share.
+// Errors name the byte offset.
 absl::StatusOr<MotionFile> ReadC3d(SourceFile file, const ReadOptions& options);
 
-// TRC states unit and frame rate. The up axis is deduced from markers whose names tell head and
-// feet, or else y is assumed, as OpenSim has it. An empty cell or NaN is a missing marker. Errors:
-// see ReadMotionFile.
+// Unit and frame rate: from the file. Up axis: deduced from heads and feet, or y, as in OpenSim. An
+// empty cell or NaN is a missing marker.
 absl::StatusOr<MotionFile> ReadTrc(SourceFile file, const ReadOptions& options);
 
 }  // namespace motiondb::core

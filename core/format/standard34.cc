@@ -1,7 +1,7 @@
-// The default marker set, written in its own file format (docs/file_formats.md). Every marker is a
-// joint, a point between joints or one just past them, so that skeletons, joint positions and
-// optical markers all have it. Weights below were set so that one motion told by different sources
-// gives the same markers.
+// The default marker set, in the marker-set file format (docs/file_formats.md). Every marker is a
+// joint, a point between joints or a point just beyond one, so that skeletons, joint positions and
+// optical markers all have it. Weights are chosen so that different sources of one motion yield the
+// same markers.
 #include <fmt/format.h>
 
 #include "core/format/marker_set_file.h"
@@ -49,7 +49,7 @@ hips LHip RHip
 leg LHip LKnee LAnkle
 leg RHip RKnee RAnkle
 
-# Unless a mapping says otherwise:
+# Default rules:
 Pelvis = 0.5 LHip + 0.5 RHip
 LThigh = 0.5 LHip + 0.5 LKnee
 LShin = 0.5 LKnee + 0.5 LAnkle
@@ -64,7 +64,7 @@ RClavicle = 0.5 Neck + 0.5 RShoulder
 RUpperArm = 0.5 RShoulder + 0.5 RElbow
 RForearm = 0.5 RElbow + 0.5 RWrist
 
-# Acclaim skeletons of the CMU and HDM05 collections. A joint is where its bone begins.
+# Acclaim skeletons of the CMU and HDM05 collections. A joint is at the start of its bone.
 mapping acclaim
 signature lfemur rfemur ltibia rtibia lfoot rfoot ltoes rtoes upperback thorax lowerneck head head_end
 signature lhumerus rhumerus lradius rradius lhand rhand lfingers rfingers
@@ -90,8 +90,8 @@ RElbow = rradius
 RWrist = rhand
 RHand = rfingers
 
-# BVH conversions of the CMU collection, and joint positions under the same names. They lack the
-# segment below the neck, so head and arms are raised by one like it.
+# BVH conversions of the CMU collection, and joint positions with the same names. They lack the
+# segment below the neck, so head and arms are raised by a similar segment.
 mapping cmu-bvh
 signature Hips LeftUpLeg RightUpLeg LeftLeg RightLeg LeftFoot RightFoot LeftToeBase RightToeBase
 signature Spine Spine1 Neck Neck1 Head LeftArm RightArm LeftForeArm RightForeArm LeftHand RightHand
@@ -117,7 +117,7 @@ RElbow = RightForeArm + Neck1 + -1 Neck
 RWrist = 1.4 RightHand + -0.4 RightForeArm + Neck1 + -1 Neck
 RHand = 1.65 RightHand + -0.65 RightForeArm + Neck1 + -1 Neck
 
-# Another naming of the same conversions.
+# The same conversions with other names.
 mapping cmu-bvh-hips
 signature Hips LeftHip RightHip LeftKnee RightKnee LeftAnkle RightAnkle LeftToe RightToe Chest Chest2
 signature lowerneck Neck Head LeftShoulder RightShoulder LeftElbow RightElbow LeftWrist RightWrist
@@ -197,7 +197,7 @@ RElbow = CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RWrist = 1.2 CC_Base_R_Hand + -0.2 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 RHand = 1.4 CC_Base_R_Hand + -0.4 CC_Base_R_Forearm + 0.12 CC_Base_R_Upperarm + -0.12 CC_Base_L_Upperarm
 
-# The CMU's 41 optical markers. Joints lie inside the body: the waist's width tells how far.
+# The CMU's 41 optical markers. Joints are inside the body, by a fraction of the waist's width.
 mapping cmu-optical
 signature LFWT RFWT LBWT RBWT LKNE RKNE LANK RANK LHEE RHEE LTOE RTOE LMT5 RMT5 C7 T10 CLAV STRN
 signature LSHO RSHO LUPA RUPA LELB RELB LWRA RWRA LWRB RWRB LFIN RFIN LFHD RFHD LBHD RBHD
@@ -252,7 +252,7 @@ RElbow = RightElbow
 RWrist = RightWrist
 RHand = 0.5 RightWrist + 0.5 RightWrist_end
 
-# Character rigs with a straight spine (Mixamo, Rokoko and their like).
+# Character rigs with a straight spine (Mixamo, Rokoko and similar).
 mapping biped
 signature Hips Spine Spine1 Spine2 Neck Head Head_end LeftUpLeg RightUpLeg LeftLeg RightLeg LeftFoot RightFoot
 signature LeftToeBase RightToeBase LeftArm RightArm LeftForeArm RightForeArm LeftHand RightHand

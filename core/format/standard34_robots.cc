@@ -1,9 +1,9 @@
-// Where the standard markers are on humanoid robots: mappings of standard34, in the marker-set
-// file's format (docs/file_formats.md), continuing the text in standard34.cc.
+// Standard markers of humanoid robots: mappings of standard34 in the marker-set file format
+// (docs/file_formats.md), appended to the text in standard34.cc.
 //
-// A robot's trunk is mostly one stiff part. Waist, spine, neck, head and head top are 44, 67, 90,
-// 125 and 144 % of the way from its hips to its shoulders, as they are on the people of the CMU
-// collection; head and head top are where the robot has them, if it says so.
+// A robot's trunk is mostly rigid. Waist, spine, neck, head and head top are at 44, 67, 90, 125 and
+// 144 % of the way from its hips to its shoulders, as for the people of the CMU collection; head
+// and head top are at the robot's own joints, if there are any.
 #include "core/format/marker_set_file.h"
 
 namespace motiondb::core {
@@ -42,8 +42,8 @@ RElbow = right_elbow_joint
 RWrist = right_wrist_pitch_joint
 RHand = right_wrist_yaw_joint offset right_wrist_yaw_joint 0.08 0 0
 
-# Unitree H1. Its legs hang 11 cm outside of its hips. They are mapped as if they hung below them,
-# as a person's do, or a person's stance would tilt the soles, which have no roll to right them.
+# Unitree H1. Its legs are 11 cm outside of its hips. They are mapped as if below the hips, as on a
+# person; otherwise a person's stance would tilt the soles, because the ankles have no roll joint.
 # There is no wrist: the forearm has a person's length.
 mapping unitree-h1
 signature left_hip_roll_joint right_hip_roll_joint left_hip_pitch_joint right_hip_pitch_joint
@@ -76,7 +76,7 @@ RForearm = right_elbow_joint offset right_elbow_joint 0.135 0 -0.01
 RWrist = right_elbow_joint offset right_elbow_joint 0.27 0 -0.02
 RHand = right_elbow_joint offset right_elbow_joint 0.37 0 -0.02
 
-# Boston Dynamics Atlas. The neck is where the arms hang from the torso.
+# Boston Dynamics Atlas. The neck is at the height where the arms join the torso.
 mapping atlas
 signature back_bky back_bkx neck_ay l_leg_hpy r_leg_hpy l_leg_kny r_leg_kny l_leg_aky r_leg_aky
 signature l_leg_akx r_leg_akx l_arm_shz r_arm_shz l_arm_shx r_arm_shx l_arm_elx r_arm_elx
@@ -105,7 +105,7 @@ RElbow = r_arm_elx
 RWrist = r_arm_mwx
 RHand = r_arm_lwy offset r_arm_lwy 0 -0.15 0
 
-# JVRC-1. The file has no feet: they are a person's, as are those of the simple humanoid.
+# JVRC-1. The file has no feet: they have a person's size, as for the simple humanoid.
 mapping jvrc1
 signature L_HIP_P R_HIP_P L_KNEE R_KNEE L_ANKLE_P R_ANKLE_P WAIST_R NECK_P L_SHOULDER_P R_SHOULDER_P
 signature L_ELBOW_P R_ELBOW_P L_WRIST_R R_WRIST_R L_WRIST_Y R_WRIST_Y
@@ -161,8 +161,7 @@ RElbow = RElbowRoll
 RWrist = RWristYaw
 RHand = RHand
 
-# The simple humanoid of robot-dynamics examples. It has no head: it gets a person's, as its trunk
-# would carry it.
+# The simple humanoid of robot-dynamics examples. It has no head: a person's head on its trunk is used.
 mapping simple-humanoid
 signature LLEG_HIP_R RLEG_HIP_R LLEG_KNEE RLEG_KNEE LLEG_ANKLE_R RLEG_ANKLE_R WAIST_R CHEST
 signature LARM_SHOULDER_P RARM_SHOULDER_P LARM_ELBOW RARM_ELBOW LARM_WRIST_R RARM_WRIST_R

@@ -15,14 +15,14 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kLargestNumber = 1e18;
+constexpr double kMaxNumber = 1e18;
 
 constexpr std::array<double, 16> kPowersOfTen = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                  1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
 bool IsBlank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 bool IsLineEnd(char c) { return c == '\n' || c == '\r'; }
-// IsBlank or IsLineEnd, without a branch: compilers make vectors of loops over it.
+// IsBlank or IsLineEnd, without branches, so that compilers vectorize loops over it.
 bool IsSpace(char c) {
   const auto from_tab = static_cast<unsigned char>(c - '\t');
   return (static_cast<int>(c == ' ') | static_cast<int>(from_tab <= '\r' - '\t')) != 0;
@@ -30,7 +30,7 @@ bool IsSpace(char c) {
 bool IsDigit(char c) { return c >= '0' && c <= '9'; }
 char Lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
-// Every form of number, by std::from_chars, which lacks only a leading '+'.
+// Parses all forms of numbers with std::from_chars, plus a leading '+'.
 bool ParseAnyNumber(const char* begin, const char* end, double& value) {
   const bool plus = begin < end && *begin == '+';
   if (plus) ++begin;
@@ -39,16 +39,16 @@ bool ParseAnyNumber(const char* begin, const char* end, double& value) {
   const auto [rest, error] = std::from_chars(begin, end, value);
   if (rest != end) return false;
   if (error == std::errc::result_out_of_range) {
-    value = 0;  // too small for a double, unless the exponent says that it is too large
+    value = 0;  // underflow, or overflow if the exponent is positive
     const std::string_view text(begin, static_cast<std::size_t>(end - begin));
     return text.find("e-") != text.npos || text.find("E-") != text.npos;
   }
-  return error == std::errc() && std::abs(value) <= kLargestNumber;
+  return error == std::errc() && std::abs(value) <= kMaxNumber;
 }
 
-// Plain decimals of up to 15 digits, which motion files are made of. Digits below 2^53 and powers
-// of ten up to 22 are exact in a double, so that one division rounds to the nearest, as from_chars
-// does. Returns where the number ends, or nullptr if it takes another form.
+// Fast path for plain decimals of up to 15 digits, the usual numbers of motion files. Digits below
+// 2^53 and powers of ten up to 22 are exact in a double, so one division rounds to nearest, as
+// from_chars does. Returns the end of the number, or nullptr for other forms.
 const char* ParsePlainDecimal(const char* begin, const char* end, double& value) {
   const char* p = begin;
   const bool negative = p < end && *p == '-';
@@ -88,14 +88,14 @@ bool IsKeyword(std::string_view token, std::string_view lower_case_keyword) {
 
 std::size_t CountWords(std::string_view text) {
   if (text.empty()) return 0;
-  constexpr std::size_t kBlock = 255;  // whose words a byte can count: vectors hold more bytes
+  constexpr std::size_t kBlock = 255;  // a byte can count its words, so loops vectorize over bytes
   std::size_t words = IsSpace(text.front()) ? 0 : 1;
   for (std::size_t begin = 1; begin < text.size(); begin += kBlock) {
     const std::size_t size = std::min(kBlock, text.size() - begin);
-    const char* const here = text.data() + begin;
+    const char* const block = text.data() + begin;
     std::uint8_t starts = 0;
     for (std::size_t i = 0; i < size; ++i) {
-      starts += static_cast<std::uint8_t>(IsSpace(here[i - 1]) > IsSpace(here[i]));
+      starts += static_cast<std::uint8_t>(IsSpace(block[i - 1]) > IsSpace(block[i]));
     }
     words += starts;
   }
@@ -103,9 +103,9 @@ std::size_t CountWords(std::string_view text) {
 }
 
 std::string Shown(std::string_view text) {
-  constexpr std::size_t kMost = 40;
-  std::string shown = ToUtf8(text.substr(0, kMost));
-  return text.size() > kMost ? shown + "..." : shown;
+  constexpr std::size_t kMaxShown = 40;
+  std::string shown = ToUtf8(text.substr(0, kMaxShown));
+  return text.size() > kMaxShown ? shown + "..." : shown;
 }
 
 TextScanner::TextScanner(SourceFile file, std::string_view punctuation)
@@ -233,7 +233,7 @@ absl::Status TextScanner::ReadNumber(std::string_view what, double& value) {
   const char* const before = next_;
   if (TryNumber(value)) return absl::OkStatus();
   if (!std::any_of(before, last_, IsLineEnd)) return Expected(what, LastRead());
-  next_ = last_ = before;  // it is missing there, and not on the line of what follows
+  next_ = last_ = before;  // report the line where it is missing
   return Expected(what, "");
 }
 
@@ -307,20 +307,20 @@ std::string ToUtf8(std::string_view bytes) {
 
 namespace {
 
-// Longer names have no use, and a file can request many copies of one: BVH does so with the end
-// sites of a joint.
-constexpr std::size_t kLongest = 255;  // bytes
+// Limits memory: a file can request many copies of a long name, as BVH does for end sites.
+constexpr std::size_t kMaxName = 255;  // bytes
 
 }  // namespace
 
 std::string UniqueNames::Add(std::string_view name) {
-  const std::string wanted = std::string(text::CutAt(ToUtf8(name), kLongest));
-  std::string given = wanted;
-  // Counts on from where the same name ended before: a file of one name takes no quadratic time.
+  const std::string requested = std::string(text::CutAt(ToUtf8(name), kMaxName));
+  std::string given = requested;
+  // Numbering continues from the last number of the same name: not quadratic if all names are
+  // equal.
   while (!taken_.emplace(given, 1).second) {
-    given = fmt::format("{}_{}", wanted, ++taken_[wanted]);
+    given = fmt::format("{}_{}", requested, ++taken_[requested]);
   }
-  if (given != wanted) changed_.push_back(given);
+  if (given != requested) changed_.push_back(given);
   return given;
 }
 

@@ -1,8 +1,8 @@
-// Reads tokens, numbers, lines and cells from a text file in memory, in one pass and without
-// copies. Lines end in LF, CRLF or a lone CR, mixed at will; bytes need not be UTF-8; a UTF-8 byte
-// order mark is skipped. Errors read "walk.bvh:12: expected a number, found 'abc'".
+// Reads tokens, numbers and lines from a text file in memory, in one pass without copies. Lines end
+// in LF, CRLF or CR, also mixed; bytes need not be UTF-8; a UTF-8 byte order mark is skipped.
+// Errors have the form "walk.bvh:12: expected a number, found 'abc'".
 //
-// Views returned point into the file's bytes, which the caller keeps. Thread-compatible.
+// Returned views point into the file's bytes, which the caller keeps. Thread-compatible.
 #pragma once
 
 #include <fmt/format.h>
@@ -20,63 +20,62 @@
 
 namespace motiondb::core {
 
-// The number that is all of `token`: "1e-5", "+3", ".0083", "5.". Nothing for anything else: nan,
-// inf, "1.2abc", or a size beyond 1e18, which no file of motion means (and a float can still
-// square).
+// Parses all of `token` as a number: "1e-5", "+3", ".0083", "5.". Returns nothing for other text:
+// nan, inf, "1.2abc", or a magnitude above 1e18 (implausible; its square still fits a float).
 std::optional<double> ParseNumber(std::string_view token);
 
-// Whether `token` is the keyword (given in lower case) in any letter case.
+// Compares `token` with a keyword (in lower case), ignoring case.
 bool IsKeyword(std::string_view token, std::string_view lower_case_keyword);
 
 class TextScanner {
  public:
-  // Each character of `punctuation` is a token by itself.
+  // Each character of `punctuation` is a separate token.
   explicit TextScanner(SourceFile file, std::string_view punctuation = "");
 
-  // True if only white space is left, which it skips.
+  // Skips white space. Returns true at the end of the file.
   bool AtEnd();
-  // The next token on this or a later line; empty at the end of the file.
+  // Returns the next token on this or a later line; empty at the end of the file.
   std::string_view Token();
-  // The next token on this line; empty at its end, which it does not pass.
+  // Returns the next token on this line; empty at the end of the line, which it does not pass.
   std::string_view TokenOnLine();
-  // What is left of this line up to (and not past) the first of `stops`, trimmed. If none of them
-  // stops it, passes the line's end.
+  // Returns the rest of this line up to (not past) the first of `stops`, trimmed. Passes the line's
+  // end if no stop is found.
   std::string_view RestOfLine(std::string_view stops = "");
-  // The rest of this line (not trimmed), without passing it.
+  // Returns the rest of this line (not trimmed), without passing it.
   std::string_view PeekLine() const;
-  // The rest of this line (not trimmed), which it passes.
+  // Returns the rest of this line (not trimmed) and passes it.
   std::string_view Line();
-  // Skips blank lines, to the very start of the next; false at the end of the file.
+  // Skips blank lines, to the first character of the next line; false at the end of the file.
   bool SkipBlankLines();
   // Skips blank lines and those whose first character is `comment`; false at the end of the file.
   bool NextLine(char comment);
 
-  // The next token (on this line) as a number, or false; LastRead() then tells what was found.
+  // Reads the next token (on this line) as a number. If false, LastRead() returns the token.
   bool TryNumber(double& value);
   bool TryNumberOnLine(double& value);
-  // The token that was read last.
+  // The most recent token.
   std::string_view LastRead() const;
 
-  // The next token as a number; `what` names it in the error, which is at the line where the number
-  // is missing or wrong.
+  // Reads the next token as a number. `what` names it in the error, whose line is that of the wrong
+  // or missing number.
   absl::Status ReadNumber(std::string_view what, double& value);
-  // The next token as a whole number from `least` to `most`.
+  // Reads the next token as an integer from `least` to `most`.
   absl::Status ReadInteger(std::string_view what, int least, int most, int& value);
-  // The next token must be this keyword (given in lower case).
+  // Reads the next token, which must be this keyword (in lower case).
   absl::Status ReadKeyword(std::string_view lower_case_keyword);
 
-  // An error at the line of the last token or line read.
+  // Returns an error at the line of the most recent token or line.
   template <typename... Args>
   absl::Status Error(fmt::format_string<Args...> format, Args&&... args) const {
     return ErrorText(fmt::format(format, std::forward<Args>(args)...));
   }
-  // "expected WHAT, found 'FOUND'"; an empty `found` is an end of line or of the file.
+  // Returns "expected WHAT, found 'FOUND'"; an empty `found` means the end of the line or file.
   absl::Status Expected(std::string_view what, std::string_view found) const;
 
-  // Bytes not read yet: a bound on what the rest of the file can hold.
+  // Number of unread bytes: an upper bound for sizes in the rest of the file.
   std::size_t bytes_left() const { return static_cast<std::size_t>(end_ - next_); }
   std::string_view rest() const { return {next_, bytes_left()}; }
-  // True if the last byte is part of a token: the file may have been cut short within it.
+  // True if the last byte is part of a token: the file may be truncated.
   bool EndsInToken() const;
 
  private:
@@ -95,35 +94,33 @@ class TextScanner {
   const char* begin_;
   const char* next_;
   const char* end_;
-  const char* last_;  // start of what was read last
+  const char* last_;  // start of the most recent token or line
 };
 
-// `text` for an error message: valid UTF-8, no display controls, at most 40 bytes of it.
+// Returns `text` for an error message: valid UTF-8, no display controls, at most 40 bytes.
 std::string Shown(std::string_view text);
 
-// Words that white space separates: at least as many as the text has numbers.
+// Number of words separated by white space: an upper bound for the numbers in the text.
 std::size_t CountWords(std::string_view text);
 
-// A note for the report if the file's last number may have lost digits, as nothing else can tell.
+// Returns a note if the file's last number may be truncated, which nothing else can detect.
 std::optional<std::string> NoteOnFileEnd(const TextScanner& scanner);
 
-// Names as files have them, in whatever encoding their writer's machine used -> UTF-8, distinct
-// within a file.
-
-// `bytes` as they are if they are valid UTF-8, or else read as Latin-1. Display controls become
-// '?'. The result is always valid UTF-8.
+// Returns `bytes` unchanged if they are valid UTF-8, else converts from Latin-1. Replaces display
+// controls by '?'. The result is always valid UTF-8.
 std::string ToUtf8(std::string_view bytes);
 
+// Makes names unique within a file.
 class UniqueNames {
  public:
-  // `name` as UTF-8, cut to 255 bytes, with "_2", "_3" ... added if it was taken before.
+  // Returns `name` as UTF-8, cut to 255 bytes, with "_2", "_3" ... appended if it was used before.
   std::string Add(std::string_view name);
 
-  // The names that had to change, as a note for the report; empty if none had to.
+  // Returns a note for the report with the names that changed; empty if none did.
   std::string Note() const;
 
  private:
-  std::unordered_map<std::string, int> taken_;  // and how far each has been numbered
+  std::unordered_map<std::string, int> taken_;  // with the last number of each
   std::vector<std::string> changed_;
 };
 

@@ -10,7 +10,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostFileMarkers = 65'535;  // as in C3D
+constexpr int kMaxFileMarkers = 65'535;  // as in C3D
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
 std::string_view Trimmed(std::string_view text) {
@@ -19,12 +19,12 @@ std::string_view Trimmed(std::string_view text) {
   return text.substr(first, text.find_last_not_of(" \t\v\f") - first + 1);
 }
 
-// The cells of one line: what tabs part, so that cells may be empty; or, without any tab, words.
+// The cells of one line: separated by tabs, possibly empty; or words, if the line has no tab.
 class Cells {
  public:
   explicit Cells(std::string_view line) : rest_(line), tabs_(line.find('\t') != line.npos) {}
 
-  // The next cell, trimmed; nothing after the last.
+  // Returns the next cell, trimmed; nothing after the last.
   std::optional<std::string_view> Next() {
     if (!tabs_) rest_ = Trimmed(rest_);
     if (done_ || (!tabs_ && rest_.empty())) return std::nullopt;
@@ -35,7 +35,7 @@ class Cells {
     return Trimmed(cell);
   }
 
-  // The next cell; empty after the last.
+  // Returns the next cell; empty after the last.
   std::string_view NextOrEmpty() { return Next().value_or(std::string_view()); }
 
  private:
@@ -94,8 +94,8 @@ class TrcReader {
     header_.rate_hz = *rate;
     MOTIONDB_RETURN_IF_ERROR(TakeCount("NumFrames", frames, header_.frames));
     MOTIONDB_RETURN_IF_ERROR(TakeCount("NumMarkers", markers, header_.markers));
-    if (header_.markers > kMostFileMarkers) {
-      return scanner_.Error("expected NumMarkers to be at most {}, found {}", kMostFileMarkers,
+    if (header_.markers > kMaxFileMarkers) {
+      return scanner_.Error("expected NumMarkers to be at most {}, found {}", kMaxFileMarkers,
                             header_.markers);
     }
     return absl::OkStatus();
@@ -106,15 +106,15 @@ class TrcReader {
   }
 
   absl::Status TakeCount(std::string_view what, std::optional<double> value, int& count) const {
-    constexpr double kMost = std::numeric_limits<int>::max() / 3;
-    if (!value || *value < 1 || *value > kMost || *value != std::floor(*value)) {
+    constexpr double kMaxCount = std::numeric_limits<int>::max() / 3;
+    if (!value || *value < 1 || *value > kMaxCount || *value != std::floor(*value)) {
       return scanner_.Error("expected {} to be a whole number from 1{}", what, Found(value));
     }
     count = static_cast<int>(*value);
     return absl::OkStatus();
   }
 
-  // "Frame#", "Time", then a name over each three columns; and the line of X1, Y1, Z1 ... below.
+  // Reads "Frame#", "Time", then a name for every three columns; and the line X1, Y1, Z1 ... below.
   absl::Status ReadNames() {
     if (!scanner_.SkipBlankLines()) return scanner_.Expected("the line of marker names", "");
     Cells cells(scanner_.Line());
@@ -123,15 +123,15 @@ class TrcReader {
     const std::string_view second = cells.NextOrEmpty();
     if (!IsKeyword(second, "time")) return scanner_.Expected("'Time'", second);
     UniqueNames unique;
-    // One name more than there are markers is enough to report that they do not fit.
+    // One extra name is enough to report the mismatch.
     for (auto cell = cells.Next(); cell && std::ssize(names_) <= header_.markers;
          cell = cells.Next()) {
       if (!cell->empty()) names_.push_back(unique.Add(*cell));
     }
     if (std::string note = unique.Note(); !note.empty()) notes_.push_back(std::move(note));
     if (static_cast<int>(names_.size()) != header_.markers) {
-      return scanner_.Error("expected {} marker names, as NumMarkers says, found {}",
-                            header_.markers, names_.size());
+      return scanner_.Error("expected {} marker names, as in NumMarkers, found {}", header_.markers,
+                            names_.size());
     }
     if (!scanner_.SkipBlankLines()) return scanner_.Expected("the line of X1, Y1, Z1 ...", "");
     const std::string_view axes = Trimmed(scanner_.PeekLine());
@@ -141,9 +141,10 @@ class TrcReader {
 
   absl::Status ReadRows() {
     const auto width = 3 * static_cast<std::size_t>(header_.markers);
-    // A row takes at least two digits and a tab a cell. Memory is taken for no more than that.
-    const std::size_t most = scanner_.bytes_left() / (width + 2) + 1;
-    values_.reserve(width * std::min<std::size_t>(most, static_cast<std::size_t>(header_.frames)));
+    // A row has at least two digits and one tab for each cell: this bounds the allocation.
+    const std::size_t max_rows = scanner_.bytes_left() / (width + 2) + 1;
+    values_.reserve(width *
+                    std::min<std::size_t>(max_rows, static_cast<std::size_t>(header_.frames)));
     for (int frame = 0; frame < header_.frames; ++frame) {
       if (!scanner_.SkipBlankLines()) {
         return scanner_.Error("the file ends here (truncated?), expected {} frames, found {}",
@@ -152,14 +153,14 @@ class TrcReader {
       MOTIONDB_RETURN_IF_ERROR(ReadRow(frame));
     }
     if (!scanner_.AtEnd()) {
-      return scanner_.Error("expected the file to end after {} frames, as NumFrames says",
+      return scanner_.Error("expected the file to end after {} frames, as in NumFrames",
                             header_.frames);
     }
     const double span = time_ - first_time_;
     const double expected = (header_.frames - 1) / header_.rate_hz;
     if (std::abs(span - expected) > 0.01 * expected + 0.5 / header_.rate_hz) {
-      notes_.push_back(fmt::format("times span {:.4g} s, DataRate says {:.4g} s, which is taken",
-                                   span, expected));
+      notes_.push_back(fmt::format(
+          "the time column spans {:.4g} s, DataRate implies {:.4g} s and is used", span, expected));
     }
     return absl::OkStatus();
   }

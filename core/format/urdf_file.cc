@@ -15,9 +15,9 @@ namespace {
 
 using tinyxml2::XMLElement;
 
-constexpr std::size_t kMostBytes = 4 << 20;  // the document takes about 30 times as much
-constexpr std::size_t kLongestTag = 4096;
-constexpr double kShortestAxis = 1e-6;
+constexpr std::size_t kMaxBytes = 4 << 20;  // the parsed document uses about 30 times as much
+constexpr std::size_t kMaxTag = 4096;
+constexpr double kMinAxis = 1e-6;
 
 constexpr std::array<std::pair<std::string_view, UrdfJoint::Type>, 6> kTypes = {{
     {"revolute", UrdfJoint::Type::kRevolute},
@@ -28,7 +28,7 @@ constexpr std::array<std::pair<std::string_view, UrdfJoint::Type>, 6> kTypes = {
     {"planar", UrdfJoint::Type::kPlanar},
 }};
 
-// How far a tag reaches: to the first '>' outside quotes.
+// Length of a tag: up to the first '>' outside quotes.
 std::size_t TagLength(std::string_view text) {
   char quote = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -43,8 +43,8 @@ std::size_t TagLength(std::string_view text) {
   return text.size();
 }
 
-// Where a tag longer than kLongestTag begins. The parser compares each attribute with all before it
-// in its tag, so that a megabyte of attributes would take it minutes.
+// Returns the offset of the first tag longer than kMaxTag. The parser compares each attribute with
+// all previous ones of its tag: a megabyte of attributes would take minutes.
 std::optional<std::size_t> FindLongTag(std::string_view bytes) {
   std::size_t at = bytes.find('<');
   while (at != bytes.npos) {
@@ -60,7 +60,7 @@ std::optional<std::size_t> FindLongTag(std::string_view bytes) {
       end = rest.find('>');
     } else {
       end = TagLength(rest);
-      if (end > kLongestTag) return at;
+      if (end > kMaxTag) return at;
     }
     if (end == rest.npos) return std::nullopt;
     at = bytes.find('<', at + end);
@@ -113,16 +113,16 @@ class UrdfFileReader {
   }
 
   absl::Status Parse() {
-    if (file_.bytes.size() > kMostBytes) {
+    if (file_.bytes.size() > kMaxBytes) {
       return InvalidArgument("{}: expected a URDF of at most {} bytes, found {}", file_.name,
-                             kMostBytes, file_.bytes.size());
+                             kMaxBytes, file_.bytes.size());
     }
     if (const auto zero = file_.bytes.find('\0'); zero != file_.bytes.npos) {
       return ErrorAt(LineOf(zero), "expected text in UTF-8, found a zero byte");
     }
     if (const auto tag = FindLongTag(file_.bytes)) {
       return ErrorAt(LineOf(*tag), "expected a tag of at most {} bytes (is a quote left open?)",
-                     kLongestTag);
+                     kMaxTag);
     }
     if (document_.Parse(file_.bytes.data(), file_.bytes.size()) != tinyxml2::XML_SUCCESS) {
       return ErrorAt(std::max(1, document_.ErrorLineNum()),
@@ -131,7 +131,7 @@ class UrdfFileReader {
     return absl::OkStatus();
   }
 
-  // The parser takes text before the first element, further elements and document types.
+  // The parser accepts text before the first element, several root elements and document types.
   absl::Status CheckTopLevel() const {
     const XMLElement* robot = document_.RootElement();
     for (const tinyxml2::XMLNode* node = document_.FirstChild(); node != nullptr;
@@ -160,7 +160,7 @@ class UrdfFileReader {
     return absl::OkStatus();
   }
 
-  // Numbers parted by blanks. Where there is no such attribute the values stay as they are.
+  // Reads numbers separated by blanks. Without the attribute, the values stay unchanged.
   template <std::size_t kCount>
   absl::Status ReadNumbers(const XMLElement& element, const char* attribute,
                            const std::array<double*, kCount>& values) const {
@@ -205,7 +205,7 @@ class UrdfFileReader {
     UrdfJoint joint;
     joint.line = element.GetLineNum();
     MOTIONDB_RETURN_IF_ERROR(ReadName(element, "name", joint.name));
-    // The base is one besides.
+    // The base counts as one more joint.
     if (urdf_.joints.size() + 1 >= kMostJoints) {
       return Error(element, "expected at most {} joints, found joint '{}' after them",
                    kMostJoints - 1, Shown(joint.name));
@@ -230,9 +230,9 @@ class UrdfFileReader {
     const XMLElement* axis = element.FirstChildElement("axis");
     if (axis == nullptr) return absl::OkStatus();
     MOTIONDB_RETURN_IF_ERROR(ReadVector(*axis, "xyz", joint.axis));
-    if (!(joint.axis.norm() >= kShortestAxis)) {
-      return Error(*axis, "joint '{}': expected an axis of some length, found '{}'",
-                   Shown(joint.name), Shown(axis->Attribute("xyz")));
+    if (!(joint.axis.norm() >= kMinAxis)) {
+      return Error(*axis, "joint '{}': expected a nonzero axis, found '{}'", Shown(joint.name),
+                   Shown(axis->Attribute("xyz")));
     }
     joint.axis.normalize();
     return absl::OkStatus();

@@ -1,5 +1,4 @@
-// The kinematics that a URDF file writes down: links and joints, as the file has them. What hangs
-// on what is for urdf_reader.h to find out. Plain values; safe to call from any thread.
+// The kinematics in a URDF file: links and joints, unconverted. urdf_reader.h connects them.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,7 +13,7 @@ namespace motiondb::core {
 
 struct UrdfLink {
   int line = 0;
-  std::string name;  // UTF-8, as every name here
+  std::string name;  // UTF-8, as all names here
 };
 
 // The joint's value is multiplier * (the master's value) + offset.
@@ -34,7 +33,7 @@ struct UrdfJoint {
   Eigen::Vector3d xyz_m = Eigen::Vector3d::Zero();    // the child's origin in the parent's frame
   Eigen::Vector3d rpy_rad = Eigen::Vector3d::Zero();  // about the parent's fixed x, y and z
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();    // unit length, in the child's frame
-  double lower = 0;                                   // rad or m; of revolute and prismatic alone
+  double lower = 0;                                   // rad or m; revolute and prismatic only
   double upper = 0;
   std::optional<UrdfMimic> mimic;
 };
@@ -45,10 +44,10 @@ struct UrdfFile {
   std::vector<UrdfJoint> joints;
 };
 
-// INVALID_ARGUMENT names file, line and what was expected: XML of at most 4 MiB, one <robot>,
-// names, known joint types, numbers that are finite, an axis of some length, limits in order. What
-// is not kinematics (masses, meshes, transmissions, a simulator's own elements) is passed over. A
-// document type is refused: entities that it declares would stay unread.
+// Reads XML of at most 4 MiB with one <robot>, names, known joint types, finite numbers, nonzero
+// axes and ordered limits; INVALID_ARGUMENT names file, line and the expected content. Ignores
+// everything but kinematics (masses, meshes, transmissions, simulator elements). Rejects a document
+// type, because its entities would not be expanded.
 absl::StatusOr<UrdfFile> ReadUrdfFile(SourceFile file);
 
 }  // namespace motiondb::core

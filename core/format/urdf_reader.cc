@@ -14,8 +14,8 @@
 namespace motiondb::core {
 namespace {
 
-// With two hands a humanoid has about a hundred; what poses cost grows with the cube.
-constexpr int kMostDofs = 300;
+// A humanoid with two hands has about a hundred; the cost of a pose is cubic in this number.
+constexpr int kMaxDofs = 300;
 
 using Type = UrdfJoint::Type;
 
@@ -30,8 +30,8 @@ bool HasOneDof(Type type) {
   return type == Type::kRevolute || type == Type::kContinuous || type == Type::kPrismatic;
 }
 
-// Degrees of freedom in the joint's own frame, whose axes `pre` takes to the parent's: the skeleton
-// has translations in the parent's.
+// Returns the degrees of freedom. `pre`: from the joint's frame to the parent's, because the
+// skeleton's translations are in the parent's frame.
 std::vector<Dof> Dofs(const UrdfJoint& joint, const Eigen::Matrix3d& pre) {
   const auto slide = [&](const Eigen::Vector3d& axis) {
     return Dof{.kind = Dof::Kind::kTranslation, .axis = (pre * axis).normalized()};
@@ -65,7 +65,7 @@ std::vector<Dof> Dofs(const UrdfJoint& joint, const Eigen::Matrix3d& pre) {
   return {};
 }
 
-// A URDF joint as the skeleton has it.
+// Converts a URDF joint to a skeleton joint.
 Joint ToJoint(const UrdfJoint& urdf, int parent) {
   Joint joint{.name = urdf.name, .parent = parent, .offset_m = urdf.xyz_m, .dofs = {}};
   joint.pre_rotation = FromRollPitchYaw(urdf.rpy_rad);
@@ -96,7 +96,7 @@ class RobotBuilder {
     MakeJoints();
     for (std::size_t j = 0; j < urdf_.joints.size(); ++j) {
       if (placed_[j]) continue;
-      return Error(urdf_.joints[j].line, "expected a tree of links, found joint '{}' in a circle",
+      return Error(urdf_.joints[j].line, "expected a tree of links, found joint '{}' in a cycle",
                    Shown(urdf_.joints[j].name));
     }
     NoteMimics();
@@ -105,9 +105,9 @@ class RobotBuilder {
       return InvalidArgument("{}: expected a skeleton: {}", file_.name,
                              std::string(skeleton.status().message()));
     }
-    if (skeleton->dof_count() > kMostDofs) {
+    if (skeleton->dof_count() > kMaxDofs) {
       return InvalidArgument("{}: expected at most {} degrees of freedom, found {}", file_.name,
-                             kMostDofs, skeleton->dof_count());
+                             kMaxDofs, skeleton->dof_count());
     }
     report_.unit_provenance = Provenance::kStated;
     report_.up_axis = UpAxis::kZ;
@@ -149,7 +149,7 @@ class RobotBuilder {
                  Shown(joint.name), Shown(name));
   }
 
-  // Which joint carries each link, and which joints each link carries.
+  // Finds the parent joint and the child joints of each link.
   absl::Status ConnectLinks() {
     carrier_.assign(urdf_.links.size(), -1);
     carried_.resize(urdf_.links.size());
@@ -180,10 +180,10 @@ class RobotBuilder {
       root_ = static_cast<int>(link);
     }
     if (root_ >= 0) return absl::OkStatus();
-    return Error(urdf_.links[0].line, "expected a root link, found that links form a circle");
+    return Error(urdf_.links[0].line, "expected a root link, found a cycle of links");
   }
 
-  // Rewrites each mimic joint's master as the one at the end of the chain. O(joints).
+  // Replaces each mimic joint's master by the end of its chain of masters. O(joints).
   absl::Status ResolveMimics() {
     std::vector<bool> resolved(urdf_.joints.size(), false);
     std::vector<bool> on_chain(urdf_.joints.size(), false);
@@ -193,7 +193,7 @@ class RobotBuilder {
       while (urdf_.joints[at].mimic && !resolved[at]) {
         const UrdfJoint& joint = urdf_.joints[at];
         if (on_chain[at]) {
-          return Error(joint.line, "expected no circle of mimic joints, found one at '{}'",
+          return Error(joint.line, "expected no cycle of mimic joints, found one at '{}'",
                        Shown(joint.name));
         }
         on_chain[at] = true;
@@ -226,7 +226,7 @@ class RobotBuilder {
     return absl::OkStatus();
   }
 
-  // The joints depth first. A chain of any length takes no stack.
+  // Creates the joints depth first. Not recursive: chain length does not use stack.
   void MakeJoints() {
     placed_.assign(urdf_.joints.size(), false);
     std::vector<std::pair<int, int>> open;  // joint of the file, parent in the skeleton
@@ -259,17 +259,16 @@ class RobotBuilder {
       base = urdf_.joints[floating];
       link = child_link_[floating];
       placed_[floating] = true;
-      report_.notes.push_back(
-          fmt::format("link '{}' is taken for the world, joint '{}' for the base",
-                      Shown(urdf_.links[root_].name), Shown(base.name)));
+      report_.notes.push_back(fmt::format("link '{}' is the world, joint '{}' is the base",
+                                          Shown(urdf_.links[root_].name), Shown(base.name)));
     }
     UniqueNames names;
     for (const UrdfJoint& joint : urdf_.joints) names.Add(joint.name);
-    const std::string& wanted = urdf_.links[link].name;
-    base.name = names.Add(wanted);
-    if (base.name != wanted) {
-      report_.notes.push_back(fmt::format("the base is named '{}', as a joint is named '{}'",
-                                          Shown(base.name), Shown(wanted)));
+    const std::string& requested = urdf_.links[link].name;
+    base.name = names.Add(requested);
+    if (base.name != requested) {
+      report_.notes.push_back(fmt::format("the base is named '{}', because a joint is named '{}'",
+                                          Shown(base.name), Shown(requested)));
     }
     joints_.push_back(ToJoint(base, -1));
     return link;
@@ -283,18 +282,18 @@ class RobotBuilder {
       names += (i == 0 ? "" : ", ") + Shown(mimics_[i].joint);
     }
     if (mimics_.size() > kShown) names += fmt::format(" and {} more", mimics_.size() - kShown);
-    report_.notes.push_back("joints that mimic others rest at their offsets: " + names);
+    report_.notes.push_back("mimic joints rest at their offsets: " + names);
   }
 
   SourceFile file_;
   UrdfFile urdf_;
   Index links_;
   Index joint_index_;
-  std::vector<int> carrier_;               // of a link: the joint that it is the child of, or -1
-  std::vector<std::vector<int>> carried_;  // of a link: the joints that it is the parent of
+  std::vector<int> carrier_;               // of a link: its parent joint, or -1
+  std::vector<std::vector<int>> carried_;  // of a link: its child joints
   std::vector<int> child_link_;            // of a joint
-  int root_ = -1;                          // the link that no joint carries
-  std::vector<bool> placed_;               // of a joint: it is in the skeleton, or is its base
+  int root_ = -1;                          // the link without a parent joint
+  std::vector<bool> placed_;               // of a joint: in the skeleton or its base
   std::vector<Joint> joints_;
   std::vector<MimicJoint> mimics_;
   SourceReport report_;

@@ -1,4 +1,4 @@
-// URDF -> the skeleton of a robot. Safe to call from any thread.
+// Reads the skeleton of a robot from URDF.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@
 
 namespace motiondb::core {
 
-// A joint that follows another by a gear or a tendon: q = multiplier * q_master + offset. In the
-// skeleton it has no degree of freedom and rests at `offset`; its value in a motion follows from
-// its master's. Names are the URDF's joints.
+// A joint coupled to another by a gear or a tendon: q = multiplier * q_master + offset. In the
+// skeleton it has no degree of freedom and rests at `offset`; in a motion its value follows from
+// its master's. Names are those of the URDF's joints.
 struct MimicJoint {
   std::string joint;
-  std::string master;  // has one degree of freedom and follows no other
+  std::string master;  // has one degree of freedom, not a mimic itself
   double multiplier = 1;
   double offset = 0;  // rad or m
 };
@@ -23,21 +23,21 @@ struct MimicJoint {
 struct UrdfRobot {
   Skeleton skeleton;
   std::vector<MimicJoint> mimics;  // in the skeleton's order
-  SourceReport report;             // metres and z up, as URDF has them; notes on what was decided
+  SourceReport report;             // metres and z up, by the format; notes on decisions
 };
 
 // Reads a robot's kinematics.
 //
 // Joint 0 is the floating base. It is named after the root link and has six degrees of freedom:
 // translations along the world's x, y and z, then rotations about z, y and x (yaw, pitch, roll).
-// Every other joint has its URDF name, in depth-first order, children as the file lists them; its
-// frame is its child link's. Revolute and prismatic joints have their limits; a continuous one has
-// none. A planar joint has two translations at right angles to its axis and a rotation about it; a
-// floating one has those of the base. A root link that carries one floating joint and nothing else
-// is the world: it is left out, and that joint is the base, named after its child link.
+// The other joints keep their URDF names, in depth-first order, children in file order; a joint's
+// frame is its child link's. Revolute and prismatic joints have their limits; continuous joints
+// have none. A planar joint has two translations perpendicular to its axis and a rotation about it;
+// a floating joint has the same degrees of freedom as the base. A root link whose only joint is
+// floating is the world: it is omitted, and that joint is the base, named after its child link.
 //
-// INVALID_ARGUMENT names file, line and what was expected, also where links and joints are not one
-// tree. O(file).
+// INVALID_ARGUMENT names file, line and the expected content, also if links and joints do not form
+// one tree. O(file size).
 absl::StatusOr<UrdfRobot> ReadUrdf(SourceFile file);
 
 }  // namespace motiondb::core

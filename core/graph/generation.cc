@@ -10,16 +10,16 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
-constexpr double kRoundedAway = 1e-17;  // less than half of the last bit of 1
+constexpr double kLogZero = -std::numeric_limits<double>::infinity();
+constexpr double kRoundedAway = 1e-17;  // less than half an ulp of 1
 
-// Emissions relative to the greatest, as logarithms: below this nothing is left of them beside what
-// the floor gives the greatest, unless the floor is smaller than any that is of use.
-constexpr double kHopeless = -600;
-constexpr double kLeastFloorOfUse = 1e-100;
-constexpr Eigen::Index kTogether = 8;  // nodes that are looked at together: neighbours are alike
+// Log emissions relative to the maximum. Below kNegligibleEmission, a node's share is negligible
+// next to what the floor transfers to the most likely node, unless the floor is extremely small.
+constexpr double kNegligibleEmission = -600;
+constexpr double kMinUsefulFloor = 1e-100;
+constexpr Eigen::Index kBlockNodes = 8;  // nodes of a block: neighbours are similar
 
-// Of one observed frame.
+// Steps for one observed frame.
 std::int64_t StepsOf(const TransitionGraph& graph,
                      const Eigen::Ref<const EmissionMatrix>& emission) {
   return emission.cols() + graph.edge_count();
@@ -28,20 +28,19 @@ std::int64_t StepsOf(const TransitionGraph& graph,
 // log(e^a + e^b).
 double LogAdd(double a, double b) {
   const double high = std::max(a, b);
-  return high == kNever ? kNever : high + std::log1p(std::exp(std::min(a, b) - high));
+  return high == kLogZero ? kLogZero : high + std::log1p(std::exp(std::min(a, b) - high));
 }
 
-// Multiplies `forward` with exp(emission - peak). Most nodes of a large layer are hopeless, and
-// their exponentials would be most of the work: they are 0, where all that are looked at together
-// are.
-void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak, double hopeless,
-           Eigen::VectorXd& forward) {
+// Multiplies `forward` by exp(emission - peak). Sets blocks of nodes to 0 if all their emissions
+// are negligible: most nodes of a large layer are, and exponentials dominate the cost.
+void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak,
+           double negligible_emission, Eigen::VectorXd& forward) {
   const Eigen::Index nodes = forward.size();
-  const Eigen::Index whole = nodes / kTogether * kTogether;
-  for (Eigen::Index n = 0; n < whole; n += kTogether) {
-    auto part = forward.segment<kTogether>(n).array();
-    const auto relative = emission.segment<kTogether>(n).transpose().array() - peak;
-    if (relative.maxCoeff() < hopeless) {
+  const Eigen::Index whole = nodes / kBlockNodes * kBlockNodes;
+  for (Eigen::Index n = 0; n < whole; n += kBlockNodes) {
+    auto part = forward.segment<kBlockNodes>(n).array();
+    const auto relative = emission.segment<kBlockNodes>(n).transpose().array() - peak;
+    if (relative.maxCoeff() < negligible_emission) {
       part.setZero();
     } else {
       part *= relative.exp();
@@ -51,15 +50,15 @@ void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak, do
   forward.tail(rest).array() *= (emission.tail(rest).transpose().array() - peak).exp();
 }
 
-// The strict rule (floor 0) with every number a logarithm: slower, but no path is lost however
-// small its share at some frame. Turns `forward` into the logarithms at the last frame.
+// The strict rule (floor 0), entirely in logarithms: slower, but no path underflows. `forward`
+// becomes the log probabilities at the last frame.
 double LogGenerationOfSeen(const TransitionGraph& graph,
                            const Eigen::Ref<const EmissionMatrix>& emission,
                            Eigen::VectorXd& forward, Patience& patience) {
   forward = emission.row(0).transpose();
   for (Eigen::Index t = 1; t < emission.rows(); ++t) {
-    if (patience.IsOver(StepsOf(graph, emission))) return kNever;
-    Eigen::VectorXd arriving = Eigen::VectorXd::Constant(emission.cols(), kNever);
+    if (patience.IsOver(StepsOf(graph, emission))) return kLogZero;
+    Eigen::VectorXd arriving = Eigen::VectorXd::Constant(emission.cols(), kLogZero);
     for (int from = 0; from < static_cast<int>(emission.cols()); ++from) {
       const double log_leaving = std::log(static_cast<double>(graph.row_sum(from)));
       for (const Edge& edge : graph.row(from)) {
@@ -69,7 +68,7 @@ double LogGenerationOfSeen(const TransitionGraph& graph,
     }
     forward = arriving + emission.row(t).transpose();
   }
-  double sum = kNever;
+  double sum = kLogZero;
   for (double log : forward) sum = LogAdd(sum, log);
   return sum;
 }
@@ -86,19 +85,20 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
   if (last != nullptr) *last = Eigen::VectorXd::Zero(nodes);
   if (transition_floor == 0 && emission.rows() > 0) {
     log_probability = LogGenerationOfSeen(graph, emission, forward, patience);
-    if (last != nullptr && log_probability > kNever) {
+    if (last != nullptr && log_probability > kLogZero) {
       *last = (forward.array() - log_probability).exp();
     }
     return log_probability;
   }
 
-  // What leaves a node with less is rounded away where it arrives, for at least the floor is there.
+  // A smaller probability of a node vanishes by rounding where it arrives, next to the floor.
   const double negligible = kRoundedAway * transition_floor;
-  const double hopeless = transition_floor < kLeastFloorOfUse ? kNever : kHopeless;
+  const double negligible_emission =
+      transition_floor < kMinUsefulFloor ? kLogZero : kNegligibleEmission;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
-    if (patience.IsOver(StepsOf(graph, emission))) return kNever;
+    if (patience.IsOver(StepsOf(graph, emission))) return kLogZero;
     if (t > 0) {
-      // Every pair has the floor; what was seen replaces it.
+      // Every pair has the floor; counted transitions replace it.
       arriving.setConstant(transition_floor * forward.sum());
       for (Eigen::Index from = 0; from < nodes; ++from) {
         if (forward[from] < negligible) continue;
@@ -110,10 +110,10 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
       forward = arriving.cwiseMax(0);
     }
     const double peak = emission.row(t).maxCoeff();
-    if (!(peak > kNever)) return kNever;
-    Weigh(emission.row(t), peak, hopeless, forward);
+    if (!(peak > kLogZero)) return kLogZero;
+    Weigh(emission.row(t), peak, negligible_emission, forward);
     const double sum = forward.sum();
-    if (!(sum > 0)) return kNever;
+    if (!(sum > 0)) return kLogZero;
     forward /= sum;
     log_probability += std::log(sum) + peak;
   }
@@ -124,19 +124,19 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
 double LogGenerationAmong(const TransitionGraph& graph,
                           std::span<const std::vector<LikelyNode>> frames, double floor,
                           std::vector<double>& scratch) {
-  std::vector<double> before;  // of the nodes of the frame before, summing to 1
+  std::vector<double> previous;  // probabilities of the previous frame's nodes, sum 1
   std::vector<double> forward;
   double log_probability = 0;
   for (std::size_t t = 0; t < frames.size(); ++t) {
-    // What was seen beyond the floor that every pair has.
-    for (std::size_t i = 0; i < before.size(); ++i) {
+    // Counted transitions, minus the floor that every pair has.
+    for (std::size_t i = 0; i < previous.size(); ++i) {
       const int from = frames[t - 1][i].node;
-      const double share = before[i] / static_cast<double>(graph.row_sum(from));
+      const double share = previous[i] / static_cast<double>(graph.row_sum(from));
       for (const Edge& edge : graph.row(from)) {
-        scratch[edge.to] += share * edge.count - before[i] * floor;
+        scratch[edge.to] += share * edge.count - previous[i] * floor;
       }
     }
-    double peak = kNever;
+    double peak = kLogZero;
     for (const LikelyNode& likely : frames[t]) peak = std::max<double>(peak, likely.log_density);
     forward.clear();
     double sum = 0;
@@ -147,10 +147,10 @@ double LogGenerationAmong(const TransitionGraph& graph,
     }
     for (double& probability : forward) probability /= sum;
     log_probability += std::log(sum) + peak;
-    for (std::size_t i = 0; i < before.size(); ++i) {
+    for (std::size_t i = 0; i < previous.size(); ++i) {
       for (const Edge& edge : graph.row(frames[t - 1][i].node)) scratch[edge.to] = 0;
     }
-    before.swap(forward);
+    previous.swap(forward);
   }
   return log_probability;
 }

@@ -6,7 +6,7 @@
 namespace motiondb::core {
 namespace {
 
-// Edges from transitions (from, to) in any order. Sorting keeps memory at one pair a transition.
+// Counts transitions (from, to), in any order. Sorting needs only one pair for each transition.
 TransitionGraph FromPairs(std::vector<std::pair<std::int32_t, std::int32_t>> pairs,
                           int node_count) {
   std::sort(pairs.begin(), pairs.end());
@@ -61,12 +61,12 @@ TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b) {
     auto i = in_a.begin();
     auto j = in_b.begin();
     while (i != in_a.end() || j != in_b.end()) {
-      const bool takes_a = j == in_b.end() || (i != in_a.end() && i->to <= j->to);
-      const bool takes_b = i == in_a.end() || (j != in_b.end() && j->to <= i->to);
-      edges.push_back(takes_a ? *i : *j);
-      if (takes_a && takes_b) edges.back().count += j->count;
-      if (takes_a) ++i;
-      if (takes_b) ++j;
+      const bool from_a = j == in_b.end() || (i != in_a.end() && i->to <= j->to);
+      const bool from_b = i == in_a.end() || (j != in_b.end() && j->to <= i->to);
+      edges.push_back(from_a ? *i : *j);
+      if (from_a && from_b) edges.back().count += j->count;
+      if (from_a) ++i;
+      if (from_b) ++j;
     }
     row_begin.push_back(static_cast<std::int32_t>(edges.size()));
   }

@@ -1,5 +1,5 @@
-// Node transition graphs (section III-C, eq. 6): how often each node of a layer follows each other,
-// in all clips or in one. Counts are kept; probabilities follow. Immutable; safe to share.
+// Node transition graphs (section III-C, eq. 6): counts of transitions between nodes of one layer,
+// over all clips or in one. Probabilities follow from counts. Immutable.
 #pragma once
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace motiondb::core {
 
-// One edge: `count` of the frames in the row's node were followed by one in `to`.
+// One edge: `count` transitions from the row's node to `to`.
 struct Edge {
   std::int32_t to = 0;
   std::int32_t count = 0;
@@ -27,10 +27,10 @@ class TransitionGraph {
   std::span<const Edge> row(int from) const {
     return {edges_.data() + row_begin_[from], edges_.data() + row_begin_[from + 1]};
   }
-  // Sum of the counts that leave a node; 0 for a node that only ends clips.
+  // Sum of the counts from a node; 0 if it occurs only at the end of clips.
   std::int64_t row_sum(int from) const { return row_sums_[from]; }
   std::int32_t count(int from, int to) const;
-  // Eq. 6; 0 where never seen. O(log of the row's length).
+  // Returns eq. 6; 0 for an unseen transition. O(log of the row's length).
   double probability(int from, int to) const {
     const std::int32_t seen = count(from, to);
     return seen == 0 ? 0.0 : static_cast<double>(seen) / static_cast<double>(row_sum(from));
@@ -45,18 +45,18 @@ class TransitionGraph {
   std::vector<std::int64_t> row_sums_;
 };
 
-// Counts the transitions of a node sequence (one node a frame) between successive frames. Runs of
-// different clips are given apart, so that none is counted across clips.
+// Counts the transitions between successive frames of node sequences (one node for each frame).
+// Each clip is a separate sequence: transitions across clips do not count.
 TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequences,
                                  int node_count);
 
-// The graph with the counts of both, which have as many nodes.
+// Returns the graph with the summed counts of both, which have the same node count.
 TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b);
 
-// A clip's graph on the few nodes that it visits. Its states are numbered in order of node.
+// A clip's graph, restricted to the nodes that it visits. Its states are numbered in node order.
 struct ClipGraph {
   std::vector<std::int32_t> nodes;   // state -> node of the layer, ascending
-  std::vector<std::int32_t> frames;  // frames that the clip spends in each
+  std::vector<std::int32_t> frames;  // frames of the clip in each
   TransitionGraph transitions;       // between states
 };
 

@@ -9,14 +9,14 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
-constexpr Eigen::Index kMostThrough = 1 << 20;  // candidates of one frame times those of the next
+constexpr double kLogZero = -std::numeric_limits<double>::infinity();
+constexpr Eigen::Index kMaxTableCells = 1 << 20;  // candidates of one frame times those of the next
 
-// log P_t between the candidates of successive frames. The nodes of a lattice come again from frame
-// to frame, so each one's row of the graph is read once, into a table of all nodes by all nodes.
+// log P_t between the candidates of successive frames. Nodes recur from frame to frame, so each
+// node's row of the graph is expanded once, into a dense table.
 class LogTransitions {
  public:
-  // Both must outlive it.
+  // `lattice` and `graph` must outlive this object.
   LogTransitions(const Lattice& lattice, const TransitionGraph& graph, double log_floor)
       : graph_(graph),
         log_floor_(log_floor),
@@ -32,13 +32,14 @@ class LogTransitions {
         places_[t].push_back(place);
       }
     }
-    keeps_rows_ = nodes_.size() <= kMostKept;
+    keeps_rows_ = nodes_.size() <= kMaxKeptRows;
     const auto count = static_cast<Eigen::Index>(nodes_.size());
     rows_.resize(keeps_rows_ ? count : 1, count);
     is_known_.resize(nodes_.size(), false);
   }
 
-  // From candidate i of frame t to each of the next frame's. Valid until the next call.
+  // Returns log P_t from candidate i of frame t to each candidate of the next frame. Valid until
+  // the next call.
   const Eigen::VectorXd& From(std::size_t t, Eigen::Index i) {
     const std::vector<std::int32_t>& to = places_[t + 1];
     const double* const row = Row(places_[t][static_cast<std::size_t>(i)]);
@@ -50,8 +51,8 @@ class LogTransitions {
   }
 
  private:
-  // Beyond it, as in the exact search on a large layer, rows are made when they are asked for.
-  static constexpr std::size_t kMostKept = 512;
+  // With more nodes, as in the exact search on a large layer, rows are not kept.
+  static constexpr std::size_t kMaxKeptRows = 512;
 
   const double* Row(std::int32_t place) {
     auto row = rows_.row(keeps_rows_ ? place : 0);
@@ -69,8 +70,8 @@ class LogTransitions {
 
   const TransitionGraph& graph_;
   const double log_floor_;
-  std::vector<std::int32_t> place_of_node_;        // in nodes_; -1 where no frame has the node
-  std::vector<std::int32_t> nodes_;                // in order of their coming
+  std::vector<std::int32_t> place_of_node_;        // index in nodes_; -1: not in the lattice
+  std::vector<std::int32_t> nodes_;                // in order of first appearance
   std::vector<std::vector<std::int32_t>> places_;  // of each frame's candidates
   bool keeps_rows_ = false;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> rows_;
@@ -80,13 +81,13 @@ class LogTransitions {
 
 // One step of a path that ends at a candidate.
 struct Step {
-  double score = kNever;
-  std::int32_t from = -1;  // candidate of the frame before
-  std::int32_t rank = -1;  // which of its paths
+  double score = kLogZero;
+  std::int32_t from = -1;  // candidate of the previous frame
+  std::int32_t rank = -1;  // index of that candidate's path
 };
 
-// Where steps come from, which is all of a frame that is kept to its end: for each candidate room
-// for as many paths as any of them has, of four bytes.
+// Origins of the steps of one frame, for backtracking: packed in four bytes for each candidate and
+// rank.
 class StepOrigins {
  public:
   explicit StepOrigins(const std::vector<std::vector<Step>>& steps) {
@@ -99,7 +100,7 @@ class StepOrigins {
       }
     }
   }
-  // Candidate of the frame before, and which of its paths.
+  // Returns the candidate of the previous frame and the index of its path.
   Step Before(const Step& at) const {
     const std::uint32_t packed =
         packed_[static_cast<std::size_t>(at.from) * width_ + static_cast<std::size_t>(at.rank)];
@@ -114,7 +115,7 @@ class StepOrigins {
   std::vector<std::uint32_t> packed_;
 };
 
-// Keeps the best `count` steps, best first; of equals those that came first.
+// Inserts a step into the best `count` steps, best first; ties keep insertion order.
 void Insert(std::vector<Step>& best, const Step& step, int count) {
   if (static_cast<int>(best.size()) == count) {
     if (step.score <= best.back().score) return;
@@ -125,16 +126,16 @@ void Insert(std::vector<Step>& best, const Step& step, int count) {
   best.insert(at, step);
 }
 
-// Best scores of paths from the first frame up to each candidate, its emission included.
+// Returns the best scores of paths from the first frame to each candidate, including its emission.
 std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& log_transitions,
                                         Patience& patience) {
   std::vector<Eigen::VectorXd> best(lattice.size());
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     best[t] = lattice[t].log_emission;
     if (t == 0) continue;
-    Eigen::VectorXd arriving = Eigen::VectorXd::Constant(best[t].size(), kNever);
+    Eigen::VectorXd arriving = Eigen::VectorXd::Constant(best[t].size(), kLogZero);
     for (Eigen::Index i = 0; i < best[t - 1].size(); ++i) {
-      if (best[t - 1][i] == kNever) continue;
+      if (best[t - 1][i] == kLogZero) continue;
       if (patience.IsOver(arriving.size())) return best;
       const Eigen::VectorXd& log_transition = log_transitions.From(t - 1, i);
       arriving = arriving.cwiseMax((log_transition.array() + best[t - 1][i]).matrix());
@@ -144,11 +145,12 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& 
   return best;
 }
 
-// log of what arrives at each candidate of frame t from those of the frame before, summed.
+// Returns the log of the summed probability that arrives at each candidate of frame t from the
+// previous frame.
 Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eigen::Index candidates,
                              LogTransitions& log_transitions, Patience& patience) {
   Eigen::VectorXd arriving(candidates);
-  if (candidates * forward.size() <= kMostThrough) {
+  if (candidates * forward.size() <= kMaxTableCells) {
     Eigen::MatrixXd through(candidates, forward.size());
     for (Eigen::Index i = 0; i < forward.size(); ++i) {
       through.col(i) = log_transitions.From(t - 1, i).array() + forward[i];
@@ -156,13 +158,13 @@ Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eige
     for (Eigen::Index j = 0; j < candidates; ++j) arriving[j] = LogSum(through.row(j));
     return arriving;
   }
-  // The table would outgrow the lattice by far, so each of its columns is made twice.
-  Eigen::ArrayXd peak = Eigen::ArrayXd::Constant(candidates, kNever);
+  // The table would be much larger than the lattice, so compute each column twice instead.
+  Eigen::ArrayXd peak = Eigen::ArrayXd::Constant(candidates, kLogZero);
   for (Eigen::Index i = 0; i < forward.size(); ++i) {
     if (patience.IsOver(candidates)) return arriving;
     peak = peak.max(log_transitions.From(t - 1, i).array() + forward[i]);
   }
-  const Eigen::ArrayXd base = (peak == kNever).select(0.0, peak);
+  const Eigen::ArrayXd base = (peak == kLogZero).select(0.0, peak);
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(candidates);
   for (Eigen::Index i = 0; i < forward.size(); ++i) {
     if (patience.IsOver(candidates)) return arriving;
@@ -177,7 +179,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
                                 double transition_floor, int count, const Cancelled& cancelled) {
   Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
-  std::vector<std::vector<Step>> before;  // [candidate][rank], of the frame before and of this one
+  std::vector<std::vector<Step>> before;  // [candidate][rank], previous and current frame
   std::vector<std::vector<Step>> steps;
   std::vector<StepOrigins> origins;  // of each frame but the first
   origins.reserve(lattice.size());
@@ -199,7 +201,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
         const auto at = static_cast<Eigen::Index>(j);
         const double step = log_transition[at] + frame.log_emission[at];
-        if (step == kNever) continue;
+        if (step == kLogZero) continue;
         for (std::size_t rank = 0; rank < before[i].size(); ++rank) {
           Insert(steps[j],
                  {before[i][rank].score + step, static_cast<std::int32_t>(i),
@@ -221,7 +223,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
   }
   std::vector<NodePath> paths;
   for (Step at : ends) {
-    if (at.score == kNever) break;
+    if (at.score == kLogZero) break;
     NodePath& path = paths.emplace_back();
     path.log_probability = at.score;
     path.nodes.resize(lattice.size());
@@ -254,8 +256,8 @@ std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const Transiti
 
 Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGraph& graph,
                                      double transition_floor, const Cancelled& cancelled) {
-  // In logarithms throughout: under the strict rule a path may have no share that a double can hold
-  // at one frame, and be the only one left at the next.
+  // In logarithms throughout: under the strict rule a path may underflow at one frame and be the
+  // only path left at the next.
   Patience patience(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   Eigen::VectorXd forward;
@@ -271,7 +273,7 @@ Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGra
     }
   }
   const double sum = LogSum(forward);
-  if (sum == kNever) return Eigen::VectorXd::Zero(forward.size());
+  if (sum == kLogZero) return Eigen::VectorXd::Zero(forward.size());
   return (forward.array() - sum).exp();
 }
 

@@ -1,6 +1,5 @@
-// A lattice: for each observed frame the nodes that may explain it, and what can be asked of it
-// under a transition graph. The beam search, exact Viterbi and the k best paths are all questions
-// to one.
+// A lattice: the candidate nodes of each observed frame. Beam search, exact Viterbi, k best paths
+// and posteriors are computed on it, with a transition graph.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,7 +18,7 @@ struct LatticeFrame {
   Eigen::VectorXd log_emission;
 };
 
-// A node, and how probable it is that the motion is there.
+// A node and the probability that the motion is in it.
 struct NodeState {
   int node = 0;
   double probability = 0;
@@ -28,34 +27,32 @@ struct NodeState {
 using Lattice = std::vector<LatticeFrame>;
 
 struct NodePath {
-  std::vector<std::int32_t> nodes;  // one a frame
+  std::vector<std::int32_t> nodes;  // one for each frame
   double log_probability = 0;       // eq. 7, natural logarithm
 };
 
-// The best `count` paths, in descending order, by dynamic programming that keeps `count` paths to
-// each candidate. Fewer where fewer have a probability above 0. Ties go to the smaller node.
-// O(frames * candidates^2 * count). Once cancelled this and the functions below return early, with
-// what is of no use.
+// Returns the best `count` paths, in descending order, by dynamic programming with `count` paths
+// for each candidate. Fewer if fewer have a probability above 0. Ties: the smaller node first. Once
+// cancelled, this and the functions below return early with undefined results. O(frames *
+// candidates^2 * count).
 std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& graph,
                                 double transition_floor, int count,
                                 const Cancelled& cancelled = {});
 
-// For each frame and candidate, the log probability of the best path through it; -infinity where
-// there is none. O(frames * candidates^2).
+// Returns, for each frame and candidate, the log probability of the best path through it; -infinity
+// if there is none. O(frames * candidates^2).
 std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const TransitionGraph& graph,
                                           double transition_floor, const Cancelled& cancelled = {});
 
-// P(node at the last frame | observation), summed over all paths: one number a candidate of the
-// last frame, zeros where no path exists. O(frames * candidates^2).
+// Returns P(node at the last frame | observation), summed over all paths: one number for each
+// candidate of the last frame, zeros if no path exists. O(frames * candidates^2).
 Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGraph& graph,
                                      double transition_floor, const Cancelled& cancelled = {});
 
-// Turns log densities into log P_s(k | x) with P(k) uniform: eq. 8 over these candidates.
+// Converts log densities to log P_s(k | x) with uniform P(k): eq. 8 over these candidates.
 void NormalizeEmission(Eigen::VectorXd& log_emission);
 
-// Sums of probabilities that are kept as logarithms. Pure.
-
-// log of the sum of exp(logs), which are not empty; -infinity where all are.
+// Returns log(sum(exp(logs))); -infinity if all are. REQUIRES: logs is not empty.
 template <typename Derived>
 double LogSum(const Eigen::DenseBase<Derived>& logs) {
   const double peak = logs.maxCoeff();

@@ -15,22 +15,21 @@ namespace {
 constexpr Eigen::Index kMaxCells = 1 << 25;  // frames x nodes, some 24 bytes each
 constexpr Eigen::Index kMaxSteps = 1 << 26;  // frames x nodes x paths, 16 bytes each
 
-// Nodes of the layer that the search may have in hand at each frame: with a beam, the children of
-// those that it keeps.
-Eigen::Index MostCandidates(const NodePathOptions& options, Eigen::Index nodes) {
+// Maximum number of candidates of a frame; with a beam, the children of those kept.
+Eigen::Index MaxCandidates(const NodePathOptions& options, Eigen::Index nodes) {
   if (options.max_candidates == 0) return nodes;
   return std::min<Eigen::Index>(2 * static_cast<Eigen::Index>(options.max_candidates), nodes);
 }
 
-absl::Status Stopped() { return absl::CancelledError("the query was cancelled"); }
+absl::Status QueryCancelled() { return absl::CancelledError("the query was cancelled"); }
 
-// Candidates of one frame on the way down: nodes of the layer with their log densities.
+// Candidates of one frame during the descent: nodes of the current layer with their log densities.
 struct Descent {
   std::vector<std::int32_t> nodes;
   std::vector<double> log_density;
 };
 
-// The children of a frame's candidates. A copy of a leaf keeps the density already known.
+// Returns the children of a frame's candidates. A copy of a leaf keeps its density.
 Descent Children(const Model& model, int layer, const Descent& above, const float* state) {
   const Tree& tree = model.tree();
   Descent below;
@@ -62,8 +61,7 @@ Lattice MakeLattice(const std::vector<Descent>& frames) {
   return lattice;
 }
 
-// Keeps the candidates through which the best paths go. Where the strict rule leaves no path at
-// all, the likelihood alone decides.
+// Keeps the candidates on the best paths. If the strict rule leaves no path, keeps the most likely.
 void Prune(const Lattice& lattice, const TransitionGraph& graph, const NodePathOptions& options,
            const Cancelled& cancelled, std::vector<Descent>& frames) {
   const auto limit = static_cast<std::size_t>(options.max_candidates);
@@ -114,11 +112,11 @@ absl::Status CheckOptions(const NodePathOptions& options) {
 absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& observation,
                                     const NodePathOptions& options, const Cancelled& cancelled) {
   MOTIONDB_ASSIGN_OR_RETURN(const int bottom, model.ResolveLayer(options.layer));
-  const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(bottom));
+  const Eigen::Index candidates = MaxCandidates(options, model.tree().node_count(bottom));
   if (observation.rows() * candidates > kMaxCells) {
     return FieldViolation("max_candidates",
-                          "keeping {} of {} nodes of layer {} for {} frames would take too much "
-                          "memory",
+                          "{} of {} nodes of layer {} for {} frames need too much memory; use "
+                          "fewer candidates or a shorter observation",
                           candidates, model.tree().node_count(bottom), bottom, observation.rows());
   }
   Patience patience(cancelled);
@@ -127,17 +125,17 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
     frames.push_back({{0}, {model.gaussians().LogDensity(0, observation.row(t).data())}});
   }
   for (int layer = 1; layer < bottom; ++layer) {
-    if (cancelled && cancelled()) return Stopped();
+    if (cancelled && cancelled()) return QueryCancelled();
     for (Eigen::Index t = 0; t < observation.rows(); ++t) {
       const auto densities = 2 * std::ssize(frames[t].nodes);
-      if (patience.IsOver(densities * observation.cols())) return Stopped();
+      if (patience.IsOver(densities * observation.cols())) return QueryCancelled();
       frames[t] = Children(model, layer, frames[t], observation.row(t).data());
     }
     if (options.max_candidates > 0 && layer + 1 < bottom) {
       Prune(MakeLattice(frames), model.global_graph(layer + 1), options, cancelled, frames);
     }
   }
-  if (cancelled && cancelled()) return Stopped();
+  if (cancelled && cancelled()) return QueryCancelled();
   return MakeLattice(frames);
 }
 
@@ -147,24 +145,24 @@ absl::StatusOr<PathSearch> FindNodePaths(const Model& model, const FrameMatrix& 
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
   PathSearch search;
   MOTIONDB_ASSIGN_OR_RETURN(search.layer, model.ResolveLayer(options.layer));
-  const Eigen::Index candidates = MostCandidates(options, model.tree().node_count(search.layer));
+  const Eigen::Index candidates = MaxCandidates(options, model.tree().node_count(search.layer));
   if (observation.rows() * candidates * options.path_count > kMaxSteps) {
     return FieldViolation("path_count",
-                          "keeping {} paths to each of {} nodes for {} frames would take too much "
-                          "memory; ask for fewer paths or about a shorter observation",
+                          "{} paths to each of {} nodes for {} frames need too much memory; use "
+                          "fewer paths or a shorter observation",
                           options.path_count, candidates, observation.rows());
   }
   MOTIONDB_ASSIGN_OR_RETURN(search.lattice, DescendTree(model, observation, options, cancelled));
   search.paths = BestPaths(search.lattice, model.global_graph(search.layer),
                            options.transition_floor, options.path_count, cancelled);
-  if (cancelled && cancelled()) return Stopped();
+  if (cancelled && cancelled()) return QueryCancelled();
   if (!search.paths.empty()) return search;
   if (options.max_candidates == 0) {
     return FailedPrecondition(
-        "no path through layer {} was ever seen: allow others with a transition floor above 0",
+        "no stored transitions explain the observation in layer {}; set a transition floor above 0",
         search.layer);
   }
-  // Pruning can cut every path that the strict rule allows; the exact search decides.
+  // Pruning may remove every path that the strict rule allows, so repeat with exact search.
   NodePathOptions exact = options;
   exact.max_candidates = 0;
   return FindNodePaths(model, observation, exact, cancelled);
@@ -175,7 +173,7 @@ absl::StatusOr<std::vector<NodeState>> LastNodes(const Model& model, const PathS
                                                  const Cancelled& cancelled) {
   const Eigen::VectorXd last = LastNodeDistribution(
       search.lattice, model.global_graph(search.layer), transition_floor, cancelled);
-  if (cancelled && cancelled()) return Stopped();
+  if (cancelled && cancelled()) return QueryCancelled();
   std::vector<NodeState> nodes;
   for (Eigen::Index i = 0; i < last.size(); ++i) {
     if (last[i] > 0) nodes.push_back({search.lattice.back().nodes[i], last[i]});

@@ -12,17 +12,18 @@ namespace motiondb::core {
 
 absl::StatusOr<FrameMatrix> ScaledObservation(const Model& model,
                                               const StateSequence& observation) {
-  if (observation.frame_count() == 0) return InvalidArgument("observation: it has no frames");
+  if (observation.frame_count() == 0)
+    return InvalidArgument("observation: expected at least one frame");
   if (observation.states.cols() != model.marker_set().dimension_count()) {
     return InvalidArgument("observation: expected states of {} numbers, got {}",
                            model.marker_set().dimension_count(), observation.states.cols());
   }
   if (std::abs(observation.frame_rate_hz - model.settings().frame_rate_hz) > 1e-6) {
-    return InvalidArgument("observation: expected {} frames a second, got {}",
+    return InvalidArgument("observation: expected a frame rate of {} Hz, got {}",
                            model.settings().frame_rate_hz, observation.frame_rate_hz);
   }
   if (observation.states.array().isInf().any()) {
-    return InvalidArgument("observation: a number is infinite");
+    return InvalidArgument("observation: expected finite numbers or NaN");
   }
   FrameMatrix scaled = observation.states;
   model.scale().Apply(scaled);
@@ -31,34 +32,34 @@ absl::StatusOr<FrameMatrix> ScaledObservation(const Model& model,
 
 namespace {
 
-constexpr double kPoolMass = 0.99;  // of the state's distribution
+constexpr double kPoolMass = 0.99;  // probability covered by the first branches
 
-// What of a distance is looked at first, and by how much it may be off for rounding.
-constexpr Eigen::Index kFirstNumbers = 36;
+// Early rejection: the dimensions that are checked first, and the tolerance for rounding.
+constexpr Eigen::Index kFirstDimensions = 36;
 constexpr double kRounding = 1 + 1e-4;
 
-// Distances to one state over the numbers that it has.
+// Distances to one state over its present dimensions.
 class StateDistance {
  public:
   StateDistance(const float* state, Eigen::Index dimensions)
       : state_(Eigen::Map<const Eigen::RowVectorXf>(state, dimensions)),
         present_(state_.array().isNaN().select(0.0F, Eigen::RowVectorXf::Ones(dimensions))),
         count_(std::max(1.0F, present_.sum())),
-        is_whole_(!state_.hasNaN()),
-        first_(std::min(kFirstNumbers, dimensions)) {
+        is_complete_(!state_.hasNaN()),
+        first_(std::min(kFirstDimensions, dimensions)) {
     state_ = state_.array().isNaN().select(0.0F, state_);
   }
 
   double To(const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
-    if (is_whole_) return (stored - state_).squaredNorm() / count_;
+    if (is_complete_) return (stored - state_).squaredNorm() / count_;
     return (stored - state_).cwiseProduct(present_).squaredNorm() / count_;
   }
 
-  // Whether its first numbers alone show that it is greater.
+  // Whether the first dimensions alone prove a distance above `distance`.
   bool IsBeyond(double distance, const Eigen::Ref<const Eigen::RowVectorXf>& stored) const {
     const auto apart = stored.head(first_) - state_.head(first_);
-    const float squares =
-        is_whole_ ? apart.squaredNorm() : apart.cwiseProduct(present_.head(first_)).squaredNorm();
+    const float squares = is_complete_ ? apart.squaredNorm()
+                                       : apart.cwiseProduct(present_.head(first_)).squaredNorm();
     return squares / count_ > distance * kRounding;
   }
 
@@ -66,14 +67,14 @@ class StateDistance {
   Eigen::RowVectorXf state_;    // 0 where missing
   Eigen::RowVectorXf present_;  // 1, or 0 where missing
   float count_;
-  bool is_whole_;
+  bool is_complete_;
   Eigen::Index first_;
 };
 
 }  // namespace
 
 std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
-                              int least_frames) {
+                              int min_frames) {
   std::vector<int> pool;
   double mass = 0;
   for (const NodeState& state : now) {
@@ -85,7 +86,7 @@ std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<N
   while (true) {
     std::sort(pool.begin(), pool.end());
     pool.erase(std::unique(pool.begin(), pool.end()), pool.end());
-    // A branch under another one of the pool is already in it.
+    // Remove branches whose ancestors are in the pool.
     std::erase_if(pool, [&](int b) {
       for (int up = branches[b].parent; up >= 0; up = branches[up].parent) {
         if (std::binary_search(pool.begin(), pool.end(), up)) return true;
@@ -94,7 +95,7 @@ std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<N
     });
     int frames = 0;
     for (int b : pool) frames += branches[b].end - branches[b].begin;
-    if (frames >= least_frames || pool == std::vector<int>{0}) return pool;
+    if (frames >= min_frames || pool == std::vector<int>{0}) return pool;
     for (int& b : pool) b = std::max(branches[b].parent, 0);
   }
 }
@@ -103,17 +104,16 @@ std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& 
                                     const float* state, int count, FrameRange without) {
   const StateDistance distance(state, model.states().cols());
   std::vector<std::pair<double, int>> nearest;
-  // Whenever there are twice as many as wanted, the farther half goes, and what is farther yet is
-  // passed over from then on.
-  const auto most = static_cast<std::size_t>(std::max(1, count));
+  // At 2 * max_kept frames, drop the farther half and reject frames beyond it from then on.
+  const auto max_kept = static_cast<std::size_t>(std::max(1, count));
   double farthest = std::numeric_limits<double>::infinity();
   const auto keep_best = [&] {
-    const auto last = nearest.begin() + static_cast<std::ptrdiff_t>(most - 1);
+    const auto last = nearest.begin() + static_cast<std::ptrdiff_t>(max_kept - 1);
     std::nth_element(nearest.begin(), last, nearest.end());
     farthest = last->first;
-    nearest.resize(most);
+    nearest.resize(max_kept);
   };
-  nearest.reserve(2 * most);
+  nearest.reserve(2 * max_kept);
   for (int b : branches) {
     const Branch& branch = model.tree().branches()[b];
     for (std::int32_t i = branch.begin; i < branch.end; ++i) {
@@ -122,7 +122,7 @@ std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& 
       const auto stored = model.states().row(frame);
       if (distance.IsBeyond(farthest, stored)) continue;
       nearest.emplace_back(distance.To(stored), frame);
-      if (nearest.size() == 2 * most) keep_best();
+      if (nearest.size() == 2 * max_kept) keep_best();
     }
   }
   const auto kept = std::min<std::size_t>(count, nearest.size());

@@ -1,4 +1,4 @@
-// What every query does with its observation first, and how it may be answered.
+// Common steps of queries: scaling the observation and finding similar stored frames.
 #pragma once
 
 #include <vector>
@@ -11,16 +11,15 @@ namespace motiondb::core {
 
 class Model;
 
-// The observation's states (frames x dimensions), scaled as the model's. INVALID_ARGUMENT if it is
-// empty, has another marker set or frame rate than the model, or an infinite number.
+// Returns the observation's states (frames x dimensions), scaled as the model's. INVALID_ARGUMENT
+// if it is empty, has another marker set or frame rate than the model, or an infinite number.
 absl::StatusOr<FrameMatrix> ScaledObservation(const Model& model, const StateSequence& observation);
 
 enum class Method {
-  kBest,   // the tree and its graphs, then stored frames compared with the observation
-  kPaper,  // the tree and its graphs alone, as in the paper
+  kBest,   // tree and graphs, then comparison with stored frames
+  kPaper,  // tree and graphs only, as in the paper
 };
 
-// Stored frames taken as examples of what is observed. Safe to call from any thread.
 class Model;
 
 // Stored frames [first, end).
@@ -29,21 +28,22 @@ struct FrameRange {
   int end = 0;
 };
 
-// A stored frame, and how much it counts.
+// A stored frame similar to the observation, with its weight.
 struct Exemplar {
   int frame = 0;
   double weight = 0;  // weights of a set sum to 1
 };
 
-// Branches whose frames may serve: those the motion is most probably in (`now`, most probable
-// first), and then their ancestors until there are at least so many frames, if there are as many.
+// Returns branches with candidate frames: those the motion is most probably in (`now`, most
+// probable first), replaced by their ancestors until they have `min_frames` frames or all are
+// included.
 std::vector<int> ExemplarPool(const Model& model, int layer, const std::vector<NodeState>& now,
-                              int least_frames = 512);
+                              int min_frames = 512);
 
-// The stored frames nearest to a scaled state (dimensions, NaN left out) among those under
-// `branches`, at most `count`, weighted by closeness. The mean squared difference a dimension is
-// the distance; the weight falls to exp(-1/2) at the distance of the median exemplar. Frames in
-// `without` are passed over. O(frames under the branches).
+// Returns at most `count` stored frames under `branches` that are nearest to a scaled state
+// (dimensions; NaN is ignored), except those in `without`. The distance d is the mean squared
+// difference over dimensions. Weights are exp(-(d - d_min) / (2 (d_median - d_min))), normalised.
+// O(frames under the branches).
 std::vector<Exemplar> NearestFrames(const Model& model, const std::vector<int>& branches,
                                     const float* state, int count, FrameRange without = {});
 

@@ -23,7 +23,7 @@ absl::Status CheckOptions(const MarkerKinematics& kinematics, const IkOptions& o
     }
     sum += weights[m];
   }
-  if (sum == 0) return InvalidArgument("marker_weights: expected one above 0, found none");
+  if (sum == 0) return InvalidArgument("marker_weights: expected at least one above 0");
   if (!(options.smoothness >= 0 && std::isfinite(options.smoothness))) {
     return InvalidArgument("smoothness: expected 0 or more, found {}", options.smoothness);
   }
@@ -41,7 +41,7 @@ absl::Status CheckMarkers(const MarkerKinematics& kinematics, const MarkerMotion
                            3 * kinematics.marker_count(), markers.positions_m.cols());
   }
   if (markers.positions_m.array().isInf().any()) {
-    return InvalidArgument("inverse kinematics: a marker position is infinite");
+    return InvalidArgument("inverse kinematics: expected finite marker positions or NaN");
   }
   return absl::OkStatus();
 }
@@ -62,7 +62,8 @@ absl::StatusOr<IkMotion> SolveInverseKinematics(const MarkerKinematics& kinemati
   PoseTracker tracker(kinematics, options);
   for (Eigen::Index frame = 0; frame < frames; ++frame) {
     if (cancelled && cancelled()) {
-      return absl::CancelledError(fmt::format("inverse kinematics stopped at frame {}", frame));
+      return absl::CancelledError(
+          fmt::format("inverse kinematics was cancelled at frame {}", frame));
     }
     const bool had_begun = tracker.has_begun();
     solved.errors.push_back(tracker.Follow(markers.positions_m.row(frame)));
@@ -72,7 +73,7 @@ absl::StatusOr<IkMotion> SolveInverseKinematics(const MarkerKinematics& kinemati
     }
   }
   if (!tracker.has_begun()) {
-    return InvalidArgument("inverse kinematics: no frame has a marker that counts");
+    return InvalidArgument("inverse kinematics: expected a frame with a marker of weight above 0");
   }
   return solved;
 }
@@ -82,18 +83,18 @@ namespace {
 constexpr int kFrameIterations = 30;
 constexpr int kFirstAttempts = 12;
 constexpr int kLaterAttempts = 6;
-// At this error (m, root of the mean square) the pull is twice what it is where all markers fit.
+// At this error (m, rms) the pull is twice that of a perfect fit.
 constexpr double kMisfit = 0.005;
-// A pose found anew must be this much better (share of the error) to be worth a jump.
+// A pose found by search must have at most this fraction of the error to justify a jump.
 constexpr double kWorthAJump = 0.5;
 
-// A marker is off by more than twice what any was in the frame before, and 5 mm.
+// The largest error exceeds twice the previous frame's by more than 5 mm.
 bool ClearlyWorse(const IkError& error, const IkError& before) {
   return error.largest_m > 2 * before.largest_m + 0.005;
 }
 
-// Markers that cannot be met tell less about the pose, by the square of how far off they stay, and
-// have several poses next to equally near: without a stronger pull, it would jump between them.
+// Markers that cannot be fitted constrain the pose less, and several poses fit almost equally. A
+// pull that grows with the squared error avoids jumps between these poses.
 double Pull(double smoothness, const IkError& before) {
   const double misfit = before.rms_m / kMisfit;
   return smoothness * (1 + misfit * misfit);
@@ -122,11 +123,11 @@ IkError PoseTracker::Follow(const Eigen::Ref<const Eigen::RowVectorXf>& markers_
 void PoseTracker::FollowOn() {
   solver_.Descend(search_.whole(), kFrameIterations, Pull(smoothness_, last_error_));
   if (!ClearlyWorse(solver_.Error(), last_error_)) return;
-  // The markers moved further than the pull lets a pose follow.
+  // The markers moved further than the pull allows.
   solver_.Descend(search_.whole(), kFrameIterations, 0);
   const IkError followed = solver_.Error();
   if (!ClearlyWorse(followed, last_error_)) return;
-  // Or to where no way downhill leads.
+  // No descent leads there: search.
   const Eigen::RowVectorXd angles = pose().angles;
   search_.Run(kLaterAttempts, solver_);
   if (!(solver_.Error().rms_m < kWorthAJump * followed.rms_m)) solver_.Stand(angles);

@@ -1,6 +1,5 @@
-// Inverse kinematics: marker positions -> joint angles on a skeleton, within its joints' limits.
-// The function keeps no state and is safe to call from any thread. For frames as they come, see
-// PoseTracker.
+// Inverse kinematics: marker positions to joint angles on a skeleton, within joint limits. For
+// streams, see PoseTracker.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,43 +18,40 @@ struct IkMotion {
   std::vector<IkError> errors;  // of each frame
 };
 
-// All frames of a motion on the kinematics' markers, in its order, each as PoseTracker follows
-// them; frames before the first marker have the first pose. INVALID_ARGUMENT if the markers are
-// others or infinite, no frame has one that counts, or an option is out of range; CANCELLED if
-// `cancelled` says so.
+// Solves all frames of a motion with PoseTracker. `markers`: the kinematics' markers, in its order.
+// Frames before the first marker get the first pose. INVALID_ARGUMENT if the markers differ or are
+// infinite, no frame has a marker with a weight, or an option is out of range; CANCELLED.
 absl::StatusOr<IkMotion> SolveInverseKinematics(const MarkerKinematics& kinematics,
                                                 const MarkerMotion& markers,
                                                 const IkOptions& options = {},
                                                 const Cancelled& cancelled = {});
 
-// Poses that follow markers from frame to frame.
-// Thread-compatible: one tracker a thread. It borrows the MarkerKinematics, which must outlive it.
+// Tracks a pose from frame to frame. The MarkerKinematics must outlive the tracker.
 class PoseTracker {
  public:
-  // REQUIRES: options.marker_weights is empty or has one for each marker, not all of them zero.
+  // REQUIRES: options.marker_weights is empty or has one for each marker, not all of them 0.
   PoseTracker(const MarkerKinematics& kinematics, const IkOptions& options);
 
   // The pose of the last frame: placed, finite, within limits if they are respected.
   const MarkerPose& pose() const { return solver_.pose(); }
   bool has_begun() const { return has_begun_; }
 
-  // Moves the pose to the markers of the next frame (1 x 3 * marker_count, m, world; NaN where one
-  // is missing), in the sense of least squares. The first frame with a marker is searched for
-  // without a pose before; each other starts from the one before it, and is searched for only if
-  // that leaves it clearly worse off. What no marker tells stays as it was; targets out of reach
-  // give the nearest pose. Angles run on: no whole turn lies between two frames. Takes no memory
-  // but to search.
+  // Fits the pose to the markers of the next frame (1 x 3 * marker_count, m, world; NaN: missing)
+  // by least squares. The first frame with a marker uses a global search; later frames start from
+  // the previous pose and search only if the fit is clearly worse. Coordinates that no marker
+  // determines keep their values; unreachable targets yield the nearest pose. Angles are continuous
+  // over frames. Allocates memory only in searches. Returns the error of the fit.
   IkError Follow(const Eigen::Ref<const Eigen::RowVectorXf>& markers_m);
 
  private:
-  // From the last pose to the solver's targets.
+  // Solves from the last pose.
   void FollowOn();
 
   PoseSolver solver_;
   PoseSearch search_;
   double smoothness_;
   bool has_begun_ = false;
-  IkError last_error_;  // of the last frame with a marker
+  IkError last_error_;  // error of the last frame with a marker
   Eigen::RowVectorXd last_angles_;
 };
 

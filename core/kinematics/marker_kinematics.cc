@@ -16,9 +16,9 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kRightAngle = 1e-9;  // cosine below which axes are at right angles
+constexpr double kRightAngle = 1e-9;  // cosine below which axes are perpendicular
 
-// The joint's first rotation among its degrees of freedom.
+// Index of the first rotation among the joint's degrees of freedom.
 int FirstRotation(const Joint& joint) {
   const auto at = std::find_if(joint.dofs.begin(), joint.dofs.end(),
                                [](const Dof& dof) { return dof.kind == Dof::Kind::kRotation; });
@@ -47,7 +47,7 @@ bool HasFreeRotation(const Joint& joint) {
 absl::StatusOr<double> SkeletonLegLength(const MarkerScheme& scheme,
                                          const std::shared_ptr<const Skeleton>& skeleton) {
   const JointMotion still{skeleton, 1, JointMatrix::Zero(1, skeleton->dof_count())};
-  // Offsets scale with what is measured here, so they are left out of it.
+  // Offsets scale with the result, so measure without them.
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion markers, ApplyScheme(scheme, still, 0.0));
   return EstimateLegLength(scheme.set, markers);
 }
@@ -57,8 +57,8 @@ void MarkerKinematics::ForEachCoordinate(const Term& term, Visit visit) const {
   for (int j = term.joint; j >= 0; j = skeleton_->joints()[j].parent) {
     const Joint& joint = skeleton_->joints()[j];
     for (std::size_t k = 0; k < joint.dofs.size(); ++k) {
-      // A link's own rotation turns what is fixed in it, but moves not its origin; a translation
-      // moves origins and turns nothing.
+      // A joint's rotation moves offsets in its frame but not its own origin; a translation moves
+      // origins but not offset directions.
       const bool rotation = joint.dofs[k].kind == Dof::Kind::kRotation;
       if (rotation ? term.is_offset || j != term.joint : !term.is_offset) {
         visit(skeleton_->first_dof(j) + static_cast<int>(k));

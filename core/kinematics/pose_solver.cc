@@ -20,7 +20,7 @@ Eigen::Isometry3d FitRigid(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd&
   const Eigen::Vector3d to_centre = to * weights / total;
   Eigen::Matrix3d covariance = (to.colwise() - to_centre) * weights.asDiagonal() *
                                (from.colwise() - from_centre).transpose();
-  // What the points leave open is pulled towards no turn.
+  // Regularise rotations that the points leave open towards zero.
   covariance.diagonal().array() += 1e-6 * covariance.norm();
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
@@ -33,14 +33,14 @@ Eigen::Isometry3d FitRigid(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd&
 
 namespace {
 
-constexpr double kLargestTurn = 0.5;     // rad in one step, so that the linear model holds
-constexpr double kEnoughGain = 1e-6;     // share of the sum of squares below which a descent ends
-constexpr double kPrecise = 1e-12;       // m^2 for each marker, single precision's own
-constexpr double kFirstDamping = 1e-4;   // m^2, where a step went wrong
-constexpr double kLargestDamping = 1e4;  // where no step helps any more
-constexpr int kLimitRounds = 8;          // of finding which limits a step runs into
+constexpr double kMaxRotation = 0.5;    // rad in one step, so that the linear model is valid
+constexpr double kMinGain = 1e-6;       // fraction of the sum of squares; a descent ends below it
+constexpr double kPrecise = 1e-12;      // m^2 for each marker, the limit of single precision
+constexpr double kFirstDamping = 1e-4;  // m^2, after a failed step
+constexpr double kMaxDamping = 1e4;     // above it, no step helps
+constexpr int kLimitRounds = 8;         // rounds to find the limits that a step exceeds
 
-// The weights of all markers of the set, 1 on average.
+// Returns the weights of all markers of the set, with mean 1.
 Eigen::VectorXd SetWeights(const std::vector<double>& given, int markers) {
   if (given.empty()) return Eigen::VectorXd::Ones(markers);
   assert(static_cast<int>(given.size()) == markers);
@@ -59,8 +59,8 @@ PoseSolver::PoseSolver(const MarkerKinematics& kinematics, const IkOptions& opti
       targets_m_(Eigen::Matrix3Xd::Zero(3, kinematics.marker_count())),
       pose_(kinematics.NewPose()),
       candidate_(kinematics.NewPose()),
-      way_back_(Eigen::VectorXd::Zero(kinematics.dof_count())),
-      candidate_way_back_(Eigen::VectorXd::Zero(kinematics.dof_count())),
+      to_start_(Eigen::VectorXd::Zero(kinematics.dof_count())),
+      candidate_to_start_(Eigen::VectorXd::Zero(kinematics.dof_count())),
       inverse_(kinematics.dof_count()),
       step_(Eigen::VectorXd::Zero(kinematics.dof_count())) {
   Stand(pose_.angles);
@@ -84,8 +84,8 @@ void PoseSolver::Stand(const Eigen::RowVectorXd& angles) {
 void PoseSolver::RunOn(const Eigen::RowVectorXd& angles) { kinematics_->RunOn(angles, pose_); }
 
 double PoseSolver::SumOfSquares(const IkStage& stage, const MarkerPose& pose,
-                                const Eigen::VectorXd& way, double pull) const {
-  double sum = pull * way.squaredNorm();
+                                const Eigen::VectorXd& to_start, double pull) const {
+  double sum = pull * to_start.squaredNorm();
   for (int m = 0; m < kinematics_->marker_count(); ++m) {
     const double weight = stage.share[m] * weights_[m];
     if (weight > 0) sum += weight * (targets_m_.col(m) - pose.markers_m.col(m)).squaredNorm();
@@ -93,7 +93,7 @@ double PoseSolver::SumOfSquares(const IkStage& stage, const MarkerPose& pose,
   return sum;
 }
 
-// The linear model about the pose.
+// Builds the linear model at the pose.
 void PoseSolver::Linearise(const IkStage& stage, double pull) {
   kinematics_->Differentiate(pose_);
   inverse_.Clear();
@@ -106,10 +106,10 @@ void PoseSolver::Linearise(const IkStage& stage, double pull) {
                                            static_cast<Eigen::Index>(coordinates.size())),
                  targets_m_.col(m) - pose_.markers_m.col(m), weight);
   }
-  if (pull > 0) inverse_.AddPull(way_back_, pull);
+  if (pull > 0) inverse_.AddPull(to_start_, pull);
 }
 
-// What the stage does not move is held, and what stands at a limit and is pushed beyond.
+// Holds coordinates that the stage does not move, and those at a limit that are pushed beyond it.
 void PoseSolver::Hold(const IkStage& stage) {
   const Eigen::VectorXd& push = inverse_.gradient();
   inverse_.Release();
@@ -120,7 +120,7 @@ void PoseSolver::Hold(const IkStage& stage) {
   }
 }
 
-// The model's best step with what it would carry beyond a limit held at that limit.
+// Computes the model's best step; coordinates that would exceed a limit are held at the limit.
 void PoseSolver::StepWithinLimits(const IkStage& stage, double damping) {
   Hold(stage);
   bool held_more = true;
@@ -138,33 +138,33 @@ void PoseSolver::StepWithinLimits(const IkStage& stage, double damping) {
   for (int c = 0; c < kinematics_->dof_count(); ++c) {
     if (kinematics_->IsRotation(c)) largest = std::max(largest, std::abs(step_[c]));
   }
-  if (largest > kLargestTurn) step_ *= kLargestTurn / largest;
+  if (largest > kMaxRotation) step_ *= kMaxRotation / largest;
 }
 
 void PoseSolver::TakeStep() {
   kinematics_->Advance(pose_, step_, candidate_);
   candidate_.angles = candidate_.angles.cwiseMax(limits_.lower).cwiseMin(limits_.upper);
   kinematics_->Place(candidate_);
-  candidate_way_back_ = way_back_ - step_;
+  candidate_to_start_ = to_start_ - step_;
 }
 
 double PoseSolver::Descend(const IkStage& stage, int max_iterations, double pull) {
-  way_back_.setZero();
+  to_start_.setZero();
   double damping = 0;
-  double sum = SumOfSquares(stage, pose_, way_back_, pull);
+  double sum = SumOfSquares(stage, pose_, to_start_, pull);
   const double precise = kPrecise * kinematics_->marker_count();
   for (int i = 0; i < max_iterations && sum > precise; ++i) {
     Linearise(stage, pull);
     for (bool better = false; !better;) {
       StepWithinLimits(stage, damping);
       const double expected_gain = inverse_.gradient().dot(step_);
-      if (expected_gain < kEnoughGain * sum + precise || damping > kLargestDamping) return sum;
+      if (expected_gain < kMinGain * sum + precise || damping > kMaxDamping) return sum;
       TakeStep();
-      const double after = SumOfSquares(stage, candidate_, candidate_way_back_, pull);
+      const double after = SumOfSquares(stage, candidate_, candidate_to_start_, pull);
       better = after < sum;
       if (better) {
         std::swap(pose_, candidate_);
-        std::swap(way_back_, candidate_way_back_);
+        std::swap(to_start_, candidate_to_start_);
         sum = after;
         damping = damping > kFirstDamping ? 0.1 * damping : 0;
       } else {
@@ -195,13 +195,13 @@ namespace {
 constexpr int kStageIterations = 20;
 constexpr double kStagePull = 1e-2;
 constexpr int kWholeIterations = 100;
-constexpr double kFits = 1e-3;       // m, of every marker: the search ends
-constexpr double kFollows = 0.002;   // m: a limb whose markers are this near is left as it is
-constexpr double kLookAhead = 0.05;  // share of a marker that a stage cannot bring home yet
-constexpr double kOffLimits = 0.1;   // of the range between two limits
-constexpr double kFreeReach = 2.0;   // rad or m that a restart moves what has no limits
+constexpr double kFits = 1e-3;       // m: the search ends if every marker fits
+constexpr double kFollows = 0.002;   // m: limbs with such errors stay unchanged
+constexpr double kLookAhead = 0.05;  // share of markers of later stages
+constexpr double kOffLimits = 0.1;   // fraction of the range between limits
+constexpr double kFreeReach = 2.0;   // rad or m: range of restarts without limits
 
-// Three translations at right angles and a free rotation.
+// Whether the root has three perpendicular translations and a free rotation.
 bool RootIsFree(const MarkerKinematics& kinematics) {
   const Joint& root = kinematics.skeleton()->joints().front();
   if (!kinematics.TurnsFreely(0) || root.dofs.size() != 6) return false;
@@ -212,9 +212,9 @@ bool RootIsFree(const MarkerKinematics& kinematics) {
                      [](const Dof& dof) { return std::isinf(dof.lower) && std::isinf(dof.upper); });
 }
 
-// Of each coordinate: moves only markers that are still off, so that another start may help them
-// and harms none.
-std::vector<bool> Astray(const PoseSolver& solver) {
+// Returns, for each coordinate, whether it moves only markers that do not fit: restarting it may
+// help them and harms no others.
+std::vector<bool> MisfitCoordinates(const PoseSolver& solver) {
   const MarkerKinematics& kinematics = solver.kinematics();
   std::vector<bool> off(static_cast<std::size_t>(kinematics.dof_count()), false);
   std::vector<bool> well = off;
@@ -230,12 +230,13 @@ std::vector<bool> Astray(const PoseSolver& solver) {
 }  // namespace
 
 PoseSearch::PoseSearch(const MarkerKinematics& kinematics)
-    : told_(static_cast<std::size_t>(kinematics.dof_count()), false),
+    : observable_(static_cast<std::size_t>(kinematics.dof_count()), false),
       root_is_free_(RootIsFree(kinematics)) {
   AddStages(kinematics);
 }
 
-// A stage adds the markers that the next larger number of coordinates moves, and frees these.
+// Each stage adds the markers with the next larger number of coordinates, and frees these
+// coordinates.
 void PoseSearch::AddStages(const MarkerKinematics& kinematics) {
   std::set<std::size_t> sizes;
   for (int m = 0; m < kinematics.marker_count(); ++m) {
@@ -246,12 +247,12 @@ void PoseSearch::AddStages(const MarkerKinematics& kinematics) {
     rigidity_.push_back(std::exp2(-beyond / 2));
   }
   for (const std::size_t size : sizes) {
-    IkStage stage{.moves = told_, .share = {}};
+    IkStage stage{.moves = observable_, .share = {}};
     for (int m = 0; m < kinematics.marker_count(); ++m) {
-      const bool home = kinematics.Coordinates(m).size() <= size;
-      stage.share.push_back(home ? 1 : kLookAhead);
-      if (!home) continue;
-      for (const int c : kinematics.Coordinates(m)) stage.moves[c] = told_[c] = true;
+      const bool included = kinematics.Coordinates(m).size() <= size;
+      stage.share.push_back(included ? 1 : kLookAhead);
+      if (!included) continue;
+      for (const int c : kinematics.Coordinates(m)) stage.moves[c] = observable_[c] = true;
     }
     stages_.push_back(std::move(stage));
   }
@@ -263,13 +264,13 @@ Eigen::RowVectorXd PoseSearch::NeutralAngles(const PoseSolver& solver) const {
     const double lower = solver.limits().lower[c];
     const double upper = solver.limits().upper[c];
     const double range = upper - lower;
-    const double margin = told_[c] && std::isfinite(range) ? kOffLimits * range : 0;
+    const double margin = observable_[c] && std::isfinite(range) ? kOffLimits * range : 0;
     angles[c] = std::clamp(0.0, lower + margin, upper - margin);
   }
   return angles;
 }
 
-void PoseSearch::LayRoot(PoseSolver& solver) const {
+void PoseSearch::FitRoot(PoseSolver& solver) const {
   if (!root_is_free_) return;
   const MarkerKinematics& kinematics = solver.kinematics();
   Eigen::VectorXd weights(kinematics.marker_count());
@@ -278,12 +279,12 @@ void PoseSearch::LayRoot(PoseSolver& solver) const {
     weights[m] = rigidity_[m] * solver.weight(m);
     targets.col(m) = solver.target(m);
   }
-  const Eigen::Isometry3d laid = FitRigid(solver.pose().markers_m, targets, weights);
-  const Eigen::AngleAxisd turn(laid.linear());
+  const Eigen::Isometry3d rigid_fit = FitRigid(solver.pose().markers_m, targets, weights);
+  const Eigen::AngleAxisd turn(rigid_fit.linear());
   const Eigen::Vector3d origin = solver.pose().world_from_joint[0].translation();
   const Joint& root = kinematics.skeleton()->joints().front();
   Eigen::VectorXd step = Eigen::VectorXd::Zero(kinematics.dof_count());
-  for (int i = 0; i < 3; ++i) step[i] = root.dofs[i].axis.dot(laid * origin - origin);
+  for (int i = 0; i < 3; ++i) step[i] = root.dofs[i].axis.dot(rigid_fit * origin - origin);
   step.segment<3>(3) = turn.angle() * turn.axis();
   MarkerPose moved = solver.pose();
   kinematics.Advance(solver.pose(), step, moved);
@@ -298,32 +299,33 @@ double PoseSearch::DescendDownTheTree(PoseSolver& solver) const {
 double PoseSearch::Run(int attempts, PoseSolver& solver) const {
   const Eigen::RowVectorXd neutral = NeutralAngles(solver);
   solver.Stand(neutral);
-  LayRoot(solver);
-  double least = DescendDownTheTree(solver);
+  FitRoot(solver);
+  double min_sum = DescendDownTheTree(solver);
   Eigen::RowVectorXd best = solver.pose().angles;
-  std::mt19937 random(1);  // the same starts every time
+  std::mt19937 random(1);  // deterministic starts
   const auto number = [&random] { return static_cast<double>(random()) / std::mt19937::max(); };
   for (int attempt = 1; attempt < attempts && solver.Error().largest_m > kFits; ++attempt) {
     solver.Stand(best);
-    std::vector<bool> astray = Astray(solver);
-    if (std::none_of(astray.begin(), astray.end(), [](bool is) { return is; })) astray = told_;
+    std::vector<bool> misfit = MisfitCoordinates(solver);
+    if (std::none_of(misfit.begin(), misfit.end(), [](bool is) { return is; }))
+      misfit = observable_;
     Eigen::RowVectorXd angles = best;
     for (Eigen::Index c = 0; c < angles.size(); ++c) {
-      if (!astray[c]) continue;
+      if (!misfit[c]) continue;
       const double lower = std::max(solver.limits().lower[c], neutral[c] - kFreeReach);
       const double upper = std::min(solver.limits().upper[c], neutral[c] + kFreeReach);
       angles[c] = lower + number() * (upper - lower);
     }
     solver.Stand(angles);
-    if (astray[0]) LayRoot(solver);
+    if (misfit[0]) FitRoot(solver);
     const double sum = DescendDownTheTree(solver);
-    if (sum < least) {
-      least = sum;
+    if (sum < min_sum) {
+      min_sum = sum;
       best = solver.pose().angles;
     }
   }
   solver.Stand(best);
-  return least;
+  return min_sum;
 }
 
 }  // namespace motiondb::core

@@ -1,4 +1,4 @@
-// A single pose for markers: from the pose before, or searched for without one.
+// Solves one pose for markers: from the previous pose, or by global search.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,77 +10,73 @@
 
 namespace motiondb::core {
 
-// What a caller of inverse kinematics chooses. Plain values.
+// Options of inverse kinematics.
 struct IkOptions {
   // Every angle stays within its joint's limits.
   bool respect_limits = true;
-  // How much each marker's squared distance counts, not negative; empty: all alike. Only their
-  // ratios matter. A body of other proportions than the markers' wants feet and pelvis to weigh
-  // more than what lies between.
+  // Weight of each marker's squared distance, >= 0; empty: equal. Only ratios matter. For a body
+  // with other proportions than the markers' subject, feet and pelvis need larger weights than the
+  // markers between them.
   std::vector<double> marker_weights = {};
-  // Pull of each coordinate towards the frame before, in m^2: 1e-4 for one radian weighs as much as
-  // a marker 1 cm off. Angles that the markers hardly tell, such as the twist of a straight arm,
-  // then stay calm; those they tell well are not held back to speak of. It grows where the markers
-  // cannot be met: twofold at 5 mm rms, a hundredfold at 5 cm. 0: none.
+  // Pull of each coordinate towards the previous frame, m^2: with 1e-4, one radian counts as much
+  // as a marker error of 1 cm. Keeps angles calm that markers barely determine, such as the twist
+  // of a straight arm; hardly affects the others. Grows with the marker error: twofold at 5 mm rms,
+  // a hundredfold at 5 cm. 0: none.
   double smoothness = 1e-4;
 };
 
-// How far a pose's markers are from where they should be (m), over the markers that are present,
-// each counted alike.
+// Distance (m) of a pose's markers from their targets, over the markers present, unweighted.
 struct IkError {
   double rms_m = 0;
   double largest_m = 0;
 };
 
-// The rigid motion that brings points nearest to others. Safe to call from any thread.
-
-// The isometry that minimises the weighted sum of squared distances from each moved column of
-// `from` to that of `to` (Kabsch; weights not negative). Where points on a line or a single one
-// leave a turn open, it turns as little as it can. Columns of weight 0 may hold anything finite.
+// Returns the isometry that minimises the weighted sum of squared distances between the moved
+// columns of `from` and the columns of `to` (Kabsch; weights >= 0). If the points leave a rotation
+// open (a line, a single point), rotates as little as possible. Columns of weight 0 may have any
+// finite values.
 Eigen::Isometry3d FitRigid(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to,
                            const Eigen::VectorXd& weights);
 
-// One pose brought to its markers: Levenberg-Marquardt with the SR inverse, within joint limits.
-// Thread-compatible: one solver a thread. It borrows the MarkerKinematics, which must outlive it.
-
-// The part of the body that a descent moves, and how much it looks at each marker.
+// A stage of the solution: which coordinates move, and the share of each marker's weight.
 struct IkStage {
   std::vector<bool> moves;    // of each coordinate
   std::vector<double> share;  // of each marker's weight, 0 to 1
 };
 
-// Nothing below takes memory, but for the constructor.
+// Fits one pose to its markers: Levenberg-Marquardt with the SR inverse, within joint limits. The
+// MarkerKinematics must outlive the solver. Only the constructor allocates.
 class PoseSolver {
  public:
-  // The pose begins with all angles zero, or the limit next to zero.
-  // REQUIRES: options.marker_weights is empty or has one for each marker, not all of them zero.
+  // Starts at zero angles, or at the limit nearest to zero. REQUIRES: options.marker_weights is
+  // empty or has one for each marker, not all of them 0.
   PoseSolver(const MarkerKinematics& kinematics, const IkOptions& options);
 
   const MarkerKinematics& kinematics() const { return *kinematics_; }
   const JointLimits& limits() const { return limits_; }  // as respected
   const MarkerPose& pose() const { return pose_; }       // placed, within limits
 
-  // Where the markers should be: 1 x 3 * marker_count, m, world; NaN where one is missing.
+  // Sets the targets of the markers: 1 x 3 * marker_count, m, world; NaN: missing.
   void Aim(const Eigen::Ref<const Eigen::RowVectorXf>& markers_m);
   bool has_targets() const { return weights_.maxCoeff() > 0; }
-  // m, world; meaningful where weight(marker) > 0.
+  // m, world; valid if weight(marker) > 0.
   auto target(int marker) const { return targets_m_.col(marker); }
-  // Of a marker in the sum of squares; 0 for one that is missing. 1 on average over the set.
+  // Weight of a marker in the sum of squares; 0 if missing. The mean over the set is 1.
   double weight(int marker) const { return weights_[marker]; }
 
-  // Puts the pose at these angles (1 x dof_count), or at the limits next to them.
+  // Sets the pose's angles (1 x dof_count), clamped to the limits.
   void Stand(const Eigen::RowVectorXd& angles);
-  // Writes the pose's angles without the whole turns that part them from `angles`.
+  // Unwraps the pose's angles relative to `angles`.
   void RunOn(const Eigen::RowVectorXd& angles);
-  // Moves the pose downhill on the weighted sum of squared distances to the targets, plus `pull`
-  // (m^2) times the squared way from where the descent began, until a step gains next to nothing.
-  // Deterministic. Returns the sum (m^2) that it ends at.
+  // Minimises the weighted sum of squared distances to the targets, plus `pull` (m^2) times the
+  // squared displacement of the coordinates from the start. Ends when a step gains almost nothing.
+  // Returns the final sum (m^2). Deterministic.
   double Descend(const IkStage& stage, int max_iterations, double pull);
 
   IkError Error() const;
 
  private:
-  double SumOfSquares(const IkStage& stage, const MarkerPose& pose, const Eigen::VectorXd& way_back,
+  double SumOfSquares(const IkStage& stage, const MarkerPose& pose, const Eigen::VectorXd& to_start,
                       double pull) const;
   void Linearise(const IkStage& stage, double pull);
   void Hold(const IkStage& stage);
@@ -89,43 +85,44 @@ class PoseSolver {
 
   const MarkerKinematics* kinematics_;
   JointLimits limits_;
-  Eigen::VectorXd set_weights_;  // of all markers, as if present
-  Eigen::VectorXd weights_;      // of this frame's
+  Eigen::VectorXd set_weights_;  // of all markers, if present
+  Eigen::VectorXd weights_;      // of this frame
   Eigen::Matrix3Xd targets_m_;
   MarkerPose pose_;
   MarkerPose candidate_;
-  Eigen::VectorXd way_back_;            // of each coordinate to where the descent began
-  Eigen::VectorXd candidate_way_back_;  // the same of the candidate
+  Eigen::VectorXd to_start_;            // of each coordinate, back to the start
+  Eigen::VectorXd candidate_to_start_;  // of the candidate
   SingularityRobustInverse inverse_;
   Eigen::VectorXd step_;
 };
 
-// A pose for markers without a pose before: down the tree, from several starts.
-// Immutable after construction and safe to share between threads. It borrows nothing.
+// Global search for a pose: descents in stages from the root outwards, from several starts.
+// Immutable after construction.
 class PoseSearch {
  public:
   explicit PoseSearch(const MarkerKinematics& kinematics);
 
-  // The last stage: the whole body, all markers.
+  // The last stage: whole body, all markers.
   const IkStage& whole() const { return stages_.back(); }
 
-  // Leaves solver.pose() at the best of up to `attempts` descents to the solver's targets, and
-  // returns its sum of squares (m^2). The first begins near zero, the others elsewhere in those
-  // limbs whose markers are still off; a fit within a millimetre ends the search. Deterministic.
-  // REQUIRES: the solver is on the same kinematics.
+  // Sets solver.pose() to the best of up to `attempts` descents to the solver's targets, and
+  // returns its sum of squares (m^2). The first starts near zero; the others randomise limbs whose
+  // markers do not fit. Ends at a fit within a millimetre. Deterministic. REQUIRES: the solver uses
+  // the same kinematics.
   double Run(int attempts, PoseSolver& solver) const;
 
  private:
   void AddStages(const MarkerKinematics& kinematics);
-  // Angles to begin at: near zero, but off the limits, where a straight limb can bend either way.
+  // Returns start angles: near zero, but away from limits, where a straight limb can bend only one
+  // way.
   Eigen::RowVectorXd NeutralAngles(const PoseSolver& solver) const;
-  // Lays a root that moves and turns freely so that the markers fit as those of a rigid body.
-  void LayRoot(PoseSolver& solver) const;
+  // Moves a free root so that the markers fit as a rigid body.
+  void FitRoot(PoseSolver& solver) const;
   double DescendDownTheTree(PoseSolver& solver) const;
 
   std::vector<IkStage> stages_;
-  std::vector<bool> told_;  // coordinates that move a marker
-  // How much of a rigid body each marker is: most where the fewest coordinates move it.
+  std::vector<bool> observable_;  // coordinates that move a marker
+  // Rigidity of each marker relative to the root: highest if the fewest coordinates move it.
   std::vector<double> rigidity_;
   bool root_is_free_ = false;
 };

@@ -6,16 +6,16 @@
 namespace motiondb::core {
 namespace {
 
-// An unknown that moves the markers by less than this (m for each rad or m, root of the sum of
-// squares over markers) is damped.
-constexpr double kWeak = 0.01;
-// Damping of one that does not move them at all (m^2): as if it moved one marker by 3 mm.
+// An unknown is damped if it moves the markers by less than this (m for each rad or m, root of the
+// sum of squares over markers).
+constexpr double kWeakManipulability = 0.01;
+// Damping of an unknown that moves no marker (m^2): as if it moved one marker by 3 mm.
 constexpr double kDamping = 1e-5;
 
 double Damped(double pivot) {
   const double manipulability = std::sqrt(std::max(0.0, pivot));
-  if (manipulability >= kWeak) return pivot;
-  const double lack = 1 - manipulability / kWeak;
+  if (manipulability >= kWeakManipulability) return pivot;
+  const double lack = 1 - manipulability / kWeakManipulability;
   return std::max(0.0, pivot) + kDamping * lack * lack;
 }
 
@@ -93,7 +93,7 @@ const Eigen::VectorXd& SingularityRobustInverse::Solve(double damping) {
   Factorise(damping);
   const int count = static_cast<int>(gradient_.size());
   solution_ = gradient_;
-  for (int k = 0; k < count; ++k) {  // what is held moves to the right side
+  for (int k = 0; k < count; ++k) {  // held unknowns move to the right side
     if (held_at_[k] == 0) continue;
     for (int i = 0; i < count; ++i) {
       solution_[i] -= normal_(std::max(i, k), std::min(i, k)) * held_at_[k];

@@ -1,4 +1,4 @@
-// How a caller stops work that is no longer wanted.
+// Cooperative cancellation.
 #pragma once
 
 #include <cstdint>
@@ -6,17 +6,18 @@
 
 namespace motiondb::core {
 
-// True once the answer is no longer wanted (deadline passed, client gone). Asked often, from the
-// calling thread; an empty function never cancels.
+// Returns true once the work is cancelled (deadline passed, client gone). Called often, from the
+// calling thread. An empty function never cancels.
 using Cancelled = std::function<bool()>;
 
+// Calls a Cancelled at a limited rate, for inner loops.
 class Patience {
  public:
-  // `cancelled` must outlive it.
+  // `cancelled` must outlive this object.
   explicit Patience(const Cancelled& cancelled) : cancelled_(cancelled) {}
 
-  // Counts `steps` of some nanoseconds each; asks once they have come to a millisecond or so. True
-  // once the work is no longer wanted, and from then on.
+  // Adds `steps` (a few nanoseconds each) and calls `cancelled` about once a millisecond. Returns
+  // true once the work is cancelled, and from then on.
   bool IsOver(std::int64_t steps) {
     steps_ += steps;
     if (steps_ < kStepsBetween || !cancelled_) return over_;

@@ -1,8 +1,8 @@
-// Errors as values: absl::Status with a formatted message, and the two macros that pass one
-// upwards. (fmt rather than absl::StrCat: Debian's absl does not accept std::string_view.)
+// absl::Status errors with formatted messages, and the macros that propagate them. (fmt rather than
+// absl::StrCat: Debian's absl does not accept std::string_view.)
 //
-// An error of one argument names it: the name is a payload of the status, so that it reaches a
-// client as a field of its request.
+// An error about one argument carries the argument's name in a payload, so that the client receives
+// it as a field violation.
 #pragma once
 
 #include <fmt/format.h>
@@ -37,11 +37,11 @@ absl::Status DataLoss(fmt::format_string<Args...> format, Args&&... args) {
   return absl::DataLossError(fmt::format(format, std::forward<Args>(args)...));
 }
 
-// Type URL of the payload that holds a field's name.
+// Type URL of the payload with the field name.
 inline constexpr char kFieldUrl[] = "motiondb.field";
 
-// Names the field of an error of content, INVALID_ARGUMENT or OUT_OF_RANGE. Any other status, and
-// one that names its field already, is returned as it is.
+// Adds the field name to INVALID_ARGUMENT or OUT_OF_RANGE. Returns other statuses, and errors that
+// already have a field name, unchanged.
 inline absl::Status AtField(std::string_view field, absl::Status status) {
   const bool of_content = absl::IsInvalidArgument(status) || absl::IsOutOfRange(status);
   if (of_content && !status.GetPayload(kFieldUrl).has_value()) {
@@ -50,7 +50,7 @@ inline absl::Status AtField(std::string_view field, absl::Status status) {
   return status;
 }
 
-// INVALID_ARGUMENT "{field}: {description}".
+// Returns INVALID_ARGUMENT "{field}: {description}" with the field name.
 inline absl::Status FieldViolation(std::string_view field, std::string_view description) {
   return AtField(field, InvalidArgument("{}: {}", field, description));
 }
@@ -61,7 +61,8 @@ absl::Status FieldViolation(std::string_view field, fmt::format_string<Args...> 
   return FieldViolation(field, fmt::format(format, std::forward<Args>(args)...));
 }
 
-// The error of a message's part in the message: its field, if it names one, with `part.` before it.
+// Converts an error about a submessage to one about its parent: prefixes the field name, if any,
+// with `part.`.
 inline absl::Status Within(std::string_view part, const absl::Status& status) {
   const auto field = status.GetPayload(kFieldUrl);
   if (!field.has_value()) return AtField(part, status);
@@ -86,7 +87,7 @@ inline absl::Status Within(std::string_view part, const absl::Status& status) {
   }                                                                         \
   static_assert(true)
 
-// MOTIONDB_ASSIGN_OR_RETURN(auto x, F()): x is F()'s value, or F()'s error is returned.
+// MOTIONDB_ASSIGN_OR_RETURN(auto x, F()): assigns F()'s value to x, or returns F()'s error.
 #define MOTIONDB_ASSIGN_OR_RETURN(declaration, expression) \
   MOTIONDB_ASSIGN_OR_RETURN_INNER(MOTIONDB_JOIN(motiondb_or_, __LINE__), declaration, expression)
 #define MOTIONDB_ASSIGN_OR_RETURN_INNER(result, declaration, expression) \

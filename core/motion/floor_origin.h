@@ -1,5 +1,5 @@
-// Motion far from the world's origin. A float has steps of 8 mm at 90 km, so positions become
-// floats relative to a point of the floor near the motion. Pure; safe to call from any thread.
+// Motion far from the world's origin. At 90 km a float has a resolution of 8 mm, so positions are
+// stored as floats relative to a point on the floor near the motion.
 #pragma once
 
 #include <optional>
@@ -9,11 +9,11 @@
 
 namespace motiondb::core {
 
-// The corner of a grid of 16 m that is nearest to a point of the floor (x, y in m): 0 for all
-// motion near the origin, whose numbers stay as they are.
+// Returns the point of a 16 m grid that is nearest to `point` (x, y in m). It is 0 near the origin,
+// so that such motion keeps its coordinates.
 Eigen::Vector2d NearestCorner(const Eigen::Vector2d& point);
 
-// A corner near the first place of the root or of a marker.
+// Returns the grid point nearest to the first valid position of the root or of a marker.
 Eigen::Vector2d FloorOrigin(const Motion& motion);
 
 // As ApplyScheme, with positions relative to `origin`.

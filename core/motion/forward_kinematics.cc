@@ -8,7 +8,7 @@ namespace motiondb::core {
 
 namespace {
 
-// Of a joint whose parent is in its place.
+// Computes the pose of a joint whose parent's pose is known.
 void PlaceJoint(const Skeleton& skeleton, const Eigen::Ref<const Eigen::RowVectorXd>& angles, int j,
                 std::span<Eigen::Isometry3d> world_from_joint) {
   const Joint& joint = skeleton.joints()[j];
@@ -103,7 +103,7 @@ FrameMatrix JointPositions(const JointMotion& motion) {
 
 namespace {
 
-// Below this cosine of the second angle the first and the third cannot be told apart.
+// Gimbal lock: below this cosine of the second angle, the first and third angles are ambiguous.
 constexpr double kLock = 1e-9;
 
 double NearestTurn(double angle, double previous) {
@@ -123,8 +123,8 @@ Eigen::Vector3d WithThird(const Eigen::Matrix3d& m, double third, const Eigen::V
 Eigen::Vector3d AnglesAboutAxes(const Eigen::Matrix3d& rotation,
                                 const std::array<Eigen::Vector3d, 3>& axes,
                                 const Eigen::Vector3d& previous) {
-  // In the axes as a right-handed frame the rotation is Rx Ry Rz; a third axis that points the
-  // other way has the opposite angle.
+  // In a right-handed frame of the axes the rotation is Rx Ry Rz. If the third axis points the
+  // other way, its angle changes sign.
   const double hand = axes[0].cross(axes[1]).dot(axes[2]) < 0 ? -1 : 1;
   Eigen::Matrix3d frame;
   frame << axes[0], axes[1], hand * axes[2];

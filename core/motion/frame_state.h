@@ -1,5 +1,4 @@
-// What a single frame needs for its state (section III-A): read from a whole motion or from one
-// that is still coming in. Pure; safe to call from any thread.
+// State vector of a single frame (section III-A), for complete motions and for streams.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,34 +8,33 @@
 
 namespace motiondb::core {
 
-// Where the hips (m, world; NaN where missing) put the reference frame.
+// Position and heading of the reference frame, from the hips (m, world; NaN if missing).
 struct HipLine {
-  bool placed = false;  // both hips are there
-  bool turned = false;  // and the line between them lies flat enough to tell the front
+  bool placed = false;  // both hips are present
+  bool turned = false;  // and the hip line is horizontal enough to define the front
   Eigen::Vector2d middle = Eigen::Vector2d::Zero();
   double heading = 0;  // of the front, rad, in (-1.5 pi, 0.5 pi]
 };
 
 inline HipLine ReadHips(const Eigen::Vector3d& left, const Eigen::Vector3d& right) {
-  // Below this part of its length on the floor, the line between the hips no longer tells the
-  // front.
-  constexpr double kMinFloorShare = 0.2;
+  // Minimum ratio of the hip line's horizontal length to its length.
+  constexpr double kMinHorizontalRatio = 0.2;
   HipLine hips;
   const Eigen::Vector3d across = left - right;
   hips.placed = across.allFinite();
   if (!hips.placed) return hips;
   hips.middle = (0.5 * (left + right)).head<2>();
   const double on_floor = across.head<2>().norm();
-  hips.turned = on_floor > 0 && on_floor >= kMinFloorShare * across.norm();
-  // Left is the frame's y axis; its x axis, the front, is a quarter turn to the right of it.
+  hips.turned = on_floor > 0 && on_floor >= kMinHorizontalRatio * across.norm();
+  // Left is the frame's y axis; the front is its x axis, 90 degrees to the right of y.
   if (hips.turned) hips.heading = std::atan2(across.y(), across.x()) - std::numbers::pi / 2;
   return hips;
 }
 
-// Writes the state (6 N_v) of a frame at `root` (x, y, heading). `marker_at(offset, m)` is marker m
-// (Vector3d, m, world) of the frame itself (0), the one before (-1) or after (1); NaN where it is
-// missing or there is no such frame. Velocities are central differences, one-sided where a
-// neighbour is missing.
+// Writes the state (6 N_v) of a frame with the reference frame `root` (x, y, heading).
+// `marker_at(offset, m)` returns marker m (Vector3d, m, world) of this frame (0), the previous (-1)
+// or the next (1); NaN if the marker or the frame does not exist. Velocities are central
+// differences, one-sided if a neighbour is missing.
 template <typename MarkerAt, typename State>
 void MakeFrameState(const MarkerAt& marker_at, const Eigen::Vector3d& root, double frame_rate_hz,
                     double leg_length_m, State&& state) {
@@ -46,15 +44,15 @@ void MakeFrameState(const MarkerAt& marker_at, const Eigen::Vector3d& root, doub
     state.template segment<3>(column) = (v / leg_length_m).template cast<float>().transpose();
   };
   for (Eigen::Index m = 0; m < state.size() / 6; ++m) {
-    const Eigen::Vector3d here = marker_at(0, m);
-    put(6 * m, here - Eigen::Vector3d(root[0], root[1], 0));
-    // The neighbours that are there; the frame itself stands in for one that is not.
+    const Eigen::Vector3d current = marker_at(0, m);
+    put(6 * m, current - Eigen::Vector3d(root[0], root[1], 0));
+    // A missing neighbour is replaced by this frame.
     double span = 0;
     const auto neighbour = [&](int offset) -> Eigen::Vector3d {
-      const Eigen::Vector3d there = marker_at(offset, m);
-      if (there.hasNaN()) return here;
+      const Eigen::Vector3d adjacent = marker_at(offset, m);
+      if (adjacent.hasNaN()) return current;
       span += 1;
-      return there;
+      return adjacent;
     };
     const Eigen::Vector3d before = neighbour(-1);
     const Eigen::Vector3d after = neighbour(1);
@@ -63,9 +61,7 @@ void MakeFrameState(const MarkerAt& marker_at, const Eigen::Vector3d& root, doub
   }
 }
 
-// Between the frames of a motion. Pure; safe to call from any thread.
-
-// Between b and c, a share `u` of the way: Catmull-Rom, linear where an outer point is missing.
+// Interpolates between b (u = 0) and c (u = 1): Catmull-Rom, linear if an outer point is missing.
 inline float CatmullRom(float a, float b, float c, float d, float u) {
   const float cubic =
       b + 0.5F * u * (c - a + u * (2 * a - 5 * b + 4 * c - d + u * (3 * (b - c) + d - a)));

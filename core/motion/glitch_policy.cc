@@ -9,9 +9,9 @@
 namespace motiondb::core {
 namespace {
 
-constexpr std::size_t kMostDescribed = 8;  // glitches in a note
+constexpr std::size_t kMaxDescribed = 8;  // glitches in a note
 
-// The spans in order, joined where they overlap or touch.
+// Returns the spans in order; spans that overlap or touch are joined.
 std::vector<FrameSpan> Joined(std::vector<FrameSpan> spans) {
   std::ranges::sort(spans, {}, &FrameSpan::first);
   std::vector<FrameSpan> joined;
@@ -34,16 +34,16 @@ std::vector<FrameSpan> SpansOf(const std::vector<Glitch>& glitches) {
 std::string Note(const char* what, const std::vector<Glitch>& glitches,
                  const std::vector<std::string>& names) {
   std::string note = std::string(kGlitchNote) + what + " (" + std::to_string(glitches.size()) + ")";
-  for (std::size_t i = 0; i < std::min(glitches.size(), kMostDescribed); ++i) {
+  for (std::size_t i = 0; i < std::min(glitches.size(), kMaxDescribed); ++i) {
     note += (i == 0 ? ": " : ", ") + Describe(glitches[i], names);
   }
-  return glitches.size() > kMostDescribed ? note + ", ..." : note;
+  return glitches.size() > kMaxDescribed ? note + ", ..." : note;
 }
 
 absl::Status Refusal(const Glitch& glitch, const std::vector<Glitch>& glitches,
-                     const MarkerMotion& motion, const std::string& why) {
-  return InvalidArgument("{} (glitches in all: {}): {}", Describe(glitch, motion.names),
-                         glitches.size(), why);
+                     const MarkerMotion& motion, const std::string& reason) {
+  return InvalidArgument("{} ({} glitches in total): {}", Describe(glitch, motion.names),
+                         glitches.size(), reason);
 }
 
 absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
@@ -59,15 +59,16 @@ absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
     for (const FrameSpan& span : Joined(std::move(of_marker[m]))) {
       const int frames = span.last - span.first + 1;
       if (frames > kLongestRepairSeconds * motion.frame_rate_hz) {
-        // The glitch that it begins with is its best description.
+        // Describe the span by its first glitch.
         const auto first = std::ranges::find_if(glitches, [&](const Glitch& glitch) {
           return glitch.first_frame == span.first &&
                  (glitch.marker == m || glitch.marker == Glitch::kAllMarkers);
         });
-        return Refusal(*first, glitches, motion,
-                       fmt::format("{:.2f} s are repaired at most, this lasts {:.2f} s; choose "
-                                   "--glitches drop or keep for the database, or cut the file",
-                                   kLongestRepairSeconds, frames / motion.frame_rate_hz));
+        return Refusal(
+            *first, glitches, motion,
+            fmt::format("repair is limited to {:.2f} s, this lasts {:.2f} s; set --glitches "
+                        "drop or keep on the database, or cut the file",
+                        kLongestRepairSeconds, frames / motion.frame_rate_hz));
       }
       motion.positions_m.block(span.first, 3 * static_cast<Eigen::Index>(m), frames, 3)
           .setConstant(std::numeric_limits<float>::quiet_NaN());
@@ -76,7 +77,7 @@ absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
   return absl::OkStatus();
 }
 
-// The longest stretch between spans; empty (last < first) where there is none.
+// Returns the longest part between spans; empty (last < first) if there is none.
 FrameSpan LongestBetween(const std::vector<FrameSpan>& spans, int frames) {
   FrameSpan longest{0, -1};
   int first = 0;
@@ -100,7 +101,8 @@ absl::StatusOr<std::vector<FrameSpan>> ApplyGlitchPolicy(GlitchPolicy policy,
   if (glitches.empty()) return std::vector<FrameSpan>{};
   switch (policy) {
     case GlitchPolicy::kReject:
-      return Refusal(glitches.front(), glitches, motion, "the database takes no such clip");
+      return Refusal(glitches.front(), glitches, motion,
+                     "the database rejects clips with glitches");
     case GlitchPolicy::kRepair:
       MOTIONDB_RETURN_IF_ERROR(Repair(glitches, motion));
       notes.push_back(Note("repaired", glitches, motion.names));
@@ -113,26 +115,29 @@ absl::StatusOr<std::vector<FrameSpan>> ApplyGlitchPolicy(GlitchPolicy policy,
   }
   const auto frames = static_cast<int>(motion.positions_m.rows());
   const FrameSpan longest = LongestBetween(SpansOf(glitches), frames);
-  const int left = longest.last - longest.first + 1;
-  if (left < 2) return Refusal(glitches.front(), glitches, motion, "nothing between them is left");
+  const int remaining = longest.last - longest.first + 1;
+  if (remaining < 2)
+    return Refusal(glitches.front(), glitches, motion,
+                   "fewer than 2 frames remain without glitches");
   const std::string cut = fmt::format("dropped, frames {}-{} of {} stored", longest.first + 1,
                                       longest.last + 1, frames);
   notes.push_back(Note(cut.c_str(), glitches, motion.names));
-  motion.positions_m = motion.positions_m.middleRows(longest.first, left).eval();
+  motion.positions_m = motion.positions_m.middleRows(longest.first, remaining).eval();
   return std::vector<FrameSpan>{};
 }
 
 std::vector<FrameSpan> AtFrameRate(const std::vector<FrameSpan>& spans, double from_hz,
                                    double to_hz, int frame_count) {
-  constexpr int kNeighbours = 2;  // that cubic interpolation looks at; one more for velocities
+  constexpr int kNeighbours = 2;  // of cubic interpolation; one more for velocities
   const double rate = to_hz / from_hz;
-  std::vector<FrameSpan> there;
+  std::vector<FrameSpan> affected;
   for (const FrameSpan& span : spans) {
     const auto first = static_cast<int>(std::floor((span.first - kNeighbours) * rate)) - 1;
     const auto last = static_cast<int>(std::ceil((span.last + kNeighbours) * rate)) + 1;
-    there.push_back({std::clamp(first, 0, frame_count - 1), std::clamp(last, 0, frame_count - 1)});
+    affected.push_back(
+        {std::clamp(first, 0, frame_count - 1), std::clamp(last, 0, frame_count - 1)});
   }
-  return Joined(std::move(there));
+  return Joined(std::move(affected));
 }
 
 }  // namespace motiondb::core

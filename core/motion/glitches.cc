@@ -12,10 +12,10 @@
 namespace motiondb::core {
 namespace {
 
-constexpr PathLimits kMarkerLimits{40, 1200, 25, 0.2};  // leg lengths, as the header has them
+constexpr PathLimits kMarkerLimits{40, 1200, 25, 0.2};  // leg lengths, see the header
 constexpr PathLimits kBodyLimits{40, 180, 15, 0.2};
 constexpr double kBeyond_m = 1e5;
-constexpr double kBridgedSeconds = 0.25;  // as much as is repaired
+constexpr double kBridgedSeconds = 0.25;  // as kLongestRepairSeconds
 
 PathLimits InMetres(const PathLimits& limits, double leg_length_m) {
   return {leg_length_m * limits.speed, leg_length_m * limits.acceleration,
@@ -26,7 +26,7 @@ MarkerPath PathOf(const MarkerMotion& motion, int marker) {
   return motion.positions_m.middleCols<3>(3 * static_cast<Eigen::Index>(marker)).cast<double>();
 }
 
-// The way of the body as a whole: of each step the markers' median, in each coordinate.
+// Path of the body as a whole: each step is the median of the markers' steps, by coordinate.
 MarkerPath BodyPath(const MarkerMotion& motion) {
   const Eigen::Index frames = motion.positions_m.rows();
   MarkerPath path = MarkerPath::Zero(frames, 3);
@@ -37,7 +37,7 @@ MarkerPath BodyPath(const MarkerMotion& motion) {
       for (Eigen::Index c = axis; c < motion.positions_m.cols(); c += 3) {
         const double step = static_cast<double>(motion.positions_m(t, c)) -
                             static_cast<double>(motion.positions_m(t - 1, c));
-        if (std::abs(step) < kBeyond_m) steps.push_back(step);  // so it is a number
+        if (std::abs(step) < kBeyond_m) steps.push_back(step);  // false for NaN
       }
       path(t, axis) = path(t - 1, axis);
       if (steps.empty()) continue;
@@ -49,7 +49,7 @@ MarkerPath BodyPath(const MarkerMotion& motion) {
   return path;
 }
 
-// Frames for which `holds`, as runs.
+// Returns the frames for which `holds` returns true, as runs.
 template <typename Holds>
 std::vector<FrameSpan> RunsWhere(int frames, const Holds& holds) {
   std::vector<FrameSpan> runs;
@@ -61,40 +61,42 @@ std::vector<FrameSpan> RunsWhere(int frames, const Holds& holds) {
   return runs;
 }
 
-// The first of some ranges, which are apart and in order, that ends at or after the start of
-// `range`: the only one that can hold it.
-std::vector<FrameSpan>::const_iterator FirstMet(const FrameSpan& range,
-                                                const std::vector<FrameSpan>& ranges) {
+// Returns the first of `ranges` (ascending, disjoint) that ends at or after the start of `range`:
+// the only one that can contain it.
+std::vector<FrameSpan>::const_iterator FirstCandidate(const FrameSpan& range,
+                                                      const std::vector<FrameSpan>& ranges) {
   return std::ranges::lower_bound(ranges, range.first, {}, &FrameSpan::last);
 }
 
-bool MeetsAny(const FrameSpan& range, const std::vector<FrameSpan>& ranges) {
-  const auto met = FirstMet(range, ranges);
-  return met != ranges.end() && met->first <= range.last;
+bool OverlapsAny(const FrameSpan& range, const std::vector<FrameSpan>& ranges) {
+  const auto candidate = FirstCandidate(range, ranges);
+  return candidate != ranges.end() && candidate->first <= range.last;
 }
 
 bool IsWithinAny(const FrameSpan& range, const std::vector<FrameSpan>& ranges) {
-  const auto met = FirstMet(range, ranges);
-  return met != ranges.end() && met->first <= range.first && range.last <= met->last;
+  const auto candidate = FirstCandidate(range, ranges);
+  return candidate != ranges.end() && candidate->first <= range.first &&
+         range.last <= candidate->last;
 }
 
-// In a calm clip limbs keep their distances, too; but they leave their places smoothly. So of spans
-// in which a marker is off its segment only those count that begin or end with one of some suspect
-// steps, given by the frames that they lead to. A span that has one of them reaches to the other,
-// if there is one within `most_frames`: between them distances may be right by chance.
+// Selects the off-segment spans that begin or end abruptly: in a calm clip limbs change their
+// distances too, but smoothly. `suspects`: frames after a suspect step. A span with one abrupt end
+// is extended to a suspect step at the other end if its length stays within `max_frames`, because
+// distances between may be right by chance.
 std::vector<FrameSpan> AbruptSpans(const std::vector<FrameSpan>& spans,
-                                   const std::vector<int>& suspects, int most_frames) {
+                                   const std::vector<int>& suspects, int max_frames) {
   std::vector<FrameSpan> abrupt;
   for (FrameSpan span : spans) {
     const auto begins = std::ranges::lower_bound(suspects, span.first);
     const auto ends = std::ranges::lower_bound(suspects, span.last + 1);
-    const bool begins_so = begins != suspects.end() && *begins == span.first;
-    const bool ends_so = ends != suspects.end() && *ends == span.last + 1;
-    if (!begins_so && !ends_so) continue;
-    if (!ends_so && ends != suspects.end() && *ends - span.first <= most_frames) {
+    const bool begins_abruptly = begins != suspects.end() && *begins == span.first;
+    const bool ends_abruptly = ends != suspects.end() && *ends == span.last + 1;
+    if (!begins_abruptly && !ends_abruptly) continue;
+    if (!ends_abruptly && ends != suspects.end() && *ends - span.first <= max_frames) {
       span.last = *ends - 1;
     }
-    if (!begins_so && begins != suspects.begin() && span.last - *std::prev(begins) < most_frames) {
+    if (!begins_abruptly && begins != suspects.begin() &&
+        span.last - *std::prev(begins) < max_frames) {
       span.first = *std::prev(begins);
     }
     if (!abrupt.empty() && span.first <= abrupt.back().last + 1) {
@@ -130,10 +132,10 @@ class Search {
   void SearchBody() {
     const MarkerPath path = BodyPath(motion_);
     const std::vector<FrameSpan> still = StillRuns(path, motion_.frame_rate_hz);
-    of_body_ =
+    body_faults_ =
         FindPathFaults(path, motion_.frame_rate_hz, InMetres(kBodyLimits, leg_length_m_), still)
             .outside;
-    for (const FrameSpan& range : of_body_) {
+    for (const FrameSpan& range : body_faults_) {
       Add(Glitch::kAllMarkers, range,
           IsWithinAny(range, still) ? GlitchKind::kFrozen : GlitchKind::kJump);
     }
@@ -155,27 +157,28 @@ class Search {
     const auto [outside, suspects] = FindPathFaults(
         path, motion_.frame_rate_hz, InMetres(kMarkerLimits, leg_length_m_), doubtful);
     for (const FrameSpan& range : outside) {
-      if (IsWithinAny(range, of_body_)) continue;
+      if (IsWithinAny(range, body_faults_)) continue;
       Add(marker, range,
-          MeetsAny(range, at_origin) ? GlitchKind::kOrigin
-          : MeetsAny(range, still)   ? GlitchKind::kFrozen
-                                     : GlitchKind::kJump);
+          OverlapsAny(range, at_origin) ? GlitchKind::kOrigin
+          : OverlapsAny(range, still)   ? GlitchKind::kFrozen
+                                        : GlitchKind::kJump);
     }
     const auto bridged = static_cast<int>(kBridgedSeconds * motion_.frame_rate_hz);
     for (FrameSpan range : AbruptSpans(off_segment_[marker], suspects, bridged)) {
-      // A marker that stands still while its segment goes on is at fault from when it stopped.
-      const auto stopped = FirstMet(range, still);
-      const bool froze = stopped != still.end() && stopped->first <= range.last;
+      // A marker that freezes while its segment moves is at fault from the frame in which it froze.
+      const auto frozen_run = FirstCandidate(range, still);
+      const bool froze = frozen_run != still.end() && frozen_run->first <= range.last;
       if (froze) {
-        range = {std::min(range.first, stopped->first), std::max(range.last, stopped->last)};
+        range = {std::min(range.first, frozen_run->first), std::max(range.last, frozen_run->last)};
       }
-      if (IsWithinAny(range, outside) || IsWithinAny(range, of_body_) || MeetsAny(range, beyond)) {
+      if (IsWithinAny(range, outside) || IsWithinAny(range, body_faults_) ||
+          OverlapsAny(range, beyond)) {
         continue;
       }
       Add(marker, range,
-          MeetsAny(range, at_origin) ? GlitchKind::kOrigin
-          : froze                    ? GlitchKind::kFrozen
-                                     : GlitchKind::kStretched);
+          OverlapsAny(range, at_origin) ? GlitchKind::kOrigin
+          : froze                       ? GlitchKind::kFrozen
+                                        : GlitchKind::kStretched);
     }
   }
 
@@ -183,7 +186,7 @@ class Search {
     return motion_.positions_m.row(frame).segment<3>(3 * static_cast<Eigen::Index>(marker));
   }
 
-  // Whether each of two markers goes to where the other was.
+  // Whether two markers exchange their positions.
   bool Swap(const Glitch& a, const Glitch& b) const {
     const int t = a.first_frame;
     const float crosswise = (At(t, a.marker) - At(t - 1, b.marker)).norm() +
@@ -195,8 +198,8 @@ class Search {
 
   using Glitches = std::vector<Glitch>;
 
-  // Of glitches that begin in one frame.
-  void NameSwapped(Glitches::iterator begin, Glitches::iterator end) const {
+  // Marks swapped pairs among glitches that begin in the same frame.
+  void MarkSwapped(Glitches::iterator begin, Glitches::iterator end) const {
     if (begin->first_frame == 0) return;
     for (auto a = begin; a != end; ++a) {
       if (a->marker < 0 || a->kind == GlitchKind::kOrigin) continue;
@@ -209,18 +212,18 @@ class Search {
     }
   }
 
-  // Of glitches that are in the same frames: what half of the markers do, all do.
-  void Add(Glitches::iterator begin, Glitches::iterator end, Glitches& together) const {
+  // Merges glitches in the same frames: if half of the markers have one, all markers have it.
+  void Add(Glitches::iterator begin, Glitches::iterator end, Glitches& merged) const {
     if (end - begin == 1 || 2 * (end - begin) < std::ssize(motion_.names)) {
-      together.insert(together.end(), begin, end);
+      merged.insert(merged.end(), begin, end);
       return;
     }
     const bool swapped = begin->kind == GlitchKind::kSwapped;
-    together.push_back({Glitch::kAllMarkers, begin->first_frame, begin->last_frame,
-                        swapped ? GlitchKind::kJump : begin->kind});
+    merged.push_back({Glitch::kAllMarkers, begin->first_frame, begin->last_frame,
+                      swapped ? GlitchKind::kJump : begin->kind});
   }
 
-  // In order of frame and marker.
+  // Returns the glitches ordered by frame and marker.
   Glitches InOrder() {
     std::ranges::sort(found_, {}, [](const Glitch& g) {
       return std::tuple(g.first_frame, g.last_frame, g.marker);
@@ -234,18 +237,18 @@ class Search {
       }
     };
     each([](const Glitch& g) { return g.first_frame; },
-         [&](auto begin, auto end) { NameSwapped(begin, end); });
-    Glitches together;
+         [&](auto begin, auto end) { MarkSwapped(begin, end); });
+    Glitches merged;
     each([](const Glitch& g) { return std::pair(g.first_frame, g.last_frame); },
-         [&](auto begin, auto end) { Add(begin, end, together); });
-    return together;
+         [&](auto begin, auto end) { Add(begin, end, merged); });
+    return merged;
   }
 
   const MarkerMotion& motion_;
   const double leg_length_m_;
   const Eigen::RowVector3d origin_;
   const std::vector<std::vector<FrameSpan>> off_segment_;
-  std::vector<FrameSpan> of_body_;
+  std::vector<FrameSpan> body_faults_;
   std::vector<Glitch> found_;
 };
 
@@ -262,9 +265,10 @@ std::string Describe(const Glitch& glitch, const std::vector<std::string>& marke
           ? fmt::format("frame {}", glitch.first_frame + 1)
           : fmt::format("frames {}-{}", glitch.first_frame + 1, glitch.last_frame + 1);
   const bool all = glitch.marker == Glitch::kAllMarkers;
-  const std::string who = all ? "all markers" : fmt::format("'{}'", marker_names[glitch.marker]);
+  const std::string subject =
+      all ? "all markers" : fmt::format("'{}'", marker_names[glitch.marker]);
   const auto verb = [&](const char* one, const char* many) {
-    return fmt::format("{}: {} {}", frames, who, all ? many : one);
+    return fmt::format("{}: {} {}", frames, subject, all ? many : one);
   };
   switch (glitch.kind) {
     case GlitchKind::kOrigin:
@@ -272,7 +276,7 @@ std::string Describe(const Glitch& glitch, const std::vector<std::string>& marke
     case GlitchKind::kFrozen:
       return verb("is frozen", "are frozen");
     case GlitchKind::kSwapped:
-      return fmt::format("{}: {} is swapped with '{}'", frames, who,
+      return fmt::format("{}: {} is swapped with '{}'", frames, subject,
                          marker_names[glitch.swapped_with]);
     case GlitchKind::kStretched:
       return verb("leaves its segment", "leave their segments");

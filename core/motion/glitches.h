@@ -1,24 +1,24 @@
-// Glitches: stretches of a recording in which a marker is where no body can bring it. Found once,
-// at ingest, on the source's own frames. Pure; safe to call from any thread.
+// Glitches: frames in which a marker is where no body can bring it. Detected once, at ingest, on
+// the frames of the source.
 //
 // Lengths are in leg lengths (hip to knee to ankle, 0.49 of the stature: Winter, "Biomechanics and
-// Motor Control of Human Movement", after Drillis and Contini), so that the limits hold for every
-// body size. In metres they are given for a leg of 0.85 m.
+// Motor Control of Human Movement", after Drillis and Contini), so that limits apply to all body
+// sizes. Values in metres are for a leg of 0.85 m.
 //
-// The limits, each well above what athletes are reported to reach (rounded, orders of magnitude):
-// - a marker: 40 /s = 34 m/s (thrown javelins: 30 m/s);
-// - 1200 /s^2 = 1000 m/s^2 (hands and feet in punches and kicks: 50 to 100 g);
-// - 25 /s = 21 m/s from frame to frame (a foot at 20 m/s that stops at a ball);
-// - the body as a whole: 180 /s^2 = 150 m/s^2 (hard landings: 10 to 15 body weights);
-// - 15 /s = 13 m/s from frame to frame (a sprinter's 12 m/s, to rest);
-// - the distance of two markers of one segment: 0.1 = 8.5 cm. Skin moves over the bone, most at the
-//   thigh, by some centimetres (the review of Leardini, Chiari, Della Croce and Cappozzo, Gait and
-//   Posture 21, 2005, pages 212 to 225, has the measurements).
+// Limits, well above values reported for athletes (rounded, orders of magnitude):
+// - marker speed: 40 /s = 34 m/s (thrown javelins: 30 m/s);
+// - marker acceleration: 1200 /s^2 = 1000 m/s^2 (hands and feet in punches and kicks: 50 to 100 g);
+// - marker velocity change between frames: 25 /s = 21 m/s (a foot at 20 m/s that hits a ball);
+// - acceleration of the whole body: 180 /s^2 = 150 m/s^2 (hard landings: 10 to 15 body weights);
+// - velocity change of the whole body: 15 /s = 13 m/s (a sprinter at 12 m/s who stops);
+// - change of distance within a segment: 0.1 = 8.5 cm. Skin moves over the bone by some
+//   centimetres, mostly at the thigh (review: Leardini, Chiari, Della Croce and Cappozzo, Gait and
+//   Posture 21, 2005, pages 212 to 225).
 //
-// Deviations below 0.2 leg lengths (17 cm) are passed over: solvers of joint angles flip hands and
-// toes by up to 16 cm in a frame, in recordings that are good otherwise. To each limit comes the
-// noise of the recording itself, five times the median second difference of the marker. That, and
-// the change of velocity, make the limits as wide as a low frame rate needs.
+// Deviations below 0.2 leg lengths (17 cm) are ignored: inverse kinematics solvers flip hands and
+// toes by up to 16 cm in one frame of good recordings. Each limit is increased by the noise of the
+// recording, five times the marker's median second difference. Noise and velocity change make the
+// limits wide enough at low frame rates.
 #pragma once
 
 #include <Eigen/Core>
@@ -31,12 +31,12 @@
 namespace motiondb::core {
 
 enum class GlitchKind {
-  kJump,       // it gets there, or away again, faster than a body moves
-  kOrigin,     // it lies exactly at the origin, and jumps there
-  kFrozen,     // it stands still to the last digit, and then jumps
-  kSwapped,    // it has another marker's place, and that has its
-  kStretched,  // it leaves the markers of its own segment
-  kBeyond,     // a coordinate is more than 100 km
+  kJump,       // arrives or leaves faster than a body moves
+  kOrigin,     // jumps to exactly the origin
+  kFrozen,     // bitwise constant, then jumps
+  kSwapped,    // exchanged with another marker
+  kStretched,  // leaves the markers of its segment
+  kBeyond,     // a coordinate exceeds 100 km
 };
 
 struct Glitch {
@@ -50,41 +50,40 @@ struct Glitch {
   friend bool operator==(const Glitch&, const Glitch&) = default;
 };
 
-// The glitches of a motion, whose missing markers are NaN, in order of frame and marker. Frame
-// rates from 1 to 1000 Hz. `origin` (m) is the world's point that positions are relative to. Below
-// some 15 Hz only what is metres away is found. Where a motion jumps and stays there, the
-// shorter part is the glitch. O(frames * markers + markers^2). REQUIRES: leg_length_m > 0.
+// Returns the glitches of a motion, ordered by frame and marker. Missing markers are NaN; frame
+// rates from 1 to 1000 Hz. Positions are relative to the world point `origin` (m). Below about 15
+// Hz only deviations of metres are found. If a motion jumps and does not return, the shorter part
+// is the glitch. O(frames * markers + markers^2). REQUIRES: leg_length_m > 0.
 std::vector<Glitch> FindGlitches(const MarkerMotion& motion, double leg_length_m,
                                  const Eigen::Vector2d& origin = Eigen::Vector2d::Zero());
 
-// "frames 12-15: 'LWrist' jumps"; frames are counted from 1.
+// Returns text such as "frames 12-15: 'LWrist' jumps"; frames are counted from 1.
 std::string Describe(const Glitch& glitch, const std::vector<std::string>& marker_names);
 
-// What becomes of a clip's glitches (core/motion/glitches.h) when it is ingested: a setting of the
-// database. Safe to call from any thread.
+// What ingest does with the glitches of a clip: a setting of the database.
 enum class GlitchPolicy {
-  kRepair,  // interpolate over up to kLongestRepairSeconds, refuse longer ones
-  kReject,  // refuse the clip
-  kDrop,    // store the longest stretch without glitches
-  kKeep,    // store it as it is
+  kRepair,  // interpolate up to kLongestRepairSeconds, reject longer ones
+  kReject,  // reject the clip
+  kDrop,    // store the longest part without glitches
+  kKeep,    // store the clip unchanged
 };
 
 inline constexpr double kLongestRepairSeconds = 0.25;
 
-// How the note on glitches in a clip's report begins.
+// Prefix of the note on glitches in a clip's report.
 inline constexpr char kGlitchNote[] = "glitches ";
 
-// Changes the motion as the policy says: repaired places become missing (NaN), dropped frames go.
-// Returns the frames of glitches that stay, in order and apart: none but by kKeep. `notes` gets one
-// on what was found, if anything was. INVALID_ARGUMENT, with frame and marker of the first glitch
-// that stands in the way, for a clip that is refused. REQUIRES: the glitches are the motion's.
+// Applies the policy: repaired positions become NaN (filled later), dropped frames are removed.
+// Returns the frames of the remaining glitches, ascending and disjoint; empty unless kKeep. Appends
+// one note if there are glitches. INVALID_ARGUMENT, with frame and marker of the first rejected
+// glitch, if the clip is rejected. REQUIRES: `glitches` are those of `motion`.
 absl::StatusOr<std::vector<FrameSpan>> ApplyGlitchPolicy(GlitchPolicy policy,
                                                          const std::vector<Glitch>& glitches,
                                                          MarkerMotion& motion,
                                                          std::vector<std::string>& notes);
 
-// The frames that any of the spans touches once the motion is resampled and has velocities, of
-// `frame_count` frames; in order and apart.
+// Returns the frames that the spans affect after resampling to `to_hz` (`frame_count` frames) and
+// differentiation, ascending and disjoint.
 std::vector<FrameSpan> AtFrameRate(const std::vector<FrameSpan>& spans, double from_hz,
                                    double to_hz, int frame_count);
 

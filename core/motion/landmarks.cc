@@ -1,5 +1,4 @@
-// Which names mean hip, knee and ankle: the customs of ASF, BVH exporters, game rigs and optical
-// marker sets.
+// Names of hip, knee and ankle in ASF, BVH exporters, game rigs and optical marker sets.
 #include <algorithm>
 #include <string_view>
 
@@ -9,7 +8,7 @@ namespace motiondb::core {
 namespace {
 
 // "S" stands for left or right, "s" for l or r. Names are compared in lower case without
-// separators; the first custom that the motion knows wins.
+// separators; the first pattern that matches wins.
 constexpr std::string_view kHip[] = {"Supleg", "Supperleg",    "sfemur", "Sthigh",
                                      "sthigh", "ccbasesthigh", "thighs", "Ship",
                                      "ship",   "shjc",         "sasi",   "sfwt"};
@@ -19,12 +18,11 @@ constexpr std::string_view kKnee[] = {"Sleg",  "Slowerleg", "Slowleg",     "stib
 constexpr std::string_view kAnkle[] = {"Sfoot", "sfoot", "Sankle", "sankle",
                                        "sajc",  "foots", "sank",   "ccbasesfoot"};
 
-// A custom for one side. The side's short letter stands at the start, at the end, or after a
-// prefix, where the custom has "s" in a place that cannot be part of a word.
-std::string ForSide(std::string_view custom, bool left) {
+// Returns a pattern for one side. The short letter is at the start, at the end or after a prefix.
+std::string ForSide(std::string_view pattern, bool left) {
   constexpr std::string_view kPrefix = "ccbase";
-  if (custom.front() == 'S') return (left ? "left" : "right") + std::string(custom.substr(1));
-  std::string name(custom);
+  if (pattern.front() == 'S') return (left ? "left" : "right") + std::string(pattern.substr(1));
+  std::string name(pattern);
   const char letter = left ? 'l' : 'r';
   if (name.starts_with(kPrefix)) {
     name[kPrefix.size()] = letter;
@@ -37,10 +35,10 @@ std::string ForSide(std::string_view custom, bool left) {
 }
 
 template <std::size_t kCount>
-int Find(const std::vector<std::string>& plain, const std::string_view (&customs)[kCount],
+int Find(const std::vector<std::string>& plain, const std::string_view (&patterns)[kCount],
          bool left) {
-  for (std::string_view custom : customs) {
-    const auto at = std::find(plain.begin(), plain.end(), ForSide(custom, left));
+  for (std::string_view pattern : patterns) {
+    const auto at = std::find(plain.begin(), plain.end(), ForSide(pattern, left));
     if (at != plain.end()) return static_cast<int>(at - plain.begin());
   }
   return -1;

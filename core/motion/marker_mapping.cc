@@ -15,7 +15,7 @@ std::vector<std::string> PointNames(const Motion& motion) {
   return JointNames(*std::get<JointMotion>(motion).skeleton);
 }
 
-// Relative to `origin`; weights sum to 1.
+// Returns the weighted sums (weights sum to 1), relative to `origin`.
 FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix& points,
                          const Eigen::Vector2d& origin) {
   const Eigen::RowVector3f from = Eigen::RowVector2f(origin.cast<float>().transpose())
@@ -31,7 +31,7 @@ FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix&
   return sums;
 }
 
-// The joints that some rules look at, and those these hang from, in the skeleton's order.
+// Returns the joints that the rules use, and their ancestors, in the skeleton's order.
 std::vector<int> NeededJoints(const std::vector<BoundRule>& rules, const Skeleton& skeleton) {
   std::vector<bool> is_needed(skeleton.joint_count(), false);
   const auto need = [&](int joint) {
@@ -50,13 +50,13 @@ std::vector<int> NeededJoints(const std::vector<BoundRule>& rules, const Skeleto
   return needed;
 }
 
-// Some milliseconds of the largest skeletons.
-constexpr Eigen::Index kFramesBetweenQuestions = 256;
+// A few milliseconds for the largest skeletons.
+constexpr Eigen::Index kFramesBetweenChecks = 256;
 
-// Frames x 3 rules, of joints.
+// Matrices of frames x 3 * rules.
 struct JointMarkers {
   FrameMatrix positions_m;  // without the offsets
-  JointMatrix offsets;      // as their links turn them, leg lengths; no rows where no rule has one
+  JointMatrix offsets;      // rotated to the world, leg lengths; no rows if no rule has an offset
 };
 
 absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const JointMotion& motion,
@@ -71,7 +71,7 @@ absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const 
   JointMarkers markers{FrameMatrix::Zero(frames, numbers),
                        JointMatrix::Zero(mapping.has_offsets ? frames : 0, numbers)};
   for (Eigen::Index t = 0; t < frames; ++t) {
-    if (t % kFramesBetweenQuestions == 0 && cancelled && cancelled()) {
+    if (t % kFramesBetweenChecks == 0 && cancelled && cancelled()) {
       return absl::CancelledError("the mapping was cancelled");
     }
     ForwardKinematics(*motion.skeleton, motion.angles.row(t), needed, world_from_joint);
@@ -101,15 +101,14 @@ absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion) {
   }
   if (scheme.set.markers.size() > kMostMarkers) {
     return InvalidArgument(
-        "the motion has {} joints or markers, and a set has at most {}: choose among them in a "
-        "marker-set file",
+        "the motion has {} joints or markers, expected at most {}: select some in a marker-set "
+        "file",
         scheme.set.markers.size(), kMostMarkers);
   }
   scheme.set.landmarks = RecognizeLandmarks(scheme.set.markers);
   if (scheme.set.landmarks.left_hip < 0 || scheme.set.landmarks.right_hip < 0) {
     return InvalidArgument(
-        "no left and right hip among the {} names ('{}', ...), so root and front are unknown: name "
-        "them in a marker-set file",
+        "no left and right hip among the {} names ('{}', ...): name the hips in a marker-set file",
         scheme.set.markers.size(), scheme.set.markers.empty() ? "" : scheme.set.markers.front());
   }
   return scheme;
@@ -131,7 +130,7 @@ absl::StatusOr<MarkerMotion> ApplySchemeFrom(const Eigen::Vector2d& origin,
   mapped.names = scheme.set.markers;
   if (const auto* markers = std::get_if<MarkerMotion>(&motion)) {
     if (mapping.has_offsets) {
-      return InvalidArgument("mapping '{}' has offsets in link frames, which bare markers lack",
+      return InvalidArgument("mapping '{}' has offsets in link frames, but the motion has no links",
                              mapping.name);
     }
     mapped.frame_rate_hz = markers->frame_rate_hz;

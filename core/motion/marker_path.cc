@@ -12,9 +12,9 @@ namespace {
 constexpr double kNoise = 5;  // medians of the second difference
 constexpr double kStillSeconds = 0.05;
 constexpr int kStillFrames = 3;
-constexpr double kSuspect = 0.2;          // of the limits
-constexpr int kPiecesBack = 64;           // that a piece may follow
-constexpr double kDoubtfulWeight = 1e-3;  // of a frame that stands for nothing by itself
+constexpr double kSuspect = 0.2;          // fraction of the limits
+constexpr int kPiecesBack = 64;           // candidate predecessors of a piece
+constexpr double kDoubtfulWeight = 1e-3;  // of a doubtful frame
 
 using Point = Eigen::RowVector3d;
 
@@ -36,36 +36,35 @@ class Path {
 
   bool Has(int t) const { return t >= 0 && t < at_.rows() && !at_.row(t).hasNaN(); }
 
-  // Whether the step from t to t + 1, both of which are there, is more than `share` of what a body
-  // makes.
+  // Whether the step from t to t + 1 (both present) exceeds `share` of the limits.
   bool IsBeyond(double share, int t) const {
     const Point step = at_.row(t + 1) - at_.row(t);
     if (step.norm() > share * Reach(1)) return true;
-    const double most = share * MostDeviation(1);
+    const double limit = share * MaxDeviation(1);
     const bool has_before = Has(t - 1);
     const bool has_after = Has(t + 2);
     const Point before = has_before ? Point(step - (at_.row(t) - at_.row(t - 1))) : Point(0, 0, 0);
     const Point after =
         has_after ? Point(step - (at_.row(t + 2) - at_.row(t + 1))) : Point(0, 0, 0);
-    if (!has_before || !has_after) return before.norm() + after.norm() > most;
-    const double least = std::min(before.norm(), after.norm());
-    return before.dot(after) > 0 && least > most / 2 && before.norm() + after.norm() > 2 * most;
+    if (!has_before || !has_after) return before.norm() + after.norm() > limit;
+    const double minimum = std::min(before.norm(), after.norm());
+    return before.dot(after) > 0 && minimum > limit / 2 && before.norm() + after.norm() > 2 * limit;
   }
 
-  // Whether a body that is at `from`, the end of a piece, can be at `to`, the start of a later one.
+  // Whether a body can get from `from`, the end of a piece, to `to`, the start of a later piece.
   bool Leads(int from, bool has_before, int to, bool has_after) const {
     const int steps = to - from;
-    const Point way = at_.row(to) - at_.row(from);
-    if (way.norm() > Reach(steps)) return false;
+    const Point displacement = at_.row(to) - at_.row(from);
+    if (displacement.norm() > Reach(steps)) return false;
     if (!has_before || !has_after) return true;
     const Point before = at_.row(from) - at_.row(from - 1);
     const Point after = at_.row(to + 1) - at_.row(to);
-    return (way - 0.5 * steps * (before + after)).norm() <= MostDeviation(steps);
+    return (displacement - 0.5 * steps * (before + after)).norm() <= MaxDeviation(steps);
   }
 
  private:
   double Reach(int steps) const { return limits_.speed * steps * dt_ + noise_; }
-  double MostDeviation(int steps) const {
+  double MaxDeviation(int steps) const {
     const double seconds = steps * dt_;
     return std::max(limits_.least_deviation, std::min(limits_.acceleration * seconds * seconds,
                                                       limits_.velocity_change * seconds)) +
@@ -81,10 +80,10 @@ class Path {
 struct Piece {
   int first = 0;
   int last = 0;
-  bool after_break = false;    // the step to it from the piece before is impossible
+  bool after_break = false;    // the step from the previous piece is impossible
   bool after_suspect = false;  // that step is possible, but near the limits
   double weight = 0;
-  double best = 0;  // of the chains that end here
+  double best = 0;  // weight of the best chain that ends here
   int before = -1;
 };
 
@@ -119,26 +118,26 @@ bool Follows(const Path& path, const Piece& before, const Piece& piece) {
   return path.Leads(before.last, before.last > before.first, piece.first, piece.last > piece.first);
 }
 
-// What a chain loses that passes over the pieces between two, in frames: nothing where impossible
-// steps set them apart, more than the pieces are worth where suspect ones do. It is then still
-// better than to lose all that comes after.
+// Cost, in frames, of a chain that skips the pieces between two: 0 after an impossible step, more
+// than their weight after a suspect step. Skipping them is still better than losing all that
+// follows.
 double SkipCost(const std::vector<Piece>& pieces, int before, int piece) {
-  constexpr double kLeast = 8;
+  constexpr double kMinCost = 8;
   if (before + 1 == piece) return 0;
   const bool suspect = pieces[piece].after_suspect || pieces[before + 1].after_suspect;
-  return suspect ? kLeast + 2.0 * (pieces[piece].first - pieces[before].last - 1) : 0;
+  return suspect ? kMinCost + 2.0 * (pieces[piece].first - pieces[before].last - 1) : 0;
 }
 
 }  // namespace
 
 std::vector<FrameSpan> StillRuns(const MarkerPath& path, double frame_rate_hz) {
-  const int least =
+  const int minimum =
       std::max(kStillFrames, static_cast<int>(std::ceil(kStillSeconds * frame_rate_hz)));
   std::vector<FrameSpan> runs;
   const auto frames = static_cast<int>(path.rows());
   for (int first = 0, t = 1; t <= frames; ++t) {
     if (t < frames && path.row(t) == path.row(first)) continue;
-    if (t - first >= least) runs.push_back({first, t - 1});
+    if (t - first >= minimum) runs.push_back({first, t - 1});
     first = t;
   }
   return runs;
@@ -169,8 +168,8 @@ PathFaults FindPathFaults(const MarkerPath& at, double frame_rate_hz, const Path
   std::vector<FrameSpan>& outside = faults.outside;
   for (std::size_t i = 0; i < pieces.size(); ++i) {
     if (in_chain[i]) continue;
-    const bool goes_on = !outside.empty() && outside.back().last + 1 == pieces[i].first;
-    if (goes_on) {
+    const bool adjoins = !outside.empty() && outside.back().last + 1 == pieces[i].first;
+    if (adjoins) {
       outside.back().last = pieces[i].last;
     } else {
       outside.push_back({pieces[i].first, pieces[i].last});
@@ -181,11 +180,11 @@ PathFaults FindPathFaults(const MarkerPath& at, double frame_rate_hz, const Path
 
 namespace {
 
-constexpr int kLookedAt = 200;        // frames that distances are learned from, at most
-constexpr std::size_t kPartners = 3;  // of a marker, at most
-constexpr std::size_t kLeastPartners = 2;
+constexpr int kMaxSamples = 200;         // frames for learning distances
+constexpr std::size_t kMaxPartners = 3;  // of a marker
+constexpr std::size_t kMinPartners = 2;
 constexpr float kNear = 0.5F;  // leg lengths
-constexpr double kUsual = 0.95;
+constexpr double kUsualQuantile = 0.95;
 constexpr float kRigid = 0.04F;   // leg lengths
 constexpr float kWrong = 0.1F;    // leg lengths
 constexpr float kVariations = 4;  // of a distance
@@ -210,21 +209,21 @@ float Quantile(std::vector<float>& values, double share) {
 
 Partner DistanceTo(const MarkerMotion& motion, int marker, int other) {
   const Eigen::Index frames = motion.positions_m.rows();
-  const Eigen::Index looked_at = std::min<Eigen::Index>(frames, kLookedAt);
+  const Eigen::Index samples = std::min<Eigen::Index>(frames, kMaxSamples);
   std::vector<float> distances;
-  for (Eigen::Index i = 0; i < looked_at; ++i) {
-    const float distance = DistanceAt(motion, i * frames / looked_at, marker, other);
+  for (Eigen::Index i = 0; i < samples; ++i) {
+    const float distance = DistanceAt(motion, i * frames / samples, marker, other);
     if (std::isfinite(distance)) distances.push_back(distance);
   }
   if (distances.empty()) return {other, 0, std::numeric_limits<float>::infinity()};
   const float median = Quantile(distances, 0.5);
   for (float& distance : distances) distance = std::abs(distance - median);
-  return {other, median, Quantile(distances, kUsual)};
+  return {other, median, Quantile(distances, kUsualQuantile)};
 }
 
 using Partners = std::vector<std::vector<Partner>>;
 
-// The nearest of those that keep their distance from each marker; none where there are too few.
+// Returns the nearest markers at constant distance from each marker; none if there are too few.
 Partners FindPartners(const MarkerMotion& motion, float leg_length_m) {
   const auto markers = static_cast<int>(motion.names.size());
   Partners partners(markers);
@@ -240,31 +239,31 @@ Partners FindPartners(const MarkerMotion& motion, float leg_length_m) {
       partners[b].push_back(partner);
     }
   }
-  for (std::vector<Partner>& of_one : partners) {
-    std::ranges::stable_sort(of_one, {}, &Partner::distance);
-    of_one.resize(of_one.size() < kLeastPartners ? 0 : std::min(of_one.size(), kPartners));
+  for (std::vector<Partner>& list : partners) {
+    std::ranges::stable_sort(list, {}, &Partner::distance);
+    list.resize(list.size() < kMinPartners ? 0 : std::min(list.size(), kMaxPartners));
   }
   return partners;
 }
 
-// By how much the distances of one marker are wrong in a frame, together; 0 unless two of them are,
-// or the only one left. Markers at fault are passed over.
+// Returns the sum of the wrong distances of one marker in a frame; 0 unless two are wrong, or the
+// only one that is left. Ignores markers at fault.
 float FaultOf(const MarkerMotion& motion, Eigen::Index frame, int marker,
               const std::vector<Partner>& partners, const std::vector<std::uint8_t>& at_fault,
               float leg_length_m) {
   float fault = 0;
   std::size_t wrong = 0;
-  std::size_t asked = 0;
+  std::size_t checked = 0;
   for (const Partner& partner : partners) {
     if (at_fault[partner.marker] != 0) continue;
-    ++asked;
+    ++checked;
     const float off =
         std::abs(DistanceAt(motion, frame, marker, partner.marker) - partner.distance);
     if (!(off > std::max(kWrong * leg_length_m, kVariations * partner.variation))) continue;
     fault += off;
     ++wrong;
   }
-  return wrong >= std::min(kLeastPartners, asked) ? fault : 0;
+  return wrong >= std::min(kMinPartners, checked) ? fault : 0;
 }
 
 }  // namespace
@@ -278,17 +277,17 @@ std::vector<std::vector<FrameSpan>> FramesOffSegment(const MarkerMotion& motion,
   for (int t = 0; t < motion.positions_m.rows(); ++t) {
     std::ranges::fill(at_fault, 0);
     while (true) {
-      float most = 0;
+      float max_fault = 0;
       std::size_t worst = 0;
       for (std::size_t m = 0; m < partners.size(); ++m) {
         if (at_fault[m] != 0 || partners[m].empty()) continue;
         const float fault = FaultOf(motion, t, static_cast<int>(m), partners[m], at_fault, leg);
-        if (fault > most) {
-          most = fault;
+        if (fault > max_fault) {
+          max_fault = fault;
           worst = m;
         }
       }
-      if (most == 0) break;
+      if (max_fault == 0) break;
       at_fault[worst] = 1;
       if (!off[worst].empty() && off[worst].back().last + 1 == t) {
         off[worst].back().last = t;

@@ -16,15 +16,16 @@ NameIndex IndexOf(const std::vector<std::string>& names) {
   return index;
 }
 
-std::vector<std::string> Lacking(const std::vector<std::string>& wanted, const NameIndex& index) {
-  std::vector<std::string> lacking;
-  for (const std::string& name : wanted) {
-    if (!index.contains(name)) lacking.push_back(name);
+std::vector<std::string> MissingNames(const std::vector<std::string>& required,
+                                      const NameIndex& index) {
+  std::vector<std::string> missing;
+  for (const std::string& name : required) {
+    if (!index.contains(name)) missing.push_back(name);
   }
-  return lacking;
+  return missing;
 }
 
-// The set's own names on the motion: every marker is the point of its name.
+// Maps every marker to the point with the same name.
 MarkerMapping IdentityMapping(const MarkerSet& set) {
   MarkerMapping mapping{"own names", set.markers, {}};
   for (const std::string& marker : set.markers) {
@@ -40,9 +41,9 @@ absl::StatusOr<MarkerMapping> ChooseMapping(const MarkerScheme& scheme, const Na
   double closest_share = -1;
   const auto consider = [&](const MarkerMapping& mapping) {
     const auto total = static_cast<double>(std::max<std::size_t>(1, mapping.signature.size()));
-    const auto lacking = std::ranges::count_if(
+    const auto missing = std::ranges::count_if(
         mapping.signature, [&](const std::string& name) { return !index.contains(name); });
-    const double share = 1 - static_cast<double>(lacking) / total;
+    const double share = 1 - static_cast<double>(missing) / total;
     if (share == 1 && (best == nullptr || mapping.signature.size() > best->signature.size())) {
       best = &mapping;
     }
@@ -54,12 +55,12 @@ absl::StatusOr<MarkerMapping> ChooseMapping(const MarkerScheme& scheme, const Na
   for (const MarkerMapping& mapping : scheme.mappings) consider(mapping);
   consider(own_names);
   if (best != nullptr) return *best;
-  const auto lacking = Lacking(closest->signature, index);
+  const auto missing = MissingNames(closest->signature, index);
   return InvalidArgument(
-      "no mapping of marker set '{}' fits this motion: the closest, '{}', needs '{}'{}, which is "
-      "not among its joints or markers; add a mapping to a marker-set file",
-      scheme.set.name, closest->name, lacking.front(),
-      lacking.size() > 1 ? fmt::format(" and {} more", lacking.size() - 1) : "");
+      "no mapping of marker set '{}' fits this motion: the closest, '{}', needs '{}'{}, missing "
+      "from its joints or markers; add a mapping to a marker-set file",
+      scheme.set.name, closest->name, missing.front(),
+      missing.size() > 1 ? fmt::format(" and {} more", missing.size() - 1) : "");
 }
 
 }  // namespace
@@ -76,7 +77,7 @@ absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
     const auto find = [&](const std::string& name) -> absl::StatusOr<int> {
       const auto at = index.find(name);
       if (at != index.end()) return at->second;
-      return InvalidArgument("mapping '{}' makes marker '{}' from '{}', which the motion lacks",
+      return InvalidArgument("mapping '{}', marker '{}': the motion has no joint or marker '{}'",
                              mapping.name, scheme.set.markers[m], name);
     };
     for (const WeightedPoint& point : rule.points) {

@@ -1,5 +1,4 @@
-// A marker mapping bound to one skeleton or marker list: its names as indices.
-// Plain values; the functions keep no state and are safe to call from any thread.
+// A marker mapping bound to one skeleton or marker list: names resolved to indices.
 #pragma once
 
 #include <Eigen/Core>
@@ -13,10 +12,10 @@
 
 namespace motiondb::core {
 
-// A MarkerRule with indices for names.
+// A MarkerRule with indices instead of names.
 struct BoundRule {
   std::vector<std::pair<int, double>> points;  // joint or source marker, and its weight
-  int offset_joint = -1;                       // -1 where there is no offset
+  int offset_joint = -1;                       // -1: no offset
   Eigen::Vector3d offset;                      // in that joint's frame, in leg lengths
 };
 
@@ -26,9 +25,9 @@ struct BoundMapping {
   bool has_offsets = false;
 };
 
-// The scheme's mapping with the most signature names of those that fit `names`, bound to them.
-// INVALID_ARGUMENT if none fits, naming what the closest one lacks, or if a rule needs another
-// name.
+// Returns the mapping with the largest signature among those that fit `names`, bound to them.
+// INVALID_ARGUMENT if none fits (the message names what the closest mapping lacks) or if a rule
+// uses an unknown name.
 absl::StatusOr<BoundMapping> BindMapping(const MarkerScheme& scheme,
                                          const std::vector<std::string>& names);
 

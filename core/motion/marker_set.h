@@ -1,6 +1,5 @@
-// Virtual marker sets (section III-A): named points on the body that every motion is brought to,
-// and the mappings that say where those points are on one kind of skeleton or real marker set.
-// Plain values; the functions keep no state and are safe to call from any thread.
+// Virtual marker sets (section III-A): named points on the body, the uniform representation of
+// every motion; and mappings from one kind of skeleton or real marker set to these points.
 #pragma once
 
 #include <array>
@@ -16,12 +15,12 @@
 
 namespace motiondb::core {
 
-// Indices into MarkerSet::markers of the points that give the reference frame and the subject's
+// Indices into MarkerSet::markers of the points that define the reference frame and the subject's
 // size.
 struct Landmarks {
   int left_hip = -1;
   int right_hip = -1;
-  // Hip, knee and ankle of the legs that are whole in the set: none, one or two.
+  // Hip, knee and ankle of each leg of which the set has all three: none, one or two legs.
   std::vector<std::array<int, 3>> legs;
 };
 
@@ -35,54 +34,54 @@ struct MarkerSet {
   int dimension_count() const { return 6 * marker_count(); }
 };
 
-// A joint or source marker that a virtual marker is made from.
+// A joint or source marker from which a virtual marker is computed.
 struct WeightedPoint {
   std::string name;
   double weight = 1;
 };
 
-// Where one virtual marker is: a weighted sum of points (weights sum to 1), then an offset in the
-// frame of a link, in leg lengths so that it fits every subject.
+// Position of one virtual marker: a weighted sum of points (weights sum to 1) plus an offset in the
+// frame of a link. The offset is in leg lengths, so that it fits every subject.
 struct MarkerRule {
   std::vector<WeightedPoint> points;
-  std::string offset_joint;  // empty where there is no offset
+  std::string offset_joint;  // empty: no offset
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 };
 
 struct MarkerMapping {
   std::string name;
-  // A motion is of this kind if it has all these joints or markers.
+  // The mapping fits a motion that has all these joints or markers.
   std::vector<std::string> signature;
   std::vector<MarkerRule> rules;  // one for each marker of the set
 };
 
-// A marker set with the mappings known for it: the content of a marker-set file.
+// A marker set with its mappings: the content of a marker-set file.
 struct MarkerScheme {
   MarkerSet set;
   std::vector<MarkerMapping> mappings;
 };
 
-// The scheme whose markers are the motion's own joints (end sites left out) or markers, for the
-// setting `source`. INVALID_ARGUMENT if left and right hip are not among the names it recognises.
+// Returns the scheme whose markers are the motion's own joints (without end sites) or markers, for
+// the setting `source`. INVALID_ARGUMENT if RecognizeLandmarks does not find both hips.
 absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion);
 
-// A joint's or marker's name as customs compare it: lower-case letters and digits, without a
-// "subject:" in front.
+// Returns the name of a joint or marker for comparison: lower-case letters and digits, without a
+// "subject:" prefix.
 std::string PlainName(std::string_view name);
 
-// Landmarks that marker or joint names themselves tell ("LeftUpLeg", "lfemur", "LASI", ...).
+// Returns the landmarks found by marker or joint names ("LeftUpLeg", "lfemur", "LASI", ...).
 Landmarks RecognizeLandmarks(const std::vector<std::string>& names);
 
-// Brings a motion to the set's markers at the motion's own frame rate, by the mapping with the most
-// signature names of those that fit. Markers that carry the set's own names need no mapping.
-// INVALID_ARGUMENT if none fits, naming what the closest one lacks. `leg_length_m` overrides the
-// measured size that offsets scale with. Missing source markers make NaN. CANCELLED.
+// Converts a motion to the set's markers at the motion's own frame rate. Uses the mapping with the
+// largest signature among those that fit. Markers with the set's own names need no mapping.
+// INVALID_ARGUMENT if no mapping fits; the message names what the closest mapping lacks. CANCELLED.
+// `leg_length_m` replaces the estimated size that scales offsets. Missing source markers yield NaN.
 absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motion& motion,
                                          std::optional<double> leg_length_m = std::nullopt,
                                          const Cancelled& cancelled = {});
 
 inline constexpr std::size_t kMostMarkers = 256;  // seven times the standard set; faces have fewer
 inline constexpr std::size_t kMostMappings = 200;
-inline constexpr std::size_t kMostRulePoints = 32;  // that one virtual marker is made from
+inline constexpr std::size_t kMostRulePoints = 32;  // points of one virtual marker
 
 }  // namespace motiondb::core

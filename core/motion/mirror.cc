@@ -11,7 +11,7 @@ namespace {
 constexpr std::pair<std::string_view, std::string_view> kSides[] = {
     {"Left", "Right"}, {"left", "right"}, {"L", "R"}, {"l", "r"}};
 
-// Rows of vectors of three numbers.
+// `vectors`: number of 3-vectors of each marker.
 FrameMatrix Mirror(const std::vector<int>& other_sides, const FrameMatrix& rows, int vectors) {
   FrameMatrix mirrored(rows.rows(), rows.cols());
   for (std::size_t m = 0; m < other_sides.size(); ++m) {
@@ -46,7 +46,7 @@ std::vector<int> OtherSides(const std::vector<std::string>& markers) {
     any = any || other >= 0;
     others.push_back(other >= 0 ? other : static_cast<int>(m));
   }
-  // Names such as "Lumbar" and "Rumbar" apart, a marker's other side has it for its own.
+  // Keep only mutual pairs.
   for (std::size_t m = 0; m < others.size(); ++m) {
     if (others[others[m]] != static_cast<int>(m)) others[m] = static_cast<int>(m);
   }

@@ -1,4 +1,4 @@
-// Motion with left and right exchanged: as good an example as the motion itself. Pure functions.
+// Mirror images: motion with left and right exchanged.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@
 
 namespace motiondb::core {
 
-// For each marker the index of the one on the other side, its own for one in the middle; told by
-// names that begin with Left and Right, left and right, L and R, or l and r. Empty where no marker
-// has another on the other side.
+// Returns, for each marker, the index of its counterpart on the other side; its own index if it has
+// none. Counterparts differ in the prefix: Left/Right, left/right, L/R or l/r. Empty if no marker
+// has a counterpart.
 std::vector<int> OtherSides(const std::vector<std::string>& markers);
 
-// Positions (rows x 3 N_v) with x to the front, y to the left, seen in a mirror: markers exchanged,
-// y negated.
+// Returns the mirror image of positions (rows x 3 N_v; x to the front, y to the left): counterparts
+// exchanged, y negated.
 FrameMatrix MirrorPositions(const std::vector<int>& other_sides, const FrameMatrix& positions);
 
-// The same of states (rows x 6 N_v).
+// As above, for states (rows x 6 N_v).
 FrameMatrix MirrorStates(const std::vector<int>& other_sides, const FrameMatrix& states);
 
 }  // namespace motiondb::core

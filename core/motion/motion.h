@@ -1,5 +1,4 @@
-// Recorded motion, before it becomes states: joint angles on a skeleton, or bare marker positions.
-// Plain values; sharing const references between threads is safe.
+// Recorded motion, before conversion to states: joint angles on a skeleton, or marker positions.
 #pragma once
 
 #include <memory>
@@ -26,7 +25,7 @@ struct MarkerMotion {
   FrameMatrix positions_m;  // frames x 3 * names.size(), x y z of each marker in turn
 };
 
-// Frames of a motion, from 0, both ends included.
+// A range of frames, counted from 0; first and last are included.
 struct FrameSpan {
   int first = 0;
   int last = 0;

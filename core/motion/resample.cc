@@ -10,11 +10,11 @@ namespace motiondb::core {
 absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_rate_hz) {
   if (!(frame_rate_hz > 0 && std::isfinite(frame_rate_hz) && motion.frame_rate_hz > 0 &&
         std::isfinite(motion.frame_rate_hz))) {
-    return InvalidArgument("frame rates must be positive, got {} and {}", motion.frame_rate_hz,
+    return InvalidArgument("expected positive frame rates, got {} and {}", motion.frame_rate_hz,
                            frame_rate_hz);
   }
   const Eigen::Index frames = motion.positions_m.rows();
-  if (frames < 2) return InvalidArgument("a motion needs at least 2 frames, got {}", frames);
+  if (frames < 2) return InvalidArgument("expected a motion of at least 2 frames, got {}", frames);
   if (std::abs(motion.frame_rate_hz - frame_rate_hz) < 1e-6) {
     MarkerMotion same = motion;
     same.frame_rate_hz = frame_rate_hz;
@@ -24,8 +24,8 @@ absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_r
   const double last = static_cast<double>(frames - 1);
   const double count = std::floor(last / step + 1e-6) + 1;
   if (count > 1e8) {
-    return InvalidArgument("resampling from {} to {} Hz would make {} frames", motion.frame_rate_hz,
-                           frame_rate_hz, count);
+    return InvalidArgument("resampling from {} to {} Hz: expected at most 1e8 frames, got {}",
+                           motion.frame_rate_hz, frame_rate_hz, count);
   }
   MarkerMotion resampled{motion.names, frame_rate_hz, {}};
   resampled.positions_m.resize(static_cast<Eigen::Index>(count), motion.positions_m.cols());
@@ -36,7 +36,7 @@ absl::StatusOr<MarkerMotion> Resample(const MarkerMotion& motion, double frame_r
     const double at = std::min(static_cast<double>(t) * step, last);
     auto before = static_cast<Eigen::Index>(std::floor(at + 1e-9));
     const auto u = static_cast<float>(std::max(0.0, at - static_cast<double>(before)));
-    if (u < 1e-6f) {  // a frame that was recorded, though its neighbours may be missing
+    if (u < 1e-6f) {  // exactly a source frame; its neighbours may be missing
       resampled.positions_m.row(t) = row(before);
       continue;
     }
@@ -64,7 +64,7 @@ absl::StatusOr<std::vector<std::string>> FillGaps(double max_gap_seconds, Marker
       }
       if (static_cast<double>(t - begin) > max_gap_seconds * motion.frame_rate_hz) {
         return InvalidArgument(
-            "marker '{}' is missing from frame {} to {}: {:.2f} s, gaps up to {:.2f} s are filled",
+            "marker '{}' is missing from frame {} to {}: {:.2f} s, expected gaps up to {:.2f} s",
             motion.names[m], begin + 1, t, static_cast<double>(t - begin) / motion.frame_rate_hz,
             max_gap_seconds);
       }

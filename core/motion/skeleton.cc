@@ -14,7 +14,7 @@ absl::Status CheckJoint(const Joint& joint, int index) {
     return InvalidArgument("joint {} has no name", index);
   }
   if (joint.parent < -1 || joint.parent >= index) {
-    return InvalidArgument("joint '{}': its parent must precede it", joint.name);
+    return InvalidArgument("joint '{}': expected its parent before it", joint.name);
   }
   if (!joint.offset_m.allFinite() || !joint.pre_rotation.allFinite() ||
       !joint.post_rotation.allFinite()) {
@@ -23,13 +23,13 @@ absl::Status CheckJoint(const Joint& joint, int index) {
   bool rotated = false;
   for (const Dof& dof : joint.dofs) {
     if (!(std::abs(dof.axis.norm() - 1.0) < 1e-6)) {
-      return InvalidArgument("joint '{}': an axis must have length 1", joint.name);
+      return InvalidArgument("joint '{}': expected axes of length 1", joint.name);
     }
     if (std::isnan(dof.lower) || std::isnan(dof.upper) || dof.lower > dof.upper) {
-      return InvalidArgument("joint '{}': a lower limit is above its upper limit", joint.name);
+      return InvalidArgument("joint '{}': expected lower limit <= upper limit", joint.name);
     }
     if (dof.kind == Dof::Kind::kTranslation && rotated) {
-      return InvalidArgument("joint '{}': translations must precede rotations", joint.name);
+      return InvalidArgument("joint '{}': expected translations before rotations", joint.name);
     }
     rotated |= dof.kind == Dof::Kind::kRotation;
   }

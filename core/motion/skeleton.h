@@ -1,7 +1,7 @@
-// A skeleton: joints in a tree, each with an offset from its parent and its degrees of freedom.
-// One form serves ASF, BVH and URDF; the readers in format/ translate into it.
+// A skeleton: a tree of joints, each with an offset from its parent and degrees of freedom. Common
+// form of ASF, BVH and URDF.
 //
-// A Skeleton is immutable after Create and safe to share between threads.
+// Immutable after Create.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -19,19 +19,19 @@ struct Dof {
   enum class Kind { kTranslation, kRotation };
   Kind kind = Kind::kRotation;
   Eigen::Vector3d axis = Eigen::Vector3d::UnitX();          // translations: in the parent's frame
-  double lower = -std::numeric_limits<double>::infinity();  // rad or m; infinite where unlimited
+  double lower = -std::numeric_limits<double>::infinity();  // rad or m; infinite: unlimited
   double upper = std::numeric_limits<double>::infinity();
 };
 
 // The transform from a joint's frame to its parent's (the world's for a root) is
 //   T(offset_m + sum t_k axis_k) * pre_rotation * R(axis_1, q_1) * R(axis_2, q_2) ... *
 //   post_rotation
-// with translations summed and rotations applied in the order of `dofs`, leftmost first.
+// Translations are summed. Rotations apply in the order of `dofs`, leftmost first.
 //   BVH:  pre = post = identity.
-//   ASF:  pre = C (the bone's `axis`), post = C^-1, so that zero angles leave links unturned.
+//   ASF:  pre = C (the bone's `axis`), post = C^-1, so that zero angles do not rotate links.
 //   URDF: pre = the origin's rpy, post = identity.
-// A root's offset, translation axes and pre_rotation also carry the file's axes into the world
-// (metres, z up), which leaves every other joint's frame as the file has it.
+// A root's offset, translation axes and pre_rotation also convert the file's axes to the world
+// (metres, z up). The frames of all other joints are as in the file.
 struct Joint {
   std::string name;
   int parent = -1;  // index of a joint that precedes this one; -1 for a root
@@ -43,9 +43,8 @@ struct Joint {
 
 class Skeleton {
  public:
-  // INVALID_ARGUMENT if there is no joint, a parent does not precede its child, two joints share a
-  // name, an axis is not of unit length, a translation follows a rotation, or a number is not
-  // finite.
+  // INVALID_ARGUMENT if there is no joint, a parent does not precede its child, names repeat, an
+  // axis does not have unit length, a translation follows a rotation, or a number is not finite.
   static absl::StatusOr<Skeleton> Create(std::string name, std::vector<Joint> joints);
 
   const std::string& name() const { return name_; }
@@ -55,7 +54,7 @@ class Skeleton {
   int dof_count() const { return dof_count_; }
   // Column of the joint's first degree of freedom.
   int first_dof(int joint) const { return first_dof_[joint]; }
-  // Index of the joint of that name, or -1. O(joints).
+  // Index of the joint with this name, or -1. O(joints).
   int FindJoint(std::string_view name) const;
 
  private:

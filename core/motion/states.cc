@@ -14,10 +14,10 @@ namespace {
 
 constexpr double kMaxGapSeconds = 0.5;
 
-// Beyond these nothing is a body's motion, and squares of states outgrow a float.
-constexpr float kFurthest_m = 1e5F;
-constexpr double kShortestLeg_m = 1e-3;
-constexpr double kLongestLeg_m = 1e4;
+// Larger values are no human motion, and squares of states would overflow a float.
+constexpr float kMaxPosition_m = 1e5F;
+constexpr double kMinLeg_m = 1e-3;
+constexpr double kMaxLeg_m = 1e4;
 
 using MarkerRow = Eigen::Matrix<float, 1, 3>;
 
@@ -38,7 +38,7 @@ Eigen::Matrix2d FloorRotation(double heading) {
   return Eigen::Rotation2Dd(heading).toRotationMatrix();
 }
 
-// Fills rows without a pose between the nearest that have one.
+// Interpolates rows without a pose between the nearest rows that have one.
 void Interpolate(const std::vector<bool>& valid, RootPath& path) {
   const auto frames = static_cast<Eigen::Index>(valid.size());
   Eigen::Index before = -1;
@@ -58,7 +58,7 @@ void Interpolate(const std::vector<bool>& valid, RootPath& path) {
   }
 }
 
-// Finds the glitches of a motion relative to `origin`; returns those that stay.
+// Applies the glitch policy to a motion relative to `origin`. Returns the remaining glitches.
 absl::StatusOr<std::vector<FrameSpan>> CleanGlitches(GlitchPolicy policy, const MarkerSet& set,
                                                      const Eigen::Vector2d& origin,
                                                      std::optional<double> leg_length_m,
@@ -67,26 +67,26 @@ absl::StatusOr<std::vector<FrameSpan>> CleanGlitches(GlitchPolicy policy, const 
   if (!leg_length_m) {
     MOTIONDB_ASSIGN_OR_RETURN(leg_length_m, EstimateLegLength(set, motion));
   }
-  // ComputeStates refuses others.
-  if (!(*leg_length_m >= kShortestLeg_m && *leg_length_m <= kLongestLeg_m)) {
+  // ComputeStates rejects this leg length later.
+  if (!(*leg_length_m >= kMinLeg_m && *leg_length_m <= kMaxLeg_m)) {
     return std::vector<FrameSpan>{};
   }
   return ApplyGlitchPolicy(policy, FindGlitches(motion, *leg_length_m, origin), motion, notes);
 }
 
-// Of a motion relative to `origin`.
+// `motion` is relative to `origin`.
 absl::Status CheckPositions(const Eigen::Vector2d& origin, const MarkerMotion& motion) {
   const Eigen::RowVector3d from(origin.x(), origin.y(), 0);
-  // No position within it can be beyond the limit.
-  const auto near = static_cast<float>(kFurthest_m - from.cwiseAbs().maxCoeff());
+  // Positions within `near` are within the limit in the world.
+  const auto near = static_cast<float>(kMaxPosition_m - from.cwiseAbs().maxCoeff());
   for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
     if (!(motion.positions_m.row(t).array().abs() > near).any()) continue;
     for (int m = 0; m < static_cast<int>(motion.names.size()); ++m) {
       const Eigen::RowVector3d at = At(motion, t, m).cast<double>() + from;
-      if (!(at.array().abs() > kFurthest_m).any()) continue;
+      if (!(at.array().abs() > kMaxPosition_m).any()) continue;
       return InvalidArgument(
           "frame {}, marker '{}': expected positions up to {} m, got ({}, {}, {})", t,
-          motion.names[m], kFurthest_m, at[0], at[1], at[2]);
+          motion.names[m], kMaxPosition_m, at[0], at[1], at[2]);
     }
   }
   return absl::OkStatus();
@@ -121,7 +121,7 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
   }
   const double height = Median(std::move(heights));
   if (!(height > 0)) {
-    return InvalidArgument("the subject's size cannot be told from its markers: give a leg length");
+    return InvalidArgument("cannot estimate the subject's size from its markers; set leg_length_m");
   }
   return height / 2;
 }
@@ -129,7 +129,7 @@ absl::StatusOr<double> EstimateLegLength(const MarkerSet& set, const MarkerMotio
 absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotion& motion) {
   const Landmarks& landmarks = set.landmarks;
   if (landmarks.left_hip < 0 || landmarks.right_hip < 0) {
-    return InvalidArgument("marker set '{}' does not say which markers are the hips", set.name);
+    return InvalidArgument("marker set '{}' does not name the hip markers", set.name);
   }
   const Eigen::Index frames = motion.positions_m.rows();
   RootPath path(frames, 3);
@@ -151,7 +151,7 @@ absl::StatusOr<RootPath> ReferenceFrames(const MarkerSet& set, const MarkerMotio
     any = true;
   }
   if (!any) {
-    return InvalidArgument("markers '{}' and '{}' are in no frame together: root and front unknown",
+    return InvalidArgument("no frame has both hips, '{}' and '{}': root and front are unknown",
                            set.markers[landmarks.left_hip], set.markers[landmarks.right_hip]);
   }
   RootPath headings = path;
@@ -179,8 +179,8 @@ absl::StatusOr<StateSequence> ComputeStates(const MarkerSet& set, const MarkerMo
   } else {
     MOTIONDB_ASSIGN_OR_RETURN(sequence.leg_length_m, EstimateLegLength(set, motion));
   }
-  if (!(sequence.leg_length_m >= kShortestLeg_m && sequence.leg_length_m <= kLongestLeg_m)) {
-    return InvalidArgument("leg_length_m: expected {} to {}, got {}", kShortestLeg_m, kLongestLeg_m,
+  if (!(sequence.leg_length_m >= kMinLeg_m && sequence.leg_length_m <= kMaxLeg_m)) {
+    return InvalidArgument("leg_length_m: expected {} to {}, got {}", kMinLeg_m, kMaxLeg_m,
                            sequence.leg_length_m);
   }
 
@@ -202,14 +202,14 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
                                         std::optional<double> leg_length_m,
                                         std::vector<std::string>* notes,
                                         const Cancelled& cancelled) {
-  const auto go_on = [&] {
-    return cancelled && cancelled() ? absl::CancelledError("the motion is no longer wanted")
+  const auto check_cancelled = [&] {
+    return cancelled && cancelled() ? absl::CancelledError("computing the states was cancelled")
                                     : absl::OkStatus();
   };
   const Eigen::Vector2d origin = FloorOrigin(motion);
   MOTIONDB_ASSIGN_OR_RETURN(MarkerMotion mapped,
                             ApplySchemeFrom(origin, scheme, motion, leg_length_m, cancelled));
-  // After the mapping: only markers that are used must be whole.
+  // After the mapping, because only markers in use must be complete.
   std::vector<FrameSpan> glitches;
   std::vector<std::string> found;
   if (cleaning) {
@@ -222,11 +222,11 @@ absl::StatusOr<StateSequence> Represent(const MarkerScheme& scheme, const Motion
     found.insert(found.end(), filled.begin(), filled.end());
   }
   if (notes != nullptr) notes->insert(notes->end(), found.begin(), found.end());
-  MOTIONDB_RETURN_IF_ERROR(go_on());
+  MOTIONDB_RETURN_IF_ERROR(check_cancelled());
   MOTIONDB_ASSIGN_OR_RETURN(const MarkerMotion resampled, Resample(mapped, frame_rate_hz));
   const double source_rate_hz = mapped.frame_rate_hz;
   mapped = {};
-  MOTIONDB_RETURN_IF_ERROR(go_on());
+  MOTIONDB_RETURN_IF_ERROR(check_cancelled());
   MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
                             ComputeStates(scheme.set, resampled, leg_length_m));
   states.root_path.leftCols<2>().rowwise() += origin.transpose();

@@ -81,10 +81,11 @@ const NearestFrame& KeptClip::See(const Model& model, std::size_t ring, const Me
   SquaredDistancesOfOne(stored.projected.row(first).data(), stored.squared_norms.data() + first,
                         static_cast<int>(count), static_cast<int>(frame.projected.size()),
                         frame.projected.data(), frame.squared_norm, distances_.data());
-  const float least = Least(distances_.data(), static_cast<int>(count));
-  const auto nearest = std::find(distances_.begin(), distances_.end(), least) - distances_.begin();
-  nearest_[ring] = {least, stored.rows.frame[first + nearest]};
-  PathSum::Roots(distances_, least, roots_.col(static_cast<Eigen::Index>(ring)));
+  const float min_distance = Least(distances_.data(), static_cast<int>(count));
+  const auto nearest =
+      std::find(distances_.begin(), distances_.end(), min_distance) - distances_.begin();
+  nearest_[ring] = {min_distance, stored.rows.frame[first + nearest]};
+  PathSum::Roots(distances_, min_distance, roots_.col(static_cast<Eigen::Index>(ring)));
   return nearest_[ring];
 }
 

@@ -1,5 +1,5 @@
-// The frames of a moving window as recognition compares them with stored motion, each worked on
-// once. Not thread-safe.
+// The frames of a moving window, projected into the recognition metric, and their distances to
+// stored clips. Each is computed once. Not thread-safe.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,26 +16,26 @@ namespace motiondb::core {
 class Model;
 
 struct MetricFrame {
-  // Of what it was made: it is made anew once the frame is finished.
+  // Version of its input: it is recomputed when the frame is finished.
   std::int64_t version = -1;
-  FrameMatrix state;              // 1 x D, scaled; what was missing is filled in
+  FrameMatrix state;              // 1 x D, scaled; missing values are filled in
   Eigen::VectorXf projected;      // K
-  float squared_norm = 0;         // of it
-  std::vector<NearClip> near;     // clips whose nodes it comes near; none where all are listed
-  int nearest = -1;               // the stored frame that `difference` is to
+  float squared_norm = 0;         // of `projected`
+  std::vector<NearClip> near;     // clips with near nodes; empty if all clips are listed
+  int nearest = -1;               // the stored frame of `squared_difference`
   double squared_difference = 0;  // whitened, summed over the dimensions
 };
 
 class MetricWindow {
  public:
-  // The model, which has a metric, must outlive it. A window has at most so many frames.
+  // The model must have a metric and outlive this object. `window_frames`: maximum length.
   MetricWindow(const Model& model, int window_frames);
 
-  // A frame of the window that ends with the newest of `states`.
+  // Returns a frame of the window that ends with the newest of `states`.
   const MetricFrame& At(const ObservedStates& states, std::int64_t frame);
-  // One that At gave.
+  // Returns a frame that At has returned before.
   const MetricFrame& Kept(std::int64_t frame) const { return frames_[Place(frame)]; }
-  // Its squared whitened difference to a stored frame, summed over the dimensions.
+  // Returns a frame's squared whitened difference to a stored frame, summed over the dimensions.
   double SquaredDifference(std::int64_t frame, int stored_frame);
   void Restart();
 
@@ -47,37 +47,37 @@ class MetricWindow {
 
   const Model& model_;
   NearClipFinder finder_;
-  std::vector<MetricFrame> frames_;  // a frame is at its number % size
+  std::vector<MetricFrame> frames_;  // ring: index is the frame number % size
   Eigen::RowVectorXf distances_;
   Eigen::RowVectorXf difference_;
   Eigen::RowVectorXf whitened_;
 };
 
-// One stored clip beside the frames of a moving window: each distance is computed once. Not
+// Distances of one stored clip to the frames of a moving window, each computed once. Not
 // thread-safe.
 class Model;
 
 class KeptClip {
  public:
-  // Takes a clip of the model, and forgets what it had. A window has at most so many frames.
+  // Starts with another clip of the model. `window_frames`: maximum length of a window.
   void Take(const Model& model, int clip, int window_frames);
   int clip() const { return clip_; }
 
-  // Sees the window's frame (`ring`: its number % the window's frames), if it has not yet, and says
-  // which of the clip's frames is nearest.
+  // Compares the clip with a frame of the window (`ring`: its number % window frames), unless done
+  // before. Returns the clip's nearest frame.
   const NearestFrame& See(const Model& model, std::size_t ring, const MetricFrame& frame);
 
-  // As AlignToClip for the frames at `rings`, in their order, all of them seen. False where only
-  // AlignToClip itself can tell; `paths` is scratch.
+  // As AlignToClip for the frames at `rings`, in order, all of them seen. Returns false if the
+  // result is inexact and AlignToClip is needed. `paths` is scratch.
   bool LogEvidence(std::span<const std::size_t> rings, PathSum& paths, double& log_evidence) const;
-  // It is at most this.
+  // Returns an upper bound of LogEvidence.
   double LogEvidenceAtMost(std::span<const std::size_t> rings) const;
 
-  std::int64_t last_asked = 0;  // for its owner
+  std::int64_t last_asked = 0;  // used by the owner
 
  private:
   int clip_ = -1;
-  std::vector<std::int64_t> version_;  // of the frame seen at each place of the ring
+  std::vector<std::int64_t> version_;  // of the frame at each index of the ring
   std::vector<NearestFrame> nearest_;
   Eigen::ArrayXXf roots_;  // clip's frames x ring: PathSum::Roots
   Eigen::ArrayXf distances_;

@@ -11,9 +11,9 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kNever = -std::numeric_limits<double>::infinity();
+constexpr double kLogZero = -std::numeric_limits<double>::infinity();
 
-bool SeesNothing(const float* state, Eigen::Index dimensions) {
+bool IsAllMissing(const float* state, Eigen::Index dimensions) {
   return std::all_of(state, state + dimensions, [](float x) { return std::isnan(x); });
 }
 
@@ -40,15 +40,15 @@ void NodeFilter::KeepBest() {
   densities_.assign(density.begin(), density.end());
   std::nth_element(densities_.begin(), densities_.begin() + max_candidates_ - 1, densities_.end(),
                    std::greater<>());
-  const double least = densities_[limit - 1];
+  const double lowest = densities_[limit - 1];
   const auto above = std::count_if(densities_.begin(), densities_.begin() + max_candidates_,
-                                   [&](double d) { return d > least; });
-  // Of those that are as the least kept is, the first.
-  std::size_t alike = limit - static_cast<std::size_t>(above);
+                                   [&](double d) { return d > lowest; });
+  // Ties at the lowest density: keep the first ones.
+  std::size_t ties_left = limit - static_cast<std::size_t>(above);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    if (density[i] < least || (density[i] == least && alike == 0)) continue;
-    if (density[i] == least) --alike;
+    if (density[i] < lowest || (density[i] == lowest && ties_left == 0)) continue;
+    if (density[i] == lowest) --ties_left;
     nodes[kept] = nodes[i];
     density[kept++] = density[i];
   }
@@ -70,7 +70,7 @@ void NodeFilter::Descend(const float* state) {
       const int count = tree.child_count(layer, above_.nodes[i]);
       for (int c = first; c < first + count; ++c) {
         candidates_.nodes.push_back(c);
-        // A copy of a leaf keeps the density already known.
+        // A copy of a leaf keeps its density.
         candidates_.log_density.push_back(
             count == 1 ? above_.log_density[i]
                        : model_.gaussians().LogDensity(tree.branch(layer + 1, c), state));
@@ -89,7 +89,7 @@ void NodeFilter::Follow() {
     const double share = probability / static_cast<double>(graph.row_sum(from));
     for (const Edge& edge : graph.row(from)) leads_.emplace_back(share * edge.count, edge.to);
   }
-  // One entry a node, then the most probable of them, then in order of node.
+  // Merge entries of one node, keep the most probable, sort by node.
   const auto by_node = [](const auto& a, const auto& b) { return a.second < b.second; };
   std::sort(leads_.begin(), leads_.end(), by_node);
   std::size_t kept = 0;
@@ -117,28 +117,28 @@ void NodeFilter::Arrive() {
   arriving_.assign(to.size(), 0.0);
   double sum = 0;
   for (std::size_t i = 0; i < now_.nodes.size(); ++i) {
-    const double here = now_.probability[i];
-    if (here <= 0) continue;
-    sum += here;
+    const double mass = now_.probability[i];
+    if (mass <= 0) continue;
+    sum += mass;
     const std::span<const Edge> row = graph.row(now_.nodes[i]);
-    const double share = here / static_cast<double>(graph.row_sum(now_.nodes[i]));
+    const double share = mass / static_cast<double>(graph.row_sum(now_.nodes[i]));
     auto edge = row.begin();
     for (std::size_t j = 0; j < to.size() && edge != row.end(); ++j) {
       edge = std::lower_bound(edge, row.end(), to[j],
                               [](const Edge& e, std::int32_t node) { return e.to < node; });
       if (edge != row.end() && edge->to == to[j]) {
-        arriving_[j] += share * edge->count - floor_ * here;
+        arriving_[j] += share * edge->count - floor_ * mass;
       }
     }
   }
-  // Every pair has the floor; what was seen replaces it.
+  // Every pair has the floor; counted transitions replace it.
   for (double& arriving : arriving_) arriving = std::max(arriving + floor_ * sum, 0.0);
 }
 
 void NodeFilter::Step(const float* state, Distribution& next) {
   const bool is_first = now_.nodes.empty();
   const Eigen::Index dimensions = model_.gaussians().dimension_count();
-  if (!is_first && max_candidates_ > 0 && SeesNothing(state, dimensions)) {
+  if (!is_first && max_candidates_ > 0 && IsAllMissing(state, dimensions)) {
     Follow();
   } else {
     Descend(state);
@@ -149,9 +149,9 @@ void NodeFilter::Step(const float* state, Distribution& next) {
     Arrive();
   }
   if (!(*std::ranges::max_element(arriving_) > 0)) arriving_.assign(arriving_.size(), 1.0);
-  // Densities relative to the greatest of those that can be arrived at: one is left.
+  // Densities relative to the maximum of the reachable candidates, so that at least one is 1.
   const auto& density = candidates_.log_density;
-  double peak = kNever;
+  double peak = kLogZero;
   for (std::size_t j = 0; j < density.size(); ++j) {
     if (arriving_[j] > 0) peak = std::max(peak, density[j]);
   }
@@ -159,7 +159,7 @@ void NodeFilter::Step(const float* state, Distribution& next) {
   next.probability.assign(arriving_.begin(), arriving_.end());
   double sum = 0;
   for (std::size_t j = 0; j < density.size(); ++j) {
-    // So far off that every density is 0, no node tells more than another.
+    // If every density underflows to 0, the frame says nothing.
     if (std::isfinite(peak)) next.probability[j] *= std::exp(std::min(density[j] - peak, 0.0));
     sum += next.probability[j];
   }

@@ -1,5 +1,5 @@
-// Where in the tree a motion is now, given every frame so far: the forward algorithm on the nodes
-// that may explain each frame. Not thread-safe.
+// The current node of a stream, given all frames so far: the forward algorithm on the candidate
+// nodes of each frame. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -12,26 +12,27 @@ namespace motiondb::core {
 
 class Model;
 
-// alpha_t(j) = e_t(j) sum_i alpha_{t-1}(i) P(i -> j), made to sum to 1. The candidates j of a frame
-// are found as DescendTree finds them (core/inference/node_path.h), except that it is the frame's
-// own emission e that decides which stay in the beam: no other frame is looked at, so a frame costs
-// O(layers * candidates * dimensions + candidates^2) once. With all nodes kept this is LastNodes of
-// FindNodePaths over the whole stream. Where the rule leaves no way on, it starts anew.
+// alpha_t(j) = e_t(j) sum_i alpha_{t-1}(i) P(i -> j), normalised to sum 1. The candidates j are
+// found as by DescendTree (core/inference/node_path.h), but the beam is pruned by the frame's own
+// emission e only. So each frame is processed once, in O(layers * candidates * dimensions +
+// candidates^2). With an unlimited beam the result equals LastNodes of FindNodePaths over the whole
+// stream. If no transition is possible, the filter restarts.
 class NodeFilter {
  public:
-  // The model must outlive it. `layer` is one of its layers; 0 candidates keep all.
+  // The model must outlive this object. `layer` is one of its layers; 0 candidates: no limit.
   NodeFilter(const Model& model, int layer, double transition_floor, int max_candidates = 16);
 
-  // Takes the next frame: its scaled state (dimensions), NaN where a marker is missing. No
-  // allocation once the vectors have grown.
+  // Adds the next frame: its scaled state (dimensions), NaN: missing. Does not allocate once the
+  // vectors have grown.
   void Advance(const float* state);
-  // The most probable node (of equals the first) if this were the next frame, which is not taken.
+  // Returns the most probable node (ties: the first) if this were the next frame, without adding
+  // it.
   NodeState Peek(const float* state);
-  // The next frame is the first.
+  // Forgets all frames.
   void Restart() { now_.nodes.clear(); }
 
   int layer() const { return layer_; }
-  // After the frames taken: nodes ascending, probabilities sum to 1.
+  // Distribution after the frames so far: nodes ascending, probabilities sum to 1.
   const std::vector<std::int32_t>& nodes() const { return now_.nodes; }
   const std::vector<double>& probability() const { return now_.probability; }
 
@@ -49,9 +50,9 @@ class NodeFilter {
   void Step(const float* state, Distribution& next);
   void Descend(const float* state);
   void KeepBest();
-  // Of a frame that sees nothing: where the graph leads from here.
+  // Candidates of a frame without any marker: successors in the graph.
   void Follow();
-  // Sums over the candidates' arrivals from the nodes now.
+  // Computes the probability that arrives at each candidate from the current nodes.
   void Arrive();
 
   const Model& model_;
@@ -64,7 +65,7 @@ class NodeFilter {
   Candidates above_;
   std::vector<double> densities_;
   std::vector<std::pair<double, std::int32_t>> leads_;
-  std::vector<double> arriving_;  // sums over the ways to each candidate
+  std::vector<double> arriving_;  // probability that arrives at each candidate
 };
 
 }  // namespace motiondb::core

@@ -78,7 +78,7 @@ MarkerMotion ObservedStates::LastPositions(int frames) const {
 
 namespace {
 
-constexpr double kMostRatio = 100;
+constexpr double kMaxRatio = 100;
 constexpr double kSameRateHz = 1e-6;
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
@@ -87,14 +87,14 @@ constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 absl::StatusOr<MarkerStream> MarkerStream::Create(const MarkerScheme& scheme,
                                                   const std::vector<std::string>& marker_names,
                                                   double from_hz, double to_hz) {
-  if (!(from_hz >= to_hz / kMostRatio && from_hz <= to_hz * kMostRatio)) {
-    return FieldViolation("frame_rate_hz", "expected {} to {} beside a model of {} Hz, got {}",
-                          to_hz / kMostRatio, to_hz * kMostRatio, to_hz, from_hz);
+  if (!(from_hz >= to_hz / kMaxRatio && from_hz <= to_hz * kMaxRatio)) {
+    return FieldViolation("frame_rate_hz", "expected {} to {} for a model of {} Hz, got {}",
+                          to_hz / kMaxRatio, to_hz * kMaxRatio, to_hz, from_hz);
   }
   MarkerStream stream;
   MOTIONDB_ASSIGN_OR_RETURN(stream.mapping_, BindMapping(scheme, marker_names));
   if (stream.mapping_.has_offsets) {
-    return InvalidArgument("mapping '{}' has offsets in link frames, which bare markers lack",
+    return InvalidArgument("mapping '{}' has offsets in link frames, but the stream has no links",
                            stream.mapping_.name);
   }
   stream.step_ = std::abs(from_hz - to_hz) < kSameRateHz ? 1 : from_hz / to_hz;
@@ -112,7 +112,7 @@ void MarkerStream::Push(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m)
     for (const auto& [point, weight] : mapping_.rules[m].points) {
       marker += static_cast<float>(weight) * positions_m.segment<3>(3 * point);
     }
-    // A marker is there or not, whole.
+    // A marker with one missing coordinate is missing.
     if (marker.hasNaN()) marker.setConstant(kMissing);
   }
   ++taken_;
@@ -126,7 +126,7 @@ const Eigen::RowVectorXf* MarkerStream::Next() {
   const double at = static_cast<double>(given_) * step_;
   const auto before = static_cast<std::int64_t>(std::floor(at + 1e-9));
   const auto u = static_cast<float>(std::max(0.0, at - static_cast<double>(before)));
-  if (u < 1e-6F) {  // a frame that came, though its neighbours may be missing
+  if (u < 1e-6F) {  // exactly a source frame; its neighbours may be missing
     if (before >= taken_) return nullptr;
     made_ = Row(before);
   } else {

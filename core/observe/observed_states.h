@@ -1,4 +1,4 @@
-// The last frames of a stream as states: each is made when it comes and finished when the next one
+// States of the last frames of a stream: computed when a frame arrives, finished when the next one
 // does. Not thread-safe.
 #pragma once
 
@@ -16,37 +16,36 @@
 
 namespace motiondb::core {
 
-// What ComputeStates does (core/motion/states.h), knowing nothing of what comes: the newest frame's
-// velocities are backward differences until its successor comes, as PastAt gives them, and a frame
-// without hips keeps the reference frame of the one before. The first frame is the first with both
-// hips apart on the floor; what comes before it is passed over.
+// ComputeStates (core/motion/states.h) for streams. The newest frame has backward differences until
+// its successor arrives, as in PastAt. A frame without hips keeps the reference frame of the
+// previous one. The first frame is the first one with a valid hip line; earlier frames are ignored.
 class ObservedStates {
  public:
-  // Keeps the last `capacity` frames, three at least. `set` names its hips.
+  // Keeps the last `capacity` frames, at least three. `set` has hip landmarks.
   ObservedStates(MarkerSet set, double frame_rate_hz, int capacity);
 
-  // Takes the next frame (3 N_v, m, world). False where it is passed over. No allocation.
+  // Adds the next frame (3 N_v, m, world). Returns false if it is ignored. Does not allocate.
   bool Push(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m);
   // Forgets all frames.
   void Restart() { next_ = 0; }
 
-  // What lengths are divided by, from the next frame on; 1 at first.
+  // Leg length (m) for the next frames; 1 initially.
   void set_leg_length_m(double leg_length_m) { leg_length_m_ = leg_length_m; }
   double leg_length_m() const { return leg_length_m_; }
 
-  // Frames are numbered from 0, the first one; this is the next one's number.
+  // Number of the next frame, counted from 0.
   std::int64_t next() const { return next_; }
-  // How many are kept: [next() - kept(), next()).
+  // Number of kept frames: [next() - kept(), next()).
   int kept() const;
-  // 6 N_v, leg lengths; frame next() - 1 is provisional, the others are finished.
+  // State of a frame: 6 N_v, leg lengths. Frame next() - 1 is provisional, the others are final.
   auto state(std::int64_t frame) const { return states_.row(frame % states_.rows()); }
 
-  // The last frames, at most kept().
+  // Return the last `frames` frames, at most kept().
   StateSequence Last(int frames) const;
   MarkerMotion LastPositions(int frames) const;
 
  private:
-  // False if the frame, which would be the first, has no reference frame.
+  // Sets the frame's reference frame. Returns false if the first frame has none.
   bool Place(std::int64_t frame);
   void MakeState(std::int64_t frame);
   auto Marker(std::int64_t frame, Eigen::Index marker) const {
@@ -57,51 +56,47 @@ class ObservedStates {
   double frame_rate_hz_;
   double leg_length_m_ = 1;
   std::int64_t next_ = 0;
-  FrameMatrix positions_;  // rings: a frame is at its number % rows
+  FrameMatrix positions_;  // rings: index is the frame number % rows
   RootPath root_path_;
   FrameMatrix states_;
 };
 
-// Frames of a source's markers turned, one after the other, into frames of a marker set at a
-// model's rate. Not thread-safe.
-
-// What Represent does with an observation (core/motion/states.h: ApplyScheme, Resample), frame by
-// frame. At another rate than the model's a frame between two that came is made as soon as all that
-// core's Resample looks at is there: cubic interpolation wants the second frame after it, so the
-// stream lags by up to two of its own frames and nothing is ever taken back.
+// Converts a stream of source frames to the marker set and frame rate of a model: Represent
+// (core/motion/states.h: ApplyScheme, Resample) for streams. Not thread-safe. If the rates differ,
+// an interpolated frame needs two source frames after it, so the output lags by up to two source
+// frames and is never revised.
 class MarkerStream {
  public:
-  // INVALID_ARGUMENT if the scheme has no mapping for the names, a mapping wants link frames, which
-  // bare markers lack, or the rates are more than a hundredfold apart.
+  // INVALID_ARGUMENT if no mapping of the scheme fits the names, the mapping needs link frames, or
+  // the ratio of the rates exceeds 100.
   static absl::StatusOr<MarkerStream> Create(const MarkerScheme& scheme,
                                              const std::vector<std::string>& marker_names,
                                              double from_hz, double to_hz);
 
   Eigen::Index source_width() const { return missing_.size(); }
 
-  // Takes the next frame (3 x source markers, m, NaN triples where missing). Frames made of it wait
-  // for Next.
+  // Adds the next frame (3 x source markers, m, NaN triples: missing). Read results with Next.
   void Push(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m);
-  // A frame in which all is missing.
+  // Adds a frame without markers.
   void PushMissing() { Push(missing_); }
-  // The next frame at the model's rate (3 N_v); null where none is ready.
+  // Returns the next frame at the model's rate (3 N_v); null if none is ready.
   const Eigen::RowVectorXf* Next();
-  // The next frame is the first of another motion.
+  // Starts another motion.
   void Restart();
 
  private:
   MarkerStream() = default;
   const Eigen::RowVectorXf& Row(std::int64_t frame) const;
 
-  static constexpr std::int64_t kRows = 4;  // that a frame is made of
+  static constexpr std::int64_t kRows = 4;  // source frames of one interpolated frame
 
   BoundMapping mapping_;
-  double step_ = 1;                       // source frames from one frame to the next
+  double step_ = 1;                       // source frames for each output frame
   Eigen::RowVectorXf missing_;            // a source frame without any marker
   std::vector<Eigen::RowVectorXf> rows_;  // mapped; source frame f is at f % kRows
   Eigen::RowVectorXf made_;
-  std::int64_t taken_ = 0;  // source frames
-  std::int64_t given_ = 0;  // frames at the model's rate
+  std::int64_t taken_ = 0;  // number of source frames
+  std::int64_t given_ = 0;  // number of output frames
 };
 
 }  // namespace motiondb::core

@@ -10,23 +10,23 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kLeastKeptSeconds = 1;  // a leg is measured over them
-constexpr double kMostSeconds = 60;
-constexpr int kMostKept = 1 << 14;  // frames: a minute at 273 Hz
-constexpr int kAskEvery = 64;       // frames taken between two looks at the clock
-constexpr float kFurthestM = 1e5F;
-constexpr double kShortestLegM = 0.01;
-constexpr double kLongestLegM = 100;
-constexpr double kOtherLeg = 0.01;  // while it is measured: a change by so much is taken over
+constexpr double kMinKeptSeconds = 1;  // leg length is estimated over them
+constexpr double kMaxSeconds = 60;
+constexpr int kMaxKept = 1 << 14;  // frames: a minute at 273 Hz
+constexpr int kCheckEvery = 64;    // frames between two cancellation checks
+constexpr float kMaxPosition_m = 1e5F;
+constexpr double kMinLeg_m = 0.01;
+constexpr double kMaxLeg_m = 100;
+constexpr double kMinLegChange = 0.01;  // minimum relative change that updates the leg length
 
-bool IsLegLength(double length_m) { return length_m >= kShortestLegM && length_m <= kLongestLegM; }
+bool IsLegLength(double length_m) { return length_m >= kMinLeg_m && length_m <= kMaxLeg_m; }
 
 int InFrames(double seconds, double rate) {
   return std::max(1, static_cast<int>(std::round(seconds * rate)));
 }
 
 int KeptFrames(const ObserverOptions& options, double rate) {
-  return InFrames(std::max({options.window_seconds, options.history_seconds, kLeastKeptSeconds}),
+  return InFrames(std::max({options.window_seconds, options.history_seconds, kMinKeptSeconds}),
                   rate);
 }
 
@@ -34,17 +34,17 @@ int KeptFrames(const ObserverOptions& options, double rate) {
 
 absl::Status CheckOptions(const ObserverOptions& options, const BuildSettings& settings) {
   const auto check_seconds = [](std::string_view field, double seconds) {
-    if (seconds > 0 && seconds <= kMostSeconds) return absl::OkStatus();
-    return FieldViolation(field, "expected more than 0, at most {}, got {}", kMostSeconds, seconds);
+    if (seconds > 0 && seconds <= kMaxSeconds) return absl::OkStatus();
+    return FieldViolation(field, "expected above 0, at most {}, got {}", kMaxSeconds, seconds);
   };
   MOTIONDB_RETURN_IF_ERROR(check_seconds("window_seconds", options.window_seconds));
   MOTIONDB_RETURN_IF_ERROR(check_seconds("history_seconds", options.history_seconds));
   const double rate = settings.frame_rate_hz;
-  if (KeptFrames(options, rate) > kMostKept) {
+  if (KeptFrames(options, rate) > kMaxKept) {
     const bool window = options.window_seconds >= options.history_seconds;
     return FieldViolation(window ? "window_seconds" : "history_seconds",
-                          "expected at most {} frames, {:.3f} s at {} Hz", kMostKept,
-                          kMostKept / rate, rate);
+                          "expected at most {} frames, {:.3f} s at {} Hz", kMaxKept,
+                          kMaxKept / rate, rate);
   }
   return CheckOptions(PredictOptions{.history_seconds = options.history_seconds,
                                      .horizon_seconds = options.horizon_seconds,
@@ -63,7 +63,7 @@ Observer::Observer(const Model& model, MarkerSet set, MarkerStream stream, doubl
       has_leg_length_(leg_length_m.has_value()),
       is_measuring_(!has_leg_length_) {
   if (leg_length_m) states_.set_leg_length_m(*leg_length_m);
-  Under(model, layer);
+  UseModel(model, layer);
 }
 
 absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
@@ -71,11 +71,11 @@ absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
     double frame_rate_hz, std::optional<double> leg_length_m, const ObserverOptions& options) {
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options, model.settings()));
   if (leg_length_m && !IsLegLength(*leg_length_m)) {
-    return FieldViolation("leg_length_m", "expected {} to {}, got {}", kShortestLegM, kLongestLegM,
+    return FieldViolation("leg_length_m", "expected {} to {}, got {}", kMinLeg_m, kMaxLeg_m,
                           *leg_length_m);
   }
   if (scheme.set.markers != model.marker_set().markers) {
-    return InvalidArgument("marker set: expected that of the model, '{}', got '{}'",
+    return InvalidArgument("marker set: expected the model's, '{}', got '{}'",
                            model.marker_set().name, scheme.set.name);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const int layer, model.ResolveLayer(options.layer));
@@ -86,7 +86,7 @@ absl::StatusOr<std::unique_ptr<Observer>> Observer::Create(
                                                 leg_length_m, options, layer));
 }
 
-void Observer::Under(const Model& model, int layer) {
+void Observer::UseModel(const Model& model, int layer) {
   model_ = &model;
   filter_ = std::make_unique<NodeFilter>(model, layer, options_.transition_floor);
   recognizer_ = std::make_unique<WindowRecognizer>(
@@ -97,13 +97,13 @@ void Observer::Under(const Model& model, int layer) {
 absl::Status Observer::Replace(const Model& model) {
   if (model.marker_set().markers != model_->marker_set().markers ||
       model.settings().frame_rate_hz != model_->settings().frame_rate_hz) {
-    return InvalidArgument("the other model is of {} Hz and markers '{}', expected {} Hz and '{}'",
+    return InvalidArgument("new model: got {} Hz and marker set '{}', expected {} Hz and '{}'",
                            model.settings().frame_rate_hz, model.marker_set().name,
                            model_->settings().frame_rate_hz, model_->marker_set().name);
   }
   const auto layer = model.ResolveLayer(options_.layer);
-  Under(model, layer.ok() ? *layer : model.layer_count());
-  GoOverKept();
+  UseModel(model, layer.ok() ? *layer : model.layer_count());
+  ReprocessKept();
   return absl::OkStatus();
 }
 
@@ -117,7 +117,7 @@ absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& posit
   MOTIONDB_RETURN_IF_ERROR(Check(first_frame, positions_m));
   for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
     const std::int64_t number = first_frame + row;
-    if (row % kAskEvery == kAskEvery - 1 && cancelled && cancelled()) {
+    if (row % kCheckEvery == kCheckEvery - 1 && cancelled && cancelled()) {
       return absl::CancelledError("the stream was cancelled");
     }
     if (has_newest_ && number <= newest_) {
@@ -128,8 +128,8 @@ absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& posit
     has_newest_ = true;
     newest_ = number;
     stream_.Push(positions_m.row(row));
-    TakeReady();
-    if (is_fresh_) newest_told_ = number;
+    ProcessReady();
+    if (is_fresh_) newest_in_states_ = number;
     is_fresh_ = false;
   }
   return absl::OkStatus();
@@ -137,18 +137,18 @@ absl::Status Observer::Append(std::int64_t first_frame, const FrameMatrix& posit
 
 absl::Status Observer::Check(std::int64_t first_frame, const FrameMatrix& positions_m) const {
   if (positions_m.cols() != stream_.source_width()) {
-    return InvalidArgument("frame {}: expected {} numbers, three a marker, got {}", first_frame,
-                           stream_.source_width(), positions_m.cols());
+    return InvalidArgument("frame {}: expected {} numbers, three for each marker, got {}",
+                           first_frame, stream_.source_width(), positions_m.cols());
   }
   if (first_frame > std::numeric_limits<std::int64_t>::max() - (positions_m.rows() - 1)) {
-    return InvalidArgument("frame {}: no numbers are left for {} frames", first_frame,
-                           positions_m.rows());
+    return InvalidArgument("frame {}: expected a number below the maximum for {} frames",
+                           first_frame, positions_m.rows());
   }
   for (Eigen::Index row = 0; row < positions_m.rows(); ++row) {
     for (const float x : positions_m.row(row)) {
-      if (std::abs(x) > kFurthestM) {
+      if (std::abs(x) > kMaxPosition_m) {
         return InvalidArgument("frame {}: expected positions up to {} m, got {}", first_frame + row,
-                               kFurthestM, x);
+                               kMaxPosition_m, x);
       }
     }
   }
@@ -156,24 +156,24 @@ absl::Status Observer::Check(std::int64_t first_frame, const FrameMatrix& positi
 }
 
 void Observer::PassGap(std::int64_t number) {
-  // Frames may be numbered from the least to the greatest: unsigned, the difference is there.
-  const std::uint64_t left_out =
+  // Unsigned, because numbers may differ by more than the int64 range.
+  const std::uint64_t skipped =
       static_cast<std::uint64_t>(number) - static_cast<std::uint64_t>(newest_) - 1;
-  if (left_out == 0) return;
+  if (skipped == 0) return;
   const auto countable =
       static_cast<std::uint64_t>(std::numeric_limits<std::int64_t>::max() - missing_frames_);
-  missing_frames_ += static_cast<std::int64_t>(std::min(left_out, countable));
-  if (static_cast<double>(left_out) > options_.window_seconds * frame_rate_hz_) {
-    StartAnew();
+  missing_frames_ += static_cast<std::int64_t>(std::min(skipped, countable));
+  if (static_cast<double>(skipped) > options_.window_seconds * frame_rate_hz_) {
+    RestartStream();
     return;
   }
-  for (std::uint64_t i = 0; i < left_out; ++i) {
+  for (std::uint64_t i = 0; i < skipped; ++i) {
     stream_.PushMissing();
-    TakeReady();
+    ProcessReady();
   }
 }
 
-void Observer::StartAnew() {
+void Observer::RestartStream() {
   stream_.Restart();
   Forget();
 }
@@ -184,9 +184,9 @@ void Observer::Forget() {
   recognizer_->Restart();
 }
 
-void Observer::TakeReady() {
+void Observer::ProcessReady() {
   while (const Eigen::RowVectorXf* frame = stream_.Next()) {
-    Follow(*frame);
+    Process(*frame);
     if (is_measuring_) MeasureLeg();
     is_fresh_ = true;
   }
@@ -198,16 +198,16 @@ const float* Observer::Scaled(std::int64_t frame) {
   return scaled_.data();
 }
 
-void Observer::Follow(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m) {
+void Observer::Process(const Eigen::Ref<const Eigen::RowVectorXf>& positions_m) {
   if (!states_.Push(positions_m) || !has_leg_length_) return;
-  // The frame before is finished now.
+  // The previous frame is finished now.
   if (states_.next() > 1) filter_->Advance(Scaled(states_.next() - 2));
 }
 
-void Observer::GoOverKept() {
+void Observer::ReprocessKept() {
   const FrameMatrix kept = states_.LastPositions(states_.kept()).positions_m;
   Forget();
-  for (Eigen::Index t = 0; t < kept.rows(); ++t) Follow(kept.row(t));
+  for (Eigen::Index t = 0; t < kept.rows(); ++t) Process(kept.row(t));
 }
 
 void Observer::MeasureLeg() {
@@ -215,18 +215,18 @@ void Observer::MeasureLeg() {
   if (kept == 0) return;
   const auto measured = EstimateLegLength(set_, states_.LastPositions(kept));
   if (!measured.ok() || !IsLegLength(*measured)) return;
-  is_measuring_ = kept < InFrames(kLeastKeptSeconds, model_->settings().frame_rate_hz);
+  is_measuring_ = kept < InFrames(kMinKeptSeconds, model_->settings().frame_rate_hz);
   const double change = std::abs(*measured / states_.leg_length_m() - 1);
-  if (has_leg_length_ && change <= (is_measuring_ ? kOtherLeg : 0)) return;
+  if (has_leg_length_ && change <= (is_measuring_ ? kMinLegChange : 0)) return;
   has_leg_length_ = true;
   states_.set_leg_length_m(*measured);
-  GoOverKept();
+  ReprocessKept();
 }
 
 absl::StatusOr<std::optional<Observed>> Observer::Answer(const Cancelled& cancelled) {
   if (states_.kept() == 0 || !has_leg_length_) return std::nullopt;
   Observed observed;
-  observed.frame = newest_told_;
+  observed.frame = newest_in_states_;
   observed.layer = filter_->layer();
   observed.state = filter_->Peek(Scaled(states_.next() - 1));
   MOTIONDB_ASSIGN_OR_RETURN(auto recognized, recognizer_->Recognize(states_, cancelled));

@@ -17,7 +17,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr std::size_t kKeptClips = 80;
-constexpr double kNone = -std::numeric_limits<double>::infinity();
+constexpr double kLogZero = -std::numeric_limits<double>::infinity();
 
 }  // namespace
 
@@ -41,7 +41,7 @@ void WindowRecognizer::Restart() {
 }
 
 int WindowRecognizer::Width(const ObservedStates& states) const {
-  return std::min(window_frames_, states.kept());
+  return std::min(window_frames_, states.cached());
 }
 
 absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Whole(const ObservedStates& states,
@@ -89,18 +89,18 @@ void WindowRecognizer::ChooseFrames(const ObservedStates& states) {
 }
 
 KeptClip& WindowRecognizer::Keep(int clip) {
-  auto kept = std::ranges::find(clips_, clip, &KeptClip::clip);
-  if (kept == clips_.end()) {
+  auto cached = std::ranges::find(clips_, clip, &KeptClip::clip);
+  if (cached == clips_.end()) {
     if (clips_.size() < kKeptClips) {
       clips_.emplace_back();
-      kept = clips_.end() - 1;
+      cached = clips_.end() - 1;
     } else {
-      kept = std::ranges::min_element(clips_, {}, &KeptClip::last_asked);
+      cached = std::ranges::min_element(clips_, {}, &KeptClip::last_asked);
     }
-    kept->Take(model_, clip, window_frames_);
+    cached->Take(model_, clip, window_frames_);
   }
-  kept->last_asked = answers_;
-  return *kept;
+  cached->last_asked = answers_;
+  return *cached;
 }
 
 absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
@@ -111,15 +111,15 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   shortlist_ = ranking_.TakeShortlist({});
   nearest_.assign(frames_.size(), {std::numeric_limits<float>::infinity(), 0});
   listed_.clear();
-  // Once, not with every clip: asking a call takes longer than a clip does.
+  // Check once, not for every clip: a check takes longer than a clip.
   if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
   for (const int clip : shortlist_) {
-    KeptClip& kept = Keep(clip);
+    KeptClip& cached = Keep(clip);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      const NearestFrame& near = kept.See(model_, rings_[i], window_->At(states, frames_[i]));
+      const NearestFrame& near = cached.See(model_, rings_[i], window_->At(states, frames_[i]));
       if (near.squared_distance < nearest_[i].squared_distance) nearest_[i] = near;
     }
-    listed_.push_back(&kept);
+    listed_.push_back(&cached);
   }
   return absl::OkStatus();
 }
@@ -136,23 +136,23 @@ double WindowRecognizer::LogEvidence(const KeptClip& clip) {
 
 std::vector<ClipEvidence> WindowRecognizer::DecisiveClips() {
   struct Bounded {
-    double most;
-    std::size_t place;  // on the shortlist
+    double upper_bound;
+    std::size_t place;  // index in the shortlist
   };
   std::vector<Bounded> order;
-  std::vector<double> best(labels_.size(), kNone);
+  std::vector<double> best(labels_.size(), kLogZero);
   std::vector<bool> is_listed(labels_.size());
   for (std::size_t place = 0; place < listed_.size(); ++place) {
     order.push_back({listed_[place]->LogEvidenceAtMost(rings_), place});
     is_listed[label_of_clip_[shortlist_[place]]] = true;
   }
-  std::ranges::sort(order, std::ranges::greater(), &Bounded::most);
-  // A label without a clip on the list is held to be like the poorest, so that one counts, too.
+  std::ranges::sort(order, std::ranges::greater(), &Bounded::upper_bound);
+  // A label without a listed clip gets the evidence of the poorest clip, so all clips count.
   const bool all_listed = std::ranges::find(is_listed, false) == is_listed.end();
   std::vector<ClipEvidence> decisive;
-  for (const auto& [most, place] : order) {
+  for (const auto& [upper_bound, place] : order) {
     double& of_label = best[label_of_clip_[shortlist_[place]]];
-    if (all_listed && most <= of_label) continue;
+    if (all_listed && upper_bound <= of_label) continue;
     decisive.push_back({shortlist_[place], LogEvidence(*listed_[place])});
     of_label = std::max(of_label, decisive.back().log_evidence);
   }

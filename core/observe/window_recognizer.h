@@ -1,5 +1,5 @@
-// What the last moments of a stream are called and how familiar they are: Recognize
-// (core/recognition/recognize.h, Method::kBest) of one window, which moves along. Not thread-safe.
+// Labels and familiarity of a moving window: Recognize (core/recognition/recognize.h,
+// Method::kBest) for streams. Not thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -18,40 +18,39 @@ namespace motiondb::core {
 
 class Model;
 
-// A frame is brought into the metric and compared with the index's nodes and the shortlisted clips
-// once, when an answer first needs it, and once more when it is finished. What is left for an
-// answer is to add up what its frames say: the ranking of clips, and for a clip the sum over paths,
-// which is passed over where the clip cannot be the best of its label. Computed whole are windows
-// that never show some marker, which is then left out, those by the paper, for a model without a
-// metric, and familiarity in a model that was not calibrated.
+// A frame is projected into the metric and compared with index nodes and shortlisted clips once,
+// when an answer first needs it, and again when it is finished. An answer only sums over its
+// frames: the ranking of clips, and the sum over paths of each clip that can be the best of its
+// label. Computed without this cache: windows in which a marker is always missing, models without a
+// metric (paper's method), and familiarity of models that are not calibrated.
 class WindowRecognizer {
  public:
-  // The model must outlive it.
+  // The model must outlive this object.
   WindowRecognizer(const Model& model, int window_frames, double transition_floor);
 
-  // The same labels, familiarity and shortlist, to rounding, as Recognize gives for the window.
+  // Equals the result of Recognize for the window, up to rounding.
   struct Answer {
     std::vector<LabelScore> labels;
     double familiarity = 0;
   };
-  // `states` has a frame at least. CANCELLED, asked once a clip.
+  // `states`: at least one frame. CANCELLED.
   absl::StatusOr<Answer> Recognize(const ObservedStates& states, const Cancelled& cancelled);
-  // Of the last answer; empty if its window was computed whole.
+  // Shortlist of the last answer; empty if the cache was not used.
   const std::vector<int>& shortlist() const { return shortlist_; }
 
-  // Frames are numbered anew.
+  // Forgets all frames; numbering restarts.
   void Restart();
 
  private:
   absl::StatusOr<Answer> Whole(const ObservedStates& states, const Cancelled& cancelled) const;
   bool ShowsAll(const ObservedStates& states) const;
   double FamiliarityByGraph(const ObservedStates& states) const;
-  // Which frames of the window are compared, and where they are in the rings.
+  // Selects the compared frames of the window and their ring indices.
   void ChooseFrames(const ObservedStates& states);
-  // The shortlisted clips, each beside each frame.
+  // Compares the shortlisted clips with each frame.
   absl::Status CompareClips(const ObservedStates& states, const Cancelled& cancelled);
   KeptClip& Keep(int clip);
-  // The clips that settle what is known of each label, as LabelEvidence uses them.
+  // Returns the clips that determine each label's evidence, as LabelEvidence uses them.
   std::vector<ClipEvidence> DecisiveClips();
   double LogEvidence(const KeptClip& clip);
   double FamiliarityScore();
@@ -63,12 +62,12 @@ class WindowRecognizer {
   const double transition_floor_;
   std::vector<std::string> labels_;
   std::vector<int> label_of_clip_;
-  std::optional<MetricWindow> window_;  // absent where the model has no metric
+  std::optional<MetricWindow> window_;  // absent if the model has no metric
   ClipRanking ranking_;
-  std::vector<KeptClip> clips_;  // more than a shortlist has, for clips come and go
+  std::vector<KeptClip> clips_;  // larger than a shortlist, because clips recur
   std::int64_t answers_ = 0;
 
-  // Of the answer at hand.
+  // Of the current answer.
   std::vector<std::int64_t> frames_;
   std::vector<std::size_t> rings_;
   std::vector<int> shortlist_;

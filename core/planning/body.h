@@ -1,9 +1,9 @@
-// Who is to play a plan: a skeleton with the scheme's markers on it, or bare markers of a size.
-// Immutable; safe to share between threads.
+// The body that plays a plan: a skeleton with the scheme's markers, or markers of a given size.
+// Immutable.
 //
-// Stored motion is scaled to the body's leg length (hip to knee to ankle). A skeleton of people is
-// left to inverse kinematics beyond that; a robot, whose contact markers are on flat soles, also
-// gets the stored feet's motion on its own soles, which stand on z = 0.
+// Stored motion is scaled to the body's leg length (hip to knee to ankle). Beyond that, skeletons
+// of people rely on inverse kinematics. Robots have contact markers on flat soles: the stored
+// feet's motion is transferred to their soles, which stand on z = 0.
 #pragma once
 
 #include <memory>
@@ -20,22 +20,22 @@ namespace motiondb::core {
 
 class Body {
  public:
-  // Bare markers.
+  // Markers without a skeleton.
   static Body OfSize(const Model& model, double leg_length_m);
-  // INVALID_ARGUMENT if no mapping of the scheme fits the skeleton or its legs have no length.
+  // INVALID_ARGUMENT if no mapping of the scheme fits the skeleton or its leg length is 0.
   static absl::StatusOr<Body> OfSkeleton(const Model& model, const MarkerScheme& scheme,
                                          std::shared_ptr<const Skeleton> skeleton, bool flat_soles);
 
-  // The size that a plan is scaled to, with all angles zero.
+  // Leg length (m) that plans are scaled to; a skeleton's at zero angles.
   double leg_length_m() const { return leg_length_m_; }
   const std::optional<MarkerKinematics>& kinematics() const { return kinematics_; }
-  // The feet as they are on this body.
+  // The feet of this body.
   const Feet& feet() const { return feet_; }
-  // The feet as they are on the stored subjects, whose contacts they tell.
+  // The feet of the stored subjects, for their contacts.
   const Feet& stored_feet() const { return stored_feet_; }
 
-  // Brings markers (frames x 3 N_v, m) of stored motion, already of the body's leg length, to its
-  // soles. Nothing changes on a body without flat ones.
+  // Fits markers (frames x 3 N_v, m) of stored motion, already scaled to the leg length, to the
+  // body's soles. No effect without flat soles.
   void Fit(FrameMatrix& positions_m) const;
 
  private:

@@ -11,39 +11,40 @@
 namespace motiondb::core {
 namespace {
 
-// Lengths are in leg lengths, speeds in leg lengths a second.
+// Lengths are in leg lengths, speeds in leg lengths per second.
 
 constexpr int kContactFrames = 4000;
-constexpr int kClipsLookedAt = 50;
+constexpr int kMaxSampledClips = 50;
 
-// A marker moves with another while their distance varies less than this (standard deviation):
-// more than markers made from several joints do, less than any joint between the two allows.
+// Markers move together if the standard deviation of their distance is below this: above that of
+// markers computed from several joints, below that of markers separated by a joint.
 constexpr float kRigidDeviation = 0.02f;
-// A marker of a segment is at least this part of its length inside both ends.
+// Minimum distance of a segment's marker from both ends, as a fraction of the segment.
 constexpr float kSegmentMargin = 0.15f;
-constexpr float kSegmentBreadth = 0.15f;  // how far beside it, leg lengths
+constexpr float kSegmentBreadth = 0.15f;  // maximum distance from the segment, leg lengths
 constexpr float kFootReach = 0.4f;        // from the ankle
-// A part of the foot is on average no further above the ankle than this.
+// Maximum mean height of a foot marker above the ankle.
 constexpr float kAboveAnkle = 0.02f;
 
 constexpr float kRestSpeed = 0.25f;
-constexpr std::size_t kFewestAtRest = 5;  // frames
-// Of the heights at rest: below most of them, so that a foot at rest is not taken to be sunken.
+constexpr std::size_t kMinAtRest = 5;  // frames
+// Rest height as a quantile of the heights at rest: low, so that a foot at rest does not count as
+// sunken.
 constexpr double kRestQuantile = 0.1;
 constexpr double kLowQuantile = 0.05;
-// Above the low ones: a foot held still in the air is not at rest.
+// Maximum height at rest above the low quantile: excludes a foot held still in the air.
 constexpr float kRestBand = 0.08f;
 
-// A contact begins below the first and ends above the second.
+// Hysteresis: a contact begins below the first and ends above the second.
 constexpr float kBeginHeight = 0.05f;  // above rest
 constexpr float kEndHeight = 0.07f;
 constexpr float kBeginSpeed = 0.4f;
 constexpr float kEndSpeed = 0.6f;
-// A run has its own floor if it is this near to the usual one.
+// A motion has its own floor height if it differs from the typical one by at most this.
 constexpr float kFloorDoubt = 0.12f;
-constexpr double kShortestGapSeconds = 0.05;
-constexpr double kShortestRunSeconds = 0.08;
-// Speeds are taken over a sixtieth of a second to either side, at any rate that has it.
+constexpr double kMinGapSeconds = 0.05;
+constexpr double kMinContactSeconds = 0.08;
+// Speeds are central differences over this time to both sides, if the rate is high enough.
 constexpr double kSpeedSpanSeconds = 1.0 / 60;
 
 float Quantile(std::vector<float> values, double share) {
@@ -53,28 +54,28 @@ float Quantile(std::vector<float> values, double share) {
   return *at;
 }
 
-// Frames that are looked at, as they were before scaling.
+// A sample of stored frames, unscaled.
 struct Sample {
-  FrameMatrix states;                    // leg lengths, leg lengths a second
-  std::vector<Eigen::Index> first_rows;  // of each clip looked at; then how many rows there are
+  FrameMatrix states;                    // leg lengths, leg lengths per second
+  std::vector<Eigen::Index> first_rows;  // of each sampled clip, and the number of rows
 };
 
-// So many of so many, evenly: which is the i-th.
-int Evenly(int i, int some, int all) {
+// Index of the i-th of `some` samples spread evenly over `all`.
+int EvenIndex(int i, int some, int all) {
   return static_cast<int>(static_cast<std::int64_t>(i) * all / some);
 }
 
 Sample TakeSample(const Model& model) {
   const auto clip_count = static_cast<int>(model.clips().size());
-  const int clips = std::min(clip_count, kClipsLookedAt);
+  const int clips = std::min(clip_count, kMaxSampledClips);
   std::vector<int> frames;
   Sample sample;
   for (int c = 0; c < clips; ++c) {
-    const ModelClip& clip = model.clips()[Evenly(c, clips, clip_count)];
+    const ModelClip& clip = model.clips()[EvenIndex(c, clips, clip_count)];
     const int count = std::min(clip.frame_count, kContactFrames / clips);
     sample.first_rows.push_back(static_cast<Eigen::Index>(frames.size()));
     for (int i = 0; i < count; ++i) {
-      frames.push_back(clip.first_frame + Evenly(i, count, clip.frame_count));
+      frames.push_back(clip.first_frame + EvenIndex(i, count, clip.frame_count));
     }
   }
   sample.first_rows.push_back(static_cast<Eigen::Index>(frames.size()));
@@ -95,16 +96,16 @@ Spread DistanceSpread(const FrameMatrix& states, int a, int b) {
   return {mean, std::sqrt((distances - mean).square().mean())};
 }
 
-// Whether a marker is beside the segment between two others and keeps its place there.
+// Whether a marker is near the segment between two others and fixed to it.
 bool IsOnSegment(const FrameMatrix& states, int marker, int from, int to) {
   const FrameMatrix along = states.middleCols<3>(6 * to) - states.middleCols<3>(6 * from);
-  const FrameMatrix there = states.middleCols<3>(6 * marker) - states.middleCols<3>(6 * from);
+  const FrameMatrix to_marker = states.middleCols<3>(6 * marker) - states.middleCols<3>(6 * from);
   const Eigen::ArrayXf shares =
-      along.cwiseProduct(there).rowwise().sum().array() / along.rowwise().squaredNorm().array();
-  const FrameMatrix aside = there - shares.matrix().asDiagonal() * along;
+      along.cwiseProduct(to_marker).rowwise().sum().array() / along.rowwise().squaredNorm().array();
+  const FrameMatrix perpendicular = to_marker - shares.matrix().asDiagonal() * along;
   const float share = shares.mean();
   return share > kSegmentMargin && share < 1 - kSegmentMargin &&
-         aside.rowwise().norm().mean() < kSegmentBreadth &&
+         perpendicular.rowwise().norm().mean() < kSegmentBreadth &&
          DistanceSpread(states, marker, from).deviation < kRigidDeviation &&
          DistanceSpread(states, marker, to).deviation < kRigidDeviation;
 }
@@ -115,21 +116,21 @@ bool IsOfFoot(const FrameMatrix& states, int marker, int ankle) {
   return spread.mean < kFootReach && spread.deviation < kRigidDeviation && above < kAboveAnkle;
 }
 
-// How high a marker is when it stands, from its heights and speeds in a run of frames: of those
-// where it is slow and low. Nothing if it hardly ever is slow.
+// Estimates the height of a standing marker from its heights and speeds: from frames in which it is
+// slow and low. Nothing if it is rarely slow.
 std::optional<float> RestHeight(const Eigen::ArrayXf& heights, const Eigen::ArrayXf& speeds) {
   std::vector<float> slow;
   for (Eigen::Index t = 0; t < heights.size(); ++t) {
     if (speeds[t] < kRestSpeed && std::isfinite(heights[t])) slow.push_back(heights[t]);
   }
-  if (slow.size() < kFewestAtRest) return std::nullopt;
-  const float highest = Quantile(slow, kLowQuantile) + kRestBand;
-  std::erase_if(slow, [&](float height) { return height > highest; });
+  if (slow.size() < kMinAtRest) return std::nullopt;
+  const float max_height = Quantile(slow, kLowQuantile) + kRestBand;
+  std::erase_if(slow, [&](float height) { return height > max_height; });
   return Quantile(std::move(slow), kRestQuantile);
 }
 
-// The middle one of the clips' rest heights, for floors differ a little between recordings. Where a
-// marker never rests, a low height of all frames.
+// Returns the median of the clips' rest heights, because floors differ between recordings. For a
+// marker that never rests, a low quantile of all heights.
 float TypicalRestHeight(const Sample& sample, int marker) {
   const Eigen::ArrayXf heights = sample.states.col(6 * marker + 2);
   const Eigen::ArrayXf speeds = sample.states.middleCols<3>(6 * marker + 3).rowwise().norm();
@@ -174,8 +175,8 @@ Foot FindFoot(const Sample& sample, const std::array<int, 3>& leg) {
 
 using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-// Makes runs of `value` that are shorter than `shortest` frames the opposite. Runs that the ends of
-// the motion cut off are kept, for they may be longer.
+// Inverts runs of `value` shorter than `shortest` frames. Keeps runs at the ends of the motion,
+// which may be longer.
 void DropShortRuns(bool value, Eigen::Index shortest, Flags& runs) {
   Eigen::Index begin = 0;
   for (Eigen::Index t = 1; t <= runs.size(); ++t) {
@@ -188,7 +189,7 @@ void DropShortRuns(bool value, Eigen::Index shortest, Flags& runs) {
   }
 }
 
-// Speeds of a marker, in leg lengths a second.
+// Speeds of a marker, in leg lengths per second.
 Eigen::ArrayXf Speeds(const FrameMatrix& positions_m, int marker, double rate_hz, double leg_m) {
   const Eigen::Index last = positions_m.rows() - 1;
   const auto span = std::max<Eigen::Index>(1, std::lround(kSpeedSpanSeconds * rate_hz));
@@ -196,10 +197,10 @@ Eigen::ArrayXf Speeds(const FrameMatrix& positions_m, int marker, double rate_hz
   for (Eigen::Index t = 0; t <= last && last > 0; ++t) {
     const Eigen::Index before = std::max<Eigen::Index>(0, t - span);
     const Eigen::Index after = std::min(last, t + span);
-    const float way = (positions_m.row(after).segment<3>(3 * marker) -
-                       positions_m.row(before).segment<3>(3 * marker))
-                          .norm();
-    speeds[t] = way * static_cast<float>(rate_hz / leg_m) / static_cast<float>(after - before);
+    const float distance = (positions_m.row(after).segment<3>(3 * marker) -
+                            positions_m.row(before).segment<3>(3 * marker))
+                               .norm();
+    speeds[t] = distance * static_cast<float>(rate_hz / leg_m) / static_cast<float>(after - before);
   }
   return speeds;
 }
@@ -219,8 +220,8 @@ Flags MarkerContacts(const FrameMatrix& positions_m, int marker, float usual_res
                speeds[t] < (standing ? kEndSpeed : kBeginSpeed);
     stands[t] = standing;
   }
-  DropShortRuns(false, std::lround(kShortestGapSeconds * rate_hz), stands);
-  DropShortRuns(true, std::lround(kShortestRunSeconds * rate_hz), stands);
+  DropShortRuns(false, std::lround(kMinGapSeconds * rate_hz), stands);
+  DropShortRuns(true, std::lround(kMinContactSeconds * rate_hz), stands);
   return stands;
 }
 

@@ -1,4 +1,4 @@
-// Which points of the feet stand on the floor, and when. Safe to call from any thread.
+// Contacts of the feet with the floor.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,32 +11,32 @@ namespace motiondb::core {
 
 class Model;
 
-// One foot: its leg, and the markers of the set that move with it.
+// One foot: its leg, and the markers that move with it.
 struct Foot {
   std::array<int, 3> leg{};  // hip, knee, ankle
-  // Those that touch the floor (heel, toe; the ankle alone where the set has no more), nearest the
-  // floor first, and how high each is while it stands, in leg lengths.
+  // Markers that touch the floor (heel, toe; the ankle if the set has no other), lowest first, with
+  // their heights at rest in leg lengths.
   std::vector<int> contact_markers;
   std::vector<float> rest_heights;
-  // All that move with the ankle as one body: it, those above, and others of the foot.
+  // Markers that move rigidly with the ankle: the ankle, contact markers and others of the foot.
   std::vector<int> foot_markers;
-  // Those that keep their place on the thigh (hip to knee) and on the shin (knee to ankle).
+  // Markers fixed to the thigh (hip to knee) and to the shin (knee to ankle).
   std::vector<int> thigh_markers;
   std::vector<int> shin_markers;
 };
 
 using Feet = std::vector<Foot>;
 
-// frames x contact markers of all feet, in order of foot and marker: true where it stands.
+// frames x contact markers of all feet, in order of foot and marker: true if in contact.
 using ContactMatrix = Eigen::Array<bool, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// The feet of the model's marker set, told from its stored frames (at most a few thousand are
-// looked at, evenly). Empty where the set has no whole leg. O(frames looked at * markers).
+// Returns the feet of the model's marker set, determined from a sample of at most a few thousand
+// stored frames. Empty if the set has no complete leg. O(sampled frames * markers).
 Feet FindFeet(const Model& model);
 
-// Contacts of a run of marker positions (frames x 3 N_v, m, world, floor at z = 0) of a subject of
-// that leg length: low (near its rest height) and slow, for long enough. A marker that is missing
-// (NaN) does not stand. O(frames * contact markers).
+// Returns the contacts in marker positions (frames x 3 N_v, m, world, floor at z = 0) of a subject
+// with this leg length: low (near the rest height) and slow, for long enough. Missing markers (NaN)
+// have no contact. O(frames * contact markers).
 ContactMatrix DetectContacts(const Feet& feet, const FrameMatrix& positions_m, double frame_rate_hz,
                              double leg_length_m);
 

@@ -25,7 +25,7 @@ double DistanceToSegment(const Eigen::Vector2d& point, const Eigen::Vector2d& fr
   return (point - from - share * along).norm();
 }
 
-// Negative inside. A ray to the right crosses the line an odd number of times from within.
+// Signed distance, negative inside: from inside, a ray to the right crosses an odd number of sides.
 double Distance(const Polygon& polygon, const Eigen::Vector2d& point) {
   double nearest = std::numeric_limits<double>::infinity();
   bool inside = false;
@@ -57,34 +57,34 @@ double Distance(const Obstacles& obstacles, const Eigen::Vector2d& point) {
 
 namespace {
 
-// A side of the polygon, and the corner that it begins at.
+// A side of the polygon, and the corner at its start.
 struct Side {
   Eigen::Vector2d from;
   Eigen::Vector2d to;
   std::size_t corner = 0;  // in the polygon
   std::size_t order = 0;   // among the sides
 
-  double least_x() const { return std::min(from.x(), to.x()); }
-  double greatest_x() const { return std::max(from.x(), to.x()); }
+  double min_x() const { return std::min(from.x(), to.x()); }
+  double max_x() const { return std::max(from.x(), to.x()); }
 };
 
 double Cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-// On which side of the line the point is: 1, -1, or 0 on it.
+// Returns the point's side of the line: 1, -1, or 0 on it.
 int SideOf(const Side& line, const Eigen::Vector2d& point) {
   const double area = Cross(line.to - line.from, point - line.from);
   return (area > 0) - (area < 0);
 }
 
-// Whether a point of the line's is within the bounds of its side.
+// Whether a point on the side's line is between its ends.
 bool Within(const Side& side, const Eigen::Vector2d& point) {
   return (point.array() >= side.from.cwiseMin(side.to).array()).all() &&
          (point.array() <= side.from.cwiseMax(side.to).array()).all();
 }
 
-bool Meet(const Side& a, const Side& b) {
+bool Intersect(const Side& a, const Side& b) {
   const int b_from = SideOf(a, b.from);
   const int b_to = SideOf(a, b.to);
   const int a_from = SideOf(b, a.from);
@@ -94,12 +94,12 @@ bool Meet(const Side& a, const Side& b) {
          (a_from == 0 && Within(b, a.from)) || (a_to == 0 && Within(b, a.to));
 }
 
-// `next` begins where `side` ends, and goes back along it.
+// Whether `next`, the side after `side`, overlaps it backwards.
 bool GoesBack(const Side& side, const Side& next) {
   return SideOf(side, next.to) == 0 && (side.to - side.from).dot(next.to - next.from) < 0;
 }
 
-// Without those of no length.
+// Returns the sides of nonzero length.
 std::vector<Side> SidesOf(const Polygon& polygon) {
   std::vector<Side> sides;
   const std::size_t count = polygon.corners.size();
@@ -111,9 +111,9 @@ std::vector<Side> SidesOf(const Polygon& polygon) {
   return sides;
 }
 
-absl::Status Bad(const Side& a, const Side& b) {
+absl::Status IntersectionError(const Side& a, const Side& b) {
   return InvalidArgument(
-      "the side from corners[{}] and the one from corners[{}] meet: the line must not touch itself",
+      "the sides from corners[{}] and corners[{}] intersect: expected a simple polygon",
       std::min(a.corner, b.corner), std::max(a.corner, b.corner));
 }
 
@@ -134,17 +134,18 @@ absl::Status CheckPolygon(const Polygon& polygon) {
   const std::size_t count = sides.size();
   for (std::size_t i = 0; i < count; ++i) {
     const Side& next = sides[(i + 1) % count];
-    if (GoesBack(sides[i], next)) return Bad(sides[i], next);
+    if (GoesBack(sides[i], next)) return IntersectionError(sides[i], next);
   }
-  // From left to right: only sides that begin before this one ends can meet it.
+  // Sweep from left to right: only sides that begin before this one ends can intersect it.
   std::sort(sides.begin(), sides.end(),
-            [](const Side& a, const Side& b) { return a.least_x() < b.least_x(); });
+            [](const Side& a, const Side& b) { return a.min_x() < b.min_x(); });
   for (std::size_t i = 0; i < count; ++i) {
-    for (std::size_t j = i + 1; j < count && sides[j].least_x() <= sides[i].greatest_x(); ++j) {
+    for (std::size_t j = i + 1; j < count && sides[j].min_x() <= sides[i].max_x(); ++j) {
       const std::size_t apart = sides[i].order > sides[j].order ? sides[i].order - sides[j].order
                                                                 : sides[j].order - sides[i].order;
       const bool neighbours = apart == 1 || apart == count - 1;
-      if (!neighbours && Meet(sides[i], sides[j])) return Bad(sides[i], sides[j]);
+      if (!neighbours && Intersect(sides[i], sides[j]))
+        return IntersectionError(sides[i], sides[j]);
     }
   }
   return absl::OkStatus();
@@ -153,11 +154,11 @@ absl::Status CheckPolygon(const Polygon& polygon) {
 namespace {
 
 constexpr double kCell = 0.1;  // m
-constexpr double kMostCells = 1e5;
-constexpr double kMargin = 3;      // m of floor around start and goal
-constexpr double kMostWork = 2e6;  // cells x corners
+constexpr double kMaxCells = 1e5;
+constexpr double kMargin = 3;     // m of floor around start and goal
+constexpr double kMaxWork = 2e6;  // cells x corners
 constexpr float kFar = std::numeric_limits<float>::infinity();
-// A way over eight neighbours is longer than the straight one by at most this.
+// Maximum ratio of the path length over eight neighbours to the straight line.
 const double kDetour = 1 / std::cos(std::numbers::pi / 8);
 
 std::size_t CornerCount(const Obstacles& obstacles) {
@@ -176,9 +177,9 @@ FloorField::FloorField(const Obstacles& obstacles, const Eigen::Vector2d& start,
   const double margin = kMargin + obstacles.clearance_m;
   origin_ = (start.cwiseMin(goal).array() - margin).matrix();
   const Eigen::Vector2d size = (start - goal).cwiseAbs().array() + 2 * margin;
-  const double most_cells =
-      std::min(kMostCells, kMostWork / static_cast<double>(CornerCount(obstacles)));
-  cell_m_ = std::max(kCell, std::sqrt(size.x() * size.y() / most_cells));
+  const double max_cells =
+      std::min(kMaxCells, kMaxWork / static_cast<double>(CornerCount(obstacles)));
+  cell_m_ = std::max(kCell, std::sqrt(size.x() * size.y() / max_cells));
   columns_ = static_cast<int>(size.x() / cell_m_) + 1;
   rows_ = static_cast<int>(size.y() / cell_m_) + 1;
 
@@ -221,8 +222,8 @@ FloorField::FloorField(const Obstacles& obstacles, const Eigen::Vector2d& start,
   };
   begin_at(IndexAt(goal), 0);
   spread();
-  // Beyond its edge anything may be free: from there it is the straight line. But who cannot leave
-  // the goal cannot come to it.
+  // Outside the grid everything may be free: from the edge, distances are straight lines. But if no
+  // path leaves the goal, no path reaches it.
   std::vector<std::pair<int, double>> edge;
   for (int r = 0; r < rows_; ++r) {
     for (int c = 0; c < columns_; ++c) {
@@ -249,7 +250,7 @@ double FloorField::DistanceToGoal(const Eigen::Vector2d& point) const {
   if (cell_m_ == 0) return straight;
   const int cell = IndexAt(point);
   if (cell < 0) return enclosed_ ? kFar : straight;
-  // The grid's way, less its detours and the two ends within their cells.
+  // Lower bound: the grid's path without its detours and the parts inside the two end cells.
   const double around = to_goal_m_[cell] / kDetour - 2 * std::numbers::sqrt2 * cell_m_;
   return std::max(straight, around);
 }
@@ -257,8 +258,8 @@ double FloorField::DistanceToGoal(const Eigen::Vector2d& point) const {
 bool FloorField::Keeps(const Eigen::Vector2d& point, double distance_m) const {
   if (cell_m_ == 0) return true;
   const int cell = IndexAt(point);
-  // Distances change no faster than the point moves, and rounding to float by less than a tenth of
-  // a millimetre on any floor that can be walked in time.
+  // Distances change at most as fast as the point moves. Rounding to float is below 0.1 mm on any
+  // floor that can be crossed in time.
   if (cell >= 0) {
     const double half_diagonal = cell_m_ / std::numbers::sqrt2 + 1e-4;
     const double middle = to_obstacle_m_[cell];

@@ -1,4 +1,4 @@
-// The floor that a plan leads over: poses on it, what stands on it, and the way round.
+// The floor of a plan: poses, obstacles and distances around them.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,17 +10,15 @@
 
 namespace motiondb::core {
 
-// A pose on the floor: where a reference frame is and where it faces. Plain values; functions are
-// safe to call from any thread.
-
-// Origin (m) and heading (rad, counter-clockwise about z) of a frame, in some other frame.
+// A pose on the floor: origin (m) and heading (rad, counter-clockwise about z) of a frame, relative
+// to another frame.
 struct FloorPose {
   double x = 0;
   double y = 0;
   double heading = 0;
 };
 
-// `inner`, given in the frame that `outer` places, placed where `outer` is.
+// Composes poses: `inner` is relative to `outer`.
 inline FloorPose operator*(const FloorPose& outer, const FloorPose& inner) {
   const double c = std::cos(outer.heading);
   const double s = std::sin(outer.heading);
@@ -28,7 +26,7 @@ inline FloorPose operator*(const FloorPose& outer, const FloorPose& inner) {
           outer.heading + inner.heading};
 }
 
-// `pose` as seen from `frame`: frame * RelativeTo(frame, pose) == pose.
+// Returns `pose` relative to `frame`: frame * RelativeTo(frame, pose) == pose.
 inline FloorPose RelativeTo(const FloorPose& frame, const FloorPose& pose) {
   const double c = std::cos(frame.heading);
   const double s = std::sin(frame.heading);
@@ -37,19 +35,19 @@ inline FloorPose RelativeTo(const FloorPose& frame, const FloorPose& pose) {
   return {c * dx + s * dy, -s * dx + c * dy, pose.heading - frame.heading};
 }
 
-// Angle (rad) brought to [-pi, pi].
+// Wraps an angle (rad) to [-pi, pi].
 inline double WrapAngle(double angle) {
-  // Most are wrapped already, and std::remainder is slow.
+  // Fast path: std::remainder is slow, and most angles are wrapped already.
   return std::abs(angle) <= std::numbers::pi ? angle : std::remainder(angle, 2 * std::numbers::pi);
 }
 
-// What stands on the floor. Plain values; functions are safe to call from any thread.
+// A circular obstacle.
 struct Disc {
   Eigen::Vector2d centre = Eigen::Vector2d::Zero();  // m
   double radius_m = 0;
 };
 
-// The area inside a closed line that does not cross itself, corners in either order.
+// The area inside a simple closed polyline, corners in either order.
 struct Polygon {
   std::vector<Eigen::Vector2d> corners;  // m, at least three
 };
@@ -57,35 +55,35 @@ struct Polygon {
 struct Obstacles {
   std::vector<Disc> discs;
   std::vector<Polygon> polygons;
-  double clearance_m = 0.3;  // that the root keeps from them
+  double clearance_m = 0.3;  // minimum distance of the root
 
   bool empty() const { return discs.empty() && polygons.empty(); }
 };
 
-// Distance (m) from a point to the nearest obstacle; negative inside one, infinite where there are
-// none. O(corners).
+// Returns the distance (m) from a point to the nearest obstacle; negative inside, infinite without
+// obstacles. O(corners).
 double Distance(const Obstacles& obstacles, const Eigen::Vector2d& point);
 
-// INVALID_ARGUMENT, saying which corners, for a polygon with a corner that is not finite, with
-// fewer than three different corners in a row, or whose line crosses, touches or goes back along
-// itself. A corner that repeats the one before it, or the first at the end, does no harm. O(n log
-// n) for n corners of shapes as people draw them, O(n^2) for the worst.
+// INVALID_ARGUMENT, naming corners, if a corner is not finite, fewer than three successive corners
+// differ, or sides cross, touch or overlap. Repeated successive corners, also last and first, are
+// valid. O(n log n) for typical shapes of n corners, O(n^2) at worst.
 absl::Status CheckPolygon(const Polygon& polygon);
 
-// The floor as a grid around obstacles: how far it is to the goal round them, a lower bound that
-// guides the search, and a fast answer to whether a point is clear of them. Immutable; safe to
-// share between threads. The obstacles must outlive it.
+// A grid of the floor around obstacles: a lower bound of the distance to the goal, which guides the
+// search, and fast clearance checks. Immutable. The obstacles must outlive it.
 class FloorField {
  public:
-  // Shortest ways over a grid of the floor around start and goal, leaving out cells that lie wholly
-  // too near to an obstacle. Without obstacles, and beyond the grid, it is the straight line. Cells
-  // get coarser where there are many or many corners, so that the work is bounded.
+  // Computes shortest paths over a grid around start and goal, without cells that are entirely too
+  // near to an obstacle. Without obstacles, and outside the grid, distances are straight lines.
+  // Cells are coarser for large areas or many corners, to bound the work.
   FloorField(const Obstacles& obstacles, const Eigen::Vector2d& start, const Eigen::Vector2d& goal);
 
-  // Metres from a point to the goal, never more than the way is long; infinite where there is none.
+  // Returns a lower bound of the path length (m) from a point to the goal; infinite if there is no
+  // path.
   double DistanceToGoal(const Eigen::Vector2d& point) const;
 
-  // Distance(obstacles, point) >= distance_m, without looking at the obstacles for most points.
+  // Whether Distance(obstacles, point) >= distance_m; does not examine the obstacles for most
+  // points.
   bool Keeps(const Eigen::Vector2d& point, double distance_m) const;
 
  private:
@@ -97,8 +95,8 @@ class FloorField {
   double cell_m_ = 0;  // 0: no grid
   int columns_ = 0;
   int rows_ = 0;
-  bool enclosed_ = false;             // no way leads from the goal to the grid's edge
-  std::vector<float> to_obstacle_m_;  // from each cell's middle
+  bool enclosed_ = false;             // no path from the goal to the grid's edge
+  std::vector<float> to_obstacle_m_;  // from each cell's centre
   std::vector<float> to_goal_m_;
 };
 

@@ -12,14 +12,15 @@ namespace motiondb::core {
 
 namespace {
 
-// Half the time over which a foot is raised.
+// Half the duration of raising a foot.
 constexpr double kRaiseSeconds = 0.1;
-// A leg is not stretched beyond this part of its length, unless it was.
+// Maximum extension of a leg as a fraction of its length, unless the motion already exceeds it.
 constexpr double kStretch = 0.9995;
 
 using Values = Eigen::ArrayXd;  // frames
 
-// How far a foot must be raised so that none of its markers is below its rest height.
+// Returns the height by which a foot must be raised so that no contact marker is below its rest
+// height.
 Values RaiseToFloor(const Foot& foot, double leg_length_m, double rate_hz,
                     const FrameMatrix& positions_m) {
   Values raise = Values::Zero(positions_m.rows());
@@ -38,7 +39,7 @@ struct Leg {
 
   double thigh() const { return (knee - hip).norm(); }
   double shin() const { return (ankle - knee).norm(); }
-  // How far from the hip the ankle may be.
+  // Maximum distance of the ankle from the hip.
   double reach() const { return std::max((ankle - hip).norm(), kStretch * (thigh() + shin())); }
 };
 
@@ -51,15 +52,14 @@ Leg LegAt(const Foot& foot, const FrameMatrix& positions_m, Eigen::Index frame) 
           At(positions_m, frame, foot.leg[2])};
 }
 
-// Where a foot is to be: its shift on the floor and how far it is raised.
+// Target of a foot: its shift on the floor and its raise.
 struct FootMove {
   FloorShift shift;
   Values raise;
 };
 
-// How far the whole body is raised, or lowered where negative: with its feet, but no further than
-// the legs reach. A foot that is raised alone, or shifted away, would bend or stretch a straight
-// leg, and the knee would leap.
+// Returns the raise of the whole body (negative: lowered): with its feet, limited by the reach of
+// the legs. Moving only the foot would bend or stretch a straight leg, and the knee would jump.
 Values MoveBody(const Feet& feet, const std::vector<FootMove>& moves, double rate_hz,
                 const FrameMatrix& positions_m) {
   Values highest(positions_m.rows());
@@ -72,17 +72,18 @@ Values MoveBody(const Feet& feet, const std::vector<FootMove>& moves, double rat
           leg.ankle - leg.hip +
           Eigen::Vector3d(moves[f].shift(t, 0), moves[f].shift(t, 1), moves[f].raise[t]);
       const double reach = leg.reach();
-      const double aside = down.head<2>().norm();
-      if (aside < reach) {
-        highest[t] = std::min(highest[t], down.z() + std::sqrt(reach * reach - aside * aside));
+      const double perpendicular = down.head<2>().norm();
+      if (perpendicular < reach) {
+        highest[t] = std::min(highest[t],
+                              down.z() + std::sqrt(reach * reach - perpendicular * perpendicular));
       }
     }
   }
   return -Cover(-highest, FramesOf(kRaiseSeconds, rate_hz));
 }
 
-// The leg with its ankle elsewhere: the knee stays on its side, as far from both as it was. An
-// ankle out of reach is brought nearer.
+// Returns the leg with its ankle moved: the knee stays on its side, at the same distances from hip
+// and ankle. An ankle out of reach is moved closer.
 Leg MoveAnkle(const Leg& leg, Eigen::Vector3d ankle, const Eigen::Vector3d& toes) {
   const Eigen::Vector3d along = (leg.ankle - leg.hip).normalized();
   const double reach = leg.reach();
@@ -94,21 +95,21 @@ Leg MoveAnkle(const Leg& leg, Eigen::Vector3d ankle, const Eigen::Vector3d& toes
   const Eigen::Vector3d new_along = (ankle - leg.hip) / distance;
   Eigen::Vector3d bend = leg.knee - leg.hip;
   bend -= along * along.dot(bend);
-  // A straight leg bends to the toes.
+  // A straight leg bends towards the toes.
   if (bend.norm() < 1e-6 * leg.thigh()) bend = toes - along * along.dot(toes);
   bend = (ShortestTurn(along, new_along) * bend).normalized();
   const double thigh = leg.thigh();
-  const double forth =
+  const double along_leg =
       (thigh * thigh - leg.shin() * leg.shin() + distance * distance) / (2 * distance);
-  const double aside = std::sqrt(std::max(0.0, thigh * thigh - forth * forth));
-  return {leg.hip, leg.hip + forth * new_along + aside * bend, ankle};
+  const double perpendicular = std::sqrt(std::max(0.0, thigh * thigh - along_leg * along_leg));
+  return {leg.hip, leg.hip + along_leg * new_along + perpendicular * bend, ankle};
 }
 
 void Put(const Eigen::Vector3d& place, Eigen::Index frame, int marker, FrameMatrix& positions_m) {
   positions_m.row(frame).segment<3>(3 * marker) = place.transpose().cast<float>();
 }
 
-// Moves what lies along the segment from `from` to `to` to where that segment is now.
+// Moves markers of the segment from `from` to `to` to the segment's new position.
 void Carry(const std::vector<int>& markers, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
            const Eigen::Vector3d& new_from, const Eigen::Vector3d& new_to, Eigen::Index frame,
            FrameMatrix& positions_m) {
@@ -118,7 +119,7 @@ void Carry(const std::vector<int>& markers, const Eigen::Vector3d& from, const E
   }
 }
 
-// Moves a foot, and bends its leg, in one frame.
+// Moves a foot and bends its leg in one frame.
 void MoveFoot(const Foot& foot, const Eigen::Vector3d& move, Eigen::Index frame,
               FrameMatrix& positions_m) {
   const Leg old = LegAt(foot, positions_m, frame);
@@ -161,30 +162,30 @@ void LockFeet(const Feet& feet, const ContactMatrix& contacts, double frame_rate
 
 namespace {
 
-// Half the time over which a foot that has landed comes to rest, and leaves it before it takes off:
-// stopping it in one frame would be a jerk.
+// Half the duration in which a landed foot comes to rest, and leaves rest before take-off: stopping
+// in one frame would be a jerk.
 constexpr double kSettleSeconds = 0.015;
-// A foot that is off the floor for less is not moved elsewhere meanwhile.
-constexpr double kShortestSwingSeconds = 0.15;
-// Half the time in which the place where a foot stands passes from heel to toe.
+// Minimum duration of a swing: after a shorter one, the foot is in the same stance.
+constexpr double kMinSwingSeconds = 0.15;
+// Half the duration in which the support point moves from heel to toe.
 constexpr double kHandOverSeconds = 0.04;
-// The way (m) that a change of that place must save.
+// Minimum distance (m) that a change of the support point must save.
 constexpr double kHandOverCost_m = 0.002;
-// A shift is let grow up to the first and held below the second, in leg lengths: a foot that
-// shuffles further than that is not standing.
+// Shifts are unlimited up to the first and bounded by the second, in leg lengths: a foot that moves
+// further is not standing.
 constexpr double kFreeShift = 0.1;
-constexpr double kLargestShift = 0.2;
-// Between stances a shift is eased in or out over this time.
+constexpr double kMaxShift = 0.2;
+// Duration of easing a shift in or out between stances.
 constexpr double kEaseSeconds = 0.25;
 
-// Frames, both included, from where a foot begins to stand to where it swings to another place.
+// Frames, both included, from the first contact of a foot to its swing to another position.
 struct Stance {
   Eigen::Index first;
   Eigen::Index last;
 };
 
 std::vector<Stance> FindStances(const ContactMatrix& contacts, double rate_hz) {
-  const Eigen::Index shortest_swing = FramesOf(kShortestSwingSeconds, rate_hz);
+  const Eigen::Index shortest_swing = FramesOf(kMinSwingSeconds, rate_hz);
   std::vector<Stance> stances;
   for (Eigen::Index t = 0; t < contacts.rows(); ++t) {
     if (!contacts.row(t).any()) continue;
@@ -194,8 +195,7 @@ std::vector<Stance> FindStances(const ContactMatrix& contacts, double rate_hz) {
   return stances;
 }
 
-// How firmly a foot is held in each step from a frame to the next: 1 while it stands, 0 while it
-// does not.
+// Returns how firmly a foot is held in each step between frames: 1 in contact, 0 off the floor.
 Eigen::ArrayXd Firmness(const ContactMatrix& contacts, double rate_hz) {
   Eigen::ArrayXd loose(std::max<Eigen::Index>(0, contacts.rows() - 1));
   for (Eigen::Index t = 0; t < loose.size(); ++t) {
@@ -204,33 +204,33 @@ Eigen::ArrayXd Firmness(const ContactMatrix& contacts, double rate_hz) {
   return 1 - Cover(loose, FramesOf(kSettleSeconds, rate_hz));
 }
 
-// The way on the floor of each contact marker in each step of a stance: [marker] steps x 2.
-std::vector<FloorShift> Ways(const Foot& foot, const Stance& stance,
-                             const FrameMatrix& positions_m) {
+// Returns the displacement on the floor of each contact marker in each step of a stance: [marker]
+// steps x 2.
+std::vector<FloorShift> Displacements(const Foot& foot, const Stance& stance,
+                                      const FrameMatrix& positions_m) {
   const Eigen::Index steps = stance.last - stance.first;
-  std::vector<FloorShift> ways;
+  std::vector<FloorShift> displacements;
   for (const int marker : foot.contact_markers) {
     const auto places =
         positions_m.block(stance.first, 3 * marker, steps + 1, 2).cast<double>().array();
-    ways.emplace_back(places.bottomRows(steps) - places.topRows(steps));
+    displacements.emplace_back(places.bottomRows(steps) - places.topRows(steps));
   }
-  return ways;
+  return displacements;
 }
 
-// For each step of a stance the contact marker that the foot stands on: the sequence of markers in
-// contact with the shortest way, where each change costs kHandOverCost_m. steps x markers, one 1 a
-// row.
-Eigen::ArrayXXd Pivots(const std::vector<FloorShift>& ways, const ContactMatrix& contacts,
+// Returns the support marker in each step of a stance: the sequence of markers in contact with the
+// shortest path, where each change costs kHandOverCost_m. steps x markers, a single 1 in each row.
+Eigen::ArrayXXd Pivots(const std::vector<FloorShift>& displacements, const ContactMatrix& contacts,
                        const Stance& stance) {
   const Eigen::Index steps = stance.last - stance.first;
-  const auto markers = static_cast<Eigen::Index>(ways.size());
-  constexpr double kNever = 1e6;
+  const auto markers = static_cast<Eigen::Index>(displacements.size());
+  constexpr double kForbidden = 1e6;
   Eigen::ArrayXXd cost(steps, markers);
   Eigen::ArrayXXi from(steps, markers);
   for (Eigen::Index t = 0; t < steps; ++t) {
     for (Eigen::Index i = 0; i < markers; ++i) {
       const bool stands = contacts(stance.first + t, i) || contacts(stance.first + t + 1, i);
-      cost(t, i) = stands ? ways[i].row(t).matrix().norm() : kNever;
+      cost(t, i) = stands ? displacements[i].row(t).matrix().norm() : kForbidden;
       from(t, i) = static_cast<int>(i);
       if (t == 0) continue;
       Eigen::Index best = 0;
@@ -249,28 +249,28 @@ Eigen::ArrayXXd Pivots(const std::vector<FloorShift>& ways, const ContactMatrix&
   return pivots;
 }
 
-// What part of a shift (leg lengths) is kept.
+// Returns the factor that limits a shift (leg lengths).
 double Limited(double length) {
   if (length <= kFreeShift) return 1;
-  constexpr double kMore = kLargestShift - kFreeShift;
-  return (kFreeShift + kMore * std::tanh((length - kFreeShift) / kMore)) / length;
+  constexpr double kRange = kMaxShift - kFreeShift;
+  return (kFreeShift + kRange * std::tanh((length - kFreeShift) / kRange)) / length;
 }
 
-// What keeps a foot in its place over one stance, about as little as will do: mean 0.
+// Returns the shift, with mean 0, that keeps a foot in place over one stance.
 FloorShift HoldStance(const Foot& foot, const ContactMatrix& contacts,
                       const Eigen::ArrayXd& firmness, const Stance& stance, double rate_hz,
                       double leg_length_m, const FrameMatrix& positions_m) {
   const Eigen::Index steps = stance.last - stance.first;
   FloorShift shift = FloorShift::Zero(steps + 1, 2);
   if (steps == 0) return shift;
-  const std::vector<FloorShift> ways = Ways(foot, stance, positions_m);
+  const std::vector<FloorShift> displacements = Displacements(foot, stance, positions_m);
   const Eigen::ArrayXXd weights =
-      Smooth(Pivots(ways, contacts, stance), FramesOf(kHandOverSeconds, rate_hz));
+      Smooth(Pivots(displacements, contacts, stance), FramesOf(kHandOverSeconds, rate_hz));
   for (Eigen::Index t = 0; t < steps; ++t) {
     shift.row(t + 1) = shift.row(t);
-    for (std::size_t i = 0; i < ways.size(); ++i) {
-      shift.row(t + 1) -=
-          firmness[stance.first + t] * weights(t, static_cast<Eigen::Index>(i)) * ways[i].row(t);
+    for (std::size_t i = 0; i < displacements.size(); ++i) {
+      shift.row(t + 1) -= firmness[stance.first + t] * weights(t, static_cast<Eigen::Index>(i)) *
+                          displacements[i].row(t);
     }
   }
   shift.rowwise() -= shift.colwise().mean().eval();
@@ -288,14 +288,14 @@ FloorShift HoldFoot(const Foot& foot, const ContactMatrix& contacts, double fram
   FloorShift shift = FloorShift::Zero(frames, 2);
   const Eigen::ArrayXd firmness = Firmness(contacts, frame_rate_hz);
   const Eigen::Index ease = FramesOf(kEaseSeconds, frame_rate_hz);
-  // From row `first` to row `last`, which are set, over the rows between.
+  // Interpolates the rows between `first` and `last`, which are set.
   const auto bridge = [&](Eigen::Index first, Eigen::Index last) {
     for (Eigen::Index t = first + 1; t < last; ++t) {
       const double u = Ease(static_cast<double>(t - first) / static_cast<double>(last - first));
       shift.row(t) = (1 - u) * shift.row(first) + u * shift.row(last);
     }
   };
-  Eigen::Index before = -1;  // the last frame of the stance before
+  Eigen::Index before = -1;  // the last frame of the previous stance
   for (const Stance& stance : FindStances(contacts, frame_rate_hz)) {
     shift.middleRows(stance.first, stance.last - stance.first + 1) =
         HoldStance(foot, contacts, firmness, stance, frame_rate_hz, leg_length_m, positions_m);

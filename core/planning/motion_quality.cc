@@ -16,27 +16,29 @@ constexpr double kCentimetres = 100;
 
 double FootSlide(const Feet& feet, const MarkerMotion& markers, const ContactMatrix& contacts) {
   const FrameMatrix& positions = markers.positions_m;
-  double way = 0;
+  double distance = 0;
   Eigen::Index steps = 0;
   Eigen::Index first_column = 0;
   for (const Foot& foot : feet) {
     for (Eigen::Index t = 0; t + 1 < positions.rows(); ++t) {
-      float least = std::numeric_limits<float>::infinity();
+      float min_step = std::numeric_limits<float>::infinity();
       for (std::size_t i = 0; i < foot.contact_markers.size(); ++i) {
         const Eigen::Index column = first_column + static_cast<Eigen::Index>(i);
         if (!contacts(t, column) || !contacts(t + 1, column)) continue;
         const int at = 3 * foot.contact_markers[i];
         // A comparison with NaN is false.
-        least = std::min(
-            least, (positions.row(t + 1).segment<2>(at) - positions.row(t).segment<2>(at)).norm());
+        min_step = std::min(
+            min_step,
+            (positions.row(t + 1).segment<2>(at) - positions.row(t).segment<2>(at)).norm());
       }
-      if (!std::isfinite(least)) continue;
-      way += least;
+      if (!std::isfinite(min_step)) continue;
+      distance += min_step;
       ++steps;
     }
     first_column += static_cast<Eigen::Index>(foot.contact_markers.size());
   }
-  return steps > 0 ? kCentimetres * way * markers.frame_rate_hz / static_cast<double>(steps) : 0;
+  return steps > 0 ? kCentimetres * distance * markers.frame_rate_hz / static_cast<double>(steps)
+                   : 0;
 }
 
 double Penetration(const Feet& feet, const FrameMatrix& positions_m, double leg_length_m) {
@@ -52,7 +54,6 @@ double Penetration(const Feet& feet, const FrameMatrix& positions_m, double leg_
   return kCentimetres * deepest_m;
 }
 
-// The third difference of four numbers.
 double ThirdDifference(double a, double b, double c, double d) { return d - 3 * c + 3 * b - a; }
 
 double PeakMarkerJerk(const MarkerMotion& markers) {
@@ -72,7 +73,7 @@ double PeakMarkerJerk(const MarkerMotion& markers) {
   return peak * std::pow(markers.frame_rate_hz, 3);
 }
 
-// Turns (rad, axis times angle, in the joint's own frame) from each frame to the next.
+// Rotation vectors (rad, in the joint's own frame) between successive frames.
 std::vector<Eigen::Vector3d> Turns(const JointMotion& joints, int joint) {
   const Joint& description = joints.skeleton->joints()[joint];
   const int first = joints.skeleton->first_dof(joint);

@@ -13,11 +13,11 @@
 namespace motiondb::core {
 namespace {
 
-// Weights of inverse kinematics: where feet and hips are decides whether the motion stands and
-// arrives, which matters most on a body of other proportions.
+// Weights of inverse kinematics: feet and hips determine balance and arrival, especially on a body
+// of other proportions.
 constexpr double kFootWeight = 20;
 constexpr double kHipWeight = 10;
-// People's skeletons have joints, as of the spine, that markers hardly tell apart.
+// Skeletons of people have joints, such as the spine, that markers barely determine.
 constexpr double kPeopleSmoothness = 1e-3;
 constexpr double kLimitTolerance = 1e-9;  // rad or m, rounding
 
@@ -31,7 +31,7 @@ std::vector<double> MarkerWeights(const MarkerSet& set, const Feet& feet) {
   return weights;
 }
 
-// The same contacts at another frame rate: those of the nearest frame.
+// Returns the contacts at another frame rate, by nearest frame.
 ContactMatrix Resampled(const ContactMatrix& contacts, double from_hz, double to_hz,
                         Eigen::Index frames) {
   ContactMatrix resampled(frames, contacts.cols());
@@ -43,7 +43,7 @@ ContactMatrix Resampled(const ContactMatrix& contacts, double from_hz, double to
   return resampled;
 }
 
-// Where the end falls between two frames, it is held to the second: it is what was asked for.
+// If the end is between two frames, appends it as a last frame, because it was requested.
 void HoldEnd(const MarkerMotion& from, MarkerMotion& resampled) {
   const Eigen::Index last = resampled.positions_m.rows() - 1;
   const double cut = static_cast<double>(from.positions_m.rows() - 1) / from.frame_rate_hz -
@@ -73,7 +73,7 @@ absl::Status SolveJoints(const MarkerScheme& scheme, const Body& body, const Pla
   return absl::OkStatus();
 }
 
-void MeasureWay(const PlanProblem& problem, PlannedMotion& planned) {
+void MeasurePath(const PlanProblem& problem, PlannedMotion& planned) {
   PlanQuality& quality = planned.quality;
   const RootPath& root = planned.root;
   const Eigen::Index last = root.rows() - 1;
@@ -83,10 +83,10 @@ void MeasureWay(const PlanProblem& problem, PlannedMotion& planned) {
   quality.duration_seconds = static_cast<double>(last) / planned.markers.frame_rate_hz;
   double clearance = std::numeric_limits<double>::infinity();
   for (Eigen::Index t = 0; t <= last; ++t) {
-    const Eigen::Vector2d here = root.row(t).head<2>();
-    if (t > 0) quality.length_m += (here - root.row(t - 1).head<2>().transpose()).norm();
+    const Eigen::Vector2d position = root.row(t).head<2>();
+    if (t > 0) quality.length_m += (position - root.row(t - 1).head<2>().transpose()).norm();
     if (!problem.obstacles.empty()) {
-      clearance = std::min(clearance, Distance(problem.obstacles, here));
+      clearance = std::min(clearance, Distance(problem.obstacles, position));
     }
   }
   if (!problem.obstacles.empty()) quality.smallest_clearance_m = clearance;
@@ -100,16 +100,16 @@ void Judge(const PlanProblem& problem, PlannedMotion& planned) {
     missing += what;
   };
   if (quality.position_error_m > problem.position_tolerance_m) {
-    add(fmt::format("ends {:.3g} m from the goal, {:.3g} allowed", quality.position_error_m,
-                    problem.position_tolerance_m));
+    add(fmt::format("ends {:.3g} m from the goal, expected at most {:.3g}",
+                    quality.position_error_m, problem.position_tolerance_m));
   }
   if (quality.heading_error_rad > problem.heading_tolerance_rad) {
-    add(fmt::format("faces {:.3g} rad off the goal's heading, {:.3g} allowed",
+    add(fmt::format("heading differs by {:.3g} rad from the goal's, expected at most {:.3g}",
                     quality.heading_error_rad, problem.heading_tolerance_rad));
   }
   if (quality.smallest_clearance_m &&
       *quality.smallest_clearance_m < problem.obstacles.clearance_m) {
-    add(fmt::format("comes within {:.3g} m of an obstacle, {:.3g} wanted",
+    add(fmt::format("passes an obstacle at {:.3g} m, expected at least {:.3g}",
                     *quality.smallest_clearance_m, problem.obstacles.clearance_m));
   }
   planned.outcome = missing.empty() ? PlanOutcome::kExact : PlanOutcome::kApproximate;
@@ -127,7 +127,7 @@ absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanPro
     MOTIONDB_RETURN_IF_ERROR(SolveJoints(scheme, body, problem, cancelled, planned));
   }
   MOTIONDB_ASSIGN_OR_RETURN(planned.root, ReferenceFrames(scheme.set, planned.markers));
-  MeasureWay(problem, planned);
+  MeasurePath(problem, planned);
   planned.quality.motion = MeasureQuality(
       body.feet(), planned.markers,
       Resampled(motion.contacts, model_rate, rate, planned.markers.positions_m.rows()),

@@ -17,10 +17,10 @@
 namespace motiondb::core {
 namespace {
 
-// Where the paper searched: layer 13 of 16.
+// As in the paper: layer 13 of 16.
 constexpr double kCoarseShare = 0.8;
-constexpr double kAimMargin = 0.02;  // m of clearance more than asked for, where motion ends
-constexpr int kMostAttempts = 3;     // to end a motion at the goal on the body that plays it
+constexpr double kAimMargin = 0.02;  // m of extra clearance at the end
+constexpr int kMaxAttempts = 3;      // to reach the goal on the given body
 
 class Planner {
  public:
@@ -38,27 +38,27 @@ class Planner {
 
   absl::StatusOr<PlanAnswer> Plan() {
     answer_.leg_length_m = body_.leg_length_m();
-    if (std::string why = WhyUnreachable(); !why.empty()) {
+    if (std::string reason = WhyUnreachable(); !reason.empty()) {
       if (control_.search_over) control_.search_over();
       answer_.effort.complete = true;
-      answer_.missing = std::move(why);
+      answer_.missing = std::move(reason);
       return std::move(answer_);
     }
     MOTIONDB_RETURN_IF_ERROR(problem_.method == PlanMethod::kSegmentSearch ? PlanBySegments()
                                                                            : PlanBySampling());
-    SumUp();
+    SetOutcome();
     return std::move(answer_);
   }
 
  private:
-  // What no search can mend; empty if there is hope.
+  // Returns a reason why no search can succeed; empty if there is none.
   std::string WhyUnreachable() const {
     const FloorPose& goal = problem_.goal;
     const double clearance = problem_.obstacles.clearance_m;
     const auto too_near = [&](std::string_view what, double distance) {
       return distance < 0 ? fmt::format("the {} is inside an obstacle", what)
-                          : fmt::format("the {} is {:.3g} m from an obstacle, {:.3g} wanted", what,
-                                        distance, clearance);
+                          : fmt::format("the {} is {:.3g} m from an obstacle, expected {:.3g}",
+                                        what, distance, clearance);
     };
     const double goal_distance = Distance(problem_.obstacles, {goal.x, goal.y});
     if (goal_distance + problem_.position_tolerance_m < clearance) {
@@ -67,26 +67,25 @@ class Planner {
     const double start_distance = Distance(problem_.obstacles, {0, 0});
     if (start_distance < clearance) return too_near("start", start_distance);
     const double reach = floor_.top_speed_m_s() * problem_.max_duration_seconds;
-    const double way = std::hypot(goal.x, goal.y);
-    if (way - problem_.position_tolerance_m > reach) {
+    const double distance_m = std::hypot(goal.x, goal.y);
+    if (distance_m - problem_.position_tolerance_m > reach) {
       return fmt::format(
-          "the goal is {:.2f} m away, and no stored motion goes more than {:.2f} m in "
-          "{:.3g} s",
-          way, reach, problem_.max_duration_seconds);
+          "the goal is {:.2f} m away, the fastest stored motion covers {:.2f} m in {:.3g} s",
+          distance_m, reach, problem_.max_duration_seconds);
     }
     const double turn = std::abs(WrapAngle(goal.heading));
-    const double most_turn = floor_.top_turn_rad_s() * problem_.max_duration_seconds;
-    if (turn - problem_.heading_tolerance_rad > most_turn) {
+    const double max_turn = floor_.top_turn_rad_s() * problem_.max_duration_seconds;
+    if (turn - problem_.heading_tolerance_rad > max_turn) {
       return fmt::format(
-          "the goal's heading is {:.2f} rad off the start's, and no stored motion "
-          "turns more than {:.2f} rad in {:.3g} s",
-          turn, most_turn, problem_.max_duration_seconds);
+          "the goal's heading differs by {:.2f} rad, the fastest stored motion turns {:.2f} rad in "
+          "{:.3g} s",
+          turn, max_turn, problem_.max_duration_seconds);
     }
     return {};
   }
 
-  // The goal, or where it is too near an obstacle, the nearest place within its tolerance that is
-  // not.
+  // Returns the goal, or, if it is too near an obstacle, the nearest clear position within its
+  // tolerance.
   static FloorPose Aim(const PlanProblem& problem) {
     const auto is_clear = [&](const FloorPose& pose) {
       return Distance(problem.obstacles, {pose.x, pose.y}) >=
@@ -123,29 +122,29 @@ class Planner {
     if (!std::isfinite(field.DistanceToGoal({0, 0}))) {
       if (control_.search_over) control_.search_over();
       answer_.effort.complete = true;
-      answer_.missing = "the obstacles leave no way to the goal";
+      answer_.missing = "the obstacles block every path to the goal";
       return absl::OkStatus();
     }
     FoundPaths found;
     MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
         SegmentGraph(model_, floor_, layer_, problem_.labels, Likeness::kAlike), field, found));
     if (!found.reached && !time_up_) {
-      // Nodes of a layer half way up hold more that is roughly alike.
+      // Nodes of a layer half way up contain more frames that are roughly similar.
       MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
           SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.labels, Likeness::kRoughlyAlike),
           field, found));
     }
     if (control_.search_over) control_.search_over();
     for (const FoundPath& path : found.paths) {
-      // The first is always made; others are not worth missing a deadline for.
+      // Always synthesise the first; skip others rather than miss a deadline.
       if (!answer_.motions.empty() && TimeUp()) break;
       MOTIONDB_RETURN_IF_ERROR(AddSegments(path.path));
     }
     return absl::OkStatus();
   }
 
-  // From one origin after the other until one leads to the goal. `best` becomes what does, or comes
-  // nearer than it did.
+  // Searches from each origin until one leads to the goal. Updates `best` if the goal is reached or
+  // the path ends nearer.
   absl::Status SearchFromOrigins(SegmentGraph graph, const FloorField& field, FoundPaths& best) {
     const SearchSettings settings = Settings();
     answer_.effort.complete = true;
@@ -183,10 +182,11 @@ class Planner {
     const std::vector<FloorPose> root = PlayedRoot(floor_, path);
     FloorPose aim = aim_;
     std::optional<PlannedMotion> best;
-    for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
+    for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
       PlannedMotion aimed = planned;
       MOTIONDB_RETURN_IF_ERROR(Play(path, CorrectRoot(root, aim), aimed));
-      // A body of other proportions ends a little beside its markers' end: aim beside the goal.
+      // A body of other proportions ends slightly beside its markers' end: shift the aim
+      // accordingly.
       const Eigen::Index last = aimed.root.rows() - 1;
       aim.x += aim_.x - aimed.root(last, 0);
       aim.y += aim_.y - aimed.root(last, 1);
@@ -200,7 +200,7 @@ class Planner {
 
   bool TimeUp() const { return control_.time_up && control_.time_up(); }
 
-  // How much is missing of what was asked for.
+  // Returns the sum of the violations of clearance and tolerances.
   double Lack(const PlannedMotion& motion) const {
     const double clearance =
         motion.quality.smallest_clearance_m.value_or(problem_.obstacles.clearance_m);
@@ -217,7 +217,7 @@ class Planner {
     return Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
   }
 
-  // By the node-path algorithm (section IV-A) on the motion itself.
+  // Returns the node path (section IV-A) of the motion itself.
   absl::StatusOr<std::vector<std::int32_t>> BottomNodes(const MarkerMotion& markers) const {
     MOTIONDB_ASSIGN_OR_RETURN(StateSequence states,
                               ComputeStates(scheme_.set, markers, body_.leg_length_m()));
@@ -240,7 +240,7 @@ class Planner {
     return absl::OkStatus();
   }
 
-  // The paper's motion: the bottom nodes' mean positions, one after the other.
+  // Adds the paper's motion: the sequence of the bottom nodes' mean positions.
   absl::Status AddMeans(SampledPath path) {
     SynthesisedMotion motion;
     motion.markers.names = model_.marker_set().markers;
@@ -260,8 +260,8 @@ class Planner {
     return absl::OkStatus();
   }
 
-  // The best first, and the outcome of the whole.
-  void SumUp() {
+  // Sorts the motions, best first, and sets the overall outcome.
+  void SetOutcome() {
     std::stable_sort(answer_.motions.begin(), answer_.motions.end(),
                      [](const PlannedMotion& a, const PlannedMotion& b) {
                        return a.outcome == PlanOutcome::kExact && b.outcome != PlanOutcome::kExact;
@@ -273,13 +273,13 @@ class Planner {
     if (!answer_.motions.empty()) {
       answer_.missing = answer_.motions.front().missing;
     } else if (answer_.missing.empty()) {
-      answer_.missing = "no stored motion goes on from the start";
+      answer_.missing = "no stored motion continues from the start";
     }
     if (time_up_ && !reached_) {
       answer_.outcome = PlanOutcome::kDeadline;
     } else if (answer_.effort.complete && !reached_) {
       answer_.outcome = PlanOutcome::kUnreachable;
-      if (!answer_.motions.empty()) answer_.missing += "; nothing was left to try";
+      if (!answer_.motions.empty()) answer_.missing += "; the search was exhaustive";
     } else {
       answer_.outcome = PlanOutcome::kApproximate;
     }
@@ -291,13 +291,13 @@ class Planner {
   const PlanControl& control_;
   const int layer_;
   const std::vector<PlanOrigin> origins_;
-  std::size_t origin_ = 0;  // the one that is gone on from
+  std::size_t origin_ = 0;  // the origin in use
   const Body body_;
   const StoredFloor floor_;
   const FloorPose aim_;
   PlanAnswer answer_;
   bool time_up_ = false;
-  bool reached_ = false;  // as far as the search knows
+  bool reached_ = false;  // according to the search
 };
 
 absl::StatusOr<Body> BodyFor(const Model& model, const MarkerScheme& scheme,

@@ -16,10 +16,10 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kMostSteps = 4e6;  // frames of all walks together, at the usual effort
-constexpr std::int64_t kSamplesPerQuestion = 4096;  // of them between questions to the caller
+constexpr double kMaxSteps = 4e6;                   // frames of all walks, at effort 1
+constexpr std::int64_t kStepsBetweenChecks = 4096;  // between calls to the caller
 
-// How far each node of a layer goes in one frame, by its mean velocities.
+// Returns the motion of each node of a layer in one frame, by its mean velocities.
 std::vector<FloorPose> StepsOf(const Model& model, int layer, double leg_length_m) {
   const double rate = model.settings().frame_rate_hz;
   std::vector<FloorPose> steps;
@@ -48,15 +48,16 @@ TransitionGraph GraphOf(const Model& model, int layer, const std::vector<std::st
 }
 
 int NextNode(const TransitionGraph& graph, int node, SeededSequence& random) {
-  auto left = static_cast<std::int64_t>(random.Next() * static_cast<double>(graph.row_sum(node)));
+  auto remaining =
+      static_cast<std::int64_t>(random.Next() * static_cast<double>(graph.row_sum(node)));
   for (const Edge& edge : graph.row(node)) {
-    left -= edge.count;
-    if (left < 0) return edge.to;
+    remaining -= edge.count;
+    if (remaining < 0) return edge.to;
   }
   return -1;
 }
 
-// Brings the coarse nodes down to the bottom layer: their means are what is observed.
+// Finds the bottom layer's nodes for the means of the coarse nodes.
 absl::StatusOr<SampledPath> Descend(const Model& model, int layer,
                                     std::vector<std::int32_t> coarse_nodes,
                                     const FloorPose& coarse_end, double leg_length_m,
@@ -94,31 +95,31 @@ absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int star
   const std::vector<FloorPose> steps = StepsOf(model, layer, leg_length_m);
   const TransitionGraph graph = GraphOf(model, layer, labels);
   const int start = model.tree().node_of_frame(layer, start_frame);
-  const auto longest =
+  const auto max_length =
       static_cast<std::size_t>(settings.max_duration_seconds * settings.frame_rate_hz);
-  const auto most_steps = static_cast<std::int64_t>(settings.effort * kMostSteps);
+  const auto max_steps = static_cast<std::int64_t>(settings.effort * kMaxSteps);
 
   SampledPaths sampled;
   std::vector<Walk> reached;
   Walk nearest;
   SeededSequence random(settings.seed);
   std::int64_t step = 0;
-  std::int64_t ask_at = 0;
-  while (step < most_steps && !sampled.time_up &&
+  std::int64_t next_check = 0;
+  while (step < max_steps && !sampled.time_up &&
          static_cast<int>(reached.size()) < settings.path_count) {
     ++sampled.effort.expansions;
-    ++step;  // so that walks too short to take one come to an end too
+    ++step;  // so that walks without steps end too
     Walk walk{.nodes = {start}, .end = {}};
-    Walk best;  // this walk as far as it came nearest
+    Walk best;  // the part of this walk that comes nearest
     std::size_t best_length = 0;
-    if (step >= ask_at) {
-      ask_at = step + kSamplesPerQuestion;
+    if (step >= next_check) {
+      next_check = step + kStepsBetweenChecks;
       if (control.cancelled && control.cancelled()) {
-        return absl::CancelledError("the search was stopped");
+        return absl::CancelledError("the search was cancelled");
       }
       sampled.time_up = control.time_up && control.time_up();
     }
-    while (walk.nodes.size() <= longest) {
+    while (walk.nodes.size() <= max_length) {
       ++step;
       walk.end = walk.end * steps[walk.nodes.back()];
       const int next = NextNode(graph, walk.nodes.back(), random);

@@ -1,5 +1,4 @@
-// Bringing the end of a root path to the goal by a little at every step. Safe to call from any
-// thread.
+// Correction of a root path so that it ends at the goal, spread over its steps.
 #pragma once
 
 #include <vector>
@@ -8,9 +7,8 @@
 
 namespace motiondb::core {
 
-// What a correction may do: shift the path nowhere by more than this share of its length (before or
-// after, whichever is less), and turn its end by no more radians than this share of its length in
-// metres.
+// Limits of a correction: the shift of any pose as a fraction of the path length (before or after,
+// whichever is smaller), and the rotation of the end (rad) per metre of path length.
 inline constexpr double kLargestCorrection = 0.05;
 
 struct GoalError {
@@ -20,19 +18,20 @@ struct GoalError {
 
 GoalError ErrorAt(const FloorPose& end, const FloorPose& goal);
 
-// What will be left of the error once the end of a path of that length is corrected: an estimate
-// without the path, by which most ends can be passed over.
+// Estimates the remaining error after correction of a path of this length, without the path: a
+// cheap filter for most ends.
 GoalError ErrorAfterCorrection(const FloorPose& end, double length_m, const FloorPose& goal);
 
 struct CorrectedRoot {
   std::vector<FloorPose> poses;
-  double length_m = 0;         // of the path as it is now
-  double largest_shift_m = 0;  // of any pose against the path as it was
-  double turn_rad = 0;         // of the last pose; not negative
+  double length_m = 0;         // of the corrected path
+  double largest_shift_m = 0;  // of any pose, relative to the original path
+  double turn_rad = 0;         // of the last pose, not negative
 };
 
-// Spreads turn and shift over the path in proportion to the way gone, so that who stands still is
-// not moved. All of what is needed, or the share of it that is allowed. `root` is not empty.
+// Distributes rotation and shift over the path in proportion to the distance covered, so that
+// standing is not moved. Applies all of the needed correction, or the allowed fraction. `root` is
+// not empty.
 CorrectedRoot CorrectRoot(const std::vector<FloorPose>& root, const FloorPose& goal);
 
 }  // namespace motiondb::core

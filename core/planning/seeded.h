@@ -1,12 +1,12 @@
-// Randomness that a seed decides: the same on every machine, which the standard's distributions do
-// not promise.
+// Seeded random numbers, identical on every machine, unlike the distributions of the standard
+// library.
 #pragma once
 
 #include <cstdint>
 
 namespace motiondb::core {
 
-// Spreads a number over all bits (SplitMix64's output function).
+// Hashes a number (output function of SplitMix64).
 inline std::uint64_t Mix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15U;
   x = (x ^ (x >> 30U)) * 0xbf58476d1ce4e5b9U;
@@ -14,10 +14,10 @@ inline std::uint64_t Mix(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-// Evenly in [0, 1).
+// Uniform in [0, 1).
 inline double ToUnit(std::uint64_t mixed) { return static_cast<double>(mixed >> 11U) * 0x1.0p-53; }
 
-// A sequence of them. Thread-compatible.
+// A sequence of uniform random numbers.
 class SeededSequence {
  public:
   explicit SeededSequence(std::uint64_t seed) : state_(Mix(seed)) {}

@@ -8,21 +8,21 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kLongestRunSeconds = 0.25;
+constexpr double kMaxRunSeconds = 0.25;
 constexpr double kHalfWindowSeconds = 0.15;
-constexpr double kLeastHalfWindowShare = 0.5;  // of it: a shorter fade would jerk
-// Runs of a node that are looked at for joins, and joins kept. More would not find better plans in
-// the same time.
-constexpr std::size_t kMostCandidates = 64;
-constexpr std::size_t kMostJoins = 16;
-// Mean square difference of two states, in squared deviations, beyond which they are not alike.
+constexpr double kMinHalfWindowShare = 0.5;  // of kHalfWindowSeconds: a shorter fade would jerk
+// Maximum number of runs of a node considered for joins, and of joins kept. More do not improve
+// plans in the same time.
+constexpr std::size_t kMaxCandidates = 64;
+constexpr std::size_t kMaxJoins = 16;
+// Maximum mean squared difference of similar states, in squared standard deviations.
 constexpr double kAlike = 0.25;
 constexpr double kRoughlyAlike = 0.75;
-// Of joins that lead to nearly the same pose in a second only the best is kept: ten ways to go
-// straight on would crowd out the one that turns. In leg lengths and radians together.
+// Of joins that lead to nearly the same pose after a second only the best is kept: otherwise ten
+// joins straight ahead would displace the one that turns. In leg lengths and radians together.
 constexpr double kFutureSeconds = 1.0;
 constexpr double kSameFuture = 0.95;
-constexpr int kCoarseStep = 4;  // frames between those compared first
+constexpr int kCoarseStep = 4;  // stride of the first comparison
 
 }  // namespace
 
@@ -33,7 +33,7 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
       largest_distance_(likeness == Likeness::kAlike ? kAlike : kRoughlyAlike),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
-  const int longest = std::max(2, static_cast<int>(std::lround(kLongestRunSeconds * rate)));
+  const int max_frames = std::max(2, static_cast<int>(std::lround(kMaxRunSeconds * rate)));
   half_window_ = std::max(1, static_cast<int>(std::lround(kHalfWindowSeconds * rate)));
   for (std::size_t c = 0; c < model.clips().size(); ++c) {
     const ModelClip& clip = model.clips()[c];
@@ -44,7 +44,7 @@ SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int lay
     for (int first = clip.first_frame; first < end;) {
       const int node = model.tree().node_of_frame(layer, first);
       int last = first;
-      while (last + 1 < end && last + 1 - first < longest &&
+      while (last + 1 < end && last + 1 - first < max_frames &&
              model.tree().node_of_frame(layer, last + 1) == node) {
         ++last;
       }
@@ -89,10 +89,10 @@ std::optional<RunJoin> SegmentGraph::BestJoin(int from, int to) {
   RunJoin best;
   best.distance = largest_distance_;
   bool found = false;
-  const auto least_window = static_cast<int>(std::ceil(kLeastHalfWindowShare * half_window_));
+  const auto min_window = static_cast<int>(std::ceil(kMinHalfWindowShare * half_window_));
   const auto consider = [&](int leave, int enter) {
     const int window = HalfWindowAt(leaving, leave, entering, enter);
-    if (window < least_window) return;
+    if (window < min_window) return;
     const double distance = StateDistance(leave, enter);
     if (distance >= best.distance) return;
     best.join = {leave, enter, window};
@@ -125,12 +125,12 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
   const auto [known, is_new] = joins_.try_emplace(run);
   if (!is_new) return known->second;
   std::vector<RunJoin> joins;
-  const std::vector<std::int32_t>& alike = runs_of_node_[runs_[run].node];
-  // Evenly over the node where it has more runs than are looked at.
-  const std::size_t looked_at = std::min(alike.size(), kMostCandidates);
-  for (std::size_t i = 0; i < looked_at; ++i) {
-    const int to = alike[i * alike.size() / looked_at];
-    // A run near in the same clip would only play the same again, or stall.
+  const std::vector<std::int32_t>& same_node = runs_of_node_[runs_[run].node];
+  // An even sample, if the node has more runs.
+  const std::size_t sampled = std::min(same_node.size(), kMaxCandidates);
+  for (std::size_t i = 0; i < sampled; ++i) {
+    const int to = same_node[i * same_node.size() / sampled];
+    // A nearby run of the same clip would only repeat the motion or stall.
     const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
                            std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
     if (neighbour || !Plays(to)) continue;
@@ -162,7 +162,7 @@ std::vector<RunJoin> SegmentGraph::LeadingApart(std::vector<RunJoin> joins) cons
     if (known) continue;
     kept.push_back(join);
     futures.push_back(future);
-    if (kept.size() == kMostJoins) break;
+    if (kept.size() == kMaxJoins) break;
   }
   return kept;
 }

@@ -1,8 +1,8 @@
-// The graph that a plan is searched in: short runs of stored frames, each of which goes on in its
-// own clip or, by a join, in another run of the same node that is like it.
+// The search graph of plans: short runs of stored frames. Each continues in its own clip or, by a
+// join, in a similar run of the same node.
 //
-// Joins are found when they are first asked for, so the cost follows the search, not the database.
-// Thread-compatible: one object a search. The model and the floor must outlive it.
+// Joins are computed on first use, so the cost follows the search, not the database. Use one object
+// for each search. The model and the floor must outlive it.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ namespace motiondb::core {
 class Model;
 struct ModelClip;
 
-// Frames of one clip in one node of the coarse layer, at most a quarter of a second of them.
+// Consecutive frames of one clip in one node of the coarse layer, at most 0.25 s.
 struct Run {
   std::int32_t first = 0;
   std::int32_t last = 0;
@@ -28,41 +28,41 @@ struct Run {
 
 struct RunJoin {
   Join join;
-  std::int32_t to = 0;  // run that holds join.enter
+  std::int32_t to = 0;  // run that contains join.enter
   double distance = 0;  // mean square difference of the two states, each dimension scaled
   FloorPose across;     // see AcrossJoin
 };
 
-// How alike the states of a join must be. Roughly alike ones jerk more, but where little is stored
-// nothing else may lead on.
+// Required similarity of the states of a join. Rough similarity causes more jerk, but a small
+// database may offer nothing else.
 enum class Likeness { kAlike, kRoughlyAlike };
 
 class SegmentGraph {
  public:
-  // Runs of the clips with one of `labels` (empty: all), by the nodes of `layer`. O(frames).
+  // Creates the runs of the clips with one of `labels` (empty: all), by the nodes of `layer`.
+  // O(frames).
   SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
                const std::vector<std::string>& labels, Likeness likeness = Likeness::kAlike);
 
   const std::vector<Run>& runs() const { return runs_; }
-  // Index of the run that holds a frame; -1 where the frame is of no clip that may be played.
-  // O(log runs).
+  // Index of the run that contains a frame; -1 if its clip is not used. O(log runs).
   int run_of_frame(int frame) const;
-  // Frames on each side of a join that both clips have, at most.
+  // Maximum number of frames blended on each side of a join.
   int half_window() const { return half_window_; }
-  // Whether a run plays without a glitch of its recording. Joins lead to no other.
+  // Whether a run has no glitch. Joins lead only to such runs.
   bool Plays(int run) const;
-  // The joins that leave a run, least distance first.
+  // Returns the joins from a run, smallest distance first.
   const std::vector<RunJoin>& Joins(int run);
 
  private:
-  // The best join between two runs, if there is one that is good enough.
+  // Returns the best join between two runs; nothing if none is similar enough.
   std::optional<RunJoin> BestJoin(int from, int to);
-  // Where the frame that a join enters leads in a second.
+  // Returns the pose one second after the frame that a join enters.
   FloorPose Future(const RunJoin& join) const;
-  // The best of the joins among those that lead to the same place.
+  // Keeps the best of the joins that lead to the same pose.
   std::vector<RunJoin> LeadingApart(std::vector<RunJoin> joins) const;
   double StateDistance(int a, int b) const;
-  // At most half_window(), where two runs' clips have fewer frames about a join.
+  // half_window(), or less if a clip has fewer frames around the join.
   int HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to, int enter) const;
   const ModelClip& ClipOf(int run) const;
 
@@ -73,7 +73,7 @@ class SegmentGraph {
   std::vector<Run> runs_;
   std::vector<std::int32_t> clip_of_run_;
   std::vector<std::vector<std::int32_t>> runs_of_node_;
-  std::unordered_map<std::int32_t, std::vector<RunJoin>> joins_;  // of the runs asked about
+  std::unordered_map<std::int32_t, std::vector<RunJoin>> joins_;  // by run, computed so far
 };
 
 }  // namespace motiondb::core

@@ -15,39 +15,39 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kJoinSeconds = 0.15;       // what a join costs however good it is
-constexpr double kDistanceSeconds = 2.0;    // for each unit of distance between its states
-constexpr double kGlitchSeconds = 3;        // for each run with a glitch of its recording
-constexpr double kCorrectionSeconds = 0.5;  // where all of the correction allowed is used
-constexpr double kUsedTolerance = 0.8;      // the rest is left to inverse kinematics
-constexpr double kClearanceMargin = 0.01;   // m, for what lies between the poses looked at
+constexpr double kJoinSeconds = 0.15;       // minimum cost of a join
+constexpr double kDistanceSeconds = 2.0;    // per unit of distance between the states
+constexpr double kGlitchSeconds = 3;        // for each run with a glitch
+constexpr double kCorrectionSeconds = 0.5;  // for the maximum correction
+constexpr double kUsedTolerance = 0.8;      // fraction; the rest is for inverse kinematics
+constexpr double kClearanceMargin = 0.01;   // m, for motion between the checked poses
 
-// One sweep of the search. Poses that are in one cell of the floor, in runs of one node, count as
-// one; the greedier, the sooner a first answer and the longer the way.
+// Parameters of one sweep of the search. Poses in one cell of the floor, in runs of one node, are
+// merged. A greedier sweep finds a first answer sooner, with a longer path.
 struct Sweep {
-  double cell_leg_lengths;  // 0: no two poses count as one
+  double cell_leg_lengths;  // 0: poses are not merged
   double cell_rad;
-  double greed;             // weight of what is still to go
-  std::int64_t expansions;  // at most, at the usual effort
+  double greed;             // weight of the remaining cost
+  std::int64_t expansions;  // maximum at effort 1
 };
 constexpr Sweep kFirst = {0.18, 0.2, 4, 20000};
-constexpr Sweep kPatient = {0.24, 0.3, 3, 30000};  // where the first found nothing
-// Where even that found nothing: all ways, though no longer than can be looked at.
-constexpr Sweep kAll = {0, 0, 1, 10000};
-// Where there is an answer: for better ones, which its cost makes short work.
+constexpr Sweep kThorough = {0.24, 0.3, 3, 30000};  // if the first sweep finds nothing
+// If both find nothing: all paths, with a limit.
+constexpr Sweep kExhaustive = {0, 0, 1, 10000};
+// After an answer: for better ones; its cost bounds this sweep.
 constexpr Sweep kCloser = {0.12, 0.15, 2, 8000};
-constexpr int kExpansionsPerQuestion = 8;  // expansions between questions to the caller
+constexpr int kExpansionsBetweenChecks = 8;  // between calls to the caller
 
 constexpr std::int32_t kNoJoin = -1;
 
-// A run entered at its first frame (the start's: at the start frame) at some pose.
+// A run entered at its first frame (or at the start frame) with a pose.
 struct Arrival {
   std::int32_t run = 0;
-  std::int32_t from = -1;       // arrival that it came from
-  std::int32_t join = kNoJoin;  // by this join of the run before; else in the same clip
-  std::int32_t segment = 0;     // the arrival that began what is played since the last join
-  std::int32_t since_join = 0;  // frames played since then
-  std::int32_t frames = 0;      // played since the start
+  std::int32_t from = -1;       // previous arrival
+  std::int32_t join = kNoJoin;  // join of the previous run; kNoJoin: same clip
+  std::int32_t segment = 0;     // first arrival since the last join
+  std::int32_t since_join = 0;  // frames played since the last join
+  std::int32_t frames = 0;      // frames played since the start
   FloorPose pose;
   double length_m = 0;
   double cost = 0;
@@ -60,7 +60,7 @@ struct Visit {
 
 struct Ending {
   std::int32_t arrival = -1;
-  std::int32_t join = kNoJoin;  // taken in that run before the end
+  std::int32_t join = kNoJoin;  // join from that run before the end
   std::int32_t frame = 0;
   double cost = 0;
   double lack = std::numeric_limits<double>::infinity();
@@ -81,38 +81,38 @@ class Search {
         turn_(std::max(1e-3, floor.top_turn_rad_s())),
         margin_(std::clamp(Distance(obstacles, Eigen::Vector2d::Zero()) - obstacles.clearance_m,
                            0.0, kClearanceMargin)),
-        most_frames_(
+        max_frames_(
             static_cast<std::int32_t>(settings.max_duration_seconds * settings.frame_rate_hz)) {}
 
   absl::StatusOr<FoundPaths> Run(const PlanControl& control) {
-    MOTIONDB_RETURN_IF_ERROR(Go(kFirst, settings_.path_count, control));
+    MOTIONDB_RETURN_IF_ERROR(RunSweep(kFirst, settings_.path_count, control));
     if (endings_.empty()) {
-      MOTIONDB_RETURN_IF_ERROR(Go(kPatient, settings_.path_count, control));
+      MOTIONDB_RETURN_IF_ERROR(RunSweep(kThorough, settings_.path_count, control));
     }
     if (endings_.empty()) {
-      MOTIONDB_RETURN_IF_ERROR(Go(kAll, 1, control));
+      MOTIONDB_RETURN_IF_ERROR(RunSweep(kExhaustive, 1, control));
       found_.effort.complete = open_.empty();
     }
     if (!endings_.empty()) {
-      MOTIONDB_RETURN_IF_ERROR(Go(kCloser, std::numeric_limits<int>::max(), control));
+      MOTIONDB_RETURN_IF_ERROR(RunSweep(kCloser, std::numeric_limits<int>::max(), control));
     }
     Collect();
     return std::move(found_);
   }
 
  private:
-  // Sweeps from the start until so many ways there are known. CANCELLED.
-  absl::Status Go(const Sweep& sweep, int enough, const PlanControl& control) {
+  // Runs a sweep until `enough` paths are known. CANCELLED.
+  absl::Status RunSweep(const Sweep& sweep, int enough, const PlanControl& control) {
     sweep_ = sweep;
     visits_.clear();
     open_ = {};
     Enter({.run = graph_.run_of_frame(start_frame_)});
-    const auto most =
+    const auto max_expansions =
         static_cast<std::int64_t>(settings_.effort * static_cast<double>(sweep.expansions));
-    for (std::int64_t i = 0; i < most && !open_.empty() && !found_.time_up; ++i) {
-      if (i % kExpansionsPerQuestion == 0) {
+    for (std::int64_t i = 0; i < max_expansions && !open_.empty() && !found_.time_up; ++i) {
+      if (i % kExpansionsBetweenChecks == 0) {
         if (control.cancelled && control.cancelled()) {
-          return absl::CancelledError("the search was stopped");
+          return absl::CancelledError("the search was cancelled");
         }
         found_.time_up = control.time_up && control.time_up();
       }
@@ -126,12 +126,12 @@ class Search {
     return absl::OkStatus();
   }
 
-  // Seconds that are still needed at least, to come within tolerance.
-  double ToGo(const FloorPose& pose) const {
-    const double way = field_.DistanceToGoal({pose.x, pose.y}) - settings_.position_tolerance_m;
+  // Lower bound of the remaining time (s) to come within tolerance.
+  double RemainingSeconds(const FloorPose& pose) const {
+    const double path_m = field_.DistanceToGoal({pose.x, pose.y}) - settings_.position_tolerance_m;
     const double turn = std::abs(WrapAngle(settings_.goal.heading - pose.heading)) -
                         settings_.heading_tolerance_rad;
-    return std::max({0.0, way / speed_, turn / turn_});
+    return std::max({0.0, path_m / speed_, turn / turn_});
   }
 
   bool Clear(const FloorPose& pose, double margin) const {
@@ -150,7 +150,7 @@ class Search {
 
   bool MayImprove(std::int32_t index) const {
     const Arrival& arrival = arrivals_[index];
-    return arrival.cost + ToGo(arrival.pose) < WorstKept();
+    return arrival.cost + RemainingSeconds(arrival.pose) < WorstKept();
   }
 
   double JoinCost(const RunJoin& join) const {
@@ -165,21 +165,21 @@ class Search {
   }
 
   void Enter(Arrival arrival) {
-    if (arrival.frames > most_frames_ || !Clear(arrival.pose, margin_)) return;
-    const double to_go = ToGo(arrival.pose);
-    // A correction may do the last of the way.
+    if (arrival.frames > max_frames_ || !Clear(arrival.pose, margin_)) return;
+    const double remaining = RemainingSeconds(arrival.pose);
+    // A correction may cover the last part.
     const bool in_time =
-        arrival.frames + (1 - kLargestCorrection) * to_go * settings_.frame_rate_hz <=
-        most_frames_ + 1;
-    if (arrival.from >= 0 && (!in_time || arrival.cost + to_go >= WorstKept())) return;
+        arrival.frames + (1 - kLargestCorrection) * remaining * settings_.frame_rate_hz <=
+        max_frames_ + 1;
+    if (arrival.from >= 0 && (!in_time || arrival.cost + remaining >= WorstKept())) return;
     const auto index = static_cast<std::int32_t>(arrivals_.size());
     if (arrival.from < 0 || arrival.join != kNoJoin) arrival.segment = index;
     if (sweep_.cell_leg_lengths > 0 && !IsNew(arrival)) return;
-    open_.push({arrival.cost + sweep_.greed * to_go, index});
+    open_.push({arrival.cost + sweep_.greed * remaining, index});
     arrivals_.push_back(arrival);
   }
 
-  // Whether nothing cheaper has come to its cell before; if so, it counts from now on.
+  // Whether no cheaper arrival exists in its cell; if so, registers this one.
   bool IsNew(const Arrival& arrival) {
     const auto cell = [](double value, double size) {
       return static_cast<std::uint64_t>(static_cast<std::int64_t>(std::floor(value / size)));
@@ -190,7 +190,7 @@ class Search {
         Mix(Mix(Mix(Mix(node) ^ cell(arrival.pose.x, cell_m)) ^ cell(arrival.pose.y, cell_m)) ^
             cell(WrapAngle(arrival.pose.heading), sweep_.cell_rad));
     const auto [known, is_new] = visits_.try_emplace(key, Visit{arrival.cost, arrival.segment});
-    // A segment that comes back to where it was goes on all the same: who waits may yet walk.
+    // A segment that returns to its own cell continues: a standing person may walk later.
     if (!is_new && known->second.cost <= arrival.cost && known->second.segment != arrival.segment) {
       return false;
     }
@@ -203,7 +203,7 @@ class Search {
     const int entry = EntryFrame(arrival);
     const auto& run = graph_.runs()[arrival.run];
     const bool settled = arrival.since_join >= graph_.half_window() || FirstSegment(arrival);
-    // A motion has two frames at least.
+    // A motion has at least two frames.
     const int first_end = arrival.from < 0 ? entry + 1 : entry;
     TryEnds(index, kNoJoin, settled ? first_end : entry + graph_.half_window() - arrival.since_join,
             run.last, entry, arrival.pose, arrival.frames, arrival.length_m, arrival.cost);
@@ -224,7 +224,7 @@ class Search {
       const double length =
           arrival.length_m + SignedLength(entry, join.join.leave - window) + across_m;
       const double cost = arrival.cost + JoinCost(join) + played / settings_.frame_rate_hz;
-      const int landed = join.join.enter + window;  // the frame that `pose` is of
+      const int landed = join.join.enter + window;  // the frame of `pose`
       const int frames = arrival.frames + played + window;
       const auto number = static_cast<std::int32_t>(j);
       const double landed_cost = cost + window / settings_.frame_rate_hz;
@@ -236,15 +236,16 @@ class Search {
     }
   }
 
-  // The start's clip was never joined, so nothing need settle.
+  // The start's clip has no join before it, so there is no window to complete.
   bool FirstSegment(const Arrival& arrival) const { return arrival.since_join == arrival.frames; }
 
-  // Along a clip in either direction.
+  // Path length along a clip, negative backwards.
   double SignedLength(int from, int to) const {
     return to >= from ? floor_.Length(from, to) : -floor_.Length(to, from);
   }
 
-  // Plays on to the first frame of the run `to`; `pose` and the rest are those at frame `at`.
+  // Continues to the first frame of the run `to`; `pose` and the following values are at frame
+  // `at`.
   void Advance(std::int32_t from, std::int32_t join, std::int32_t to, int at, const FloorPose& pose,
                int frames, double length, double cost, int since_join) {
     const int first = graph_.runs()[to].first;
@@ -261,18 +262,18 @@ class Search {
                cost + played / settings_.frame_rate_hz + (graph_.Plays(to) ? 0 : kGlitchSeconds)});
   }
 
-  // Looks whether the motion may end at one of the frames first ... last; `pose` and the rest are
-  // those at frame `at`.
+  // Checks whether the motion can end at one of the frames first ... last; `pose` and the following
+  // values are at frame `at`.
   void TryEnds(std::int32_t arrival, std::int32_t join, int first, int last, int at,
                const FloorPose& pose, int frames, double length, double cost) {
-    if (first > last || frames + first - at > most_frames_) return;
+    if (first > last || frames + first - at > max_frames_) return;
     const double reach = settings_.position_tolerance_m +
                          std::abs(SignedLength(at, last)) * (1 + kLargestCorrection) +
                          kLargestCorrection * length;
     const bool near = std::hypot(pose.x - goal_.x(), pose.y - goal_.y()) <= reach;
     for (int frame = first; frame <= (near ? last : first); ++frame) {
       const int played = frame - at;
-      if (frames + played > most_frames_) break;
+      if (frames + played > max_frames_) break;
       Consider({.arrival = arrival,
                 .join = join,
                 .frame = frame,
@@ -282,10 +283,10 @@ class Search {
   }
 
   void Consider(Ending ending, const FloorPose& end, double length) {
-    const GoalError left = ErrorAfterCorrection(end, length, settings_.goal);
+    const GoalError residual = ErrorAfterCorrection(end, length, settings_.goal);
     const double lack =
-        std::max(0.0, left.position_m - kUsedTolerance * settings_.position_tolerance_m) +
-        std::max(0.0, left.heading_rad - kUsedTolerance * settings_.heading_tolerance_rad);
+        std::max(0.0, residual.position_m - kUsedTolerance * settings_.position_tolerance_m) +
+        std::max(0.0, residual.heading_rad - kUsedTolerance * settings_.heading_tolerance_rad);
     ending.lack = lack;
     if (lack > 0) {
       if (lack < nearest_.lack && IsClear(Corrected(ending).poses)) nearest_ = ending;
@@ -300,7 +301,7 @@ class Search {
     if (ending.cost < WorstKept() && Arrives(ending)) Keep(ending);
   }
 
-  // The root path as it will be corrected, looked at frame by frame.
+  // Returns the corrected root path.
   CorrectedRoot Corrected(const Ending& ending) const {
     return CorrectRoot(PlayedRoot(floor_, PathTo(ending)), settings_.goal);
   }
@@ -319,7 +320,7 @@ class Search {
            IsClear(root.poses);
   }
 
-  // One ending a way there: another frame of the same runs is no other plan.
+  // Keeps one ending for each path: another end frame of the same runs is not another plan.
   void Keep(const Ending& ending) {
     const auto same = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& other) {
       return LastJoinOf(other) == LastJoinOf(ending);
@@ -336,7 +337,7 @@ class Search {
     if (static_cast<int>(endings_.size()) > settings_.path_count) endings_.pop_back();
   }
 
-  // The last join of a way there, as a pair of frames.
+  // Returns the last join of a path as a pair of frames.
   std::pair<int, int> LastJoinOf(const Ending& ending) const {
     const SplicedPath path = PathTo(ending);
     if (path.joins.empty()) return {-1, -1};
@@ -373,15 +374,15 @@ class Search {
   const FloorField& field_;
   const double speed_;
   const double turn_;
-  const double margin_;  // of clearance: as much as the start has, if that is little
-  const std::int32_t most_frames_;
+  const double margin_;  // of clearance; at most that of the start
+  const std::int32_t max_frames_;
 
   Sweep sweep_{};
-  std::deque<Arrival> arrivals_;  // many: a vector would hold them twice as it grows
+  std::deque<Arrival> arrivals_;  // not a vector, which would double its memory when growing
   std::priority_queue<std::pair<double, std::int32_t>, std::vector<std::pair<double, std::int32_t>>,
                       std::greater<>>
       open_;
-  std::unordered_map<std::uint64_t, Visit> visits_;  // of each cell: the cheapest
+  std::unordered_map<std::uint64_t, Visit> visits_;  // cheapest arrival of each cell
   std::vector<Ending> endings_;                      // cheapest first, at most path_count
   Ending nearest_;
   FoundPaths found_;

@@ -1,5 +1,5 @@
-// The search for stored segments that lead to the goal: best first over run and root pose, anytime
-// (section V-C, beyond the paper's random sampling). Safe to call from any thread.
+// Anytime best-first search over runs and root poses for stored segments that lead to the goal
+// (section V-C; replaces the paper's random sampling).
 #pragma once
 
 #include <cstdint>
@@ -19,27 +19,27 @@ struct SearchSettings {
   double max_duration_seconds = 30;
   double frame_rate_hz = 60;  // of the model
   int path_count = 1;
-  std::uint32_t seed = 0;  // 0: joins cost what they are; others vary their cost
-  double effort = 1;       // against the usual
+  std::uint32_t seed = 0;  // 0: true costs of joins; others: randomised costs
+  double effort = 1;       // relative to the default
 };
 
 struct FoundPath {
   SplicedPath path;
-  double cost = 0;  // seconds, joins and correction as if they were time
-  // What will be missing once the end is corrected; zero within tolerance.
+  double cost = 0;  // seconds, with joins and correction converted to time
+  // Remaining violation of the tolerances after correction; 0: within tolerance.
   double lack = 0;
 };
 
 struct FoundPaths {
-  std::vector<FoundPath> paths;  // reach the goal, cheapest first; else one that comes nearest
+  std::vector<FoundPath> paths;  // to the goal, cheapest first; else the nearest one
   bool reached = false;
   bool time_up = false;
   SearchEffort effort;
 };
 
-// Paths from a stored frame (whose reference frame is the floor's) that keep clear of the
-// obstacles, whose field it is. A first answer early, better ones until nothing better is left or
-// the effort is spent. Deterministic but for time_up. CANCELLED.
+// Returns paths from a stored frame, whose reference frame is the floor's, that keep clear of the
+// obstacles; `field` is their field. Finds a first answer early and improves it until the search is
+// complete or the effort is spent. Deterministic except for time_up. CANCELLED.
 absl::StatusOr<FoundPaths> SearchSegments(SegmentGraph& graph, const StoredFloor& floor,
                                           int start_frame, const Obstacles& obstacles,
                                           const FloorField& field, const SearchSettings& settings,

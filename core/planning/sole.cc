@@ -10,11 +10,11 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kSoleFrames = 4000;
-constexpr float kFlatHeight = 0.025F;  // leg lengths that contact markers are near their rest
-constexpr float kFlatSpeed = 0.15F;    // leg lengths a second
-constexpr int kFewestFlat = 5;         // frames
-constexpr double kLevel = 0.01;        // leg lengths between the heights of level contact markers
-constexpr double kTouch = 0.02;        // leg lengths: how sharply a foot stands on its lowest point
+constexpr float kFlatHeight = 0.025F;  // leg lengths from rest height
+constexpr float kFlatSpeed = 0.15F;    // leg lengths per second
+constexpr int kMinFlatFrames = 5;      // frames
+constexpr double kLevel = 0.01;  // leg lengths: maximum height difference of level contact markers
+constexpr double kTouch = 0.02;  // leg lengths: height scale of the support weights
 
 std::vector<Eigen::Index> ColumnsOfContacts(const Foot& foot) {
   std::vector<Eigen::Index> columns;
@@ -29,7 +29,7 @@ Eigen::Matrix3d TurnAboutZ(double angle) {
   return Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitZ()).toRotationMatrix();
 }
 
-// Brings a foot (3 x foot_markers) into the axes of a shape; heights stay.
+// Transforms a foot (3 x foot_markers) to the axes of a shape; heights stay.
 FootShape Aligned(const Foot& foot, Eigen::Matrix3Xd points) {
   const std::vector<Eigen::Index> contacts = ColumnsOfContacts(foot);
   Eigen::Vector3d middle = Eigen::Vector3d::Zero();
@@ -54,7 +54,7 @@ bool IsFlat(const Foot& foot, const Eigen::RowVectorXf& state) {
   return true;
 }
 
-// Shares of a foot's contact markers in carrying it: nearly all the lowest one's.
+// Returns the support weights of a foot's contact markers: nearly 1 for the lowest.
 Eigen::VectorXd Carrying(const Foot& foot, const Eigen::Ref<const Eigen::RowVectorXf>& positions_m,
                          double leg_length_m) {
   Eigen::VectorXd shares(static_cast<Eigen::Index>(foot.contact_markers.size()));
@@ -86,7 +86,7 @@ std::optional<std::vector<FootShape>> StoredFootShapes(const Model& model, const
       sum += Aligned(foot, std::move(points));
       ++flat;
     }
-    if (flat < kFewestFlat) return std::nullopt;
+    if (flat < kMinFlatFrames) return std::nullopt;
     shapes.push_back(sum / flat);
   }
   return shapes;
@@ -122,7 +122,7 @@ std::optional<std::vector<FootShape>> FlatSoles(const MarkerKinematics& kinemati
 
 void StandOnSoles(const Feet& feet, const std::vector<FootShape>& stored, double leg_length_m,
                   const std::vector<FootShape>& soles, FrameMatrix& positions_m) {
-  // How much higher the ankles are above these soles than above the stored ones'.
+  // Height difference of the ankles above these soles and above the stored ones.
   double raise = 0;
   std::vector<bool> of_foot(static_cast<std::size_t>(positions_m.cols() / 3), false);
   for (std::size_t i = 0; i < feet.size(); ++i) {
@@ -134,23 +134,24 @@ void StandOnSoles(const Feet& feet, const std::vector<FootShape>& stored, double
       const Foot& foot = feet[i];
       const std::vector<Eigen::Index> contacts = ColumnsOfContacts(foot);
       const Eigen::VectorXd carrying = Carrying(foot, positions_m.row(t), leg_length_m);
-      Eigen::Matrix3Xd there(3, stored[i].cols());
-      for (Eigen::Index k = 0; k < there.cols(); ++k) {
-        there.col(k) =
+      Eigen::Matrix3Xd stored_points(3, stored[i].cols());
+      for (Eigen::Index k = 0; k < stored_points.cols(); ++k) {
+        stored_points.col(k) =
             positions_m.row(t).segment<3>(3 * foot.foot_markers[k]).cast<double>().transpose();
       }
-      const Eigen::Matrix3d turn =
-          FitRigid(leg_length_m * stored[i], there, Eigen::VectorXd::Ones(there.cols())).linear();
-      // The point it stands on, on the stored foot and on the sole.
+      const Eigen::Matrix3d turn = FitRigid(leg_length_m * stored[i], stored_points,
+                                            Eigen::VectorXd::Ones(stored_points.cols()))
+                                       .linear();
+      // The support point, on the stored foot and on the sole.
       Eigen::Vector3d on_floor = Eigen::Vector3d::Zero();
       Eigen::Vector3d of_sole = Eigen::Vector3d::Zero();
       for (std::size_t c = 0; c < contacts.size(); ++c) {
         const double share = carrying[static_cast<Eigen::Index>(c)];
-        on_floor += share * there.col(contacts[c]);
+        on_floor += share * stored_points.col(contacts[c]);
         on_floor.z() -= share * leg_length_m * static_cast<double>(foot.rest_heights[c]);
         of_sole += share * soles[i].col(contacts[c]);
       }
-      for (Eigen::Index k = 0; k < there.cols(); ++k) {
+      for (Eigen::Index k = 0; k < stored_points.cols(); ++k) {
         positions_m.row(t).segment<3>(3 * foot.foot_markers[k]) =
             (on_floor + turn * (soles[i].col(k) - of_sole)).cast<float>().transpose();
       }

@@ -25,9 +25,9 @@ StoredFloor::StoredFloor(const Model& model, double leg_length_m)
       }
       lengths_[f] = length;
       if (f >= clip.first_frame + span) {
-        const FloorPose way = Between(f - span, f);
-        top_speed_m_s_ = std::max(top_speed_m_s_, std::hypot(way.x, way.y) * rate / span);
-        top_turn_rad_s_ = std::max(top_turn_rad_s_, std::abs(way.heading) * rate / span);
+        const FloorPose moved = Between(f - span, f);
+        top_speed_m_s_ = std::max(top_speed_m_s_, std::hypot(moved.x, moved.y) * rate / span);
+        top_turn_rad_s_ = std::max(top_turn_rad_s_, std::abs(moved.heading) * rate / span);
       }
     }
   }
@@ -35,13 +35,13 @@ StoredFloor::StoredFloor(const Model& model, double leg_length_m)
 
 namespace {
 
-// Weight of the run that begins, `offset` frames after the join.
+// Weight of the entering run, `offset` frames after the join.
 double EnteringShare(const Join& join, double offset) {
   return join.half_window == 0 ? (offset > 0 ? 1.0 : 0.0)
                                : Ease(0.5 + 0.5 * offset / join.half_window);
 }
 
-// The step from `offset` to `offset` + 1 frames after the join.
+// Returns the step from `offset` to `offset` + 1 frames after the join.
 FloorPose BlendedStep(const StoredFloor& floor, const Join& join, int offset) {
   const FloorPose a = floor.Between(join.leave + offset, join.leave + offset + 1);
   const FloorPose b = floor.Between(join.enter + offset, join.enter + offset + 1);

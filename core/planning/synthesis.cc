@@ -15,9 +15,9 @@ namespace motiondb::core {
 
 namespace {
 
-// A plan needs somewhere to go on to: the last half second of a clip leads nowhere.
+// A plan must be able to continue: the last half second of a clip leads nowhere.
 constexpr double kRunwaySeconds = 0.5;
-constexpr int kMostOrigins = 5;
+constexpr int kMaxOrigins = 5;
 
 absl::StatusOr<int> FrameOfClip(const Model& model, const ClipMoment& moment) {
   const auto clip = std::find_if(model.clips().begin(), model.clips().end(),
@@ -28,7 +28,7 @@ absl::StatusOr<int> FrameOfClip(const Model& model, const ClipMoment& moment) {
   const double frame = std::round(moment.seconds * model.settings().frame_rate_hz);
   if (!(frame >= 0 && frame < clip->frame_count)) {
     return absl::OutOfRangeError(
-        fmt::format("clip '{}' lasts {:.3f} s: expected a moment in it, got {} s", clip->id,
+        fmt::format("clip '{}' lasts {:.3f} s: expected a time within it, got {} s", clip->id,
                     (clip->frame_count - 1) / model.settings().frame_rate_hz, moment.seconds));
   }
   return clip->first_frame + static_cast<int>(frame);
@@ -42,7 +42,7 @@ int Runway(const Model& model) {
   return static_cast<int>(kRunwaySeconds * model.settings().frame_rate_hz);
 }
 
-// The frame with the smallest `cost` of each clip that may be played; of them the best few.
+// Returns the frame with the smallest `cost` of each usable clip; of these, the best few.
 template <typename Cost>
 absl::StatusOr<std::vector<int>> CheapestFrames(const Model& model,
                                                 const std::vector<std::string>& labels, Cost cost) {
@@ -58,16 +58,16 @@ absl::StatusOr<std::vector<int>> CheapestFrames(const Model& model,
     }
     best.push_back(of_clip);
   }
-  if (best.empty()) return FieldViolation("labels", "no clip has one of them");
+  if (best.empty()) return FieldViolation("labels", "expected a label of a stored clip");
   std::sort(best.begin(), best.end());
   std::vector<int> frames;
   for (const auto& [unused, frame] : best) {
-    if (static_cast<int>(frames.size()) < kMostOrigins) frames.push_back(frame);
+    if (static_cast<int>(frames.size()) < kMaxOrigins) frames.push_back(frame);
   }
   return frames;
 }
 
-// By squared distance of scaled states; what is missing (NaN) counts for nothing.
+// By squared distance of scaled states; missing values (NaN) are ignored.
 absl::StatusOr<std::vector<int>> FramesMostLike(const Model& model,
                                                 const std::vector<std::string>& labels,
                                                 const Eigen::RowVectorXf& scaled) {
@@ -79,14 +79,14 @@ absl::StatusOr<std::vector<int>> FramesMostLike(const Model& model,
   });
 }
 
-// Of the stored frame itself.
+// Returns the origin for the stored frame itself.
 PlanOrigin AtFrame(const Model& model, int frame) {
   return {.frame = frame,
           .state = model.states().row(frame).cwiseProduct(model.scale().divisor),
           .leg_length_m = model.clips()[model.clip_of_frame(frame)].leg_length_m};
 }
 
-// One origin for each frame, all beginning in the same state.
+// Returns one origin for each frame, all with the same start state.
 std::vector<PlanOrigin> Origins(const PlanOrigin& begin, const std::vector<int>& frames) {
   std::vector<PlanOrigin> origins;
   for (const int frame : frames) {
@@ -102,7 +102,7 @@ absl::StatusOr<std::vector<PlanOrigin>> FromObservation(const Model& model,
   MOTIONDB_ASSIGN_OR_RETURN(const FrameMatrix scaled, ScaledObservation(model, observation));
   const Eigen::Index last = scaled.rows() - 1;
   if (!scaled.row(last).array().isFinite().any()) {
-    return InvalidArgument("observation: its last frame has no marker");
+    return InvalidArgument("observation: expected a marker in the last frame");
   }
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<int> frames,
                             FramesMostLike(model, labels, scaled.row(last)));
@@ -115,8 +115,8 @@ absl::StatusOr<std::vector<PlanOrigin>> FromClip(const Model& model, const ClipM
   MOTIONDB_ASSIGN_OR_RETURN(const int frame, FrameOfClip(model, moment));
   const PlanOrigin origin = AtFrame(model, frame);
   const ModelClip& clip = model.clips()[model.clip_of_frame(frame)];
-  const int left = clip.first_frame + clip.frame_count - 1 - frame;
-  if (MayPlay(clip, labels) && left >= Runway(model)) return std::vector<PlanOrigin>{origin};
+  const int remaining = clip.first_frame + clip.frame_count - 1 - frame;
+  if (MayPlay(clip, labels) && remaining >= Runway(model)) return std::vector<PlanOrigin>{origin};
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<int> frames,
                             FramesMostLike(model, labels, model.states().row(frame)));
   return Origins(origin, frames);
@@ -150,13 +150,13 @@ absl::StatusOr<std::vector<PlanOrigin>> FindOrigins(const Model& model, const Pl
 namespace {
 
 constexpr double kFadeInSeconds = 0.4;    // from the state that the plan begins in
-constexpr double kContactContext = 0.75;  // seconds around the frames played that contacts look at
+constexpr double kContactContext = 0.75;  // seconds around the played frames for contact detection
 
 Eigen::RowVectorXf StoredPositions(const Model& model, int frame) {
   return PositionsOf(model.states().row(frame).cwiseProduct(model.scale().divisor));
 }
 
-// Contacts of the frames first ... last of one clip, looked at with some of the clip around them.
+// Returns the contacts of the frames first ... last of one clip, detected with some context.
 ContactMatrix StoredContacts(const Model& model, const Feet& feet, int first, int last) {
   const ModelClip& clip = model.clips()[model.clip_of_frame(first)];
   const double rate = model.settings().frame_rate_hz;
@@ -173,7 +173,7 @@ ContactMatrix StoredContacts(const Model& model, const Feet& feet, int first, in
       .middleRows(first - begin, last - first + 1);
 }
 
-// Contacts of each frame's main stored frame.
+// Returns the contacts of each frame's main stored frame.
 ContactMatrix PlayedContacts(const Model& model, const Feet& feet,
                              const std::vector<PlayedFrame>& played) {
   ContactMatrix contacts;
@@ -216,14 +216,14 @@ SynthesisedMotion Synthesise(const Model& model, const Body& body, const PlanOri
                              const SplicedPath& path, const std::vector<FloorPose>& root) {
   const double rate = model.settings().frame_rate_hz;
   const std::vector<PlayedFrame> played = PlayedFrames(path);
-  // What the body is off the stored frame when it begins; nothing where a marker was missing.
-  Eigen::RowVectorXf off = PositionsOf(origin.state) - StoredPositions(model, origin.frame);
-  off = off.array().isFinite().select(off, 0.0F);
+  // Difference of the start state from the stored frame; 0 for missing markers.
+  Eigen::RowVectorXf difference = PositionsOf(origin.state) - StoredPositions(model, origin.frame);
+  difference = difference.array().isFinite().select(difference, 0.0F);
 
   SynthesisedMotion motion;
   motion.markers.names = model.marker_set().markers;
   motion.markers.frame_rate_hz = rate;
-  motion.markers.positions_m.resize(static_cast<Eigen::Index>(played.size()), off.size());
+  motion.markers.positions_m.resize(static_cast<Eigen::Index>(played.size()), difference.size());
   for (std::size_t t = 0; t < played.size(); ++t) {
     const PlayedFrame& frame = played[t];
     Eigen::RowVectorXf positions = StoredPositions(model, frame.main);
@@ -232,7 +232,7 @@ SynthesisedMotion Synthesise(const Model& model, const Body& body, const PlanOri
           static_cast<float>(frame.share) * (StoredPositions(model, frame.fading) - positions);
     }
     const double faded_in = Ease(static_cast<double>(t) / (kFadeInSeconds * rate));
-    positions += static_cast<float>(1 - faded_in) * off;
+    positions += static_cast<float>(1 - faded_in) * difference;
     motion.markers.positions_m.row(static_cast<Eigen::Index>(t)) =
         OnFloor(positions, body.leg_length_m(), root[t]);
   }

@@ -1,4 +1,5 @@
-// From a path of stored frames to one motion: where it begins, and how its runs become one.
+// Synthesis of one motion from a path of stored frames: its start, blending, and playback on the
+// body.
 #pragma once
 
 #include <string>
@@ -12,53 +13,51 @@
 
 namespace motiondb::core {
 
-// Where a plan begins among the stored frames. Safe to call from any thread.
 class Model;
 
-// A stored frame to go on from, and the state that the motion really begins in, which fades into
-// it.
+// The stored frame from which a plan starts, and the state in which the motion begins, which fades
+// into it.
 struct PlanOrigin {
   int frame = 0;
   Eigen::RowVectorXf state;  // 1 x 6 N_v, in leg lengths, as in a StateSequence; NaN where missing
-  double leg_length_m = 0;   // of who begins
+  double leg_length_m = 0;   // of the subject at the start
 };
 
-// For a moment of a clip that is its own frame; for an observation the frame most like its last
-// one, by place and velocity of all markers; for standing the one that moves least. Only frames of
-// clips with one of `labels` (empty: all) and with half a second to go, if their clip is that long:
-// any other moment of a clip begins at the frame most like it.
+// Returns origins: for a moment of a clip, its own frame; for an observation, the frame most
+// similar to its last one, by positions and velocities of all markers; for standing, the frame that
+// moves least. Only frames of clips with one of `labels` (empty: all), with half a second left if
+// their clip is that long; for another moment of a clip, the most similar such frame.
 //
-// NOT_FOUND for a clip that the model does not have; OUT_OF_RANGE for a moment outside the clip;
-// INVALID_ARGUMENT if no clip has such a label or the observation does not fit the model.
-// O(frames * dimensions).
+// NOT_FOUND for an unknown clip; OUT_OF_RANGE for a moment outside the clip; INVALID_ARGUMENT if no
+// clip has such a label or the observation does not fit the model. O(frames * dimensions).
 //
-// After the best, the best of other clips follow, at most five in all, where the start is not a
-// stored frame to be played itself: some lead nowhere.
+// If the start is not a stored frame to be played itself, the best frames of other clips follow, at
+// most five in total, because some lead nowhere.
 absl::StatusOr<std::vector<PlanOrigin>> FindOrigins(const Model& model, const PlanStart& start,
                                                     const std::vector<std::string>& labels);
 
-// One motion from the stored frames of a path (section VI-E): blended at its joins, faded in from
-// where it begins, on the body's soles, feet kept where they stand; and as the body plays it. Safe
-// to call from any thread.
+// One motion from the stored frames of a path (section VI-E): blended at joins, faded in from the
+// start state, on the body's soles, with standing feet kept in place.
 struct SynthesisedMotion {
   MarkerMotion markers;    // m, on the plan's floor, at the model's frame rate
-  ContactMatrix contacts;  // as the stored frames had them
+  ContactMatrix contacts;  // of the stored frames
 };
 
-// `root` has the reference frame of each played frame (see PlayedRoot), on the plan's floor.
+// `root`: the reference frame of each played frame (see PlayedRoot), on the plan's floor.
 SynthesisedMotion Synthesise(const Model& model, const Body& body, const PlanOrigin& origin,
                              const SplicedPath& path, const std::vector<FloorPose>& root);
 
-// Positions (1 x 3 N_v) out of a state (1 x 6 N_v).
+// Extracts positions (1 x 3 N_v) from a state (1 x 6 N_v).
 Eigen::RowVectorXf PositionsOf(const Eigen::Ref<const Eigen::RowVectorXf>& state);
 
-// Marker positions (1 x 3 N_v) in a reference frame, in leg lengths, put where that frame is, in m.
+// Transforms marker positions (1 x 3 N_v) from a reference frame, in leg lengths, to the floor, in
+// m.
 Eigen::RowVectorXf OnFloor(const Eigen::Ref<const Eigen::RowVectorXf>& positions,
                            double leg_length_m, const FloorPose& root);
 
-// Fills in what follows from the motion alone: root, markers, joints, and of the quality all but
-// the correction. The outcome is kExact or kApproximate, judged on the markers that are returned.
-// INVALID_ARGUMENT if the body cannot play it; CANCELLED.
+// Retargets the motion to the body and measures it. Sets root, markers, joints, and the quality
+// except the correction. The outcome is kExact or kApproximate, judged on the returned markers.
+// INVALID_ARGUMENT if the body cannot play the motion; CANCELLED.
 absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanProblem& problem,
                      SynthesisedMotion motion, const Cancelled& cancelled, PlannedMotion& planned);
 

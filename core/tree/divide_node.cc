@@ -9,8 +9,8 @@ namespace motiondb::core {
 
 namespace {
 
-// Equal values have variance 0 and a logarithm of minus infinity: below this part of the whole
-// variance, differences are rounding.
+// Minimum variance relative to the total, below which differences are rounding: equal values have
+// variance 0 and logarithm -infinity.
 constexpr double kRelativeVarianceFloor = 1e-12;
 
 struct Sums {
@@ -59,13 +59,14 @@ int MinimumErrorThreshold(std::span<const double> sorted) {
 
 namespace {
 
-// A node with this many times min_frames has many frames, of which this part may be set aside.
+// A node with at least kMany * min_frames frames is large; at most 1 / kMany of its frames may be
+// excluded.
 constexpr int kMany = 32;
 constexpr int kMaxRounds = 32;
-// Many frames alone do not tell a node that spoils a tree. In databases 1 and 2, HDM05 and the
-// prediction clips, with the default settings at 25 to 120 Hz, leaves by the paper's rule have up
-// to 113 * min_frames frames, for much the same reason; but none of them has more than 0.15 of its
-// tree's frames. Of trees that one bad clip spoils, such a leaf has 0.55 of the frames, or all.
+// Frame count alone does not identify a node that outliers keep from splitting. In databases 1 and
+// 2, HDM05 and the prediction clips, with default settings at 25 to 120 Hz, regular leaves have up
+// to 113 * min_frames frames, but at most 0.15 of their tree's frames. In trees spoiled by one bad
+// clip, such a leaf has at least 0.55 of the frames.
 constexpr int kLargePart = 4;
 
 bool IsLarge(std::int32_t frames, const DivisionRule& rule) {

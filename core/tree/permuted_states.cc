@@ -12,10 +12,9 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr int kChunkRows = 4096;  // rows a thread takes at a time
+constexpr int kChunkRows = 4096;  // rows of a parallel chunk
 
-// Calls body(begin, end) for [begin, end) in chunks, side by side. Nothing may depend on the
-// chunks.
+// Calls body(begin, end) for chunks of [begin, end) in parallel. Results must not depend on chunks.
 template <typename Body>
 void InChunks(std::int32_t begin, std::int32_t end, const ParallelFor& parallel, const Body& body) {
   const int chunks = (end - begin + kChunkRows - 1) / kChunkRows;
@@ -55,12 +54,12 @@ void PermutedStates::Project(std::int32_t begin, std::int32_t end, const NodeAxi
   });
 }
 
-// Exchanges the i-th row on the left that belongs to the right with the i-th on the right that
-// belongs to the left: each row moves once at most, and no two exchanges touch the same row.
+// Swaps the i-th row on the left that belongs to the right with the i-th on the right that belongs
+// to the left: each row moves at most once, and swaps are independent.
 void PermutedStates::MoveLeft(std::int32_t begin, std::int32_t end, int left,
                               const ParallelFor& parallel) {
   const double cut = sorted_[begin + left - 1];
-  std::int32_t last_at_cut = -1;  // of the frames at the cut, those up to this one go left
+  std::int32_t last_at_cut = -1;  // frames at the cut go left up to this frame number
   if (sorted_[begin + left] == cut) {
     const auto first = std::lower_bound(sorted_.begin() + begin, sorted_.begin() + end, cut);
     const auto rank = static_cast<std::size_t>(begin + left - 1 - (first - sorted_.begin()));
@@ -125,32 +124,31 @@ bool PermutedStates::SetAside(std::int32_t& begin, std::int32_t& end, const Para
 
 namespace {
 
-constexpr std::size_t kCompared = 64;     // so few are compared
-constexpr std::size_t kBucketValues = 4;  // values a bucket on average
-constexpr std::size_t kLarge = 32768;     // from here on the buckets are dealt side by side
+constexpr std::size_t kMaxCompared = 64;  // sorted by comparison up to this size
+constexpr std::size_t kBucketValues = 4;  // average values of a bucket
+constexpr std::size_t kLarge = 32768;     // buckets are filled in parallel from this size
 constexpr int kRuns = 16;
 constexpr std::size_t kLargeBuckets = 512;
 
-// Which of `count` buckets between the least and the greatest value a value belongs to: never less
-// for a greater value.
+// Maps a value to one of `count` buckets between minimum and maximum, monotonically.
 struct Buckets {
-  double least;
+  double minimum;
   double scale;
   std::size_t count;
 
   Buckets(std::span<const double> values, std::size_t buckets) : count(buckets) {
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
-    least = *low;
-    scale = *high > least ? static_cast<double>(buckets) / (*high - least) : 0;
+    minimum = *low;
+    scale = *high > minimum ? static_cast<double>(buckets) / (*high - minimum) : 0;
   }
   std::size_t operator()(double value) const {
-    return std::min(static_cast<std::size_t>((value - least) * scale), count - 1);
+    return std::min(static_cast<std::size_t>((value - minimum) * scale), count - 1);
   }
 };
 
 void SortSmall(std::span<double> values, std::span<double> scratch,
                std::vector<std::uint32_t>& ends) {
-  if (values.size() <= kCompared) {
+  if (values.size() <= kMaxCompared) {
     std::sort(values.begin(), values.end());
     return;
   }
@@ -187,7 +185,7 @@ void SortValues(std::span<double> values, std::span<double> scratch, const Paral
     const std::size_t begin = values.size() * r / kRuns;
     return values.subspan(begin, values.size() * (r + 1) / kRuns - begin);
   };
-  // Where each run's values of each bucket go: behind those of the runs before it.
+  // Destination of each run's values in each bucket: behind those of previous runs.
   std::vector<std::vector<std::uint32_t>> place(kRuns);
   parallel(kRuns, [&](int r) {
     place[r].assign(kLargeBuckets, 0);
@@ -209,7 +207,8 @@ void SortValues(std::span<double> values, std::span<double> scratch, const Paral
   });
   parallel(kRuns, [&](int r) {
     std::vector<std::uint32_t> small_ends;
-    // Buckets of one run after another would leave the full ones in the middle to one thread.
+    // Interleave buckets over runs: consecutive ones would give the full buckets in the middle to
+    // one thread.
     for (std::size_t b = static_cast<std::size_t>(r); b < kLargeBuckets; b += kRuns) {
       const std::size_t begin = begins[b];
       const std::size_t count = begins[b + 1] - begin;

@@ -1,5 +1,5 @@
-// The states in the order of the tree as it is being built: every node's frames one after the other
-// in memory. Different nodes may be worked on by different threads.
+// The states in tree order during a build: every node's frames are contiguous in memory. Different
+// threads may work on different nodes.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,8 @@
 
 namespace motiondb::core {
 
-// Where a node was divided: frames with an inner product of at most `threshold` with `axis` (1 x
-// dimensions, unit) are on the left; of those on the threshold itself only the first.
+// The plane of a split: frames with an inner product of at most `threshold` with `axis` (1 x
+// dimensions, unit) are left; of those exactly on the threshold only the first.
 struct SplitPlane {
   Eigen::RowVectorXf axis;
   double threshold = 0;
@@ -21,23 +21,23 @@ struct SplitPlane {
 
 class PermutedStates {
  public:
-  // A working copy of states (frames x dimensions), in their own order.
+  // Copies states (frames x dimensions), in their own order.
   PermutedStates(const Eigen::Ref<const FrameMatrix>& states, const ParallelFor& parallel);
 
-  // Divides the frames [begin, end) along their principal axis (eqs. 3-5): those left of the
-  // minimum-error threshold come to stand before the others; frames that project alike are divided
-  // by their numbers. Returns how many are on the left; 0, and changes nothing, if either side
-  // would have fewer than min_frames. Else `plane` says where. `centred` is scratch. The order
-  // within a side is not that of the frames, but the same on any number of threads.
+  // Splits the frames [begin, end) along their principal axis (eqs. 3-5): moves those left of the
+  // minimum-error threshold before the others. Equal projections are split by frame number. Returns
+  // the number of frames on the left and sets `plane`; returns 0 and changes nothing if either side
+  // would have fewer than min_frames. `centred` is scratch. The order within a side is
+  // deterministic, but not that of frame numbers.
   int Divide(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
              const ParallelFor& parallel, SplitPlane& plane);
 
-  // Of frames [begin, end) that Divide has just left undivided: moves those of the smaller side of
-  // the threshold to one end, and narrows the range to the others. False, and changes nothing, if
-  // there is no threshold.
+  // REQUIRES: Divide has just returned 0 for [begin, end). Moves the frames on the smaller side of
+  // the threshold to one end, and narrows the range to the others. Returns false and changes
+  // nothing if there is no threshold.
   bool SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
 
-  // The frame at each place.
+  // Frame number at each place.
   std::vector<std::int32_t>& order() { return order_; }
 
  private:
@@ -47,19 +47,16 @@ class PermutedStates {
 
   FrameMatrix rows_;
   std::vector<std::int32_t> order_;
-  // Of each place, valid from one Divide of it to the next.
+  // By place; valid from one Divide to the next.
   std::vector<double> projections_;
   std::vector<double> sorted_;
   std::vector<double> scratch_;
   std::vector<std::int32_t> misplaced_;
 };
 
-// Sorting of many numbers that are spread about evenly, as projections of states are: faster than
-// comparing. Safe to call from any thread; uses only the threads lent to it.
-
-// Sorts finite values, ascending, the same on any number of threads. `scratch` is as long as they
-// are. They are dealt into buckets by value, which are then sorted: O(n) where they are spread
-// about evenly, O(n log n) at worst.
+// Sorts finite values, ascending, deterministic for any number of threads. Bucket sort: O(n) for
+// evenly spread values, such as projections of states; O(n log n) at worst. `scratch` has the size
+// of `values`.
 void SortValues(std::span<double> values, std::span<double> scratch, const ParallelFor& parallel);
 
 }  // namespace motiondb::core

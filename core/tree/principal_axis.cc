@@ -15,9 +15,10 @@ namespace motiondb::core {
 namespace {
 
 constexpr Eigen::Index kBasisGrowth = 16;
-// Below this part of the largest eigenvalue a new direction is rounding: the space is exhausted.
+// Below this fraction of the largest eigenvalue a new direction is rounding: the space is
+// exhausted.
 constexpr double kExhausted = 1e-14;
-// A direction that loses more than this to the basis is made orthogonal to it a second time.
+// Reorthogonalise a second time if the first pass leaves less than this fraction.
 constexpr double kSecondPass = 0.1;
 
 void FixSign(Eigen::VectorXd& axis) {
@@ -74,9 +75,9 @@ namespace {
 
 constexpr int kMaxIterations = 60;
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-constexpr double kTiny = kEpsilon * kEpsilon;  // what stands for zero, of the matrix's scale
+constexpr double kTiny = kEpsilon * kEpsilon;  // replaces zero, relative to the matrix's scale
 
-// A bound on every eigenvalue (Gershgorin).
+// Upper bound of the eigenvalues (Gershgorin).
 double UpperBound(std::span<const double> diagonal, std::span<const double> beside) {
   double bound = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < diagonal.size(); ++i) {
@@ -87,7 +88,7 @@ double UpperBound(std::span<const double> diagonal, std::span<const double> besi
   return bound;
 }
 
-// A pivot above the largest eigenvalue is negative; rounding may have it otherwise.
+// Pivots at a value above the largest eigenvalue are negative, except for rounding.
 double Negative(double pivot, double scale) { return std::min(pivot, -kTiny * scale); }
 
 double NotZero(double pivot, double scale) { return pivot == 0 ? kTiny * scale : pivot; }
@@ -98,8 +99,8 @@ double LargestEigenvalue(std::span<const double> diagonal, std::span<const doubl
   const auto size = static_cast<double>(diagonal.size());
   double value = bound + 4 * kEpsilon * scale;
   for (int i = 0; i < kMaxIterations; ++i) {
-    // The pivots of T - value I with their derivatives, and the first two derivatives of the
-    // logarithm of their product (the second with its sign changed).
+    // The pivots of T - value I with derivatives, and the first two derivatives of the logarithm of
+    // their product (the second with its sign changed).
     double pivot = Negative(diagonal[0] - value, scale);
     double slope = -1;
     double curvature = 0;
@@ -127,7 +128,7 @@ Eigen::VectorXd EigenvectorOf(double value, std::span<const double> diagonal,
   const auto size = static_cast<int>(diagonal.size());
   const double scale = std::abs(value);
   Eigen::VectorXd down(size);  // pivots from the first row
-  Eigen::VectorXd up(size);    // and from the last
+  Eigen::VectorXd up(size);    // pivots from the last row
   down[0] = NotZero(diagonal[0] - value, scale);
   for (int i = 1; i < size; ++i) {
     down[i] = NotZero(diagonal[i] - value - beside[i - 1] * beside[i - 1] / down[i - 1], scale);
@@ -137,11 +138,11 @@ Eigen::VectorXd EigenvectorOf(double value, std::span<const double> diagonal,
     up[i] = NotZero(diagonal[i] - value - beside[i] * beside[i] / up[i + 1], scale);
   }
   int meet = 0;
-  double least = std::numeric_limits<double>::infinity();
+  double min_mismatch = std::numeric_limits<double>::infinity();
   for (int i = 0; i < size; ++i) {
-    const double apart = std::abs(down[i] + up[i] - (diagonal[i] - value));
-    if (apart < least) {
-      least = apart;
+    const double mismatch = std::abs(down[i] + up[i] - (diagonal[i] - value));
+    if (mismatch < min_mismatch) {
+      min_mismatch = mismatch;
       meet = i;
     }
   }
@@ -162,30 +163,29 @@ TridiagonalTop TopOfTridiagonal(std::span<const double> diagonal, std::span<cons
 
 namespace {
 
-// A node of up to this many frames is copied, centred; of a larger one, this many of its frames.
+// Number of frames that are copied and centred: all of a small node, a sample of a larger one.
 constexpr int kCopiedFrames = 4096;
 constexpr double kSubsetTolerance = 1e-3;
-constexpr int kWidestFrames = 64;  // of which the dimension that varies most is taken
+constexpr int kWidestFrames = 64;  // sample for the dimension with the largest variance
 
-// The rows of a large node are summed in this many runs at most, side by side. The division depends
-// on the node alone, never on the threads: the sums come out the same.
+// The rows of a large node are summed in up to kMaxRuns parallel runs. Runs depend on the node
+// only, not on threads, so that sums are identical.
 constexpr int kMaxRuns = 16;
 constexpr int kMinRunRows = 2048;
-constexpr int kBlockRows = 256;  // the first product reads them twice, again from a cache
+constexpr int kBlockRows = 256;  // the first product reads them twice, the second time from cache
 
-// The r-th of `count` rows spread evenly over all.
-int Spread(int r, int count, int all) { return static_cast<int>(std::int64_t{all} * r / count); }
+// Index of the r-th of `count` rows spread evenly over `all` rows.
+int EvenIndex(int r, int count, int all) { return static_cast<int>(std::int64_t{all} * r / count); }
 
-// Sums over a node's rows of something of `length` numbers, which `add_rows` adds for a run of
-// them.
+// Returns the sum over a node's rows of `length` numbers; `add_rows` adds those of a run.
 template <typename AddRowsOfRun>
 Eigen::VectorXd SumOverRuns(const NodeRows& rows, Eigen::Index length, const ParallelFor& parallel,
                             const AddRowsOfRun& add_rows) {
   const int runs = std::clamp(rows.count / kMinRunRows, 1, kMaxRuns);
   std::vector<Eigen::VectorXd> partial(static_cast<std::size_t>(runs));
   parallel(runs, [&](int run) {
-    const int begin = Spread(run, runs, rows.count);
-    const int end = Spread(run + 1, runs, rows.count);
+    const int begin = EvenIndex(run, runs, rows.count);
+    const int end = EvenIndex(run + 1, runs, rows.count);
     partial[run] = Eigen::VectorXd::Zero(length);
     add_rows(NodeRows{rows.row(begin), end - begin, rows.dimensions}, partial[run].data());
   });
@@ -199,7 +199,7 @@ void ToPadded(const Eigen::VectorXd& from, std::vector<float>& to) {
   Eigen::VectorXf::Map(to.data(), from.size()) = from.cast<float>();
 }
 
-// Products with the scatter matrix of centred rows (count x padded).
+// Returns the product with the scatter matrix of centred rows (count x padded).
 SymmetricProduct ScatterOf(const float* centred, int count, int dimensions) {
   return [=, padded_q = std::vector<float>(), sums = Eigen::VectorXd()](
              const Eigen::VectorXd& q, Eigen::VectorXd& product) mutable {
@@ -211,8 +211,8 @@ SymmetricProduct ScatterOf(const float* centred, int count, int dimensions) {
   };
 }
 
-// The dimension that varies most over some of the centred rows, times their scatter matrix: it
-// leans towards the leading axis.
+// Returns the scatter matrix times the unit vector of the dimension with the largest variance over
+// a sample of the centred rows: it leans towards the leading axis.
 Eigen::VectorXd WidestDimension(const float* centred, int count, int dimensions,
                                 const SymmetricProduct& product) {
   const int step = (count + kWidestFrames - 1) / kWidestFrames;
@@ -229,7 +229,7 @@ Eigen::VectorXd WidestDimension(const float* centred, int count, int dimensions,
   return start;
 }
 
-// The axis of some rows, of which `centred` keeps a copy about `mean`.
+// Returns the axis of `count` rows; `centred` receives their copy, centred about `mean`.
 PrincipalAxis AxisOfSome(const NodeRows& rows, int count, const Eigen::VectorXd& mean,
                          double tolerance, std::vector<float>& centred) {
   const int padded = PaddedDimensions(rows.dimensions);
@@ -237,7 +237,7 @@ PrincipalAxis AxisOfSome(const NodeRows& rows, int count, const Eigen::VectorXd&
   if (centred.size() < needed) centred.resize(needed);
   const Eigen::VectorXf single_mean = mean.cast<float>();
   for (int r = 0; r < count; ++r) {
-    CentreRows(rows.row(Spread(r, count, rows.count)), 1, rows.dimensions, single_mean.data(),
+    CentreRows(rows.row(EvenIndex(r, count, rows.count)), 1, rows.dimensions, single_mean.data(),
                centred.data() + static_cast<std::ptrdiff_t>(r) * padded);
   }
   const SymmetricProduct scatter = ScatterOf(centred.data(), count, rows.dimensions);
@@ -245,8 +245,8 @@ PrincipalAxis AxisOfSome(const NodeRows& rows, int count, const Eigen::VectorXd&
       scatter, WidestDimension(centred.data(), count, rows.dimensions, scatter), tolerance);
 }
 
-// Products with the scatter matrix of all rows of a large node, about a mean that is not known
-// before the first of them: until then that of a few rows serves.
+// Products with the scatter matrix of all rows of a large node. The mean is known only after the
+// first product, which uses the mean of a sample instead.
 class ScatterOfLarge {
  public:
   ScatterOfLarge(const NodeRows& rows, const Eigen::VectorXd& mean_of_some,
@@ -258,7 +258,7 @@ class ScatterOfLarge {
     const int padded = PaddedDimensions(dimensions);
     ToPadded(q, padded_q_);
     const auto offset = static_cast<float>(mean_.dot(q));
-    // The sum of s x, then that of s, then that of x where it is not known yet.
+    // Layout: sum of s x, sum of s, and, until the mean is known, sum of x.
     const Eigen::VectorXd sums = SumOverRuns(
         rows_, padded + 1 + (mean_known_ ? 0 : dimensions), parallel_,
         [&](const NodeRows& run, double* sum) {
@@ -279,8 +279,8 @@ class ScatterOfLarge {
   const Eigen::VectorXd& mean() const { return mean_; }
 
  private:
-  // AddScatterProduct of the last rows of a run, from a copy: steps over a row's end read what is
-  // behind it, where other threads may be moving the rows of another node.
+  // AddScatterProduct of the last rows of a run, from a copy: vector steps read beyond the last
+  // row, where other threads may move rows of another node.
   double AddLastBlock(const float* rows, int count, float offset, double* sum) const {
     const int padded = PaddedDimensions(rows_.dimensions);
     const std::vector<float> zeros(static_cast<std::size_t>(rows_.dimensions));
@@ -299,7 +299,7 @@ class ScatterOfLarge {
 Eigen::VectorXd MeanOfSome(const NodeRows& rows, int count) {
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(rows.dimensions);
   for (int r = 0; r < count; ++r) {
-    AddRows(rows.row(Spread(r, count, rows.count)), 1, rows.dimensions, sum.data());
+    AddRows(rows.row(EvenIndex(r, count, rows.count)), 1, rows.dimensions, sum.data());
   }
   return sum / count;
 }

@@ -9,10 +9,10 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kBlockRows = 16;  // of a few hundred dimensions: they stay in the first-level cache
-constexpr int kVectors = kRowLanes / kFloats;  // in a step
-constexpr int kTogether = 8;                   // rows that are added at a time
-constexpr int kDots = 4;  // rows whose products are taken at a time: 16 registers hold their lanes
+constexpr int kBlockRows = 16;                 // with some hundred dimensions they fit the L1 cache
+constexpr int kVectors = kRowLanes / kFloats;  // vectors in a step
+constexpr int kRowsAtOnce = 8;                 // rows added at a time
+constexpr int kDots = 4;  // rows of a product at a time: 16 registers hold their lanes
 
 // Calls body(rows, count) for blocks of rows.
 template <typename Body>
@@ -36,18 +36,18 @@ void AddFew(const float* rows, int dimensions, float* sums) {
   }
 }
 
-// sums (dimensions) += each row, one after the other.
+// sums (dimensions) += each row, in order.
 MOTIONDB_WIDEST_VECTORS
 void Add(const float* rows, int count, int dimensions, float* sums) {
   int r = 0;
-  for (; r + kTogether <= count; r += kTogether)
-    AddFew<kTogether>(rows + r * dimensions, dimensions, sums);
+  for (; r + kRowsAtOnce <= count; r += kRowsAtOnce)
+    AddFew<kRowsAtOnce>(rows + r * dimensions, dimensions, sums);
   for (; r < count; ++r) AddFew<1>(rows + r * dimensions, dimensions, sums);
 }
 
 template <int kRows>
 void DotFew(const float* rows, int stride, int padded, const float* q, float* dots) {
-  Floats lanes[kRows][kVectors];  // cleared one by one: an array would be cleared in memory
+  Floats lanes[kRows][kVectors];  // cleared element by element, to stay in registers
 #pragma GCC unroll 4
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 2
@@ -68,8 +68,7 @@ void DotFew(const float* rows, int stride, int padded, const float* q, float* do
     dots[r] = SumOf(SumOfHalves(lanes[r][0]) + SumOfHalves(lanes[r][1]));
 }
 
-// dots (count): inner products with q (padded), in single precision. Asks for the rows of the next
-// block meanwhile.
+// dots (count): inner products with q (padded), in single precision. Prefetches the next block.
 MOTIONDB_WIDEST_VECTORS
 void Dot(const float* rows, int count, int stride, int padded, const float* q, float* dots) {
   int r = 0;
@@ -78,8 +77,7 @@ void Dot(const float* rows, int count, int stride, int padded, const float* q, f
   for (; r < count; ++r) DotFew<1>(rows + r * stride, stride, padded, q, dots + r);
 }
 
-// sums (padded) += the sum of the rows, each times its factor (count), which is taken in single
-// precision, one after the other: for few rows.
+// sums (padded) += sum of factors[r] * row r, in order, in single precision: for few rows.
 MOTIONDB_WIDEST_VECTORS
 void AddMultiples(const float* rows, int count, int stride, int padded, const float* factors,
                   double* sums) {
@@ -207,7 +205,7 @@ void ProjectRows(const float* rows, int count, int dimensions, const double* axi
 MOTIONDB_WIDEST_VECTORS
 void MultiplyRows(const float* rows, int count, int dimensions, const float* matrix, int columns,
                   float* product) {
-  // As many rows times vectors of columns as the registers hold.
+  // Block sizes by the number of registers.
   int r = 0;
   for (; r + 4 <= count; r += 4)
     MultiplyFew<4, 2>(rows + r * dimensions, dimensions, matrix, columns, product + r * columns);
@@ -229,7 +227,7 @@ float ScaledSquares(const float* x, const float* mean, const float* factors, int
       lanes[v] += z * z;
     }
   }
-  // What is left is less than a step: four numbers at a time.
+  // The rest is less than a step: four numbers at a time.
   FloatHalf sums[2 * kVectors];
 #pragma GCC unroll 4
   for (int h = 0; h < 2 * kVectors; ++h) {
@@ -248,7 +246,7 @@ MOTIONDB_WIDEST_VECTORS
 int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, const float* factors,
                         int dimensions, const float* limits, float* squares) {
   static_assert(kSquaresLanes == kFloats);
-  constexpr int kAtOnce = 12;  // dimensions from look to look
+  constexpr int kDimensionsBetweenChecks = 12;  // dimensions between checks
   const Floats infinity = Floats{} + __builtin_inff();
   int within = 0;
   for (int b = 0; b < blocks; ++b) {
@@ -257,7 +255,8 @@ int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, cons
     Floats sums = {};
     bool is_beyond = false;
     for (int d = 0; d < dimensions && !is_beyond;) {
-      const int end = d + kAtOnce < dimensions ? d + kAtOnce : dimensions;
+      const int end =
+          d + kDimensionsBetweenChecks < dimensions ? d + kDimensionsBetweenChecks : dimensions;
       for (; d < end; ++d, x += kFloats) {
         const Floats z = (Load(x) - mean[d]) * factors[d];
         sums += z * z;

@@ -27,14 +27,14 @@ absl::Status Tree::Check() const {
   std::vector<bool> seen(frame_order_.size());
   for (std::int32_t frame : frame_order_) {
     if (frame < 0 || frame >= frame_count() || seen[frame]) {
-      return DataLoss("tree: its frame order is not a permutation at frame {}", frame);
+      return DataLoss("tree: the frame order is not a permutation at frame {}", frame);
     }
     seen[frame] = true;
   }
   const auto count = static_cast<std::int32_t>(branches_.size());
   if (count == 0 || frame_order_.empty() || branches_[0].begin != 0 ||
       branches_[0].end != frame_count() || branches_[0].layer != 1) {
-    return DataLoss("tree: the root must hold all frames");
+    return DataLoss("tree: the root does not contain all frames");
   }
   std::vector<bool> reached(branches_.size());
   reached[0] = true;
@@ -51,7 +51,7 @@ absl::Status Tree::Check() const {
         right.layer != branch.layer + 1 || left.begin != branch.begin || left.end != right.begin ||
         right.end != branch.end || left.begin >= left.end || right.begin >= right.end ||
         reached[branch.left]) {
-      return DataLoss("tree: the children of branch {} do not divide it", b);
+      return DataLoss("tree: the children of branch {} do not partition it", b);
     }
     reached[branch.left] = reached[branch.right] = true;
   }
@@ -67,8 +67,8 @@ absl::Status Tree::CheckPlanes() const {
   if (std::ssize(planes_.thresholds) == divided && planes_.axes.rows() == divided && finite) {
     return absl::OkStatus();
   }
-  return DataLoss("tree: {} thresholds on {} axes for {} divided branches",
-                  planes_.thresholds.size(), planes_.axes.rows(), divided);
+  return DataLoss("tree: {} thresholds on {} axes for {} split branches", planes_.thresholds.size(),
+                  planes_.axes.rows(), divided);
 }
 
 int Tree::LeafOf(const float* state) const {

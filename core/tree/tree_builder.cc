@@ -14,10 +14,10 @@ namespace motiondb::core {
 
 namespace {
 
-// Lots that the smaller nodes are dealt out in, each with memory of its own that is used again.
-constexpr int kLots = 16;
+// Number of batches of small nodes; each reuses its own scratch memory.
+constexpr int kBatches = 16;
 
-SplitPlanes Together(const std::vector<SplitPlane>& each, Eigen::Index dimensions) {
+SplitPlanes ToSplitPlanes(const std::vector<SplitPlane>& each, Eigen::Index dimensions) {
   SplitPlanes planes{FrameMatrix(std::ssize(each), dimensions), {}};
   for (const SplitPlane& plane : each) {
     planes.axes.row(std::ssize(planes.thresholds)) = plane.axis;
@@ -30,7 +30,7 @@ SplitPlanes Together(const std::vector<SplitPlane>& each, Eigen::Index dimension
 
 absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done) {
-  if (states.rows() == 0) return InvalidArgument("a tree needs at least one frame");
+  if (states.rows() == 0) return InvalidArgument("states: expected at least one frame");
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
   PermutedStates permuted(states, parallel);
@@ -38,14 +38,14 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
   const DivisionRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
   std::vector<SplitPlane> planes;
-  std::vector<std::vector<float>> scratch(kLots);
+  std::vector<std::vector<float>> scratch(kBatches);
 
-  std::vector<std::int32_t> open{0};  // branches of the lowest layer that may yet split
+  std::vector<std::int32_t> open{0};  // branches of the lowest layer that may split
   for (int layer = 1; !open.empty(); ++layer) {
     const auto frames = [&](std::int32_t b) { return branches[b].end - branches[b].begin; };
     std::erase_if(open, [&](std::int32_t b) { return frames(b) < 2 * min_frames; });
 
-    // The largest first: the shared ones, then the others, so that threads end at about one time.
+    // The largest nodes first: those shared by all threads, then the others, for balanced load.
     std::vector<std::int32_t> work(open.size());
     for (std::size_t i = 0; i < open.size(); ++i) work[i] = static_cast<std::int32_t>(i);
     std::stable_sort(work.begin(), work.end(), [&](std::int32_t a, std::int32_t b) {
@@ -54,18 +54,18 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
     std::vector<int> left_counts(open.size());
     std::vector<SplitPlane> open_planes(open.size());
     std::vector<NodePlaces> divided(open.size());
-    const auto divide = [&](std::int32_t i, int lot, const ParallelFor& threads) {
+    const auto divide = [&](std::int32_t i, int batch, const ParallelFor& threads) {
       divided[i] = {branches[open[i]].begin, branches[open[i]].end};
       left_counts[i] =
-          DivideNode(rule, permuted, divided[i], scratch[lot], threads, open_planes[i]);
+          DivideNode(rule, permuted, divided[i], scratch[batch], threads, open_planes[i]);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
       divide(work[shared++], 0, parallel);
     }
-    parallel(kLots, [&](int lot) {
-      for (std::size_t i = shared + lot; i < work.size(); i += kLots)
-        divide(work[i], lot, Serially);
+    parallel(kBatches, [&](int batch) {
+      for (std::size_t i = shared + batch; i < work.size(); i += kBatches)
+        divide(work[i], batch, Serially);
     });
 
     std::vector<std::int32_t> children;
@@ -95,19 +95,19 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
   for (const Branch& branch : branches) {
     if (branch.left < 0) std::sort(order.begin() + branch.begin, order.begin() + branch.end);
   }
-  return Tree::Create(std::move(order), std::move(branches), Together(planes, states.cols()));
+  return Tree::Create(std::move(order), std::move(branches), ToSplitPlanes(planes, states.cols()));
 }
 
 absl::StatusOr<Tree> GrowTree(const Tree& tree, const Eigen::Ref<const FrameMatrix>& added) {
   if (!tree.has_planes()) {
-    return FailedPrecondition("the tree does not know where it was divided");
+    return FailedPrecondition("the tree has no split thresholds; rebuild the model");
   }
   std::vector<std::vector<std::int32_t>> of_leaf(tree.branches().size());
   for (Eigen::Index i = 0; i < added.rows(); ++i) {
     of_leaf[tree.LeafOf(added.row(i).data())].push_back(tree.frame_count() +
                                                         static_cast<std::int32_t>(i));
   }
-  // Ranges begin and end where leaves do: how many frames are added before each place.
+  // Ranges begin and end at leaf boundaries. shift: number of frames added before each place.
   std::vector<std::int32_t> shift(static_cast<std::size_t>(tree.frame_count()) + 1);
   for (std::size_t b = 0; b < of_leaf.size(); ++b) {
     shift[tree.branches()[b].end] += static_cast<std::int32_t>(of_leaf[b].size());
@@ -137,10 +137,10 @@ double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const F
   const auto is_shared = [&](int b) {
     return branches[b].end - branches[b].begin >= kSharedFrames;
   };
-  const auto look = [&](int b, const ParallelFor& threads) {
+  const auto check_leaf = [&](int b, const ParallelFor& threads) {
     const Branch& leaf = branches[b];
     const int count = leaf.end - leaf.begin;
-    // A leaf's frames ascend.
+    // The frames of a leaf are ascending.
     if (leaf.left >= 0 || tree.frame_order()[leaf.end - 1] < first_added || count < 2 * min_frames)
       return;
     FrameMatrix rows(count, states.cols());
@@ -153,10 +153,10 @@ double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const F
   };
   const auto branch_count = static_cast<int>(branches.size());
   parallel(branch_count, [&](int b) {
-    if (!is_shared(b)) look(b, Serially);
+    if (!is_shared(b)) check_leaf(b, Serially);
   });
   for (int b = 0; b < branch_count; ++b) {
-    if (is_shared(b)) look(b, parallel);
+    if (is_shared(b)) check_leaf(b, parallel);
   }
   return std::accumulate(stale.begin(), stale.end(), 0.0) / tree.frame_count();
 }

@@ -1,12 +1,11 @@
-// Vectors of eight numbers (four in double precision), for inner loops, and what lets one binary
-// run them in the widest vectors that the processor at hand has. Pure.
+// SIMD vectors of eight floats or four doubles for inner loops, and function multiversioning: one
+// binary uses the widest vectors of the processor.
 #pragma once
 
-// Before a function: compile it for every processor and for x86-64 processors with AVX2; the loader
-// takes the one that fits. Both give the same bits, since neither may fuse a product with a sum
-// (the file is compiled with -ffp-contract=off). Everything that the function calls is compiled
-// into it. Clang 14 rejects 32-byte vectors as results of the functions below; the sanitizers are
-// not ready yet when the loader asks.
+// Function attribute: compiles the function for all processors and for x86-64 with AVX2; the loader
+// selects a version. Both yield the same bits, because products and sums are not fused (compiled
+// with -ffp-contract=off). Called functions are inlined. Excluded: Clang 14 rejects 32-byte vectors
+// as results of the functions below; the sanitizers are not initialised when the loader selects.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__SANITIZE_THREAD__)
 #define MOTIONDB_WIDEST_VECTORS __attribute__((target_clones("avx2", "default"), flatten))
@@ -22,10 +21,10 @@ typedef double Doubles __attribute__((vector_size(32)));
 typedef float FloatHalf __attribute__((vector_size(16)));
 typedef double DoubleHalf __attribute__((vector_size(16)));
 
-inline constexpr int kFloats = 8;   // in Floats and Ints
-inline constexpr int kDoubles = 4;  // in Doubles and FloatHalf
+inline constexpr int kFloats = 8;   // numbers in Floats and Ints
+inline constexpr int kDoubles = 4;  // numbers in Doubles and FloatHalf
 
-// From and to any address.
+// Loads and stores are unaligned.
 template <typename V, typename T>
 V LoadAs(const T* from) {
   static_assert(sizeof(V{}[0]) == sizeof(T));
@@ -44,7 +43,7 @@ void Store(V v, T* to) {
   __builtin_memcpy(to, &v, sizeof(V));
 }
 
-// Up to half a vector, then zeros.
+// Loads up to half a vector, padded with zeros.
 inline FloatHalf LoadFew(const float* from, int count) {
   if (count >= kDoubles) return LoadHalf(from);
   FloatHalf few = {};
@@ -54,7 +53,7 @@ inline FloatHalf LoadFew(const float* from, int count) {
 
 inline Doubles Widened(FloatHalf v) { return __builtin_convertvector(v, Doubles); }
 
-// The first half of a vector (0) or the second (1).
+// Returns the first half of a vector (i = 0) or the second (i = 1).
 template <typename Half, typename V>
 Half HalfOf(const V& v, int i) {
   static_assert(2 * sizeof(Half) == sizeof(V));

@@ -1,16 +1,17 @@
-# One Debian package of the programs: `cpack` in the build folder, or its target `package`.
+# The Debian package of the programs. Run `cpack` in the build folder, or build the target
+# `package`.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME motiondb)
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_CONTACT "${MOTIONDB_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "database server for human motion, and its client")
 set(CPACK_PACKAGE_DESCRIPTION
-"Stores motion clips (BVH, ASF/AMC, TRC, C3D) and says of an observed motion
-what it is, what state it is in, what comes next, and how to get to a goal.
-motiondbd is the server, over gRPC; motiondb asks it.")
+"Stores motion clips (BVH, ASF/AMC, TRC, C3D), recognizes an observed motion,
+estimates its state, predicts its next frames, and plans motion to a goal.
+motiondbd is the gRPC server; motiondb is its command-line client.")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
-# The programs and what a system needs; neither the client library nor its headers.
+# Programs and system files, without the client library and its headers.
 set(CPACK_INSTALL_CMAKE_PROJECTS
   "${PROJECT_BINARY_DIR};motiondb;programs;/" "${PROJECT_BINARY_DIR};motiondb;system;/")
 

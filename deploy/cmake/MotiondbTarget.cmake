@@ -1,8 +1,8 @@
-# motiondb_library(NAME SOURCES... DEPENDS...): one folder, one target, our warnings.
-# Not missing-field-initializers: a designated initialiser leaves the rest at its default on purpose.
-# Not restrict: g++ 12 reports it on plain string concatenation (GCC bug 105651); nor array-bounds and
-# stringop: it reports them of moved strings once <string> is precompiled. Sanitizers find what they
-# would.
+# motiondb_library(NAME SOURCES... DEPENDS...): one target for each folder, with our warnings.
+# Disabled warnings: missing-field-initializers, because designated initialisers use defaults on
+# purpose; restrict, because g++ 12 reports it for plain string concatenation (GCC bug 105651);
+# array-bounds and stringop, because g++ 12 reports them for moved strings if <string> is
+# precompiled. The sanitizers find these errors.
 set(MOTIONDB_WARNINGS -Wall -Wextra -Wshadow -Wpedantic -Wnon-virtual-dtor
     -Wno-missing-field-initializers)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
@@ -18,9 +18,10 @@ if(MOTIONDB_SANITIZE)
   add_link_options(-fsanitize=${MOTIONDB_SANITIZE})
 endif()
 
-# Headers that most files include and that take the compiler longest, compiled once for all libraries
-# and once for all tests. A precompiled header needs the same options in every target that uses it,
-# so each of them links the libraries of these headers; users of an installed library need them not.
+# Precompiled headers: common headers with long compile times, compiled once for all libraries and
+# once for all tests. A precompiled header needs the same options in every target that uses it, so
+# each of these targets links the libraries of the headers. Users of an installed library do not
+# need them.
 set(MOTIONDB_PRECOMPILED_DEPENDS PkgConfig::Eigen3 absl::status absl::statusor fmt::fmt)
 function(motiondb_precompiled_headers name)
   set(source ${CMAKE_CURRENT_BINARY_DIR}/${name}.cc)
@@ -31,11 +32,11 @@ function(motiondb_precompiled_headers name)
   target_precompile_headers(${name} PRIVATE ${ARGN})
 endfunction()
 
-# Targets are compiled a few files at a time, since the headers take most of the compile time: so
-# files of one target have no two names alike, and each test file has a namespace of its own. GLUE
-# marks a library, a program or a test that uses gRPC, protobuf, Asio or CLI11, whose headers are
-# the largest: more files at a time, and without optimisation where speed is not what counts, under
-# a sanitizer and in tests. Other targets use the precompiled headers.
+# Unity builds compile several files together, because headers need most of the compile time. So
+# names must be unique in a target, and each test file has its own namespace. GLUE marks a target
+# that uses gRPC, protobuf, Asio or CLI11, whose headers are the largest: it compiles more files
+# together, and without optimisation in sanitizer builds and tests. Other targets use the
+# precompiled headers.
 function(motiondb_compile name glue precompiled)
   target_compile_options(${name} PRIVATE ${MOTIONDB_WARNINGS})
   set_target_properties(${name} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 4)
@@ -71,8 +72,8 @@ function(motiondb_executable name)
   motiondb_compile(${name} ${arg_GLUE} ${arg_PRECOMPILED})
 endfunction()
 
-# motiondb_test(NAME SOURCES... DEPENDS...): a Catch2 program; registers its sources, so that the
-# configure step can tell a test file that no target names.
+# motiondb_test(NAME SOURCES... DEPENDS...): a Catch2 program. Registers its sources, so that the
+# configure step can report a test file without a target.
 function(motiondb_test name)
   cmake_parse_arguments(arg "GLUE" "" "SOURCES;DEPENDS" ${ARGN})
   set(glue)

@@ -1,14 +1,14 @@
 #!/bin/bash
-# Healthy: the server says on its HTTP port that it is ready. Where HTTP is off: it listens for gRPC.
-# Where that is it reads from the variables alone; of flags and the configuration file it knows nothing.
+# Healthy: /readyz on the HTTP port returns 200; without HTTP, the gRPC port accepts connections.
+# Reads the addresses only from environment variables, not from flags or the configuration file.
 set -eu
 
-# dial HOST:PORT: connects, as descriptor 3. A server on every address is asked on loopback.
+# dial HOST:PORT: connects descriptor 3. Uses loopback if the server listens on all addresses.
 dial() {
   local host=${1%:*}
   case "$host" in
     0.0.0.0) host=127.0.0.1 ;;
-    '[::]') host=localhost ;;  # of either version of IP: where there is no IPv6, that is IPv4
+    '[::]') host=localhost ;;  # IPv4 if the machine has no IPv6
     '['*) host=${host:1:-1} ;;
   esac
   exec 3<>"/dev/tcp/$host/${1##*:}"

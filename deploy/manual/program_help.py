@@ -1,17 +1,17 @@
-"""Reads what a program says of itself under --help, as CLI11 lays it out."""
+"""Parses the output of --help in the layout of CLI11."""
 
 import re
 import subprocess
 from dataclasses import dataclass, field
 
-COLUMN = 30  # where CLI11's descriptions begin
+COLUMN = 30  # first column of the descriptions of CLI11
 
 
 @dataclass
 class Entry:
     """An option, a positional argument or a command."""
     names: list      # ["-h", "--help"], ["DB"], ["ingest"]
-    value: str       # what follows the names: "FILE", "N:INT in [0 - 10]=0"
+    value: str       # text after the names: "FILE", "N:INT in [0 - 10]=0"
     description: str
 
     @property
@@ -20,24 +20,24 @@ class Entry:
 
     @property
     def takes_value(self):
-        """A flag has at most the variable that it may be given by: "(Env:NAME)"."""
+        """The value of a flag is empty or only its variable: "(Env:NAME)"."""
         return bool(self.value) and not self.value.startswith("(")
 
     @property
     def choices(self):
-        """The words that the value is one of."""
+        """The allowed words, if the value has a fixed set."""
         found = re.search(r"\{([^{}]*)\}", self.value)
         return found.group(1).split(",") if found else []
 
 
 @dataclass
 class Help:
-    words: list                                   # the command: ["operations", "list"]; [] the program
+    words: list                                   # the command: ["operations", "list"]; []: the program
     description: str = ""
     usage: str = ""
     groups: dict = field(default_factory=dict)    # heading -> entries
     footer: str = ""
-    commands: list = field(default_factory=list)  # a Help each
+    commands: list = field(default_factory=list)  # of Help
 
     @property
     def options(self):
@@ -49,7 +49,7 @@ class Help:
         return self.groups.get("Positionals", [])
 
     def walk(self):
-        """This, and every command under it."""
+        """Yields this and all commands below it."""
         yield self
         for command in self.commands:
             yield from command.walk()
@@ -88,7 +88,7 @@ def parse(words, text):
 
 
 def read(program, words=()):
-    """The program's help, with that of every command under it."""
+    """Returns the Help of the program or command, with all commands below it."""
     answer = subprocess.run([program, *words, "--help"], capture_output=True, text=True, check=True)
     result = parse(list(words), answer.stdout)
     result.commands = [read(program, [*words, entry.flag])

@@ -33,7 +33,7 @@ def cell(text):
 
 
 def value_of(entry):
-    """As the help has it, but for defaults that depend on the machine."""
+    """Returns the value as in the help, without a default that depends on the machine."""
     return re.sub(r"=\d+$", "", entry.value) if "If not set" in entry.description else entry.value
 
 

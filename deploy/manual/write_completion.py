@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes a program's completion for bash, from what it says of itself.
+"""Writes the bash completion of a program from its --help.
 
     write_completion.py NAME PROGRAM > completion
 """
@@ -10,7 +10,8 @@ import sys
 import program_help
 
 SCRIPT = """\
-# bash completion of {name}: commands, options, and the values of those that name them; else files.
+# bash completion of {name}: commands, options, and values of options with a fixed set; otherwise
+# files.
 _{name}() {{
   COMPREPLY=()
   local current=${{COMP_WORDS[COMP_CWORD]}} previous=${{COMP_WORDS[COMP_CWORD - 1]}}
@@ -41,12 +42,12 @@ def names_of(entries):
 
 
 def value_case(command, entry):
-    """What follows the option: one of its words, or else nothing of ours, so that bash offers files."""
-    given = " | ".join(f'"{command}/{name}"' for name in entry.names)
+    """Completes the value of an option: its allowed words, or nothing, so that bash offers files."""
+    pattern = " | ".join(f'"{command}/{name}"' for name in entry.names)
     if not entry.choices:
-        return f"    {given}) return ;;"
+        return f"    {pattern}) return ;;"
     choices = " ".join(entry.choices)
-    return (f"    {given}) mapfile -t COMPREPLY "
+    return (f"    {pattern}) mapfile -t COMPREPLY "
             f'< <(compgen -W "{choices}" -- "$current"); return ;;')
 
 
@@ -57,7 +58,7 @@ def main():
     for command in program.walk():
         words = " ".join(command.words)
         known += [f'"{words}/{inner.words[-1]}"' for inner in command.commands]
-        # Options of the program may stand after a command, too.
+        # Options of the program are also allowed after a command.
         entries = command.options if command is program else command.options + program.options
         options = list(dict.fromkeys(names_of(entries)))
         case = f'options="{" ".join(options)}"'

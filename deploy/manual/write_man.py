@@ -1,9 +1,9 @@
 #!/usr/bin/python3
-"""Writes a manual page: a template, and in it what the program says of itself or the sample explains.
+"""Writes a manual page from a template, --help of the program, and the sample configuration.
 
     write_man.py TEMPLATE PROGRAM SAMPLE > page
 
-A line of the template that is @OPTIONS@, @COMMANDS@ or @SETTINGS@ is replaced, and @VERSION@ in any.
+Replaces the lines @OPTIONS@, @COMMANDS@ and @SETTINGS@ of the template, and @VERSION@ in all lines.
 """
 
 import re
@@ -47,7 +47,7 @@ def command_lines(program):
 
 
 def setting_lines(sample):
-    """From the sample: comments, then the line that they explain."""
+    """Returns the settings of the sample; the comment above a setting is its description."""
     lines, comment = [], []
     for line in sample.splitlines():
         if heading := re.fullmatch(r"## (.*?) -+", line):

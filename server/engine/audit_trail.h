@@ -1,4 +1,4 @@
-// Writes entries of the record of changes.
+// Writes entries of the audit log.
 #pragma once
 
 #include "absl/status/status.h"
@@ -7,9 +7,8 @@
 
 namespace motiondb::server {
 
-// Keeps an entry; logs it whole where that fails. CANCELLED, and nothing else, where it was
-// cancelled before its turn to be written: nothing is logged, and it may be tried again. Safe to
-// call from any thread.
+// Stores an entry. If that fails, logs the whole entry and returns OK. Returns CANCELLED, without a
+// log line, if `cancelled` returned true before the write began; the caller may retry.
 absl::Status KeepAuditRecord(storage::AccessStore& store, const storage::AuditRecord& record,
                              const core::Cancelled& cancelled = {});
 

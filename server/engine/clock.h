@@ -1,4 +1,4 @@
-// The wall clock, as stores keep it.
+// The wall clock in the format of the store.
 #pragma once
 
 #include <chrono>

@@ -10,7 +10,7 @@
 namespace motiondb::server {
 namespace {
 
-constexpr double kReadShare = 1.0 / 6;  // of the time that reading and building take together
+constexpr double kReadShare = 1.0 / 6;  // share of reading in the time of reading and building
 
 }  // namespace
 
@@ -29,7 +29,7 @@ absl::StatusOr<core::Model> ModelOfClips(storage::MotionStore& store, LiveDataba
   if (inputs.empty()) {
     const auto unreadable = database.unreadable();
     if (unreadable.empty()) return absl::AbortedError("all clips were deleted meanwhile");
-    return core::DataLoss("database '{}': no clip can be read, all are damaged: {}",
+    return core::DataLoss("database '{}': no clip can be read, all are corrupt: {}",
                           database.name(), unreadable.begin()->second);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
@@ -87,8 +87,8 @@ std::string DifferenceText(const Snapshot* before, const core::Model& built,
   if (before == nullptr || before->record.added_clip_count == 0) return "";
   const core::ModelDifference difference = core::CompareModels(before->model, built, parallel);
   return fmt::format(
-      "in place of one with added clips ({}): bottom nodes {} -> {}, rms distance of frames from "
-      "their node's mean {:.4f} -> {:.4f}, same label for {} of {} left-out windows",
+      "replaced extended model with {} added clips: bottom nodes {} -> {}, rms distance of frames "
+      "from their node's mean {:.4f} -> {:.4f}, same label for {} of {} left-out windows",
       before->record.added_clip_count, difference.bottom_nodes_before,
       difference.bottom_nodes_after, difference.spread_before, difference.spread_after,
       difference.same_label, difference.windows);

@@ -1,5 +1,5 @@
-// Computes models from the clips in a store. Nothing is stored or served here: ModelLifecycle does
-// that. Thread-safe; uses only the threads lent to it.
+// Computes models from the clips in a store. Does not store or serve them: ModelLifecycle does.
+// Uses only the threads lent to it.
 #pragma once
 
 #include <optional>
@@ -15,9 +15,9 @@
 
 namespace motiondb::server {
 
-// A model of all clips that can be read, not calibrated. `progress` gets its fraction of reading
-// and building. ABORTED if all were deleted meanwhile, DATA_LOSS if all are corrupt, CANCELLED if
-// progress returned false; and the codes of the store and of core::BuildModel.
+// Returns an uncalibrated model of all readable clips. `progress` gets the fraction (0 to 1) of
+// reading and building. ABORTED if all clips were deleted meanwhile, DATA_LOSS if all are corrupt,
+// CANCELLED if `progress` returned false; also the codes of the store and of core::BuildModel.
 absl::StatusOr<core::Model> ModelOfClips(storage::MotionStore& store, LiveDatabase& database,
                                          const std::vector<storage::ClipRecord>& clips,
                                          const core::ParallelFor& parallel,
@@ -28,23 +28,23 @@ struct ExtendedModel {
   core::ModelDrift drift;
 };
 
-// `base` with these clips as its last (core::ExtendModel). Nothing if none of them can be read.
+// Returns `base` extended by these clips (core::ExtendModel), which become its last clips. Returns
+// nullopt if none of them can be read.
 absl::StatusOr<std::optional<ExtendedModel>> ModelWithClips(storage::MotionStore& store,
                                                             LiveDatabase& database,
                                                             const core::Model& base,
                                                             const std::vector<std::string>& clips,
                                                             const core::ParallelFor& parallel);
 
-// The figures of a model that is not stored, made now, under the version given.
+// Returns the record of a model that is not stored, with the given version and the current time.
 storage::ModelRecord FiguresOf(const std::string& database, int version, const core::Model& model,
                                double drift_fraction);
 
-// Whether a model has drifted so far from its build that it should be built again
-// (core::ModelDrift).
+// Returns whether the model's drift requires a new build (core::ModelDrift).
 bool HasDrifted(const storage::ModelRecord& record);
 
-// What a build changed, for a person, if it replaces a model that was extended by clips; else
-// empty. `before` may be null.
+// Returns a text for the operator: what the build changed compared with `before`. Empty unless
+// `before` was extended by clips. `before` may be null.
 std::string DifferenceText(const Snapshot* before, const core::Model& built,
                            const core::ParallelFor& parallel);
 

@@ -13,7 +13,7 @@ void DamageBook::Note(const storage::Damage& damage) {
   });
   if (known || damages_.size() >= kLimit) return;
   damages_.push_back(damage);
-  spdlog::error("damaged: {}{}{}", damage.resource, damage.resource.empty() ? "" : ": ",
+  spdlog::error("corruption found: {}{}{}", damage.resource, damage.resource.empty() ? "" : ": ",
                 damage.description);
 }
 

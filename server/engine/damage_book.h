@@ -1,4 +1,4 @@
-// What was found damaged since the start, for the health report. Thread-safe.
+// Corruption found since the start, for the health report.
 #pragma once
 
 #include <cstddef>
@@ -13,9 +13,9 @@ class DamageBook {
  public:
   static constexpr std::size_t kLimit = 100;
 
-  // Logs it and keeps it, unless it is known or there are kLimit already.
+  // Logs and records `damage`, unless it is already recorded or the list has kLimit entries.
   void Note(const storage::Damage& damage);
-  // In the order in which it was found.
+  // In the order of discovery.
   std::vector<storage::Damage> List() const;
 
  private:

@@ -20,7 +20,7 @@ Engine::Engine(std::unique_ptr<storage::MotionStore> store, const EngineOptions&
 
 Engine::~Engine() {
   Drain();
-  // The last handlers refer to members that are destroyed before the pools.
+  // The last handlers use members that are destroyed before the pools.
   workers_.Join();
 }
 
@@ -55,7 +55,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   if (const std::size_t count = database_count(); count >= options_.max_databases) {
     return absl::ResourceExhaustedError(
-        fmt::format("there are {} databases, as many as there may be: delete one first, or raise "
+        fmt::format("there are already {} databases, the maximum: delete one first, or raise "
                     "--max-databases",
                     count));
   }
@@ -87,15 +87,14 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
 }
 
 void Engine::FreeDeletedDatabases() {
-  if (draining_ || freeing_waits_.exchange(true)) return;
+  if (draining_ || purge_queued_.exchange(true)) return;
   workers_.Post(Pool::kUpkeep, [this] {
-    freeing_waits_ = false;  // a database that is deleted from here on may be missed
+    purge_queued_ = false;  // reset first: this run may miss a database deleted later
     const absl::Status freed = store_->PurgeDeletedDatabases(
         [this] { return draining_.load() || workers_.queued(Pool::kUpkeep) > 0; });
-    if (absl::IsCancelled(freed)) return FreeDeletedDatabases();  // behind what waits
+    if (absl::IsCancelled(freed)) return FreeDeletedDatabases();  // after the queued work
     if (freed.ok()) return;
-    spdlog::warn("what is left of deleted databases could not all be removed: {}",
-                 freed.ToString());
+    spdlog::warn("purge of deleted databases failed: {}", freed.ToString());
   });
 }
 
@@ -123,7 +122,7 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
   const std::string id = database.lifecycle().operation();
   if (id.empty()) return std::nullopt;
   auto operation = operations_.Get(id);
-  if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended since
+  if (!operation.ok() || operation->done()) return std::nullopt;  // it has ended meanwhile
   return *std::move(operation);
 }
 
@@ -154,7 +153,7 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
                                         IngestFile file, const WorkTerms& terms) {
   Ingested ingested;
   const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
-    spdlog::info("database '{}': clip '{}' stored, {} frames; {}", clip.database, clip.id,
+    spdlog::info("database '{}': clip '{}' stored: frames={}; {}", clip.database, clip.id,
                  clip.frame_count, clip.source_report);
     database->lifecycle().RequestExtension();
     MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, database->lifecycle().Request(terms.cancelled));
@@ -236,7 +235,7 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
       return absl::OkStatus();
     };
     const absl::Status done = (*database)->WithSharedUse(Retiring::kRefuse, cancel);
-    // One whose database was deleted ends by itself.
+    // An operation of a deleted database ends by itself.
     if (!done.ok() && !absl::IsNotFound(done)) return done;
   }
   MOTIONDB_ASSIGN_OR_RETURN(auto after, operations_.Get(operation));

@@ -1,5 +1,5 @@
-// What the engine runs on: threads and a clock. Whatever it does elsewhere or later goes through
-// here, so that a simulation can replace time and scheduling. Thread-safe.
+// Threads and clock of the engine. All asynchronous and delayed work of the engine goes through
+// this interface, so that a simulation can replace time and scheduling.
 #pragma once
 
 #include <chrono>
@@ -10,13 +10,13 @@
 
 namespace motiondb::server {
 
-// Threads that work can wait for.
+// Thread pools.
 enum class Pool {
-  kRequests,    // queries, and what is short
+  kRequests,    // queries and short work
   kBuilds,      // models
-  kExtensions,  // of models, while others are built
-  kChanges,     // of what the store lists: they may wait for its writer, and no query for them
-  kUpkeep,      // work on the store as a whole, for which nothing waits
+  kExtensions,  // extensions of models, also while other models are built
+  kChanges,     // changes of the store: they may wait for its writer; queries do not wait for them
+  kUpkeep,      // maintenance of the whole store; nothing waits for it
 };
 
 class Executor {
@@ -24,25 +24,25 @@ class Executor {
   using Clock = std::chrono::steady_clock;
   using Work = std::function<void()>;
 
-  // Runs work once, at a time. Not thread-safe: guard it. Destroying it cancels.
+  // Runs work once, at a given time. Not thread-safe: callers need a lock. The destructor cancels.
   class Timer {
    public:
     virtual ~Timer() = default;
-    // In place of what it was set to before.
+    // Replaces the time and work of an earlier Set.
     virtual void Set(Clock::time_point time, Work work) = 0;
-    // Work that is about to begin may still.
+    // Work that is about to begin may still run.
     virtual void Cancel() = 0;
   };
 
   virtual ~Executor() = default;
 
   virtual Clock::time_point Now() const = 0;
-  // Runs a piece of work, which must not throw.
+  // Runs `work` once on a thread of the pool. It must not throw.
   virtual void Post(Pool pool, Work work) = 0;
-  // One whose work runs on a pool's threads, never within Set.
+  // Returns a timer whose work runs on a thread of the pool, never within Set.
   virtual std::unique_ptr<Timer> MakeTimer(Pool pool) = 0;
-  // Lends a pool's threads. The calling thread works too, so a loop ends even where every other
-  // thread is taken, and loops may be nested.
+  // Lends the threads of a pool. The calling thread also works, so a loop ends even if all other
+  // threads are busy. Loops may be nested.
   virtual core::ParallelFor Parallel(Pool pool) = 0;
 };
 

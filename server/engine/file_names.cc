@@ -5,9 +5,9 @@
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kLongestId = 120;
+constexpr std::size_t kMaxIdLength = 120;
 
-bool BelongsInId(char c) {
+bool IsIdCharacter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' ||
          c == '_' || c == '.';
 }
@@ -23,11 +23,11 @@ std::string ClipIdFromFileName(std::string_view file_name) {
   const std::size_t dot = file_name.rfind('.');
   std::string id;
   for (const char c : file_name.substr(0, dot)) {
-    if (id.size() == kLongestId) break;
-    if (BelongsInId(c)) {
+    if (id.size() == kMaxIdLength) break;
+    if (IsIdCharacter(c)) {
       id += c;
-    } else if (!text::ContinuesCharacter(c)) {  // its first byte stood for all of it
-      id += '_';
+    } else if (!text::ContinuesCharacter(c)) {
+      id += '_';  // one for all bytes of a UTF-8 character
     }
   }
   return id.empty() ? "clip" : id;

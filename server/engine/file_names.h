@@ -1,5 +1,4 @@
-// What a file's name says, and whether the same file was ingested before. Safe to call from any
-// thread.
+// Clip ids from file names, and the hash that detects a file that was ingested before.
 #pragma once
 
 #include <cstdint>
@@ -8,14 +7,15 @@
 
 namespace motiondb::server {
 
-// Without folders, of either kind of slash.
+// Returns the file name without folders. Both '/' and '\' separate folders.
 std::string WithoutFolders(std::string_view path);
 
-// The clip id that a file's name (without folders) suggests: its stem, with '_' for each character
-// that an id cannot have, and short enough for a number to be added; "clip" where nothing is left.
+// Returns the clip id for a file name without folders: its stem, with '_' for each character that
+// ids do not allow. Leaves room for a number suffix. Returns "clip" if nothing is left.
 std::string ClipIdFromFileName(std::string_view file_name);
 
-// 64-bit FNV-1a of the motion file's length, its bytes and the skeleton file's bytes.
+// Returns the 64-bit FNV-1a hash of the motion file's length, its bytes and the skeleton file's
+// bytes.
 inline std::uint64_t ContentHash(std::string_view file, std::string_view skeleton) {
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](std::uint8_t byte) { hash = (hash ^ byte) * 0x100000001b3; };

@@ -16,7 +16,7 @@
 namespace motiondb::server {
 namespace {
 
-// What labels a clip that came without one.
+// Label of a clip without a label.
 constexpr char kNoLabel[] = "unlabelled";
 
 using SchemePointer = std::shared_ptr<const core::MarkerScheme>;
@@ -61,21 +61,22 @@ storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
   return clip;
 }
 
-// About what the store will tell.
+// Estimates the byte count that the store will report.
 std::int64_t ByteCount(const storage::NewClip& clip) {
   return static_cast<std::int64_t>(clip.file_bytes.size() + clip.skeleton_bytes.size()) +
          static_cast<std::int64_t>(sizeof(float)) * clip.states.states.size();
 }
 
-absl::StatusOr<storage::ClipRecord> AddWithin(const DatabaseQuota& quota,
-                                              storage::MotionStore& store, LiveDatabase& database,
-                                              const storage::NewClip& clip) {
+absl::StatusOr<storage::ClipRecord> AddWithinQuota(const DatabaseQuota& quota,
+                                                   storage::MotionStore& store,
+                                                   LiveDatabase& database,
+                                                   const storage::NewClip& clip) {
   const StoredAmount expected = AmountOf(clip.record);
   MOTIONDB_RETURN_IF_ERROR(database.Reserve(expected, quota));
-  absl::Cleanup give_back = [&] { database.AddStored(-expected); };
+  absl::Cleanup undo = [&] { database.AddStored(-expected); };
   auto added = store.AddClip(clip);
   if (added.ok()) {
-    std::move(give_back).Cancel();
+    std::move(undo).Cancel();
     database.AddStored({0, 0, added->byte_count - expected.byte_count});
   }
   return added;
@@ -100,7 +101,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
           : std::optional(core::SourceFile{file.skeleton_file_name, file.skeleton_bytes}))));
   absl::StatusOr<core::MotionFile> source;
   std::uint64_t content_hash = 0;
-  // The hash takes a byte after the other, a third as long as reading does.
+  // The hash runs byte by byte and takes a third of the time of reading.
   parallel(2, [&](int part) {
     if (part == 0) {
       source = Read(file);
@@ -110,7 +111,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   });
   if (!source.ok()) return source.status();
 
-  // The first clip of a `source` database brings the markers; others wait until it is in.
+  // The first clip of a `source` database determines the markers; other ingests wait for it.
   storage::CancellableMutex::Holder first_clip;
   MOTIONDB_ASSIGN_OR_RETURN(SchemePointer scheme, database.scheme());
   if (scheme == nullptr) {
@@ -120,8 +121,8 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   }
   const bool brings_scheme = scheme == nullptr;
   if (brings_scheme) {
-    MOTIONDB_ASSIGN_OR_RETURN(core::MarkerScheme own, core::SourceScheme(source->motion));
-    scheme = std::make_shared<const core::MarkerScheme>(std::move(own));
+    MOTIONDB_ASSIGN_OR_RETURN(core::MarkerScheme from_source, core::SourceScheme(source->motion));
+    scheme = std::make_shared<const core::MarkerScheme>(std::move(from_source));
   }
 
   std::vector<std::string> notes;
@@ -150,7 +151,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
   MOTIONDB_RETURN_IF_ERROR(database.WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
-    MOTIONDB_ASSIGN_OR_RETURN(record, AddWithin(options.quota, store, database, clip));
+    MOTIONDB_ASSIGN_OR_RETURN(record, AddWithinQuota(options.quota, store, database, clip));
     if (brings_scheme) database.set_scheme(scheme);
     return stored(record);
   }));

@@ -1,4 +1,4 @@
-// Takes a motion file into a database: reads it, brings it to the database's markers and stores it.
+// Ingest: reads a motion file, converts it to the database's markers and stores it.
 #pragma once
 
 #include <functional>
@@ -17,7 +17,7 @@ namespace motiondb::server {
 
 struct IngestFile {
   std::string file_name;           // without folders
-  std::string skeleton_file_name;  // empty where there is none
+  std::string skeleton_file_name;  // empty: none
   core::FileFormat format = core::FileFormat::kBvh;
   std::string label;
   std::string subject;
@@ -26,23 +26,22 @@ struct IngestFile {
   std::string clip_id;  // empty: from file_name
   std::string file_bytes;
   std::string skeleton_bytes;
-  // As storage::NewClip has it.
+  // See storage::NewClip.
   std::function<storage::AuditRecord(const storage::ClipRecord&)> audit;
 };
 
-// Of a clip: central differences need a frame on each side of somewhere.
+// Minimum frames of a clip: velocities need two frames.
 inline constexpr int kFewestFrames = 2;
 
-// What a clip's record says about its source: what the reader found out, and notes on what was
-// done.
+// Returns the source report of a clip record: the reader's report, then notes on the processing.
 std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes);
 
-// Reads and stores a clip, and calls `stored` with it before the database can be deleted. Returns
-// the clip when it is durable; on any error but one of `stored` nothing has changed. Codes:
-// INVALID_ARGUMENT (file, line and what was expected), ALREADY_EXISTS, NOT_FOUND (the database was
-// deleted), RESOURCE_EXHAUSTED (the clip is too long, takes too much memory, or the database
-// may not hold so much), CANCELLED (asked before anything is stored: the end of a stream whose
-// sender died looks like the end of the file), and those of the store. Thread-safe.
+// Reads and stores a clip. Calls `stored` with it while the database cannot be deleted. Returns the
+// clip when it is durable. On errors nothing has changed, except for errors of `stored`. Codes:
+// INVALID_ARGUMENT (file, line and expectation), ALREADY_EXISTS, NOT_FOUND (the database was
+// deleted), RESOURCE_EXHAUSTED (the clip is too long, needs too much memory or exceeds a quota),
+// CANCELLED, and those of the store. Checks for cancellation before it stores anything: if a sender
+// dies, the end of its stream looks like the end of the file.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,

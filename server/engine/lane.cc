@@ -28,7 +28,7 @@ int Lane::running() {
 
 void Lane::Start(std::function<void()> work) {
   boost::asio::post(pool_.executor(), [this, work = std::move(work)] {
-    // Also where the work throws: its place must not be lost.
+    // Also if the work throws: its place must not be lost.
     const absl::Cleanup next = [this] { Next(); };
     work();
   });

@@ -1,7 +1,7 @@
-// A concurrency limiter before a pool of threads: at most `width` pieces of the work that goes
-// through it run at a time, and the others wait. Heavy work, which would else take every thread for
-// seconds, leaves the rest to light work. Clients take turns: a piece waits for at most one piece
-// of each other client, however many these have. Thread-safe; outlives its work.
+// Concurrency limiter for a thread pool: runs at most `width` posted pieces of work at a time and
+// queues the rest. Keeps threads free for light work while heavy work, which takes seconds, runs.
+// Clients take turns: a piece waits for at most one piece of each other client. Must outlive its
+// work.
 #pragma once
 
 #include <deque>
@@ -19,10 +19,9 @@ class Lane {
   // `width`: at least 1.
   Lane(ThreadPool& pool, int width) : pool_(pool), width_(width), free_(width) {}
 
-  // Runs a piece of work, which must not throw, on a thread of the pool. The pieces of one client
-  // start in order.
+  // Runs `work`, which must not throw, on a thread of the pool. Work of one client starts in order.
   void Post(const std::string& client, std::function<void()> work);
-  // Pieces of work that were given to the pool and have not ended.
+  // Pieces of work that were passed to the pool and have not ended.
   int running();
 
  private:
@@ -35,9 +34,8 @@ class Lane {
   const int width_;
   storage::Mutex mutex_;
   int free_ ABSL_GUARDED_BY(mutex_);
-  std::map<std::string, Queue> waiting_ ABSL_GUARDED_BY(mutex_);  // by client; none is empty
-  std::deque<std::string> turns_
-      ABSL_GUARDED_BY(mutex_);  // the clients in waiting_, the next first
+  std::map<std::string, Queue> waiting_ ABSL_GUARDED_BY(mutex_);  // by client; no queue is empty
+  std::deque<std::string> turns_ ABSL_GUARDED_BY(mutex_);         // clients in waiting_, next first
 };
 
 }  // namespace motiondb::server

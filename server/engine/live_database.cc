@@ -11,13 +11,13 @@
 namespace motiondb::server {
 namespace {
 
-absl::Status Within(const std::string& database, std::string_view what, std::int64_t stored,
-                    std::int64_t more, std::int64_t most, std::string_view setting) {
-  if (stored + more <= most) return absl::OkStatus();
+absl::Status CheckQuota(const std::string& database, std::string_view things, std::int64_t stored,
+                        std::int64_t added, std::int64_t limit, std::string_view setting) {
+  if (stored + added <= limit) return absl::OkStatus();
   return absl::ResourceExhaustedError(fmt::format(
-      "database '{}' holds {} {} and may hold {}, so {} more do not fit: delete clips first, or "
+      "database '{}' has {} {}, the limit is {}, so {} more do not fit: delete clips first, or "
       "raise --{}",
-      database, stored, what, most, more, setting));
+      database, stored, things, limit, added, setting));
 }
 
 }  // namespace
@@ -53,12 +53,12 @@ void LiveDatabase::AddStored(const StoredAmount& amount) {
 
 absl::Status LiveDatabase::Reserve(const StoredAmount& amount, const DatabaseQuota& quota) {
   const storage::MutexLock lock(mutex_);
-  MOTIONDB_RETURN_IF_ERROR(Within(name_, "clips", stored_.clip_count, amount.clip_count,
-                                  quota.clip_count, "max-database-clips"));
-  MOTIONDB_RETURN_IF_ERROR(Within(name_, "frames", stored_.frame_count, amount.frame_count,
-                                  quota.frame_count, "max-database-frames"));
-  MOTIONDB_RETURN_IF_ERROR(Within(name_, "bytes", stored_.byte_count, amount.byte_count,
-                                  quota.byte_count, "max-database-mib"));
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "clips", stored_.clip_count, amount.clip_count,
+                                      quota.clip_count, "max-database-clips"));
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "frames", stored_.frame_count, amount.frame_count,
+                                      quota.frame_count, "max-database-frames"));
+  MOTIONDB_RETURN_IF_ERROR(CheckQuota(name_, "bytes", stored_.byte_count, amount.byte_count,
+                                      quota.byte_count, "max-database-mib"));
   Add(amount);
   return absl::OkStatus();
 }
@@ -72,7 +72,8 @@ void LiveDatabase::Add(const StoredAmount& amount) {
 void LiveDatabase::NoteUnreadable(const std::string& clip, const std::string& what) {
   const storage::MutexLock lock(mutex_);
   if (!unreadable_.emplace(clip, what).second) return;
-  spdlog::error("database '{}': clip '{}' is damaged and left out: {}", name_, clip, what);
+  spdlog::error("database '{}': clip '{}' is corrupt and left out of models: {}", name_, clip,
+                what);
 }
 
 void LiveDatabase::ForgetUnreadable(const std::string& clip) {
@@ -153,7 +154,8 @@ absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
     };
     while (!life_changed_.WaitUntil(mutex_, storage::NextQuestion(), unchanged)) {
       if (cancelled && cancelled()) {
-        return absl::CancelledError("the deletion was no longer wanted when its turn came");
+        return absl::CancelledError(
+            "the deletion was cancelled while it waited for running changes");
       }
     }
   }

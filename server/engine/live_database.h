@@ -1,6 +1,6 @@
-// What the server keeps in memory of one database: its settings, its marker scheme, how much is
-// stored, whether it is alive, and the lifecycle of its model. Thread-safe. Shared: whoever works
-// on a database holds a reference, which stays valid, and says so, after the database was deleted.
+// In-memory state of one database: settings, marker scheme, stored amount, life state, and the
+// lifecycle of its model. Users share ownership. The object stays valid after the database is
+// deleted; its functions then return NOT_FOUND.
 #pragma once
 
 #include <atomic>
@@ -23,7 +23,7 @@ namespace motiondb::server {
 
 class ModelLifecycle;
 
-// How much is stored, in the model or not; or how much more or less.
+// Amount of stored data, whether or not in the model; or a change of it.
 struct StoredAmount {
   std::int32_t clip_count = 0;
   std::int64_t frame_count = 0;
@@ -32,13 +32,13 @@ struct StoredAmount {
   StoredAmount operator-() const { return {-clip_count, -frame_count, -byte_count}; }
 };
 
-// What one clip adds to it.
+// The amount of one clip.
 inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
   return {1, clip.frame_count, clip.byte_count};
 }
 
-// What becomes of a change while the database is being deleted, which may yet fail: it is refused
-// with UNAVAILABLE, or waits.
+// How a change behaves while the database is being deleted, which may still fail: it returns
+// UNAVAILABLE, or waits for the outcome.
 enum class Retiring { kRefuse, kAwait };
 
 class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
@@ -49,52 +49,53 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   const std::string& name() const { return name_; }
   const core::BuildSettings& settings() const { return settings_; }
 
-  // The markers that motion is brought to; null in a `source` database without a clip. DATA_LOSS if
-  // the stored one could not be read.
+  // The marker scheme of the database; null in a `source` database without clips. DATA_LOSS if the
+  // stored scheme could not be read.
   absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme() const;
   void set_scheme(absl::StatusOr<std::shared_ptr<const core::MarkerScheme>> scheme);
 
   StoredAmount stored() const;
   void AddStored(const StoredAmount& amount);
-  // Adds it, unless that would be more than a database may hold: RESOURCE_EXHAUSTED then, saying
-  // what there is and which setting it meets.
+  // Adds `amount` if the quota allows it. Otherwise RESOURCE_EXHAUSTED, with the stored amount and
+  // the name of the setting.
   absl::Status Reserve(const StoredAmount& amount, const DatabaseQuota& quota);
 
-  // Streams of frames that are judged by its model; `change` is 1 or -1.
+  // Open observe streams that use its model; `change` is 1 or -1.
   int open_streams() const { return open_streams_; }
   void AddOpenStreams(int change) { open_streams_ += change; }
 
-  // Clips whose stored states are damaged, with what is wrong: models are built without them.
-  // Noting one that is known changes nothing.
+  // Clips with corrupt stored states, and the reason. Models are built without them. Adding a known
+  // clip has no effect.
   void NoteUnreadable(const std::string& clip, const std::string& what);
   void ForgetUnreadable(const std::string& clip);
   std::map<std::string, std::string> unreadable() const;
 
-  // Clips that could not be derived again (Reprocess), with the reason; empty: it could. Kept by
-  // the store, too.
+  // Clips that could not be derived again (Reprocess), and the reason, which the store keeps too.
+  // An empty reason removes the clip.
   void NoteUnderived(const std::string& clip, const std::string& reason);
   std::map<std::string, std::string> underived() const;
 
-  // Its model. REQUIRES: Serve came before.
+  // REQUIRES: Serve was called.
   ModelLifecycle& lifecycle() const { return *lifecycle_; }
-  // Once, before others find the database.
+  // Called once, before the database is visible to callers.
   void Serve(std::unique_ptr<ModelLifecycle> lifecycle);
 
-  // Runs a change of what is stored, several at a time, but none once the database is deleted:
-  // NOT_FOUND then. Not to be nested.
+  // Runs a change of the stored data. Several changes may run at a time. NOT_FOUND if the database
+  // is deleted. Calls must not be nested.
   absl::Status WithSharedUse(Retiring retiring, const std::function<absl::Status()>& change);
-  // Runs the deletion itself, alone, when the changes under way have ended; no other
-  // begins, so that they cannot keep it from ever coming. If it succeeds, the database is deleted
-  // from then on. CANCELLED while it waits for them.
+  // Waits until running changes end, then runs `deletion` alone. New changes do not start
+  // meanwhile, so the deletion is not starved. If `deletion` succeeds, the database is deleted.
+  // CANCELLED if cancelled while it waits.
   absl::Status Retire(const std::function<absl::Status()>& deletion,
                       const core::Cancelled& cancelled = {});
 
-  // Held while the first clip of a `source` database is on its way in, for it decides the markers.
+  // Held during the ingest of the first clip of a `source` database, because it determines the
+  // markers.
   storage::CancellableMutex& first_clip_mutex() { return first_clip_mutex_; }
 
  private:
   void Add(const StoredAmount& amount) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
-  // OK if the database is neither deleted nor being so.
+  // OK if the database is neither deleted nor being deleted.
   absl::Status CheckAlive(Retiring retiring) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string name_;
@@ -112,7 +113,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
   enum class Life { kAlive, kRetiring, kDeleted };
   storage::ConditionVariable life_changed_;
   Life life_ ABSL_GUARDED_BY(mutex_) = Life::kAlive;
-  int changes_ ABSL_GUARDED_BY(mutex_) = 0;  // under way
+  int changes_ ABSL_GUARDED_BY(mutex_) = 0;  // running
   storage::CancellableMutex first_clip_mutex_;
 };
 

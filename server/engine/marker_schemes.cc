@@ -13,12 +13,12 @@ absl::StatusOr<MarkerSetSetting> ResolveOwn(const std::string& name, const std::
   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme scheme, core::ReadMarkerSetFile(file));
   const std::string& own = scheme.set.name;
   if (own == kStandardMarkerSet || own == kSourceMarkerSet) {
-    return core::InvalidArgument("the set in marker_set_file is called '{}', a name that is taken",
+    return core::InvalidArgument("the set in marker_set_file has the reserved name '{}'; rename it",
                                  own);
   }
   if (!name.empty() && name != own) {
-    return core::InvalidArgument("marker_set is '{}' but the set in marker_set_file is called '{}'",
-                                 name, own);
+    return core::InvalidArgument("marker_set is '{}' but the name in marker_set_file is '{}'", name,
+                                 own);
   }
   return MarkerSetSetting{own, text};
 }
@@ -30,11 +30,11 @@ absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name,
   if (!text.empty()) return ResolveOwn(name, text);
   if (name == kSourceMarkerSet) return MarkerSetSetting{name, ""};
   if (name.empty() || name == kStandardMarkerSet) {
-    // Kept with the database: its clips must stay comparable when the program's own set changes.
+    // Stored with the database: its clips must stay comparable if the built-in set changes.
     return MarkerSetSetting{kStandardMarkerSet, core::WriteMarkerSetFile(core::StandardScheme())};
   }
   return core::InvalidArgument(
-      "marker_set '{}' is neither {} nor {}; a set of your own needs marker_set_file", name,
+      "unknown marker_set '{}'; expected {}, {}, or your own set with marker_set_file", name,
       kStandardMarkerSet, kSourceMarkerSet);
 }
 

@@ -1,4 +1,4 @@
-// From a database's marker-set setting to the scheme it stands for, and back from the store.
+// Marker-set settings of databases and their marker schemes.
 #pragma once
 
 #include <map>
@@ -15,29 +15,30 @@ namespace motiondb::server {
 inline constexpr char kStandardMarkerSet[] = "standard34";
 inline constexpr char kSourceMarkerSet[] = "source";
 
-// The setting as a new database stores it: the set's name and its text, which for `source` is empty
+// The setting as stored with a database: name and text of the set. For `source` the text is empty
 // until the first clip.
 struct MarkerSetSetting {
   std::string name;
   std::string text;
 };
 
-// From `marker_set` (empty: standard34) and, for a set of the user's own, the text of its file.
-// INVALID_ARGUMENT if the name is not known, the two do not agree or the text does not parse.
+// Resolves the name of a set (empty: standard34) and, for a user-defined set, the text of its file.
+// INVALID_ARGUMENT if the name is unknown, name and text do not agree or the text does not parse.
 absl::StatusOr<MarkerSetSetting> ResolveMarkerSet(const std::string& name, const std::string& text);
 
-// The schemes of databases. Those with the same text share one: most have standard34, whose
-// mappings take 100 KB. Thread-safe.
+// Cache of marker schemes. Databases with the same text share a scheme: most use standard34, whose
+// mappings take 100 KB.
 class MarkerSchemes {
  public:
   using SchemePointer = std::shared_ptr<const core::MarkerScheme>;
 
-  // Of a stored database; null for `source` without a clip. DATA_LOSS if it does not parse.
+  // Returns the scheme of a stored database; null for `source` without clips. DATA_LOSS if its text
+  // does not parse.
   absl::StatusOr<SchemePointer> Of(const storage::DatabaseRecord& record);
 
  private:
   storage::Mutex mutex_;
-  // By the text of the set; gone with the last database that has it.
+  // Key: text of the set. An entry expires with the last database that uses it.
   std::map<std::string, std::weak_ptr<const core::MarkerScheme>> schemes_ ABSL_GUARDED_BY(mutex_);
 };
 

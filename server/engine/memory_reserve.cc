@@ -13,18 +13,18 @@
 namespace motiondb::server {
 namespace {
 
-// Four messages of the largest size that is accepted by default (--max-message-mib).
+// Enough for four messages of the default maximum size (--max-message-mib).
 constexpr int kSliceCount = 4;
 constexpr std::size_t kSliceBytes = std::size_t{16} << 20;
-constexpr std::chrono::milliseconds kBetweenTries{10};
-constexpr int kMostTries = 1000;  // 10 s
+constexpr std::chrono::milliseconds kRetryDelay{10};
+constexpr int kMaxTries = 1000;  // 10 s
 
-// Null: not set aside.
+// Null: not reserved.
 std::array<std::atomic<void*>, kSliceCount> slices;
 std::atomic<bool> used{false};
 std::atomic<bool> is_limited{false};  // RLIMIT_AS
 
-void* SetAside() {
+void* ReserveSlice() {
   void* const slice =
       mmap(nullptr, kSliceBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
   return slice == MAP_FAILED ? nullptr : slice;
@@ -33,9 +33,9 @@ void* SetAside() {
 bool ReleaseSlice() {
   used = true;
   for (std::atomic<void*>& slice : slices) {
-    void* const taken = slice.exchange(nullptr);
-    if (taken == nullptr) continue;
-    munmap(taken, kSliceBytes);
+    void* const released = slice.exchange(nullptr);
+    if (released == nullptr) continue;
+    munmap(released, kSliceBytes);
     return true;
   }
   return false;
@@ -44,7 +44,7 @@ bool ReleaseSlice() {
 bool Fill() {
   for (std::atomic<void*>& slice : slices) {
     if (slice != nullptr) continue;
-    void* const fresh = SetAside();
+    void* const fresh = ReserveSlice();
     if (fresh == nullptr) return false;
     void* expected = nullptr;
     if (!slice.compare_exchange_strong(expected, fresh)) munmap(fresh, kSliceBytes);
@@ -52,15 +52,15 @@ bool Fill() {
   return true;
 }
 
-// Whether C code, which takes nothing from the reserve, would get memory: gRPC ends the process if
-// it gets none.
+// Returns whether C code could still allocate. It does not use the reserve, and gRPC ends the
+// process if an allocation fails.
 bool HasHeadroom() {
-  void* const slice = SetAside();
+  void* const slice = ReserveSlice();
   if (slice != nullptr) munmap(slice, kSliceBytes);
   return slice != nullptr;
 }
 
-// Called by operator new where malloc fails; it tries again when this returns.
+// Called by operator new if malloc fails; operator new retries when this returns.
 void OnFailedAllocation() {
   thread_local int tries = 0;
   if (AllocationsMayFail::hold()) throw std::bad_alloc();
@@ -68,11 +68,11 @@ void OnFailedAllocation() {
     tries = 0;
     return;
   }
-  if (++tries > kMostTries) {
+  if (++tries > kMaxTries) {
     tries = 0;
     throw std::bad_alloc();
   }
-  std::this_thread::sleep_for(kBetweenTries);
+  std::this_thread::sleep_for(kRetryDelay);
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ void OnFailedAllocation() {
 absl::Status InstallMemoryReserve() {
   if (!Fill()) {
     return absl::ResourceExhaustedError(
-        "not enough memory to start: 64 MiB of address space cannot be set aside; raise the limit "
+        "not enough memory to start: cannot reserve 64 MiB of address space; raise the limit "
         "(ulimit -v, LimitAS)");
   }
   rlimit limit{};
@@ -97,7 +97,7 @@ absl::Status RefillMemoryReserve() {
   if (!used && is_limited && !HasHeadroom()) ReleaseSlice();
   if (!used) return absl::OkStatus();
   return absl::ResourceExhaustedError(
-      "the server is out of memory: try again later, or send less at a time");
+      "the server is out of memory: try again later, or send smaller requests");
 }
 
 }  // namespace motiondb::server

@@ -1,10 +1,11 @@
-// What happens where the process runs out of memory (operator new; RLIMIT_AS or no swap left).
+// Behavior of the process when it is out of memory (operator new fails because of RLIMIT_AS or a
+// lack of swap).
 //
-// Work that can fail by itself runs in an AllocationsMayFail scope: std::bad_alloc is thrown, its
-// caller catches it, and the call or the build ends with RESOURCE_EXHAUSTED. Everywhere else an
-// exception would end the process (gRPC parses messages on threads of its own) or lose a call
-// between two steps. There an allocation takes from a reserve of address space that was set aside
-// at start, and waits for memory that others free once the reserve is used up. Thread-safe.
+// Work that may fail runs in an AllocationsMayFail scope: std::bad_alloc is thrown, the caller
+// catches it, and the call or build ends with RESOURCE_EXHAUSTED. Elsewhere an exception would end
+// the process (gRPC parses messages on its own threads) or lose a call between two steps. There, a
+// failed allocation takes memory from a reserve of address space. When the reserve is used up, it
+// waits until other threads free memory.
 #pragma once
 
 #include "absl/status/status.h"
@@ -14,12 +15,12 @@ namespace motiondb::server {
 
 using storage::AllocationsMayFail;
 
-// Sets the reserve aside and installs the handler of failed allocations, once per process. The
-// reserve is never written to: it costs address space and no memory. RESOURCE_EXHAUSTED.
+// Allocates the reserve and installs the new-handler, once per process. The reserve is never
+// written: it uses address space but no memory. RESOURCE_EXHAUSTED.
 absl::Status InstallMemoryReserve();
 
-// Sets the used part of the reserve aside again, if there is any. RESOURCE_EXHAUSTED if there is
-// not enough memory for that and for 16 MiB beside it: new work should be refused.
+// Allocates the used part of the reserve again. RESOURCE_EXHAUSTED if there is not enough memory
+// for the reserve and 16 MiB more: callers should then refuse new work.
 absl::Status RefillMemoryReserve();
 
 }  // namespace motiondb::server

@@ -16,11 +16,11 @@ namespace {
 using std::chrono::milliseconds;
 using storage::MutexLock;
 
-// A burst of clips takes this share of a thread at most: an extension's rest is so many times its
-// work.
-constexpr int kRest = 3;
-constexpr milliseconds kLeastRest{50};
-constexpr milliseconds kLongestRest{500};  // so that a clip is known within a second
+// Extensions use at most 1 / (1 + kPauseFactor) of a thread: the pause after an extension is
+// kPauseFactor times its duration.
+constexpr int kPauseFactor = 3;
+constexpr milliseconds kMinPause{50};
+constexpr milliseconds kMaxPause{500};  // so that a clip is in the model within a second
 
 }  // namespace
 
@@ -44,12 +44,12 @@ std::string ModelLifecycle::operation() const {
 }
 
 Executor::Clock::time_point ModelLifecycle::DueTime() const {
-  const auto latest = first_asked_ + services_.options.rebuild_delay_limit;
+  const auto latest = first_request_ + services_.options.rebuild_delay_limit;
   if (ingests_ > 0) return latest;
-  return std::min(latest, last_asked_ + services_.options.rebuild_delay);
+  return std::min(latest, last_request_ + services_.options.rebuild_delay);
 }
 
-Executor::Work ModelLifecycle::Alive(void (ModelLifecycle::*work)()) {
+Executor::Work ModelLifecycle::KeepAlive(void (ModelLifecycle::*work)()) {
   return [weak = database_.weak_from_this(), work] {
     if (const auto alive = weak.lock()) (alive->lifecycle().*work)();
   };
@@ -57,9 +57,9 @@ Executor::Work ModelLifecycle::Alive(void (ModelLifecycle::*work)()) {
 
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::Request(const core::Cancelled& cancelled) {
   auto operation = RequestStored(storage::OperationKind::kRebuild, cancelled);
-  // The change that asks for it was made all the same.
+  // The change that needs the build is already stored.
   if (absl::IsCancelled(operation.status())) {
-    services_.executor.Post(Pool::kBuilds, Alive(&ModelLifecycle::RequestInBackground));
+    services_.executor.Post(Pool::kBuilds, KeepAlive(&ModelLifecycle::RequestInBackground));
   }
   return operation;
 }
@@ -71,7 +71,7 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestReprocess(
 
 void ModelLifecycle::RequestInBackground() {
   database_.WithSharedUse(Retiring::kAwait, [&] { return Request().status(); })
-      .IgnoreError();  // where the database was deleted, so was what is to be rebuilt
+      .IgnoreError();  // if the database was deleted, there is nothing to rebuild
 }
 
 absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
@@ -107,7 +107,7 @@ std::optional<storage::OperationRecord> ModelLifecycle::Join(storage::OperationK
   if (!operation.ok()) return std::nullopt;
   const bool only_rebuilds = operation->kind == storage::OperationKind::kRebuild;
   if (only_rebuilds && kind == storage::OperationKind::kReprocess) return std::nullopt;
-  last_asked_ = services_.executor.Now();
+  last_request_ = services_.executor.Now();
   ArmBuild();
   return *std::move(operation);
 }
@@ -119,14 +119,14 @@ void ModelLifecycle::Resume(const std::string& operation) {
 
 void ModelLifecycle::Enqueue(const std::string& operation) {
   waiting_.push_back(operation);
-  first_asked_ = last_asked_ = services_.executor.Now();
+  first_request_ = last_request_ = services_.executor.Now();
   if (!is_closed_) retry_->Cancel();
   ArmBuild();
 }
 
 void ModelLifecycle::ArmBuild() {
   if (state() == State::kWaiting && purges_ == 0) {
-    due_->Set(DueTime(), Alive(&ModelLifecycle::BuildIfDue));
+    due_->Set(DueTime(), KeepAlive(&ModelLifecycle::BuildIfDue));
   }
 }
 
@@ -142,7 +142,7 @@ ModelLifecycle::Ingest::~Ingest() {
   ModelLifecycle& lifecycle = database_->lifecycle();
   const MutexLock lock(lifecycle.mutex_);
   --lifecycle.ingests_;
-  lifecycle.last_asked_ = lifecycle.services_.executor.Now();
+  lifecycle.last_request_ = lifecycle.services_.executor.Now();
   lifecycle.ArmBuild();
 }
 
@@ -154,7 +154,8 @@ absl::StatusOr<bool> ModelLifecycle::Cancel(const std::string& operation,
       StopReason none = StopReason::kNone;
       return running_->stop.compare_exchange_strong(none, StopReason::kCancelled);
     }
-    // Not in the queue while this is stored: it neither begins nor serves who asks.
+    // Removed from the queue while the cancellation is stored: it neither starts nor joins
+    // requests.
     if (std::erase(waiting_, operation) == 0) return false;
     ArmBuild();
   }
@@ -184,7 +185,7 @@ void ModelLifecycle::BuildIfDue() {
   std::shared_ptr<Build> build;
   {
     const MutexLock lock(mutex_);
-    // The timer may have been about to fire when it was set anew.
+    // The timer may have fired just before it was set again.
     if (state() != State::kWaiting || purges_ > 0 || services_.executor.Now() < DueTime()) return;
     build = running_ = std::make_shared<Build>();
     build->operation = std::move(waiting_.front());
@@ -194,39 +195,39 @@ void ModelLifecycle::BuildIfDue() {
   const MutexLock lock(mutex_);
   running_ = nullptr;
   ArmBuild();
-  const bool lacked_room = absl::IsResourceExhausted(ended) || absl::IsUnavailable(ended);
-  if (lacked_room && !build->stopped() && state() == State::kIdle) {
+  const bool out_of_space = absl::IsResourceExhausted(ended) || absl::IsUnavailable(ended);
+  if (out_of_space && !build->stopped() && state() == State::kIdle) {
     retry_->Set(services_.executor.Now() + services_.options.rebuild_retry_delay,
-                Alive(&ModelLifecycle::RequestInBackground));
+                KeepAlive(&ModelLifecycle::RequestInBackground));
   }
   changed_.NotifyAll();
 }
 
 void ModelLifecycle::RequestExtension() {
   const MutexLock lock(mutex_);
-  if (is_closed_ || extension_waits_) return;
-  extension_waits_ = true;
+  if (is_closed_ || extension_pending_) return;
+  extension_pending_ = true;
   if (!is_extending_) ArmExtension(Executor::Clock::duration::zero());
 }
 
 void ModelLifecycle::ArmExtension(Executor::Clock::duration rest) {
-  extension_due_->Set(services_.executor.Now() + rest, Alive(&ModelLifecycle::ExtendIfOpen));
+  extension_due_->Set(services_.executor.Now() + rest, KeepAlive(&ModelLifecycle::ExtendIfOpen));
 }
 
 void ModelLifecycle::ExtendIfOpen() {
   {
     const MutexLock lock(mutex_);
     if (is_closed_) return;
-    extension_waits_ = false;
+    extension_pending_ = false;
     is_extending_ = true;
   }
   const auto began = services_.executor.Now();
   ExtendCurrent();
   const MutexLock lock(mutex_);
   is_extending_ = false;
-  if (extension_waits_ && !is_closed_) {
-    const Executor::Clock::duration rest = kRest * (services_.executor.Now() - began);
-    ArmExtension(std::clamp<Executor::Clock::duration>(rest, kLeastRest, kLongestRest));
+  if (extension_pending_ && !is_closed_) {
+    const Executor::Clock::duration rest = kPauseFactor * (services_.executor.Now() - began);
+    ArmExtension(std::clamp<Executor::Clock::duration>(rest, kMinPause, kMaxPause));
   }
   changed_.NotifyAll();
 }

@@ -1,5 +1,4 @@
-// What a ModelLifecycle does on the threads for builds and extensions: each replacement of the
-// model.
+// Work of a ModelLifecycle on the threads for builds and extensions: the replacements of the model.
 #include <spdlog/spdlog.h>
 
 #include <exception>
@@ -26,23 +25,23 @@ namespace {
 
 using storage::MutexLock;
 
-// Parts of a build's progress: reading the clips and building the model; calibrating it.
+// Shares of a build's progress: reading the clips and building the model; calibrating it.
 constexpr double kBuildShare = 0.6;
 constexpr double kCalibrateShare = 0.35;
-// Of the progress of a build that first derives clips again: the part that this takes.
+// Share of deriving clips again in the progress of a build that does so.
 constexpr double kDeriveShare = 0.5;
 
-// How often a build begins again because a clip of it was deleted.
+// Maximum attempts of a build whose clips are deleted meanwhile.
 constexpr int kAttempts = 8;
 
-// A tree of one node answers as if all motion were the same, and no call fails of it.
+// A tree of one node cannot tell motions apart, but no call fails because of it.
 void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
   const core::Model& model = snapshot.model;
   if (core::IsUndivided(model.tree(), model.settings().min_frames)) {
     spdlog::warn(
-        "database '{}': the tree of model {} is a single node of {} frames, which tells no motion "
-        "from another: its frames are all alike, or some of its clips have frames far from all "
-        "others; look for glitches in the clips that were ingested last",
+        "database '{}': the tree of model {} is a single node of {} frames, so answers do not "
+        "distinguish motions: all frames are alike, or some frames are far from all others; "
+        "check the clips that were ingested last for glitches",
         database, snapshot.record.version, model.frame_count());
   }
 }
@@ -51,7 +50,7 @@ bool TakesClips(const EngineOptions& options, double build_seconds) {
   return build_seconds >= options.extend_from.count();
 }
 
-// Runs work of a build or an extension; what it throws becomes its status.
+// Runs work of a build or an extension; converts exceptions to a status.
 template <typename Result, typename Work>
 Result WithoutExceptions(const Work& work) {
   Result result;
@@ -81,7 +80,7 @@ void ModelLifecycle::LoadStored(DamageBook& damages) {
     return Serve(std::make_shared<const Snapshot>(
         Snapshot{newest->front(), *std::move(model), Calibration::kOwn, takes_clips}));
   }
-  spdlog::error("database '{}': its model cannot be read: {}", name, status.ToString());
+  spdlog::error("database '{}': cannot read the stored model: {}", name, status.ToString());
   if (!absl::IsDataLoss(status)) return;
   const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
   damages.Note(
@@ -101,7 +100,7 @@ RebuildTally ModelLifecycle::rebuilds() const {
 void ModelLifecycle::Serve(SnapshotPointer snapshot) {
   const MutexLock lock(mutex_);
   snapshot_.swap(snapshot);
-  // The old model, if no query holds it, is freed with the parameter: after the lock.
+  // The old model, if no query uses it, is freed with the parameter, after the lock.
 }
 
 absl::Status ModelLifecycle::Replace(const Replacement& next) {
@@ -114,7 +113,7 @@ absl::Status ModelLifecycle::Replace(const Replacement& next) {
 }
 
 absl::Status ModelLifecycle::RunBuild(Build& build) {
-  // Nothing is stored of an operation once its database is gone: another may have its name.
+  // Operations of a deleted database are not stored: a new database may have its name.
   const auto unless_deleted = [&](const std::function<void()>& store) {
     return database_.WithSharedUse(Retiring::kAwait, [&] {
       store();
@@ -124,18 +123,18 @@ absl::Status ModelLifecycle::RunBuild(Build& build) {
   const auto began = services_.executor.Now();
   unless_deleted([&] {
     services_.operations.Start(build.operation);
-  }).IgnoreError();  // the build finds out itself
+  }).IgnoreError();  // the build detects the deletion itself
   const auto built =
       WithoutExceptions<absl::StatusOr<Built>>([&] { return DeriveAndBuild(build); });
   const std::chrono::duration<double> took = services_.executor.Now() - began;
   {
-    // Before the operation ends, so that who waited for it finds it counted.
+    // Before the operation ends, so that its waiters see the count.
     const MutexLock lock(mutex_);
     ++(built.ok() ? rebuilds_.succeeded : build.stopped() ? rebuilds_.cancelled : rebuilds_.failed);
     rebuilds_.seconds += took.count();
   }
   const absl::Status ended = unless_deleted([&] {
-    // However it ended: storing a model does this, but the current one may have stayed.
+    // After every build: storing a model also purges, but the build may not have stored one.
     PurgeDeletedClips({});
     EndOperation(build, built);
   });
@@ -155,20 +154,20 @@ void ModelLifecycle::EndOperation(const Build& build, const absl::StatusOr<Built
   } else if (stop == StopReason::kShutdown) {
     operations.Postpone(build.operation);
   } else if (stop == StopReason::kCancelled) {
-    spdlog::info("database '{}': the rebuild was cancelled", name);
+    spdlog::info("database '{}': rebuild cancelled", name);
     operations.Cancel(build.operation).IgnoreError();
   } else if (stop == StopReason::kForgotten || absl::IsNotFound(built.status())) {
-    operations.Abandon(build.operation);  // with its database
+    operations.Abandon(build.operation);  // deleted with its database
   } else {
-    // What was deleted again and again is the clients' doing; each deletion requests a build.
+    // ABORTED is caused by clients that keep deleting clips; each deletion requests a build.
     spdlog::log(absl::IsAborted(built.status()) ? spdlog::level::warn : spdlog::level::err,
-                "database '{}': the rebuild failed: {}", name, built.status().ToString());
+                "database '{}': rebuild failed: {}", name, built.status().ToString());
     operations.Fail(build.operation, built.status());
   }
 }
 
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::DeriveAndBuild(Build& build) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string derived, DeriveWhereNeeded(build));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::string derived, DeriveOutdated(build));
   auto built = BuildUntilStored(build);
   if (built.ok() && !derived.empty()) {
     built->difference = built->difference.empty() ? derived : derived + "; " + built->difference;
@@ -176,7 +175,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::DeriveAndBuild(Build& buil
   return built;
 }
 
-absl::StatusOr<std::string> ModelLifecycle::DeriveWhereNeeded(Build& build) {
+absl::StatusOr<std::string> ModelLifecycle::DeriveOutdated(Build& build) {
   const auto operation = services_.operations.Get(build.operation);
   const bool derives_all = operation.ok() && operation->kind == storage::OperationKind::kReprocess;
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
@@ -192,9 +191,8 @@ absl::StatusOr<std::string> ModelLifecycle::DeriveWhereNeeded(Build& build) {
                 derives_all ? operation->create_time_us : 0, progress,
                 [&build] { return build.stopped(); }));
   build.derived = kDeriveShare;
-  return fmt::format(
-      "clips derived again: {}, with other states: {}, that could not be derived: {}", done.clips,
-      done.changed, done.failed);
+  return fmt::format("clips derived again: {}, changed: {}, failed: {}", done.clips, done.changed,
+                     done.failed);
 }
 
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Build& build) {
@@ -218,7 +216,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildUntilStored(const Bui
         MOTIONDB_ASSIGN_OR_RETURN(current,
                                   Extended(current, services_.executor.Parallel(Pool::kBuilds)));
         if (current != nullptr) {
-          MOTIONDB_ASSIGN_OR_RETURN(is_up_to_date, KnowsAllClips(*current));
+          MOTIONDB_ASSIGN_OR_RETURN(is_up_to_date, HasAllClips(*current));
         }
       }
       if (is_up_to_date) built = Built{current == nullptr ? 0 : current->record.version, ""};
@@ -238,7 +236,7 @@ absl::Status ModelLifecycle::DropStored() {
 
 absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
     const Build& build, const std::vector<storage::ClipRecord>& clips) {
-  // What is only computed can be given up at any moment; what is stored and served cannot.
+  // Computing can stop at any moment; storing and serving cannot.
   const core::ParallelFor parallel =
       Stoppable(services_.executor.Parallel(Pool::kBuilds), [&build] { return build.stopped(); });
   const auto advance = [this, &build](double fraction, std::string_view stage) {
@@ -262,7 +260,7 @@ absl::StatusOr<ModelLifecycle::Built> ModelLifecycle::BuildAndStore(
   SnapshotPointer before = snapshot();
   MOTIONDB_RETURN_IF_ERROR(ServeBorrowing(model));
   Built built{.difference = DifferenceText(before.get(), model, parallel)};
-  before.reset();  // its memory is free for the calibration
+  before.reset();  // frees its memory for the calibration
 
   MOTIONDB_RETURN_IF_ERROR(
       core::Calibrate(model, parallel, progress(kBuildShare, kCalibrateShare)));
@@ -279,12 +277,12 @@ absl::Status ModelLifecycle::ServeBorrowing(core::Model model) {
       model.set_recognition(before->model.recognition());
       model.set_confidence(before->model.confidence());
     }
-    // Clips that are known stay known: what took clips is replaced by what does.
+    // Known clips must stay in the model, so an extensible model is replaced by an extensible one.
     const bool takes_clips = (before != nullptr && before->takes_clips) ||
                              TakesClips(services_.options, model.build_seconds());
     const int stored_version = before == nullptr ? 0 : before->record.version;
     auto record = FiguresOf(database_.name(), stored_version, model, 0);
-    spdlog::info("database '{}': a new model answers while it is calibrated, clips {}",
+    spdlog::info("database '{}': serving a new model, calibration follows: clips={}",
                  database_.name(), record.clip_count);
     return Extended(std::make_shared<const Snapshot>(Snapshot{
                         std::move(record), std::move(model),
@@ -300,7 +298,7 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
     if (!record.ok()) {
       return absl::IsNotFound(record.status())
                  ? absl::AbortedError(
-                       "clips were deleted during each build; delete or ingest one to try again")
+                       "clips were deleted during each build; delete or ingest a clip to try again")
                  : record.status();
     }
     version = record->version;
@@ -308,11 +306,10 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
     const auto stored = std::make_shared<const Snapshot>(
         Snapshot{*std::move(record), std::move(model), Calibration::kOwn, takes_clips});
     auto extended = Extended(stored, services_.executor.Parallel(Pool::kBuilds));
-    // The build is in: clips that came meanwhile can wait for the next extension.
+    // The built model is stored: clips that came meanwhile can wait for the next extension.
     if (!extended.ok()) {
       spdlog::warn(
-          "database '{}': model {} could not be extended by the clips that came during its build: "
-          "{}",
+          "database '{}': model {} could not be extended by clips ingested during its build: {}",
           database_.name(), version, extended.status().ToString());
       extended = stored;
     }
@@ -327,7 +324,7 @@ void ModelLifecycle::ExtendCurrent() {
         [&](SnapshotPointer current) { return Extended(std::move(current), core::Serially); });
   });
   if (!status.ok() && !absl::IsNotFound(status)) {
-    spdlog::error("database '{}': new clips are not known before the next build: {}",
+    spdlog::error("database '{}': extension failed, new clips wait for the next build: {}",
                   database_.name(), status.ToString());
   }
 }
@@ -339,7 +336,7 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
       snapshot != nullptr && snapshot->takes_clips && snapshot->model.tree().has_planes();
   if (!takes_clips) return snapshot;
   MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
-  // A model that knows clips by other states than they have now takes no more: it is replaced.
+  // A model with outdated states of clips is not extended: it will be replaced.
   if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
   std::set<std::string> known;
   for (const auto& [clip, problem] : database_.unreadable()) known.insert(clip);
@@ -358,8 +355,8 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
   if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
   if (!record.ok()) return record.status();
   spdlog::info(
-      "database '{}': model {} was extended, clips more than the build: {}; {:.2f} % of its frames "
-      "were added, {:.2f} % lie in nodes that a build would divide",
+      "database '{}': model {} extended: added_clips={} added_frames={:.2f} % "
+      "frames_in_nodes_to_split={:.2f} %",
       name, record->version, record->added_clip_count, 100 * extended->drift.added, 100 * drift);
   return std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(extended->model),
                                                    snapshot->calibration, snapshot->takes_clips});
@@ -368,29 +365,28 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
 absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {
   const SnapshotPointer current = snapshot();
   if (current == nullptr) return database_.stored().clip_count == 0;
-  return KnowsAllClips(*current);
+  return HasAllClips(*current);
 }
 
-absl::StatusOr<bool> ModelLifecycle::KnowsAllClips(const Snapshot& snapshot) {
+absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto staleness,
                             services_.store.FindModelStaleness(database_.name()));
-  bool knows_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
-                   staleness.outdated == 0 && staleness.to_derive == 0;
-  // The model may lack clips because they are corrupt. The first that can be read tells that it is
-  // not so, and the build reads the rest.
-  for (auto clip = staleness.missing.begin(); knows_all && clip != staleness.missing.end();
-       ++clip) {
+  bool has_all = snapshot.is_stored() && !HasDrifted(snapshot.record) && staleness.removed == 0 &&
+                 staleness.outdated == 0 && staleness.to_derive == 0;
+  // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
+  // date, and the build reads the rest.
+  for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto read, ReadInputs(services_.store, database_, {*clip}));
-    knows_all = read.empty();
+    has_all = read.empty();
   }
-  return knows_all;
+  return has_all;
 }
 
 void ModelLifecycle::PurgeDeletedClips(const core::Cancelled& cancelled) {
   const absl::Status purged = services_.store.PurgeDeletedClips(database_.name(), cancelled);
   if (!purged.ok() && !absl::IsCancelled(purged)) {
-    spdlog::warn("database '{}': what is left of deleted clips could not be removed: {}",
-                 database_.name(), purged.ToString());
+    spdlog::warn("database '{}': purge of deleted clips failed: {}", database_.name(),
+                 purged.ToString());
   }
 }
 

@@ -11,13 +11,13 @@ namespace {
 
 using core::FieldViolation;
 
-std::string Below(const Observation& observation, std::string_view name) {
+std::string SubField(const Observation& observation, std::string_view name) {
   return fmt::format("{}.{}", observation.field, name);
 }
 
 absl::Status CheckPositive(const Observation& observation, std::string_view name, double value) {
   if (std::isfinite(value) && value > 0) return absl::OkStatus();
-  return FieldViolation(Below(observation, name), "expected more than 0, got {}", value);
+  return FieldViolation(SubField(observation, name), "expected more than 0, got {}", value);
 }
 
 // Reads an observation for one database.
@@ -44,13 +44,13 @@ class Reader {
     MOTIONDB_RETURN_IF_ERROR(
         terms_.Reserve(core::MostBytesToRead(file.format, file.file, file.skeleton)));
     auto read = core::ReadMotionFile(file.format, file.file, file.skeleton, file.conventions);
-    if (!read.ok()) return core::AtField(Below(observation_, "data"), read.status());
+    if (!read.ok()) return core::AtField(SubField(observation_, "data"), read.status());
     return std::move(read->motion);
   }
 
   absl::StatusOr<core::Motion> ReadForm(const ObservedMarkers& markers) const {
     MOTIONDB_RETURN_IF_ERROR(CheckPositive(observation_, "frame_rate_hz", markers.frame_rate_hz));
-    // Names are copied, and looked at in a set.
+    // Bytes of a copied name and its set entry.
     constexpr std::int64_t kName = 160;
     std::int64_t bytes = std::ssize(markers.positions.values);
     for (const std::string_view name : markers.names) bytes += kName + std::ssize(name);
@@ -58,19 +58,19 @@ class Reader {
     core::MarkerMotion motion;
     motion.names.assign(markers.names.begin(), markers.names.end());
     if (motion.names.empty()) motion.names = set_.markers;
-    MOTIONDB_RETURN_IF_ERROR(CheckUnique(Below(observation_, "marker_names"), motion.names));
+    MOTIONDB_RETURN_IF_ERROR(CheckUnique(SubField(observation_, "marker_names"), motion.names));
     motion.frame_rate_hz = markers.frame_rate_hz;
     const int columns = 3 * static_cast<int>(motion.names.size());
     MOTIONDB_ASSIGN_OR_RETURN(motion.positions_m,
                               Unpack(observation_.field, "positions", markers.positions, columns));
     MOTIONDB_RETURN_IF_ERROR(
-        CheckMarkers(Below(observation_, "positions"), motion.names, motion.positions_m));
+        CheckMarkers(SubField(observation_, "positions"), motion.names, motion.positions_m));
     return motion;
   }
 
   absl::StatusOr<core::Motion> ReadForm(const ObservedJoints& joints) const {
     MOTIONDB_RETURN_IF_ERROR(CheckPositive(observation_, "frame_rate_hz", joints.frame_rate_hz));
-    // As float, then as double.
+    // As float and as double.
     MOTIONDB_RETURN_IF_ERROR(terms_.Reserve(3 * std::ssize(joints.angles.values)));
     core::JointMotion motion;
     MOTIONDB_ASSIGN_OR_RETURN(motion.skeleton, skeletons_.Get(database_.name(), joints.skeleton));
@@ -78,7 +78,7 @@ class Reader {
     MOTIONDB_ASSIGN_OR_RETURN(
         const core::FrameMatrix angles,
         Unpack(observation_.field, "angles", joints.angles, motion.skeleton->dof_count()));
-    MOTIONDB_RETURN_IF_ERROR(CheckFinite(Below(observation_, "angles"), angles));
+    MOTIONDB_RETURN_IF_ERROR(CheckFinite(SubField(observation_, "angles"), angles));
     motion.angles = angles.cast<double>();
     return motion;
   }

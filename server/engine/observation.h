@@ -1,5 +1,5 @@
-// Motion that a query is about, as the caller sent it, and what it becomes: states as the models of
-// a database know them, or the database's markers. Safe to call from any thread.
+// The observation of a query as the caller sent it, and its conversion to states or to the
+// database's markers.
 #pragma once
 
 #include <optional>
@@ -34,25 +34,25 @@ struct ObservedMarkers {
 };
 
 struct ObservedJoints {
-  std::string skeleton;  // id of a skeleton of the database
+  std::string skeleton;  // skeleton id in the database
   double frame_rate_hz = 0;
   PackedFrames angles;  // frames x degrees of freedom, rad and m
 };
 
-// Refers to what the caller sent, which must outlive it.
+// References the caller's data, which must outlive it.
 struct Observation {
-  std::string field;  // where the request has it, such as "observation.file": errors name it
+  std::string field;  // path in the request, such as "observation.file"; used in errors
   std::variant<ObservedFile, ObservedMarkers, ObservedJoints> motion;
   std::optional<double> leg_length_m;
 };
 
-// States at the database's frame rate, not scaled; NaN where a marker was missing. Codes:
-// INVALID_ARGUMENT, NOT_FOUND (a skeleton), RESOURCE_EXHAUSTED, CANCELLED; and IsHeavyWork.
+// Returns states at the database's frame rate, not scaled; NaN if a marker is missing. Codes:
+// INVALID_ARGUMENT, NOT_FOUND (skeleton), RESOURCE_EXHAUSTED, CANCELLED; see also IsHeavyWork.
 absl::StatusOr<core::StateSequence> StatesOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
                                              int max_frames, const WorkTerms& terms);
 
-// The database's markers, at the observation's own frame rate. Codes as above.
+// Returns the database's markers at the observation's frame rate. Codes as above.
 absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
                                              int max_frames, const WorkTerms& terms);

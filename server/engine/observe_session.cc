@@ -36,11 +36,11 @@ ObserveSession::ObserveSession(Query query, std::vector<std::string> marker_name
   query_.database()->AddOpenStreams(1);
 }
 
-absl::StatusOr<bool> ObserveSession::TakeOverModel() {
+absl::StatusOr<bool> ObserveSession::SwitchModel() {
   const std::string& name = query_.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(Query current, Query::Begin(query_.engine(), name, query_.terms()));
   if (current.database() != query_.database()) {
-    return core::NotFound("database '{}' was deleted, and another created", name);
+    return core::NotFound("database '{}' was deleted and created again: open a new stream", name);
   }
   if (current.snapshot() == query_.snapshot()) return false;
   MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));
@@ -58,10 +58,10 @@ absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
   MOTIONDB_RETURN_IF_ERROR(CheckMarkers("frames.positions", marker_names_, positions));
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(memory_.kept + memory_.answer));
   ObserveStep step;
-  MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, TakeOverModel());
-  if (const absl::Status taken = observer_->Append(first_frame, positions, terms.cancelled);
-      !taken.ok()) {
-    return core::AtField("frames", taken);
+  MOTIONDB_ASSIGN_OR_RETURN(step.model_replaced, SwitchModel());
+  if (const absl::Status appended = observer_->Append(first_frame, positions, terms.cancelled);
+      !appended.ok()) {
+    return core::AtField("frames", appended);
   }
   MOTIONDB_ASSIGN_OR_RETURN(step.observed, observer_->Answer(terms.cancelled));
   step.model_version = query_.snapshot()->record.version;

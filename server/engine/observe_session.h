@@ -1,5 +1,5 @@
-// One stream of frames and the model that judges it: takes over a model that replaces it between
-// two messages. Used by one thread at a time; holds on to its database and its model.
+// A stream of frames and the model that evaluates it. Switches to a newer model between two
+// messages. Used by one thread at a time; keeps its database and its model alive.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace motiondb::server {
 
-// What an observer is made for.
+// Parameters of a stream.
 struct ObserveSetup {
   std::vector<std::string> marker_names;  // empty: the database's markers
   double frame_rate_hz = 0;
@@ -25,9 +25,9 @@ struct ObserveSetup {
   core::ObserverOptions options;
 };
 
-// What one message of frames led to.
+// Result of one message of frames.
 struct ObserveStep {
-  std::optional<core::Observed> observed;  // nothing until both hips were seen
+  std::optional<core::Observed> observed;  // nullopt until both hips were seen
   int model_version = 0;
   Calibration calibration = Calibration::kOwn;
   bool model_replaced = false;
@@ -37,25 +37,25 @@ struct ObserveStep {
 
 class ObserveSession {
  public:
-  // Keeps the query's terms, for the stream. INVALID_ARGUMENT naming the field of the setup;
-  // RESOURCE_EXHAUSTED.
+  // Keeps the terms of the query for the whole stream. INVALID_ARGUMENT naming the field of the
+  // setup; RESOURCE_EXHAUSTED.
   static absl::StatusOr<std::unique_ptr<ObserveSession>> Open(Query query, ObserveSetup setup);
 
   ~ObserveSession() { query_.database()->AddOpenStreams(-1); }
   ObserveSession(const ObserveSession&) = delete;
   ObserveSession& operator=(const ObserveSession&) = delete;
 
-  // Frames (frames x 3 markers, m, world) numbered first_frame, first_frame + 1, ... as
-  // core::Observer::Append takes them. NOT_FOUND once the database is deleted, FAILED_PRECONDITION
-  // once it has no clips; RESOURCE_EXHAUSTED; otherwise as the observer's functions.
+  // Processes frames first_frame, first_frame + 1, ... (frames x 3 markers, m, world frame); see
+  // core::Observer::Append. NOT_FOUND if the database was deleted, FAILED_PRECONDITION if it has no
+  // clips left, RESOURCE_EXHAUSTED; also the codes of the observer.
   absl::StatusOr<ObserveStep> Take(std::int64_t first_frame, const PackedFrames& positions_m);
 
  private:
   ObserveSession(Query query, std::vector<std::string> marker_names, core::ObserverOptions options,
                  std::shared_ptr<const core::MarkerScheme> scheme,
                  std::unique_ptr<core::Observer> observer);
-  // Whether the model is another than before.
-  absl::StatusOr<bool> TakeOverModel();
+  // Switches to the current model. Returns whether it changed.
+  absl::StatusOr<bool> SwitchModel();
 
   Query query_;
   const std::vector<std::string> marker_names_;

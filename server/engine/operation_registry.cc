@@ -15,7 +15,7 @@ namespace {
 using storage::OperationRecord;
 using storage::OperationState;
 
-// Ascends with time; the random part keeps two servers, or a clock set back, apart.
+// Ids ascend with time. The random part separates servers, and ids after a clock was set back.
 std::string NewOperationId(std::int64_t now_us) {
   thread_local std::mt19937 random{std::random_device{}()};
   return fmt::format("{:014x}-{:08x}", now_us, random());
@@ -28,7 +28,7 @@ void MakePending(OperationRecord& record) {
 }
 
 void LogUnstored(const std::string& id, const absl::Status& error) {
-  spdlog::error("operation {} could not be stored, and is kept in memory alone: {}", id,
+  spdlog::error("operation {} could not be stored and is kept in memory only: {}", id,
                 error.ToString());
 }
 
@@ -129,8 +129,8 @@ void OperationRegistry::Abandon(const std::string& id) {
   }).IgnoreError();
 }
 
-// Stored first, seen after: what a client was told survives the server, if there was room for it.
-// The changes of one operation come one after another, so nothing is lost between the two.
+// Stored before it is visible: a state that a client has seen survives a restart, if it could be
+// stored. Changes of one operation are sequential, so no change is lost between the two locks.
 absl::Status OperationRegistry::Change(const std::string& id, Durability durability,
                                        const std::function<void(OperationRecord&)>& change,
                                        const core::Cancelled& cancelled) {
@@ -149,7 +149,7 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
   if (durability == Durability::kStored) {
     stored = store_.PutOperation(record, cancelled);
     if (absl::IsCancelled(stored)) return stored;
-    // A database that was deleted took the rows of its operations with it.
+    // The rows of its operations were deleted with the database.
     if (absl::IsNotFound(stored)) stored = absl::OkStatus();
     if (is_stored && !stored.ok()) LogUnstored(id, stored);
     is_stored = stored.ok();
@@ -163,7 +163,7 @@ absl::Status OperationRegistry::Change(const std::string& id, Durability durabil
     live->second.stored = is_stored;
     if (record.done()) {
       watchers = std::exchange(live->second.watchers, {});
-      // Elsewise this is the only place that knows how it ended.
+      // If it could not be stored, only this entry has the result.
       if (stored.ok()) live_.erase(live);
     }
   }

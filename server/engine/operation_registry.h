@@ -1,8 +1,8 @@
-// The operations: each is a row in the store, and those not done are kept here too, with their fine
-// progress and those who wait for them. One that cannot be stored, on a full disk for example, is
-// kept here alone, and the log says so once: what it stands for has happened or goes on all the
-// same. A later change of it may be stored. Thread-safe. Callbacks run on the thread that ends an
-// operation, without a lock held.
+// Registry of operations. Each operation is a row in the store. Unfinished operations are also kept
+// in memory, with their detailed progress and watchers. An operation that cannot be stored, for
+// example on a full disk, is kept in memory only and logged once; the work it represents continues.
+// A later change of it may be stored. Callbacks run on the thread that ends an operation, without a
+// lock held.
 #pragma once
 
 #include <cstdint>
@@ -26,55 +26,54 @@ class OperationRegistry {
   // The store must outlive the registry.
   explicit OperationRegistry(storage::MotionStore& store) : store_(store) {}
 
-  // A new PENDING operation, stored if it can be. Ids are unique over restarts and ascend with
-  // time. NOT_FOUND, here and of Adopt, if there is no such database. CANCELLED, here and of
-  // Cancel, with nothing changed, where it was cancelled before its turn to be stored.
+  // Creates a PENDING operation and tries to store it. Ids are unique across restarts and ascend
+  // with time. NOT_FOUND, here and in Adopt, if the database does not exist. CANCELLED, here and in
+  // Cancel, with nothing changed, if cancelled before it was stored.
   absl::StatusOr<storage::OperationRecord> Create(
       const std::string& database, const core::Cancelled& cancelled = {},
       storage::OperationKind kind = storage::OperationKind::kRebuild);
-  // Takes up an operation that a former server left undone: it is PENDING again.
+  // Resumes an unfinished operation of a previous server: it becomes PENDING.
   absl::StatusOr<storage::OperationRecord> Adopt(storage::OperationRecord record);
 
-  // NOT_FOUND if there is none of that id.
+  // NOT_FOUND.
   absl::StatusOr<storage::OperationRecord> Get(const std::string& id);
-  // As MotionStore::ListOperations, of those that could be stored, with the progress of those at
-  // work.
+  // Like MotionStore::ListOperations, with the current progress of running operations. Operations
+  // that could not be stored are not listed.
   absl::StatusOr<std::vector<storage::OperationRecord>> List(const std::string& database,
                                                              const std::string& before, int limit);
 
   // PENDING -> RUNNING.
   void Start(const std::string& id);
-  // Progress of a running one. Kept in memory only: it may be told a thousand times.
+  // Sets the progress of a running operation, in memory only, so frequent calls are cheap.
   void Advance(const std::string& id, double progress, std::string_view stage);
-  // RUNNING -> PENDING: a later server takes it up.
+  // RUNNING -> PENDING: the next server resumes it.
   void Postpone(const std::string& id);
-  // To a final state. `model_version` 0: no clip was left to build from. The stage is then "done",
-  // and what there is to say about it.
+  // To a final state. `model_version` 0: no clip was left to build from. The stage becomes "done",
+  // followed by `remark`.
   void Succeed(const std::string& id, int model_version, const std::string& remark = "");
   void Fail(const std::string& id, const absl::Status& error);
   absl::Status Cancel(const std::string& id, const core::Cancelled& cancelled = {});
-  // CANCELLED, in memory only: its database is about to go, and its row with it.
+  // CANCELLED, in memory only: its row is deleted with its database.
   void Abandon(const std::string& id);
 
-  // Calls `watcher` once, with the operation as it then stands, when it is done or waiting has no
-  // more sense (see ReleaseWaiters). Returns a key for Unwatch, or 0, without calling, if that is
-  // so already.
+  // Calls `watcher` once with the operation, when it is done or ReleaseWaiters is called. Returns a
+  // key for Unwatch. Returns 0, without a call, if that has already happened.
   std::uint64_t Watch(const std::string& id, Watcher watcher);
   void Unwatch(const std::string& id, std::uint64_t key);
-  // The server is about to stop: ends all waiting, now and from now on.
+  // For shutdown: ends all current and future waits.
   void ReleaseWaiters();
 
  private:
   struct Live {
     storage::OperationRecord record;
     std::map<std::uint64_t, Watcher> watchers;
-    bool stored = true;  // as of its last change that was to be
+    bool stored = true;  // whether the last durable change was stored
   };
   enum class Durability { kStored, kInMemory };
 
   absl::StatusOr<storage::OperationRecord> Add(storage::OperationRecord record,
                                                const core::Cancelled& cancelled);
-  // CANCELLED is all that keeps it from being made.
+  // Returns only OK or CANCELLED; if CANCELLED, nothing changed.
   absl::Status Change(const std::string& id, Durability durability,
                       const std::function<void(storage::OperationRecord&)>& change,
                       const core::Cancelled& cancelled = {});

@@ -30,8 +30,8 @@ void OperationWait::Begin(Executor::Clock::duration timeout) {
   {
     const storage::MutexLock lock(mutex_);
     if (!done_) return;  // stopped before it began
-    // The registry holds no reference of its own: a wait that has ended is not kept for its
-    // operation.
+    // The registry has only a weak reference: a wait that has ended is freed before its operation
+    // ends.
     watch_ =
         registry_.Watch(id_, [weak = weak_from_this()](const storage::OperationRecord& record) {
           const auto self = weak.lock();

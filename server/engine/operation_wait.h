@@ -1,4 +1,4 @@
-// Waiting for an operation without holding a thread.
+// Waits for an operation without blocking a thread.
 #pragma once
 
 #include <chrono>
@@ -12,13 +12,13 @@
 
 namespace motiondb::server {
 
-// Thread-safe. Keeps itself alive until it has ended; executor and registry must outlive it.
+// Keeps itself alive until it has ended; executor and registry must outlive it.
 class OperationWait : public std::enable_shared_from_this<OperationWait> {
  public:
   using Done = std::function<void(absl::StatusOr<storage::OperationRecord>)>;
 
-  // Calls `done` once, on a request thread, with the operation as it stands when it is
-  // done, the timeout has passed or Stop was called. NOT_FOUND if there is no such operation.
+  // Calls `done` once, on a request thread, with the operation when it is done, the timeout has
+  // passed or Stop was called. NOT_FOUND if the operation does not exist.
   static std::shared_ptr<OperationWait> Start(Executor& executor, OperationRegistry& registry,
                                               std::string id, Executor::Clock::duration timeout,
                                               Done done);
@@ -35,7 +35,7 @@ class OperationWait : public std::enable_shared_from_this<OperationWait> {
   const std::string id_;
   storage::Mutex mutex_;
   const std::unique_ptr<Executor::Timer> timer_ ABSL_PT_GUARDED_BY(mutex_);
-  Done done_ ABSL_GUARDED_BY(mutex_);  // null: it was called, or is being
+  Done done_ ABSL_GUARDED_BY(mutex_);  // null: already called
   std::uint64_t watch_ ABSL_GUARDED_BY(mutex_) = 0;
 };
 

@@ -11,7 +11,8 @@ namespace motiondb::server {
 
 using core::FieldViolation;
 
-static_assert(std::endian::native == std::endian::little, "packed floats are copied as they are");
+static_assert(std::endian::native == std::endian::little,
+              "packed floats are copied without conversion");
 
 absl::StatusOr<core::FrameMatrix> Unpack(std::string_view field, std::string_view name,
                                          const PackedFrames& packed, int columns) {
@@ -33,7 +34,7 @@ absl::StatusOr<core::FrameMatrix> Unpack(std::string_view field, std::string_vie
 absl::Status CheckFinite(std::string_view field, const core::FrameMatrix& frames) {
   for (Eigen::Index frame = 0; frame < frames.rows(); ++frame) {
     if (!frames.row(frame).allFinite()) {
-      return FieldViolation(field, "frame {} has a number that is not finite", frame);
+      return FieldViolation(field, "frame {} has a value that is not finite", frame);
     }
   }
   return absl::OkStatus();
@@ -47,7 +48,7 @@ absl::Status CheckMarkers(std::string_view field, const std::vector<std::string>
       if (position.allFinite() || position.array().isNaN().all()) continue;
       return FieldViolation(field,
                             "frame {}, marker '{}': expected three finite numbers, or three NaN "
-                            "where it is missing",
+                            "for a missing marker",
                             frame, names[marker]);
     }
   }
@@ -57,8 +58,8 @@ absl::Status CheckMarkers(std::string_view field, const std::vector<std::string>
 absl::Status CheckUnique(std::string_view field, const std::vector<std::string>& names) {
   std::set<std::string_view> seen;
   for (const std::string& name : names) {
-    if (name.empty()) return FieldViolation(field, "a name is empty");
-    if (!seen.insert(name).second) return FieldViolation(field, "'{}' is there twice", name);
+    if (name.empty()) return FieldViolation(field, "a marker name is empty");
+    if (!seen.insert(name).second) return FieldViolation(field, "duplicate marker name '{}'", name);
   }
   return absl::OkStatus();
 }

@@ -8,16 +8,17 @@ namespace {
 using core::AtField;
 using core::FieldViolation;
 
-constexpr int kShownSkeletons = 10;
-// Of a body that plays: inverse kinematics squares and cubes what moves, and every frame has all.
-constexpr int kMostDofs = 300;
-constexpr int kMostJoints = 1000;
+constexpr int kMaxListedSkeletons = 10;
+// Limits of a body: inverse kinematics is quadratic and cubic in the degrees of freedom, and every
+// frame has all of them.
+constexpr int kMaxDofs = 300;
+constexpr int kMaxJoints = 1000;
 
 std::string KnownSkeletons(Engine& engine, const std::string& database) {
-  const auto known = engine.store().ListSkeletons(database, {"", kShownSkeletons + 1});
+  const auto known = engine.store().ListSkeletons(database, {"", kMaxListedSkeletons + 1});
   if (!known.ok() || known->empty()) return "it has none";
-  if (known->size() > kShownSkeletons) {
-    return fmt::format("it has more than {}, which ListSkeletons tells", kShownSkeletons);
+  if (known->size() > kMaxListedSkeletons) {
+    return fmt::format("it has more than {}; ListSkeletons returns them", kMaxListedSkeletons);
   }
   std::string names;
   for (const storage::SkeletonRecord& record : *known) {
@@ -49,7 +50,7 @@ absl::StatusOr<PlanBody> RobotBody(const core::SourceFile& urdf) {
 absl::StatusOr<PlanBody> BodyOfClip(const std::string& clip, Engine& engine,
                                     const std::string& database) {
   const auto record = engine.store().GetClip(database, clip);
-  // Deleted, but still in the model: its motion is left, and perhaps nothing that it belongs to.
+  // Deleted, but still in the model: its motion remains, but its skeleton may be deleted.
   if (absl::IsNotFound(record.status())) return PlanBody{};
   if (!record.ok()) return record.status();
   if (record->skeleton_id.empty()) return PlanBody{};
@@ -74,15 +75,15 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
   if (body->skeleton == nullptr) {
     if (!request.with_files) return body;
     return core::FailedPrecondition(
-        "a plan on bare markers fits no motion file: name a skeleton of the database or send a "
-        "robot (motiondb plan {} --skeleton NAME|FILE.urdf), or leave include_files out",
+        "a plan on bare markers cannot be written as a motion file: give a skeleton of the "
+        "database or a robot (motiondb plan {} --skeleton NAME|FILE.urdf), or omit include_files",
         database);
   }
   const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";
-  if (body->skeleton->dof_count() > kMostDofs || body->skeleton->joint_count() > kMostJoints) {
+  if (body->skeleton->dof_count() > kMaxDofs || body->skeleton->joint_count() > kMaxJoints) {
     return FieldViolation(
         field, "expected at most {} joints of {} degrees of freedom in all, got {} of {}",
-        kMostJoints, kMostDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
+        kMaxJoints, kMaxDofs, body->skeleton->joint_count(), body->skeleton->dof_count());
   }
   const absl::Status fits = core::MarkerKinematics::Create(scheme, body->skeleton).status();
   if (!fits.ok()) return AtField(field, fits);

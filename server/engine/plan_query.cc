@@ -12,15 +12,15 @@
 namespace motiondb::server {
 namespace {
 
-constexpr double kLongestSearchSeconds = 60;
+constexpr double kMaxSearchSeconds = 60;
 
 absl::Status CheckSearchTime(double seconds) {
-  if (seconds > 0 && seconds <= kLongestSearchSeconds) return absl::OkStatus();
-  return core::FieldViolation("max_search_seconds", "expected more than 0, at most {}, got {}",
-                              kLongestSearchSeconds, seconds);
+  if (seconds > 0 && seconds <= kMaxSearchSeconds) return absl::OkStatus();
+  return core::FieldViolation("max_search_seconds", "expected more than 0 and at most {}, got {}",
+                              kMaxSearchSeconds, seconds);
 }
 
-// core's error at the field that caused it.
+// Maps core's error to the request field that caused it.
 absl::Status AtStart(const core::PlanStart& start, const absl::Status& status) {
   const std::string message(status.message());
   if (absl::IsNotFound(status)) return core::FieldViolation("clip_start.clip", message);
@@ -35,7 +35,7 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
   MOTIONDB_RETURN_IF_ERROR(core::CheckProblem(query.model(), request.problem));
   PreparedPlan plan{.problem = request.problem};
   core::PlanProblem& problem = plan.problem;
-  // The effort, not the clock, ends most searches, so that the same request gives the same plan.
+  // The effort, not the clock, ends most searches, so that the same request returns the same plan.
   problem.effort = 1 + std::max(0.0, request.max_search_seconds - kUsualSearchSeconds);
   if (request.observation_start) {
     MOTIONDB_ASSIGN_OR_RETURN(problem.start.observation, query.States(*request.observation_start));

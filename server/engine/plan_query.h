@@ -1,5 +1,4 @@
-// A plan, from what is asked for to core's answer: the start, the body that is to play it, and the
-// time that the search may take. Safe to call from any thread.
+// Plan queries: finds the start and the body, limits the search time and calls core's planner.
 #pragma once
 
 #include <memory>
@@ -16,18 +15,19 @@
 
 namespace motiondb::server {
 
-// Far more than the usual effort takes: a slow machine's plans are those of a fast one.
+// Far more than the usual effort takes, so that a slow machine returns the same plans as a fast
+// one.
 inline constexpr double kUsualSearchSeconds = 5;
 
-// What a plan is asked for. Refers to what the caller sent, which must outlive it.
+// Parameters of a plan. References the caller's data, which must outlive it.
 struct PlanRequest {
   core::PlanProblem problem;  // without a body
   std::optional<Observation> observation_start;
-  // Who plays it: whoever is in the clip that the plan begins in or is most like, a skeleton of the
-  // database by its id, or a robot by its URDF.
+  // The body: none given (that of the start clip, or of the clip most similar to the start), a
+  // skeleton id of the database, or a robot as URDF.
   std::variant<std::monostate, std::string, core::SourceFile> body;
   double max_search_seconds = kUsualSearchSeconds;
-  bool with_files = false;  // each motion as a file, too: there has to be a body
+  bool with_files = false;  // also return each motion as a file; requires a body
 };
 
 struct PlanBody {
@@ -36,7 +36,7 @@ struct PlanBody {
   std::vector<core::MimicJoint> mimics;  // of a robot
 };
 
-// All that core's search needs.
+// Input of core's search.
 struct PreparedPlan {
   core::PlanProblem problem;
   std::shared_ptr<const core::MarkerScheme> scheme;
@@ -50,16 +50,16 @@ struct PlanResult {
   double total_seconds = 0;
 };
 
-// Finds the start and the body. INVALID_ARGUMENT names the field that is out of range, unknown or
-// does not fit; NOT_FOUND for the skeleton of an observation's joints; FAILED_PRECONDITION where
-// files are wanted and there is no body to write; CANCELLED.
+// Finds the start and the body. INVALID_ARGUMENT naming the field that is out of range, unknown or
+// does not fit; NOT_FOUND for the skeleton of an observation; FAILED_PRECONDITION if files are
+// requested without a body; CANCELLED.
 absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& request);
 
-// Prepares a plan and searches for it. Codes also RESOURCE_EXHAUSTED.
+// Prepares a plan and searches for it. Codes as PreparePlan; also RESOURCE_EXHAUSTED.
 absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request);
 
-// The body that `request` names, or else that of the clip `start_clip`; bare markers where that
-// clip has none. Codes as PreparePlan.
+// Returns the body that `request` names, otherwise that of `start_clip`; bare markers if that clip
+// has no skeleton. Codes as PreparePlan.
 absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request,
                                   const std::string& start_clip, const core::MarkerScheme& scheme);
 

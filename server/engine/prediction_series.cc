@@ -11,30 +11,30 @@
 namespace motiondb::server {
 namespace {
 
-// A series is a long call: it gives way to other clients after each moment, and is bounded as a
-// whole.
-constexpr double kMostPredictions = 1 << 18;
+// A series is a long call: it yields to other clients after each moment, and its total size is
+// limited.
+constexpr double kMaxPredictions = 1 << 18;
 
 absl::Status CheckCount(const core::StateSequence& states, const SeriesOptions& options) {
   const std::size_t horizons = options.prediction.horizon_seconds.size();
   const double moments = 1 + states.frame_count() / states.frame_rate_hz / options.every_seconds;
-  if (moments * static_cast<double>(horizons) <= kMostPredictions) return absl::OkStatus();
+  if (moments * static_cast<double>(horizons) <= kMaxPredictions) return absl::OkStatus();
   return core::FieldViolation(
       "every_seconds",
-      "{:.0f} moments of {} horizons each; expected at most {:.0f} predictions in all: ask for "
-      "fewer horizons, longer steps or a shorter observation",
-      std::floor(moments), horizons, kMostPredictions);
+      "expected at most {2:.0f} predictions in total, got {0:.0f} moments with {1} horizons each: "
+      "use fewer horizons, longer steps or a shorter observation",
+      std::floor(moments), horizons, kMaxPredictions);
 }
 
 }  // namespace
 
 absl::Status CheckStep(double every_seconds, double frame_rate_hz) {
-  constexpr double kRounding = 1e-3;  // 0.0167 s is a frame at 60 Hz to who writes it
+  constexpr double kRounding = 1e-3;  // accepts 0.0167 s as one frame at 60 Hz
   if (every_seconds >= (1 - kRounding) / frame_rate_hz && std::isfinite(every_seconds)) {
     return absl::OkStatus();
   }
   return core::FieldViolation("every_seconds",
-                              "expected at least a frame of the database, {:.6f} s, got {}",
+                              "expected at least one frame of the database, {:.6f} s, got {}",
                               1 / frame_rate_hz, every_seconds);
 }
 
@@ -63,8 +63,8 @@ PredictionSeries::PredictionSeries(std::shared_ptr<const Snapshot> snapshot,
 
 absl::StatusOr<std::optional<core::Prediction>> PredictionSeries::Next() {
   const double at = first_seconds_ + made_ * every_seconds_;
-  // Moments are taken at the nearest frame, so rounding must not lose the last one. The first is
-  // always asked for: one outside the observation is the caller's mistake, and core says so.
+  // Moments are rounded to the nearest frame, so rounding must not lose the last one. The first
+  // moment is always predicted: if it is outside the observation, core returns the error.
   const double slack = 1e-6 / observation_.frame_rate_hz;
   if (made_ > 0 && at > last_seconds_ + slack) return std::optional<core::Prediction>();
   options_.at_seconds = made_ > 0 ? std::min(at, last_seconds_) : at;

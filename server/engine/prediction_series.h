@@ -1,5 +1,5 @@
-// Predictions from one moment of an observation after another, each made when it is asked for. Used
-// by one thread at a time; holds on to its model.
+// Predictions from successive moments of an observation, each computed on demand. Used by one
+// thread at a time; keeps its model alive.
 #pragma once
 
 #include <cstdint>
@@ -15,24 +15,25 @@ namespace motiondb::server {
 
 struct SeriesOptions {
   core::PredictOptions prediction;
-  // Time between two predictions: at least a frame of the database. In smaller steps the series
-  // would say the same again.
+  // Time between two predictions: at least one frame of the database. Smaller steps would repeat
+  // the same prediction.
   double every_seconds = 0;
 };
 
-// INVALID_ARGUMENT naming every_seconds.
+// Returns INVALID_ARGUMENT, naming every_seconds, if the step is too small.
 absl::Status CheckStep(double every_seconds, double frame_rate_hz);
 
 class PredictionSeries {
  public:
-  // From options.prediction.at_seconds (absent: history_seconds into the observation, or its end if
-  // that comes first) every options.every_seconds to the last frame of the observation.
-  // INVALID_ARGUMENT for too many predictions in all; RESOURCE_EXHAUSTED.
+  // Predicts every options.every_seconds, from options.prediction.at_seconds to the last frame of
+  // the observation. Default start: history_seconds into the observation, or its end if that is
+  // earlier. INVALID_ARGUMENT for too many predictions in total; RESOURCE_EXHAUSTED.
   static absl::StatusOr<std::shared_ptr<PredictionSeries>> Open(
       std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
       const SeriesOptions& options, const WorkTerms& terms);
 
-  // The next prediction; nothing after the last. Codes as core::Predict; RESOURCE_EXHAUSTED.
+  // Returns the next prediction; nullopt after the last. Codes as core::Predict;
+  // RESOURCE_EXHAUSTED.
   absl::StatusOr<std::optional<core::Prediction>> Next();
 
   const core::Model& model() const { return snapshot_->model; }
@@ -49,7 +50,7 @@ class PredictionSeries {
   const double every_seconds_;
   const double last_seconds_;
   const double first_seconds_;
-  const std::int64_t bytes_;  // that one prediction takes, with the observation
+  const std::int64_t bytes_;  // memory of one prediction, with the observation
   int made_ = 0;
 };
 

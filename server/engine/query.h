@@ -1,6 +1,6 @@
-// A query of one database, put to the model that is current when it begins: the observation becomes
-// states, the memory that the answer takes is reserved, core answers. Options are checked before
-// anything is computed. Thread-safe; holds on to its database and its model.
+// A query of one database. Uses the model that is current when it begins: converts the observation
+// to states, reserves the memory of the answer and calls core. Options are checked before anything
+// is computed. Keeps its database and its model alive.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ namespace motiondb::server {
 
 class Query {
  public:
-  // `database`: its id. The engine must outlive the query. NOT_FOUND; FAILED_PRECONDITION where the
+  // `database`: id. The engine must outlive the query. NOT_FOUND; FAILED_PRECONDITION if the
   // database has no model.
   static absl::StatusOr<Query> Begin(Engine& engine, const std::string& database, WorkTerms terms);
 
@@ -31,13 +31,13 @@ class Query {
   const core::Model& model() const { return snapshot_->model; }
   const WorkTerms& terms() const { return terms_; }
 
-  // The observation as states (StatesOf) and as the database's markers (MarkersOf).
+  // Converts the observation to states (StatesOf) or to the database's markers (MarkersOf).
   absl::StatusOr<core::StateSequence> States(const Observation& observation) const;
   absl::StatusOr<core::MarkerMotion> Markers(const Observation& observation) const;
 
-  // As core's functions of the same name. Codes: theirs, those of States, and RESOURCE_EXHAUSTED
-  // where the answer takes too much memory. `top_count`: clips and labels that the response will
-  // have for each window; 0: all.
+  // Like core's functions of the same name. Codes: theirs, those of States, and RESOURCE_EXHAUSTED
+  // if the answer takes too much memory. `top_count`: clips and labels in the response for each
+  // window; 0: all.
   absl::StatusOr<std::vector<core::RecognizedWindow>> Recognize(
       const Observation& observation, const core::RecognizeOptions& options, int top_count) const;
   absl::StatusOr<core::Estimation> Estimate(const Observation& observation,

@@ -20,15 +20,16 @@ Bytes BytesOfRows(const core::Model& model, Bytes frames) {
   return frames * MarkerCount(model) * 24;
 }
 
-// Nodes of the layer; of all layers where there is none such, which the query itself reports.
+// Number of nodes of the layer; of all layers if the layer does not exist, which the query reports
+// itself.
 Bytes NodeCount(const core::Model& model, int layer) {
   const auto resolved = model.ResolveLayer(layer);
   return resolved.ok() ? model.tree().node_count(*resolved)
                        : static_cast<Bytes>(model.tree().branches().size());
 }
 
-// Where the steps of the dynamic programme come from; and the steps of two frames, lists that may
-// have room for twice as many paths as they have.
+// Back pointers of the dynamic programme, and the steps of two frames, whose lists may have
+// capacity for twice as many paths.
 Bytes BytesOfSteps(Bytes frames, Bytes candidates, Bytes paths) {
   return frames * (64 + 4 * candidates * paths) + 2 * candidates * (40 + 32 * paths);
 }
@@ -37,12 +38,12 @@ Bytes BytesOfSteps(Bytes frames, Bytes candidates, Bytes paths) {
 Bytes BytesOfNodePaths(const core::Model& model, Bytes frames,
                        const core::NodePathOptions& options) {
   constexpr Bytes kFrame = 384;
-  constexpr Bytes kDescent = 40;  // a candidate, on the way down the tree
-  constexpr Bytes kLattice = 20;  // a candidate, with its place among the nodes
+  constexpr Bytes kDescent = 40;  // a candidate in the descent of the tree
+  constexpr Bytes kLattice = 20;  // a candidate and its index among the nodes
   constexpr Bytes kKeptRows = 512;
-  constexpr Bytes kMostThrough = 1 << 20;
+  constexpr Bytes kMaxTransitionTable = 1 << 20;
   const Bytes nodes = NodeCount(model, options.layer);
-  // Where the strict rule leaves no path through the candidates, all nodes are searched.
+  // If the strict rule leaves no path through the candidates, all nodes are searched.
   const bool all = options.max_candidates == 0 || options.transition_floor == 0;
   const Bytes candidates = all ? nodes : std::min<Bytes>(2 * Bytes{options.max_candidates}, nodes);
   const Bytes visited = std::min(nodes, frames * candidates);
@@ -51,10 +52,10 @@ Bytes BytesOfNodePaths(const core::Model& model, Bytes frames,
   const Bytes along = frames * (candidates * kLattice + 8 * options.path_count) +
                       BytesOfSteps(frames, candidates, options.path_count);
   return frames * kFrame + std::max(down, along) + 8 * rows + 16 * nodes +
-         8 * std::min(candidates * candidates, kMostThrough);
+         8 * std::min(candidates * candidates, kMaxTransitionTable);
 }
 
-// Stored frames of the longest clip at the rate at which clips are compared.
+// Stored frames of the longest clip, at the rate of clip comparison.
 Bytes LongestCompared(const core::Model& model) {
   Bytes longest = 0;
   for (const core::ModelClip& clip : model.clips()) {
@@ -63,7 +64,7 @@ Bytes LongestCompared(const core::Model& model) {
   return longest / core::FrameStride(model.settings().frame_rate_hz) + 1;
 }
 
-// The metric of the markers that are there, and the nodes and one clip in it.
+// The metric of the observed markers, and the nodes and one clip in it.
 Bytes BytesOfOwnMetric(const core::Model& model) {
   const Bytes dimensions = 6 * Bytes{MarkerCount(model)};
   const Bytes projected = model.metric().projection.cols();
@@ -78,9 +79,9 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
                               const core::RecognizeOptions& options, int top_count) {
   constexpr Bytes kWindow = 512;    // with its message
   constexpr Bytes kScore = 64;      // of a clip or label
-  constexpr Bytes kClipSent = 320;  // as a message with two names, and as it is sent
+  constexpr Bytes kClipSent = 320;  // message with two names, and its serialized form
   constexpr Bytes kLabelSent = 200;
-  constexpr Bytes kMostAligned = 64;  // clips
+  constexpr Bytes kMaxAlignedClips = 64;  // clips
   const Bytes frames = states.frame_count();
   const auto in_frames = [&](double seconds) {
     return std::max<Bytes>(
@@ -91,12 +92,12 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
   const bool align = options.method == core::Method::kBest && !model.metric().empty();
   const Bytes nodes = NodeCount(model, options.layer);
   const auto clips = static_cast<Bytes>(model.clips().size());
-  const Bytes compared = align ? std::min(clips, kMostAligned) : clips;
+  const Bytes compared = align ? std::min(clips, kMaxAlignedClips) : clips;
   const auto labels = static_cast<Bytes>(core::Labels(model).size());
-  const Bytes told = top_count > 0 ? std::min<Bytes>(compared, top_count) : compared;
+  const Bytes listed = top_count > 0 ? std::min<Bytes>(compared, top_count) : compared;
   Bytes bytes =
       BytesOfStates(states.frame_count(), MarkerCount(model)) + 2 * BytesOfRows(model, frames) +
-      windows * (kWindow + (compared + labels) * kScore + told * kClipSent + labels * kLabelSent);
+      windows * (kWindow + (compared + labels) * kScore + listed * kClipSent + labels * kLabelSent);
   if (align) {
     constexpr Bytes kLanes = 16;
     bytes += 4 * frames * model.metric().projection.cols() + 8 * kLanes * LongestCompared(model) +
@@ -113,7 +114,7 @@ std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequenc
 
 std::int64_t BytesToEstimate(const core::Model& model, const core::StateSequence& states,
                              const core::EstimateOptions& options) {
-  constexpr Bytes kMarkerFilled = 56;  // as a result, a message and what is sent
+  constexpr Bytes kMarkerFilled = 56;  // result, message and serialized form
   constexpr Bytes kFrameFilled = 256;
   constexpr Bytes kMarkerRegressed = 16 << 10;
   constexpr Bytes kFrameTried = 1200;
@@ -133,8 +134,8 @@ std::int64_t BytesToEstimate(const core::Model& model, const core::StateSequence
 
 std::int64_t BytesToPredict(const core::Model& model, const core::StateSequence& states,
                             const core::PredictOptions& options) {
-  constexpr Bytes kMarkerOfExamples = 120 << 10;  // keys of the stored moments, and features
-  constexpr Bytes kHorizon = 400;                 // as a result, a message and what is sent
+  constexpr Bytes kMarkerOfExamples = 120 << 10;  // keys of stored moments, and features
+  constexpr Bytes kHorizon = 400;                 // result, message and serialized form
   constexpr Bytes kMarkerOfHorizon = 40;
   const auto history =
       static_cast<Bytes>(std::clamp(std::round(options.history_seconds * states.frame_rate_hz), 1.0,
@@ -157,7 +158,7 @@ std::int64_t BytesToPredict(const core::Model& model, const core::StateSequence&
 
 ObserveMemory BytesToObserve(const core::Model& model, const core::ObserverOptions& options) {
   constexpr Bytes kKeptClips = 80;
-  constexpr Bytes kMarkerKept = 64;  // of a frame: as it came, as a state and scaled
+  constexpr Bytes kMarkerKept = 64;  // of a frame: raw, as state and scaled
   constexpr Bytes kFrameKept = 256;
   const double rate = model.settings().frame_rate_hz;
   const auto in_frames = [&](double seconds) {
@@ -169,7 +170,7 @@ ObserveMemory BytesToObserve(const core::Model& model, const core::ObserverOptio
   const Bytes nodes = NodeCount(model, options.layer);
   const Bytes projected = model.metric().projection.cols();
   const auto clips = static_cast<Bytes>(model.clips().size());
-  // Each frame of the window beside each frame of the clips that it is compared with.
+  // Each frame of the window against each frame of the compared clips.
   const Bytes compared = std::min(kKeptClips * LongestCompared(model),
                                   static_cast<Bytes>(model.metric_frames().rows.frame.size()));
   ObserveMemory memory;
@@ -190,7 +191,7 @@ ObserveMemory BytesToObserve(const core::Model& model, const core::ObserverOptio
 }
 
 std::int64_t BytesOfClipNames(const core::Prediction& prediction) {
-  constexpr Bytes kName = 256;  // as a string and as it is sent
+  constexpr Bytes kName = 256;  // string and serialized form
   Bytes names = 0;
   for (const core::NextNode& next : prediction.next_nodes) names += std::ssize(next.clips);
   return names * kName;
@@ -198,8 +199,8 @@ std::int64_t BytesOfClipNames(const core::Prediction& prediction) {
 
 std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& problem) {
   constexpr Bytes kSearch = 12 << 20;
-  constexpr Bytes kStoredFrame = 32;      // axis, path length, jolt, run
-  constexpr Bytes kFrameOfOne = 2 << 10;  // while a motion is made
+  constexpr Bytes kStoredFrame = 32;          // axis, path length, jolt, run
+  constexpr Bytes kFrameSynthesis = 2 << 10;  // during the synthesis of a motion
   const double rate =
       problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model.settings().frame_rate_hz;
   const auto frames = static_cast<Bytes>(problem.max_duration_seconds * rate) + 1;
@@ -208,13 +209,13 @@ std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& prob
       problem.start.observation
           ? BytesOfStates(problem.start.observation->frame_count(), MarkerCount(model))
           : 0;
-  return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameOfOne +
+  return start + kSearch + model.frame_count() * kStoredFrame + frames * kFrameSynthesis +
          frames * (1 + problem.alternative_count) * (24 + 8 * dofs + 12 * MarkerCount(model));
 }
 
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files) {
   constexpr Bytes kFrame = 160;        // root and nodes
-  constexpr Bytes kAngle = 8 + 3 * 4;  // as result, floats, a message and what is sent
+  constexpr Bytes kAngle = 8 + 3 * 4;  // result, floats, message and serialized form
   constexpr Bytes kAngleAsText = 4 * 14;
   Bytes bytes = 0;
   for (const core::PlannedMotion& motion : answer.motions) {

@@ -1,6 +1,5 @@
-// Memory that queries take: estimates from above, by the observation, the options and the model,
-// before anything is computed. All in bytes; the observation's states are included. Pure; safe to
-// call from any thread.
+// Upper bounds of the memory of queries, computed before anything is allocated, from observation,
+// options and model. All in bytes, with the states of the observation.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +13,26 @@
 
 namespace motiondb::server {
 
-// With `top_count` as in RecognizeRequest; the response is included.
+// With the response; `top_count` as in RecognizeRequest.
 std::int64_t BytesToRecognize(const core::Model& model, const core::StateSequence& states,
                               const core::RecognizeOptions& options, int top_count);
-// The response is included.
+// With the response.
 std::int64_t BytesToEstimate(const core::Model& model, const core::StateSequence& states,
                              const core::EstimateOptions& options);
-// The response is included, but for the names of clips.
+// With the response except clip names.
 std::int64_t BytesToPredict(const core::Model& model, const core::StateSequence& states,
                             const core::PredictOptions& options);
-// Names of clips in the response to a prediction.
+// Clip names in the response of a prediction.
 std::int64_t BytesOfClipNames(const core::Prediction& prediction);
 // Memory of a stream of frames.
 struct ObserveMemory {
-  std::int64_t kept = 0;    // from its beginning to its end
-  std::int64_t answer = 0;  // and while it answers
+  std::int64_t kept = 0;    // for the whole stream
+  std::int64_t answer = 0;  // in addition, while it computes an answer
 };
 ObserveMemory BytesToObserve(const core::Model& model, const core::ObserverOptions& options);
-// Without the response; `problem` with its skeleton.
+// Without the response. `problem` must have its skeleton.
 std::int64_t BytesToPlan(const core::Model& model, const core::PlanProblem& problem);
-// The plan and the response with it.
+// The plan and its response.
 std::int64_t BytesOfPlan(const core::PlanAnswer& answer, bool with_files);
 
 }  // namespace motiondb::server

@@ -9,25 +9,27 @@
 namespace motiondb::server {
 namespace {
 
-// Frames times joints: some three seconds of forward kinematics. A quarter of a million frames have
-// 268 joints.
-constexpr double kMostPlacings = 1 << 26;
-// Frames of a set of more markers take more memory and time; the limit is meant for these.
+// Maximum frames x joints: about three seconds of forward kinematics; 268 joints for 250,000
+// frames.
+constexpr double kMaxPlacings = 1 << 26;
+// Number of markers that max_frames is meant for: more markers need more memory and time for each
+// frame.
 constexpr double kUsualMarkers = 34;
-// Frames times markers or joints: half a minute of 34 markers at 60 Hz, a tenth of a second of
-// recognition with its windows far apart, some seconds with one at each frame.
-constexpr double kMostLightPoints = 1 << 16;
+// Maximum frames x markers or joints of light work: 30 s of 34 markers at 60 Hz. Recognition takes
+// 0.1 s with few windows, some seconds with a window at each frame.
+constexpr double kMaxLightPoints = 1 << 16;
 
 constexpr char kHeavyWorkMark[] = "motiondb.heavy-work";
 
 absl::Status HeavyWork() {
-  absl::Status status = absl::ResourceExhaustedError("this is heavy work");
+  absl::Status status = absl::ResourceExhaustedError("heavy work is not allowed here");
   status.SetPayload(kHeavyWorkMark, absl::Cord());
   return status;
 }
 
-absl::Status TooLong(const std::string& how) {
-  return absl::ResourceExhaustedError("the motion " + how + " (--max-frames): send it in parts");
+absl::Status TooLong(const std::string& problem) {
+  return absl::ResourceExhaustedError("the motion " + problem +
+                                      " (--max-frames): split it into shorter parts");
 }
 
 double FrameCount(const core::Motion& motion) {
@@ -37,8 +39,8 @@ double FrameCount(const core::Motion& motion) {
   return static_cast<double>(std::get<core::MarkerMotion>(motion).positions_m.rows());
 }
 
-// The motion, the database's markers at its own rate (with the offsets of links, which are double)
-// and at the database's, their states, and what sizes and gaps are measured with.
+// Memory for the motion, the database's markers at the motion's rate (with link offsets in double
+// precision) and at the database's rate, their states, and temporary data for sizes and gaps.
 std::int64_t BytesToRepresent(const core::Motion& motion, std::int64_t frames, int marker_count) {
   constexpr std::int64_t kMeasures = 64;  // a frame
   const auto own_frames = static_cast<std::int64_t>(FrameCount(motion));
@@ -72,36 +74,36 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
   const double own_frames = FrameCount(motion);
   if (FrameRate(motion) * kMostFramesForOne < limits.frame_rate_hz) {
     return core::InvalidArgument(
-        "the frame rate is {:g} Hz (Frame Time: {:g}); expected at least {:g} Hz, 1/{:g} of the "
-        "database's {:g} Hz: check its unit",
+        "expected a frame rate of at least {2:g} Hz, 1/{3:g} of the database's {4:g} Hz, got "
+        "{0:g} Hz (Frame Time: {1:g}): check its unit",
         FrameRate(motion), 1 / FrameRate(motion), limits.frame_rate_hz / kMostFramesForOne,
         kMostFramesForOne, limits.frame_rate_hz);
   }
   if (own_frames > limits.max_frames) {
-    return TooLong(
-        fmt::format("has {} frames; at most {} are taken", own_frames, limits.max_frames));
+    return TooLong(fmt::format("has {} frames, the limit is {}", own_frames, limits.max_frames));
   }
   const double seconds = own_frames / FrameRate(motion);
   const double frames = std::max(own_frames, seconds * limits.frame_rate_hz);
   if (!(frames <= limits.max_frames)) {
-    return TooLong(fmt::format(
-        "has {} frames at {:g} Hz, {:g} s; at the database's {:g} Hz at most {} frames ({:g} s) "
-        "are taken",
-        own_frames, FrameRate(motion), seconds, limits.frame_rate_hz, limits.max_frames,
-        limits.max_frames / limits.frame_rate_hz));
+    return TooLong(
+        fmt::format("has {} frames at {:g} Hz, {:g} s; the limit at the database's {:g} Hz is {} "
+                    "frames, {:g} s",
+                    own_frames, FrameRate(motion), seconds, limits.frame_rate_hz, limits.max_frames,
+                    limits.max_frames / limits.frame_rate_hz));
   }
   const double points = frames * marker_count;
   if (points > limits.max_frames * kUsualMarkers) {
-    return TooLong(fmt::format("has {:.0f} frames; of {} markers at most {:.0f} are taken", frames,
+    return TooLong(fmt::format("has {:.0f} frames, the limit for {} markers is {:.0f}", frames,
                                marker_count, limits.max_frames * kUsualMarkers / marker_count));
   }
   const auto* const joints = std::get_if<core::JointMotion>(&motion);
   const double placings = joints == nullptr ? 0 : own_frames * joints->skeleton->joint_count();
-  if (placings > kMostPlacings) {
-    return core::InvalidArgument("the motion has {} frames of {} joints, more than can be placed",
-                                 own_frames, joints->skeleton->joint_count());
+  if (placings > kMaxPlacings) {
+    return core::InvalidArgument(
+        "the motion has {} frames of {} joints, the limit is 2^26 frames x joints: shorten it",
+        own_frames, joints->skeleton->joint_count());
   }
-  const bool light = std::max(points, placings) <= kMostLightPoints;
+  const bool light = std::max(points, placings) <= kMaxLightPoints;
   if (!light && limits.terms.allowed == Allowed::kLightWork) return HeavyWork();
   return limits.terms.Reserve(
       BytesToRepresent(motion, static_cast<std::int64_t>(frames) + 1, marker_count));

@@ -1,5 +1,4 @@
-// Brings motion to a database's markers and frame rate, with a limit on what comes of it. Safe to
-// call from any thread.
+// Converts motion to a database's markers and frame rate, within limits of size and memory.
 #pragma once
 
 #include <chrono>
@@ -15,18 +14,17 @@
 
 namespace motiondb::server {
 
-// What may be done at once, beside other calls: what is over within moments, or all that the limits
-// allow.
+// Allowed work: only light work, which ends within moments, or all work within the limits.
 enum class Allowed { kLightWork, kAllWork };
 
-// How much may be done, until when and with how much memory.
+// Limits of the work for a call: amount, time and memory.
 struct WorkTerms {
   Allowed allowed = Allowed::kAllWork;
   core::Cancelled cancelled;
-  // Reserves the memory (bytes) that the work may take from here on, in place of what was reserved
-  // for it before. Empty: there is no limit.
+  // Sets the memory reservation (bytes) for the rest of the work; replaces the previous one. Empty:
+  // no limit.
   std::function<absl::Status(std::int64_t)> reserve = {};
-  // When the caller gives up; far away where the caller set no time.
+  // Deadline of the caller; max() if the caller set none.
   std::chrono::system_clock::time_point deadline = std::chrono::system_clock::time_point::max();
 
   // RESOURCE_EXHAUSTED.
@@ -35,22 +33,23 @@ struct WorkTerms {
   }
 };
 
-// An observation or clip has at least one frame for so many of the database's. Between frames that
-// are further apart there is nothing but interpolation, and a few bytes would become hours.
+// A motion needs at least one frame for this many frames of the database. At a lower rate there is
+// only interpolation, and a few bytes would become hours of motion.
 inline constexpr double kMostFramesForOne = 32;
 
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
-  // At that rate, and of the motion at its own; of 34 markers, of more markers as many fewer.
+  // At the database's rate and at the motion's own rate, for 34 markers; proportionally fewer for
+  // more markers.
   int max_frames = 0;
   WorkTerms terms;
 };
 
-// Whether a motion was not represented because that is heavy work, which was not allowed.
+// Returns whether a conversion was refused because it is heavy work and only light work is allowed.
 bool IsHeavyWork(const absl::Status& status);
 
-// As core::Represent, within the memory that the terms give. RESOURCE_EXHAUSTED for a motion that
-// lasts too long or takes too much memory; INVALID_ARGUMENT for a frame rate too low. CANCELLED.
+// Like core::Represent, within `limits`. RESOURCE_EXHAUSTED if the motion is too long or needs too
+// much memory; INVALID_ARGUMENT if its frame rate is too low; CANCELLED; see also IsHeavyWork.
 absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& limits,
                                                     const core::MarkerScheme& scheme,
                                                     const core::Motion& motion,
@@ -58,17 +57,16 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes = nullptr);
 
-// Before a motion becomes the markers of a set, at the limits' frame rate; reserves the memory for
-// that. RESOURCE_EXHAUSTED for a motion that lasts too long or takes too much memory,
-// INVALID_ARGUMENT for one with a frame rate too low or with more joints in its frames than can be
-// placed; IsHeavyWork.
+// Checks the size of a motion before its conversion and reserves the memory for that.
+// RESOURCE_EXHAUSTED if the motion is too long or needs too much memory; INVALID_ARGUMENT if its
+// frame rate is too low or its frames have too many joints; see also IsHeavyWork.
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion);
 
-// Memory (bytes) of states with their root path.
+// Returns the memory (bytes) of states with their root path.
 std::int64_t BytesOfStates(std::int64_t frames, int marker_count);
 
-// Frame rate of the motion's own frames.
+// Returns the frame rate of the source frames, Hz.
 double FrameRate(const core::Motion& motion);
 
 }  // namespace motiondb::server

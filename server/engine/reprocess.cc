@@ -24,9 +24,9 @@ namespace {
 using storage::ClipRecord;
 using storage::DerivedClip;
 
-// Of one change of the store, which takes some ten milliseconds; a larger clip is one by itself.
-constexpr std::size_t kMostTogether = 256;
-constexpr std::int64_t kMostBytesTogether = 4 << 20;
+// Limits of one transaction of the store, about 10 ms; a larger clip has its own transaction.
+constexpr std::size_t kMaxClipsTogether = 256;
+constexpr std::int64_t kMaxBytesTogether = 4 << 20;
 
 template <typename Matrix>
 bool SameBytes(const Matrix& a, const Matrix& b) {
@@ -41,7 +41,7 @@ bool SameStates(const core::StateSequence& a, const core::StateSequence& b) {
          SameBytes(a.root_path, b.root_path);
 }
 
-DerivedClip NotDerived(const ClipRecord& clip, const absl::Status& why) {
+DerivedClip MakeFailed(const ClipRecord& clip, const absl::Status& why) {
   DerivedClip derived{.record = clip, .states = std::nullopt};
   derived.record.tried_version = core::kRepresentationVersion;
   derived.record.tried_time_us = NowMicroseconds();
@@ -49,13 +49,13 @@ DerivedClip NotDerived(const ClipRecord& clip, const absl::Status& why) {
   return derived;
 }
 
-// The number of clips, from the first on, that are derived and stored together.
+// Returns the number of clips, from the first on, that are derived and stored together.
 std::size_t CountTogether(std::span<const ClipRecord> clips) {
   std::int64_t bytes = 0;
   std::size_t count = 0;
-  while (count < std::min(clips.size(), kMostTogether)) {
+  while (count < std::min(clips.size(), kMaxClipsTogether)) {
     bytes += clips[count].byte_count;
-    if (count > 0 && bytes > kMostBytesTogether) break;
+    if (count > 0 && bytes > kMaxBytesTogether) break;
     ++count;
   }
   return count;
@@ -87,13 +87,13 @@ class Reprocessor {
     }
     const absl::Status stored = Store(clips, to_store);
     if (!absl::IsDataLoss(stored)) return stored;
-    // One of them cannot be replaced; the others can.
-    for (DerivedClip& one : to_store) {
-      absl::Status alone = Store(clips, std::span(&one, 1));
+    // One of the clips cannot be replaced: store them one by one.
+    for (DerivedClip& single : to_store) {
+      absl::Status alone = Store(clips, std::span(&single, 1));
       if (absl::IsDataLoss(alone)) {
-        const auto clip = std::ranges::find(clips, one.record.id, &ClipRecord::id);
-        one = NotDerived(*clip, alone);
-        alone = Store(clips, std::span(&one, 1));
+        const auto clip = std::ranges::find(clips, single.record.id, &ClipRecord::id);
+        single = MakeFailed(*clip, alone);
+        alone = Store(clips, std::span(&single, 1));
       }
       MOTIONDB_RETURN_IF_ERROR(alone);
     }
@@ -101,11 +101,11 @@ class Reprocessor {
   }
 
  private:
-  // Errors are of the store, or CANCELLED: those of the clip are in the result.
+  // Returns errors of the store, or CANCELLED. Errors of the clip are in the result.
   absl::StatusOr<DerivedClip> Derive(const ClipRecord& clip) {
     if (stopped_()) return absl::CancelledError("stopped");
     const auto source = store_.ReadClipSource(clip.database, clip.id);
-    if (absl::IsDataLoss(source.status())) return NotDerived(clip, source.status());
+    if (absl::IsDataLoss(source.status())) return MakeFailed(clip, source.status());
     if (!source.ok()) return source.status();
     std::optional<core::SourceFile> skeleton;
     if (!clip.skeleton_file_name.empty()) {
@@ -113,11 +113,11 @@ class Reprocessor {
     }
     const auto file = core::ReadMotionFile(clip.format, {clip.file_name, source->file_bytes},
                                            skeleton, clip.given);
-    if (!file.ok()) return NotDerived(clip, file.status());
+    if (!file.ok()) return MakeFailed(clip, file.status());
     std::vector<std::string> notes;
     auto states = Represent(file->motion, clip.given_leg_length_m, notes);
     if (absl::IsCancelled(states.status())) return states.status();
-    if (!states.ok()) return NotDerived(clip, states.status());
+    if (!states.ok()) return MakeFailed(clip, states.status());
 
     DerivedClip derived{.record = clip, .states = std::nullopt};
     ClipRecord& record = derived.record;
@@ -128,7 +128,7 @@ class Reprocessor {
     record.duration_seconds = states->frame_count() / states->frame_rate_hz;
     record.leg_length_m = states->leg_length_m;
     record.source_report = ReportOf(file->report, notes);
-    // Where they come out as they were, a model that knows them stays right.
+    // If the states are unchanged, a model with the clip stays valid.
     const auto former = store_.ReadClipStates(clip.database, clip.id);
     if (!former.ok() && !absl::IsDataLoss(former.status())) return former.status();
     if (!former.ok() || !SameStates(*former, *states)) derived.states = *std::move(states);
@@ -144,7 +144,7 @@ class Reprocessor {
     notes.clear();
     auto kept = Represent(motion, core::GlitchPolicy::kKeep, leg_length_m, notes);
     if (!kept.ok() || kept->glitches.empty()) return states;
-    notes.push_back(fmt::format("kept because it was stored before they were looked for: {}",
+    notes.push_back(fmt::format("kept because it was stored before glitch detection: {}",
                                 std::string(states.status().message())));
     return kept;
   }
@@ -153,25 +153,27 @@ class Reprocessor {
                                                 core::GlitchPolicy policy,
                                                 std::optional<double> leg_length_m,
                                                 std::vector<std::string>& notes) const {
-    // The limit is for what comes in; this is in.
+    // No frame limit: the clip is already stored.
     const RepresentationLimits limits{database_.settings().frame_rate_hz,
                                       std::numeric_limits<int>::max(),
                                       {Allowed::kAllWork, stopped_}};
     auto states = RepresentWithin(limits, scheme_, motion, policy, leg_length_m, &notes);
     if (states.ok() && states->frame_count() < kFewestFrames) {
-      return core::InvalidArgument("fewer than {} frames are left", kFewestFrames);
+      return core::InvalidArgument("expected at least {} frames at the database's rate, got fewer",
+                                   kFewestFrames);
     }
     return states;
   }
 
-  // `listed`: the clips as they were, among others.
+  // `listed`: contains the former records of `clips`.
   absl::Status Store(std::span<const ClipRecord> listed, std::span<const DerivedClip> clips) {
     return database_.WithSharedUse(Retiring::kAwait, [&]() -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const auto stored, store_.PutDerived(database_.name(), clips));
       for (const ClipRecord& clip : stored) {
         const auto former = std::ranges::find(listed, clip.id, &ClipRecord::id);
         const auto derived = std::ranges::find(
-            clips, clip.id, [](const DerivedClip& one) -> const auto& { return one.record.id; });
+            clips, clip.id,
+            [](const DerivedClip& single) -> const auto& { return single.record.id; });
         Note(*former, clip, derived->states.has_value());
       }
       return absl::OkStatus();
@@ -231,8 +233,8 @@ absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase&
     first += count;
   }
   const Reprocessed& done = reprocessor.done();
-  spdlog::info("database '{}': clips derived again: {}, with other states: {}, failed: {}",
-               database.name(), done.clips, done.changed, done.failed);
+  spdlog::info("database '{}': clips derived again: {}, changed: {}, failed: {}", database.name(),
+               done.clips, done.changed, done.failed);
   return done;
 }
 

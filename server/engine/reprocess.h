@@ -1,5 +1,5 @@
-// Derives the states of stored clips again from the files that came in, as if they were ingested by
-// the present version, each with what its ingest was given.
+// Derives the states of stored clips again from their source files, with the parameters of their
+// ingest, as if they were ingested by the current version.
 #pragma once
 
 #include <cstdint>
@@ -14,26 +14,25 @@
 namespace motiondb::server {
 
 struct Reprocessed {
-  int clips = 0;    // that were tried; deleted ones are not counted
-  int changed = 0;  // that have other states now
-  int failed = 0;   // that could not be derived
+  int clips = 0;    // tried; without deleted clips
+  int changed = 0;  // with different states now
+  int failed = 0;   // could not be derived
 };
 
-// Derives again the clips that the present representation (core::kRepresentationVersion) has not
-// tried, and those that were last tried before `asked_time_us`. Which these are is stored with the
-// clips: after a call that did not end, also because the process did, the next one does the rest.
-// The states that the current model was built from stay beside the new ones until another is
-// stored.
+// Derives again all clips that the current representation (core::kRepresentationVersion) has not
+// tried, or that were last tried before `asked_time_us`. The store keeps which clips were tried, so
+// the next call completes a call that was interrupted, also by a crash. The states of the current
+// model are kept beside the new ones until another model is stored.
 //
-// No clip is lost. One with glitches that the database's setting refuses is derived as by `keep`,
-// and its report says so. One that cannot be derived, because its file is damaged or a reader
-// refuses it now, keeps the states that it has, with the reason (LiveDatabase::NoteUnderived);
-// those of another version are in no new model, and are tried again when that is asked for, or by
-// the next version.
+// No clip is lost. A clip with glitches that the database's setting refuses is derived with the
+// setting `keep`, and its report notes that. A clip that cannot be derived, because its file is
+// corrupt or its reader refuses it now, keeps its states and the reason
+// (LiveDatabase::NoteUnderived). States of another version are in no new model. They are tried
+// again on request, or by the next version.
 //
-// `progress` is asked before each few clips, `stopped` often: CANCELLED. NOT_FOUND (the database
-// was deleted), and the codes of the store. REQUIRES: called from a build of ModelLifecycle, which
-// runs one at a time and beside no purge.
+// Calls `progress` before each group of clips and polls `stopped` often: CANCELLED. NOT_FOUND (the
+// database was deleted), and the codes of the store. REQUIRES: called from a build of
+// ModelLifecycle, which runs one at a time and never during a purge.
 absl::StatusOr<Reprocessed> Reprocess(storage::MotionStore& store, LiveDatabase& database,
                                       const core::ParallelFor& parallel, std::int64_t asked_time_us,
                                       const core::BuildProgress& progress,

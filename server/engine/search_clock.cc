@@ -5,17 +5,17 @@
 namespace motiondb::server {
 namespace {
 
-constexpr double kSearchShare = 0.5;  // of the time until the deadline
+constexpr double kSearchShare = 0.5;  // share of the time until the deadline
 
 double Seconds(std::chrono::duration<double> time) { return time.count(); }
 
 }  // namespace
 
 SearchClock::SearchClock(double limit_seconds, std::chrono::system_clock::time_point deadline) {
-  // As seconds: a call without a deadline has one that is too far away for a clock's ticks.
-  const double left = Seconds(deadline.time_since_epoch()) -
-                      Seconds(std::chrono::system_clock::now().time_since_epoch());
-  const double allowed = std::min(limit_seconds, std::max(0.0, kSearchShare * left));
+  // In seconds: the deadline of a call without one would overflow the clock's ticks.
+  const double remaining = Seconds(deadline.time_since_epoch()) -
+                           Seconds(std::chrono::system_clock::now().time_since_epoch());
+  const double allowed = std::min(limit_seconds, std::max(0.0, kSearchShare * remaining));
   search_end_ =
       start_ + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(allowed));
 }

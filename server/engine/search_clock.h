@@ -1,5 +1,5 @@
-// How long a plan may be searched for, and how long it took. core has no clock: the server lends it
-// this one. One object a call; not thread-safe.
+// Time limit and duration of the search for a plan. core has no clock, so the server passes this
+// one. One object for each call; not thread-safe.
 #pragma once
 
 #include <chrono>
@@ -8,15 +8,15 @@ namespace motiondb::server {
 
 class SearchClock {
  public:
-  // Starts now. The search is to end after `limit_seconds`, or when half of what is left until the
-  // call's deadline is gone: the rest is for making a motion of what was found.
+  // Starts now. The search ends after `limit_seconds`, or after half of the time until the call's
+  // deadline. The rest is for the synthesis of the motion.
   SearchClock(double limit_seconds, std::chrono::system_clock::time_point deadline);
 
   bool time_up() const { return Clock::now() >= search_end_; }
-  // From now on search_seconds() stands still.
+  // Stops search_seconds().
   void EndSearch() { search_end_seen_ = Clock::now(); }
 
-  // Time of the search, which began when the clock started; all the time where it has not ended.
+  // Duration of the search, since the clock started; it still grows until EndSearch.
   double search_seconds() const;
   double total_seconds() const;
 

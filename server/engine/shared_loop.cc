@@ -12,7 +12,8 @@
 namespace motiondb::server {
 namespace {
 
-// Outlives the call for helpers that come late; they find no index left and do not touch the body.
+// Shared with late helpers, so it may outlive the call: they find no index left and do not use the
+// body.
 class SharedLoop {
  public:
   SharedLoop(int count, const std::function<void(int)>& body) : count_(count), body_(body) {}
@@ -43,7 +44,7 @@ class SharedLoop {
         mutex_.AssertHeld();
         return done_ == count_;
       });
-      // The caller's alone from here on: a late helper must not be the one to let go of it.
+      // Moved to the caller, so that a late helper is not the last to release the exception.
       failure = std::move(failure_);
     }
     if (failure) std::rethrow_exception(failure);

@@ -5,7 +5,7 @@
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kMostSkeletons = 256;
+constexpr std::size_t kMaxSkeletons = 256;
 
 }  // namespace
 
@@ -21,9 +21,9 @@ absl::StatusOr<std::shared_ptr<const core::Skeleton>> SkeletonCache::Get(
   MOTIONDB_ASSIGN_OR_RETURN(core::Skeleton read, store_.GetSkeleton(database, skeleton));
   auto shared = std::make_shared<const core::Skeleton>(std::move(read));
   const storage::MutexLock lock(mutex_);
-  // What was read before a deletion must not be kept after it.
+  // A skeleton that was read before a deletion must not be cached after it.
   if (clear_count != clear_count_) return shared;
-  if (skeletons_.size() >= kMostSkeletons) skeletons_.clear();
+  if (skeletons_.size() >= kMaxSkeletons) skeletons_.clear();
   skeletons_[key] = shared;
   return shared;
 }

@@ -1,4 +1,4 @@
-// The skeletons that observations refer to, kept in memory once read. Thread-safe.
+// Cache of the skeletons that observations reference.
 #pragma once
 
 #include <map>
@@ -21,7 +21,7 @@ class SkeletonCache {
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<const core::Skeleton>> Get(const std::string& database,
                                                             const std::string& skeleton);
-  // Drops all: a clip or database was deleted, and skeletons may have gone with it.
+  // Drops all entries. Called after a deletion, which may have deleted skeletons.
   void Clear();
 
  private:

@@ -1,4 +1,4 @@
-// A model with its version and figures. Immutable; queries share it and hold on to it.
+// A model with its version and statistics. Immutable; queries share ownership.
 #pragma once
 
 #include <memory>
@@ -8,21 +8,21 @@
 
 namespace motiondb::server {
 
-// Whose calibration the answers of a model rest on (core/calibration/calibrate.h).
+// Source of a model's calibration (core/calibration/calibrate.h).
 enum class Calibration {
   kOwn,
-  kPrevious,  // that of the model before it, until its own is known
-  kTypical,   // core::RecognitionCalibration's and core::PredictionConfidence's defaults: there was
-              // no model before it
+  kPrevious,  // of the previous model, until its own is computed
+  kTypical,   // defaults of core::RecognitionCalibration and core::PredictionConfidence: there was
+              // no previous model
 };
 
 struct Snapshot {
-  // As stored; or the figures of a model that is not stored yet, which has no version of its own:
-  // it has that of the last stored model, 0 if there is none.
+  // As stored. A model that is not stored yet has the version of the last stored model, 0 if there
+  // is none.
   storage::ModelRecord record;
   core::Model model;
   Calibration calibration = Calibration::kOwn;
-  // Whether clips are added to it without a build (EngineOptions::extend_from).
+  // Whether clips can be added without a build (EngineOptions::extend_from).
   bool takes_clips = false;
 
   // Only a model with its own calibration is stored.

@@ -1,4 +1,4 @@
-// What Engine::Open does: the stored models come back, and what was left undone goes on.
+// Engine::Open and Restore: reads the stored models and resumes unfinished operations.
 #include <spdlog/spdlog.h>
 
 #include <utility>
@@ -26,24 +26,25 @@ absl::StatusOr<StoreAmount> Engine::Load() {
   LiveDatabases databases;
   absl::Status status = ReadDatabases(databases);
   if (status.ok() && !read_only) status = ResumeOperations(databases);
-  // A history that cannot be read is no reason not to serve: models that lack clips are found next.
+  // Serve also if the history of operations is unreadable: the next step finds models that lack
+  // clips.
   if (absl::IsDataLoss(status)) {
     damages_.Note({"", fmt::format("operations: {}", std::string(status.message()))});
     status = absl::OkStatus();
   }
-  if (status.ok() && !read_only) status = RebuildWhereNeeded(databases);
+  if (status.ok() && !read_only) status = RebuildOutdated(databases);
   StoreAmount amount;
   amount.database_count = static_cast<std::int32_t>(databases.size());
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
-  // Last: what comes in from then on finds clips counted and models read. Also where something
-  // could not be read or resumed, for all of it is stored.
+  // Last: callers then find clips counted and models read. Also done if something could not be read
+  // or resumed, because all of it is stored.
   const storage::MutexLock lock(mutex_);
   if (draining_) {
     for (const auto& [name, live] : databases) live->lifecycle().BeginStop();
   }
   databases_.merge(databases);
   if (!status.ok()) return status;
-  // A former server, or the one that a backup is of, may have stopped before it did.
+  // The previous server, or the server of the backup, may have stopped before its purge.
   if (!read_only) FreeDeletedDatabases();
   return amount;
 }
@@ -53,7 +54,7 @@ absl::Status Engine::ReadDatabases(LiveDatabases& databases) {
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListDatabases(page));
     for (const auto& record : records) {
-      // Also where its clips cannot be listed: what is left of it can be deleted then.
+      // Also if its clips cannot be listed, so that the rest of it can be deleted.
       auto& live = databases[record.name];
       live = Serve(record.name, record.settings);
       const absl::Status read = ReadDatabase(*live, record);
@@ -74,9 +75,9 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
     damages_.Note({"databases/" + record.name, std::string(scheme.status().message())});
   }
   live.set_scheme(std::move(scheme));
-  // A former server may have stopped before it did.
+  // The previous server may have stopped before its purge.
   if (store_->upkeep().CheckIsWritable().ok()) live.lifecycle().PurgeUnlessBuilding();
-  // Queries are answered by the model alone, also where the list of clips is damaged.
+  // Queries need only the model, even if the list of clips is corrupt.
   live.lifecycle().LoadStored(damages_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) {
@@ -84,34 +85,34 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
     live.NoteUnderived(clip.id, clip.derive_error);
   }
   const auto snapshot = live.lifecycle().snapshot();
-  spdlog::info("database '{}': clips {}, model {}", record.name, clips.size(),
+  spdlog::info("database '{}' loaded: clips={} model={}", record.name, clips.size(),
                snapshot == nullptr ? 0 : snapshot->record.version);
   return absl::OkStatus();
 }
 
 absl::Status Engine::ResumeOperations(const LiveDatabases& databases) {
   constexpr int kLimit = 1000;
-  std::vector<storage::OperationRecord> undone;  // newest first
+  std::vector<storage::OperationRecord> unfinished;  // newest first
   std::string before;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records, store_->ListOperations("", before, kLimit));
     for (const auto& record : records) {
-      if (!record.done()) undone.push_back(record);
+      if (!record.done()) unfinished.push_back(record);
     }
     if (static_cast<int>(records.size()) < kLimit) break;
     before = records.back().id;
   }
-  for (auto record = undone.rbegin(); record != undone.rend(); ++record) {
+  for (auto record = unfinished.rbegin(); record != unfinished.rend(); ++record) {
     const auto live = databases.find(record->database);
     if (live == databases.end()) continue;
     MOTIONDB_ASSIGN_OR_RETURN(const auto operation, operations_.Adopt(*record));
-    spdlog::info("database '{}': operation {} goes on", operation.database, operation.id);
+    spdlog::info("database '{}': operation {} resumed", operation.database, operation.id);
     live->second->lifecycle().Resume(operation.id);
   }
   return absl::OkStatus();
 }
 
-absl::Status Engine::RebuildWhereNeeded(const LiveDatabases& databases) {
+absl::Status Engine::RebuildOutdated(const LiveDatabases& databases) {
   for (const auto& [name, live] : databases) {
     if (!live->lifecycle().operation().empty()) continue;
     const auto up_to_date = live->lifecycle().IsUpToDate();
@@ -129,18 +130,18 @@ absl::Status Engine::RebuildWhereNeeded(const LiveDatabases& databases) {
 
 absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
                                             const core::Cancelled& cancelled) {
-  // Takes as long as reading all of it: databases may be created meanwhile, which Finish finds.
+  // Takes as long as reading the whole backup. Databases may be created meanwhile; Finish detects
+  // that.
   MOTIONDB_RETURN_IF_ERROR(restore.Check(cancelled));
-  // Nobody creates a database from here on.
+  // No database can be created while this lock is held.
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(cancelled));
   MOTIONDB_RETURN_IF_ERROR(restore.Finish(cancelled));
-  // All of it is stored, and is served whether or not the caller still waits.
+  // The backup is stored, and is served even if the caller gave up.
   const core::Cancelled never;
   const storage::ReadScope scope(never);
   skeletons_.Clear();
   MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount amount, Load());
-  spdlog::info("restored a backup: {} databases, {} clips", amount.database_count,
-               amount.clip_count);
+  spdlog::info("backup restored: databases={} clips={}", amount.database_count, amount.clip_count);
   return amount;
 }
 

@@ -36,7 +36,7 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
       continue;
     }
     if (!states.ok()) return states.status();
-    database.ForgetUnreadable(clip);  // a disk may give back what it did not
+    database.ForgetUnreadable(clip);  // the disk may have recovered
     inputs.push_back({clip, record->label, *std::move(states), record->subject});
   }
   return inputs;

@@ -1,4 +1,4 @@
-// The clips of a database, as they are read from the store. Safe to call from any thread.
+// Reads the clips of a database from the store.
 #pragma once
 
 #include <cstddef>
@@ -13,13 +13,13 @@
 
 namespace motiondb::server {
 
-// The clips in order of id, the order that models are built in.
+// Returns the clips ordered by id, the order that models are built in.
 absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& store,
                                                           const std::string& database);
 
-// The states of these clips as a model takes them. Leaves out a clip that was deleted meanwhile,
-// and one that is corrupt, which the database then knows (LiveDatabase::NoteUnreadable). CANCELLED
-// if `go_on`, asked before each with how many were read, returns false; empty: nobody is asked.
+// Returns the states of these clips as model input. Skips clips that were deleted meanwhile, and
+// corrupt clips, which it records (LiveDatabase::NoteUnreadable). CANCELLED if `go_on` returns
+// false; it is called before each clip with the number of clips read. `go_on` may be empty.
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
     const std::function<bool(std::size_t)>& go_on = {});

@@ -12,9 +12,9 @@ void RunHandlers(boost::asio::io_context& context) {
       context.run();
       return;
     } catch (const std::exception& error) {
-      // Work that can fail catches what it throws: this is the last resort, so that one handler
-      // does not end the process.
-      spdlog::error("work on a server thread ended with an exception: {}", error.what());
+      // Last resort, so that one handler does not end the process: work that may fail catches its
+      // own exceptions.
+      spdlog::error("unhandled exception on a server thread: {}", error.what());
     }
   }
 }

@@ -1,5 +1,5 @@
-// Threads that run handlers: posted work and timers. Unlike boost::asio::thread_pool it outlives
-// what a handler throws, which is logged, and a thread that cannot be started. Thread-safe.
+// Threads that run handlers: posted work and timers. Unlike boost::asio::thread_pool it survives
+// exceptions of handlers, which it logs, and a thread that cannot be started.
 #pragma once
 
 #include <boost/asio/executor_work_guard.hpp>
@@ -9,17 +9,17 @@
 
 namespace motiondb::server {
 
-// Runs handlers on the calling thread until the context has no more work or is stopped. What a
-// handler throws is logged, and costs what it did alone.
+// Runs handlers on the calling thread until the context has no more work or is stopped. Logs the
+// exception of a handler and continues with the next.
 void RunHandlers(boost::asio::io_context& context);
 
 class ThreadPool {
  public:
   using Executor = boost::asio::io_context::executor_type;
 
-  // Throws std::system_error if a thread cannot be started; those started before have ended then.
+  // Throws std::system_error if a thread cannot be started, after the other threads have ended.
   explicit ThreadPool(int threads);
-  // Ends handlers under way; handlers that have not begun are dropped.
+  // Waits for running handlers; drops handlers that have not begun.
   ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
@@ -27,9 +27,9 @@ class ThreadPool {
   Executor executor() { return context_.get_executor(); }
   boost::asio::io_context& context() { return context_; }
 
-  // Returns when all work is done and all timers have ended. Nothing may be posted afterwards.
+  // Returns when all work is done and all timers have ended. No work may be posted afterwards.
   void Join();
-  // Returns when no handler runs any more, and none begins.
+  // Returns when no handler runs; none begins afterwards.
   void Stop();
 
  private:

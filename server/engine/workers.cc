@@ -42,7 +42,7 @@ class AsioTimer : public Executor::Timer {
   boost::asio::steady_timer timer_;
 };
 
-// The work, counted in its queue until it begins.
+// Wraps `work` so that it is counted in its queue until it begins.
 Executor::Work Counted(std::atomic<int>& queued, Executor::Work work) {
   queued.fetch_add(1, std::memory_order_relaxed);
   return [&queued, work = std::move(work)] {
@@ -54,8 +54,8 @@ Executor::Work Counted(std::atomic<int>& queued, Executor::Work work) {
 }  // namespace
 
 int Workers::ThreadCount(const EngineOptions& options) {
-  constexpr int kOthers = 4;  // extensions, changes (two), upkeep
-  return RequestThreads(options) + BuildThreads(options) + kOthers;
+  constexpr int kOtherThreads = 4;  // extensions, changes (two), maintenance
+  return RequestThreads(options) + BuildThreads(options) + kOtherThreads;
 }
 
 Workers::Workers(const EngineOptions& options)
@@ -96,8 +96,8 @@ QueueLengths Workers::queued() const {
 }
 
 void Workers::Join() {
-  // Each before those that it may post to: audit entries may be left to the thread for upkeep, and
-  // all ask for builds and extensions.
+  // Each pool before those that it may post to: requests may leave audit entries to the maintenance
+  // thread, and all pools request builds and extensions.
   for (const Pool pool :
        {Pool::kRequests, Pool::kChanges, Pool::kUpkeep, Pool::kBuilds, Pool::kExtensions}) {
     At(pool).threads.Join();

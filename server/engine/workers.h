@@ -1,7 +1,6 @@
-// The engine's threads: one pool for requests, one for building models, so that a build never takes
-// the last core from queries, two threads for changes and one each of the others (executor.h).
-// All have the same priority: nicer threads would build nothing on a machine that is always asked.
-// Thread-safe.
+// The engine's threads: one pool for requests, one for builds, so that a build never takes the last
+// core from queries, two threads for changes and one for each other pool (executor.h). All have the
+// same priority: with a lower priority, builds would starve on a busy machine.
 #pragma once
 
 #include <array>
@@ -17,7 +16,7 @@
 
 namespace motiondb::server {
 
-// Pieces of work that no thread has begun, by the threads that they wait for.
+// Queued pieces of work that have not begun, by pool.
 struct QueueLengths {
   int requests = 0;
   int heavy_requests = 0;
@@ -28,7 +27,7 @@ struct QueueLengths {
 
 class Workers : public Executor {
  public:
-  // Threads that one made with these options starts.
+  // Returns the number of threads that a Workers object with these options starts.
   static int ThreadCount(const EngineOptions& options);
 
   explicit Workers(const EngineOptions& options);
@@ -39,22 +38,22 @@ class Workers : public Executor {
   std::unique_ptr<Timer> MakeTimer(Pool pool) override;
   core::ParallelFor Parallel(Pool pool) override;
 
-  // Runs work that takes long, or waits for others, on a pool's thread: where a pool has several,
-  // some stay with what is posted otherwise, and clients take turns.
+  // Runs work that takes long or may block, on a thread of the pool. If a pool has several threads,
+  // some stay reserved for work of Post. Clients take turns.
   void PostInTurn(Pool pool, const std::string& client, Work work);
   QueueLengths queued() const;
-  // Work that no thread has begun.
+  // Queued work that has not begun.
   int queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
   int request_threads() const { return At(Pool::kRequests).thread_count; }
-  // Heavy work that has a thread or is next for one.
+  // Heavy work that runs or is next to run.
   int running_heavy() { return At(Pool::kRequests).lane.running(); }
 
-  // Returns when all work is done. Nothing may be posted afterwards.
+  // Returns when all work is done. No work may be posted afterwards.
   void Join();
 
  private:
   struct Threads {
-    // `in_turn`: threads that work that takes turns may have.
+    // `in_turn`: maximum threads for work of PostInTurn.
     Threads(int count, int in_turn) : thread_count(count), threads(count), lane(threads, in_turn) {}
     const int thread_count;
     std::atomic<int> queued{0};

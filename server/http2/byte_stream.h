@@ -1,4 +1,4 @@
-// A connected TCP socket that never blocks, with or without TLS. Not thread-safe.
+// A connected non-blocking TCP socket, with or without TLS. Not thread-safe.
 #pragma once
 
 #include <openssl/ssl.h>
@@ -14,33 +14,33 @@ namespace motiondb::server {
 
 class ByteStream {
  public:
-  // What a read or a write came to.
+  // Outcome of a read or a write.
   enum class Outcome {
-    kDone,        // `bytes` were moved, at least one
-    kWantsRead,   // nothing was: try again when the socket is readable
-    kWantsWrite,  // nothing was: try again when the socket is writable
-    kClosed       // the peer closed it, or it failed
+    kDone,        // transferred `bytes`, at least 1
+    kWantsRead,   // transferred nothing: retry when the socket is readable
+    kWantsWrite,  // transferred nothing: retry when the socket is writable
+    kClosed       // closed by the peer, or failed
   };
   struct Result {
     Outcome outcome = Outcome::kClosed;
     std::size_t bytes = 0;
   };
 
-  // Serves TLS with the settings of `tls`; plain text where it is null.
+  // Server side of TLS with the settings of `tls`; plain text if it is null.
   ByteStream(boost::asio::ip::tcp::socket socket, SSL_CTX* tls);
 
-  // The TLS handshake is part of the first reads.
+  // The first reads include the TLS handshake.
   Result Read(std::span<std::uint8_t> into);
   Result Write(std::span<const std::uint8_t> from);
 
-  // Whether a read would move bytes although the socket has none.
+  // True if TLS has decrypted bytes that are not read yet. The socket need not be readable then.
   bool HasPending() const;
-  // For waits until it is readable or writable.
+  // For waiting until it is readable or writable.
   boost::asio::ip::tcp::socket& socket() { return socket_; }
-  // The common name of the peer's certificate, which was verified; empty if there is none. Known
-  // after the first read that moved bytes.
+  // Returns the common name of the peer's verified certificate; empty if there is none. Valid after
+  // the first read with kDone.
   std::string CommonName() const;
-  // Tells the peer that nothing more comes.
+  // Sends TLS close_notify and shuts down the sending direction.
   void EndWriting();
   void Close();
 

@@ -16,16 +16,16 @@
 namespace motiondb::server {
 namespace {
 
-// What gRPC and this keep of a call, beside its messages, and of each message in a queue.
+// Memory that gRPC and this class need for a call, besides its messages.
 constexpr std::int64_t kCallBytes = 24 << 10;
-constexpr std::int64_t kHeaderCopies = 6;  // here, in gRPC's two ends of the call, in its handler
-constexpr std::int64_t kMessageBytes = 256;
-constexpr std::size_t kSmallMessage = 4 << 10;  // what it is read as needs no look
-// Of headers beyond those that a call may have: what HTTP/2 and gRPC add of their own.
-constexpr std::size_t kOwnHeaderBytes = 16 << 10;
-constexpr int kHeaderLimits = 4;            // times the limit, and the connection ends
-constexpr std::size_t kHeaderCost = 32;     // of each header, as HTTP/2 counts it
-constexpr std::size_t kQueuedMessages = 2;  // beyond them the client gets no new window
+constexpr std::int64_t kHeaderCopies = 6;       // here, at both ends of gRPC's call, in the handler
+constexpr std::int64_t kMessageOverhead = 256;  // of each queued message
+constexpr std::size_t kSmallMessageBytes = 4 << 10;  // its parsed size is not computed
+// For headers that HTTP/2 and gRPC add to those of the caller.
+constexpr std::size_t kExtraHeaderBytes = 16 << 10;
+constexpr int kMaxHeaderFactor = 4;            // times the limit: the connection ends
+constexpr std::size_t kHeaderOverhead = 32;    // of each header, as RFC 9113 counts it
+constexpr std::size_t kMaxQueuedMessages = 2;  // if more, the flow-control window does not grow
 
 grpc::Status Refusal(grpc::StatusCode code, const std::string& message) { return {code, message}; }
 
@@ -56,14 +56,14 @@ CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std
       memory_(bridge.memory, SourceOf(AddressOf(host_->peer()))) {}
 
 bool CallStream::AddHeader(std::string_view name, std::string_view value) {
-  header_bytes_ += name.size() + value.size() + kHeaderCost;
+  header_bytes_ += name.size() + value.size() + kHeaderOverhead;
   const auto limit = static_cast<std::size_t>(bridge_.limits.options().max_metadata_bytes);
-  if (header_bytes_ > kHeaderLimits * limit + kOwnHeaderBytes) return false;
+  if (header_bytes_ > kMaxHeaderFactor * limit + kExtraHeaderBytes) return false;
   struct Known {
     std::string_view name;
     std::string CallStream::*value;
   };
-  // No other header reaches gRPC: the server uses none.
+  // gRPC gets no other header, because the server uses none.
   static constexpr Known kKnown[] = {{":method", &CallStream::method_},
                                      {":path", &CallStream::path_},
                                      {"content-type", &CallStream::content_type_},
@@ -86,7 +86,7 @@ void CallStream::Begin() {
   }
   if (!encoding_.empty() && encoding_ != "identity") {
     return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
-                          "compressed messages are not accepted; send them as they are"));
+                          "compressed messages are not supported; send them uncompressed"));
   }
   const auto headers = kHeaderCopies * static_cast<std::int64_t>(header_bytes_);
   if (const absl::Status reserved = Reserve(headers + (exempt_ ? 0 : kCallBytes)); !reserved.ok()) {
@@ -107,18 +107,18 @@ void CallStream::Begin() {
   BeginCall();
 }
 
-// Once it is time. A call that takes one message is not begun without it: it would cost nothing but
-// memory, and gRPC 1.51 never frees such a call if the message does not come.
+// Begins the call if it is ready. A call with one request message begins when the message is
+// complete: gRPC 1.51 never frees such a call if the message does not arrive.
 void CallStream::BeginCall() {
   if (!checked_ || self_ != nullptr || refused_ || ended_ || detached_) return;
   if (!streams_ && queue_.empty()) {
     if (request_ended_) {
-      Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT, "the request holds no message"));
+      Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT, "expected one request message, got none"));
     }
     return;
   }
   request_latest_ = Clock::time_point::max();
-  // gRPC 1.51 crashes if a call within the process begins when its server has been shut down.
+  // gRPC 1.51 crashes if an in-process call begins after the server was shut down.
   if (host_->draining()) return Refuse(Stopping());
   context_.AddMetadata(kPeerMetadata, host_->peer());
   if (!host_->common_name().empty()) {
@@ -138,7 +138,7 @@ void CallStream::BeginCall() {
 
 void CallStream::Receive(std::span<const std::uint8_t> data) {
   nghttp2_session_consume_connection(host_->session(), data.size());
-  if (queue_.size() < kQueuedMessages || refused_ || ended_) {
+  if (queue_.size() < kMaxQueuedMessages || refused_ || ended_) {
     nghttp2_session_consume_stream(host_->session(), id_, data.size());
   } else {
     uncredited_ += data.size();
@@ -161,17 +161,17 @@ void CallStream::Receive(std::span<const std::uint8_t> data) {
 void CallStream::TakePrefix() {
   if (IsCompressed(prefix_)) {
     return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
-                          "compressed messages are not accepted; send them as they are"));
+                          "compressed messages are not supported; send them uncompressed"));
   }
   const std::uint32_t length = LengthIn(prefix_);
   if (length > bridge_.max_message_bytes) {
     return Refuse(Refusal(grpc::StatusCode::RESOURCE_EXHAUSTED,
-                          fmt::format("a message of {} bytes: expected at most {} "
-                                      "(--max-message-mib)",
-                                      length, bridge_.max_message_bytes)));
+                          fmt::format("expected a message of at most {} bytes "
+                                      "(--max-message-mib), got {} bytes",
+                                      bridge_.max_message_bytes, length)));
   }
   message_reserved_ = 0;
-  if (!ReserveForMessage(kMessageBytes + length)) return;
+  if (!ReserveForMessage(kMessageOverhead + length)) return;
   message_ = grpc_slice_malloc(length);
   message_bytes_ = 0;
   if (length == 0) TakeMessage();
@@ -181,7 +181,7 @@ void CallStream::TakeMessage() {
   const grpc::Slice slice(message_, grpc::Slice::STEAL_REF);
   message_ = grpc_empty_slice();
   prefix_bytes_ = 0;
-  if (slice.size() > kSmallMessage) {
+  if (slice.size() > kSmallMessageBytes) {
     const auto* const rpc = FindRpc(path_);
     if (rpc != nullptr &&
         !ReserveForMessage(ParsedSize(*rpc->input_type(), {slice.begin(), slice.size()}))) {
@@ -196,9 +196,9 @@ void CallStream::TakeMessage() {
 void CallStream::WriteNext() {
   if (writing_ || !holding_) return;
   if (read_ended_) {
-    // gRPC 1.51 keeps calls within a process for good if the client's end was never closed.
+    // gRPC 1.51 never frees an in-process call if the client's end was not closed.
     if (!std::exchange(writes_done_, true)) StartWritesDone();
-    return LetGo();
+    return ReleaseHold();
   }
   if (refused_ || writes_done_) return;
   if (!queue_.empty()) {
@@ -215,8 +215,8 @@ void CallStream::WriteNext() {
 void CallStream::EndRequest() {
   request_ended_ = true;
   if (prefix_bytes_ > 0 && !refused_ && !ended_) {
-    return Refuse(
-        Refusal(grpc::StatusCode::INVALID_ARGUMENT, "the request ended within a message"));
+    return Refuse(Refusal(grpc::StatusCode::INVALID_ARGUMENT,
+                          "the request ended in the middle of a message"));
   }
   BeginCall();
   WriteNext();
@@ -227,7 +227,7 @@ void CallStream::OnWriteDone(bool /*ok*/) {
     self->writing_ = false;
     self->Release(self->queue_.front().reserved);
     self->queue_.pop_front();
-    if (self->queue_.size() < kQueuedMessages) self->Credit(std::exchange(self->uncredited_, 0));
+    if (self->queue_.size() < kMaxQueuedMessages) self->Credit(std::exchange(self->uncredited_, 0));
     self->WriteNext();
   });
 }
@@ -255,14 +255,15 @@ void CallStream::EndReading() {
   WriteNext();
 }
 
-// No operation is started from here on, so that OnDone can follow.
-void CallStream::LetGo() {
+// No operation may start after this; OnDone can follow.
+void CallStream::ReleaseHold() {
   if (std::exchange(holding_, false)) RemoveHold();
 }
 
 void CallStream::Answer() {
   const auto bytes = static_cast<std::int64_t>(incoming_.Length());
-  if (const absl::Status held = Reserve(bytes); !held.ok()) return Refuse(ToGrpcStatus(held));
+  if (const absl::Status reserved = Reserve(bytes); !reserved.ok())
+    return Refuse(ToGrpcStatus(reserved));
   answer_bytes_ = bytes;
   const MessagePrefix prefix = PrefixOf(static_cast<std::uint32_t>(bytes));
   answer_.emplace_back(prefix.data(), prefix.size());
@@ -357,15 +358,14 @@ void CallStream::Detach() {
 void CallStream::Cancel() {
   if (self_ == nullptr) return;
   context_.TryCancel();
-  if (!reading_) EndReading();  // else when the read ends
+  if (!reading_) EndReading();  // otherwise OnReadDone does it
 }
 
 void CallStream::Tick(Clock::time_point now) {
   if (now >= request_latest_) {
     request_latest_ = Clock::time_point::max();
     Refuse(Refusal(grpc::StatusCode::DEADLINE_EXCEEDED,
-                   "the request did not come within the time that a client may be silent "
-                   "(--silence-limit)"));
+                   "idle timeout: the request did not arrive within --silence-limit"));
   }
   if (now < answer_latest_) return;
   nghttp2_submit_rst_stream(host_->session(), NGHTTP2_FLAG_NONE, id_, NGHTTP2_CANCEL);

@@ -1,8 +1,8 @@
-// One HTTP/2 stream of a client, as a call of the server in this process: takes its headers and
-// messages, hands them to gRPC, and has the answer ready for the connection to send.
+// One HTTP/2 stream of a client, passed to the gRPC server of this process as a call. It receives
+// headers and messages, passes them to gRPC, and queues the response for the connection.
 //
-// Used on the thread of its connection alone; gRPC's callbacks post there. It lives until both the
-// connection and gRPC have let go of it.
+// Runs only on the thread of its connection; gRPC's callbacks post there. It lives until both the
+// connection and gRPC have released it.
 #pragma once
 
 #include <grpcpp/client_context.h>
@@ -25,17 +25,17 @@
 
 namespace motiondb::server {
 
-// What streams work with. Outlives them.
+// Shared by all streams; outlives them.
 struct CallBridge {
   CallBridge(grpc::GenericStub stub, std::int64_t memory_bytes, const CallLimits& call_limits,
-             std::uint32_t most_message_bytes)
+             std::uint32_t max_message_size)
       : calls(std::move(stub)),
         memory(memory_bytes),
         limits(call_limits),
-        max_message_bytes(most_message_bytes) {}
+        max_message_bytes(max_message_size) {}
 
-  grpc::GenericStub calls;  // of the server in this process
-  CallMemory memory;        // of calls on their way in and out, apart from the work on them
+  grpc::GenericStub calls;  // to the gRPC server of this process
+  CallMemory memory;        // for headers and messages in transit, not for the work on them
   const CallLimits& limits;
   const std::uint32_t max_message_bytes;
 };
@@ -44,15 +44,14 @@ struct CallBridge {
 class StreamHost {
  public:
   virtual ~StreamHost() = default;
-  // For streams that are not detached, on the connection's thread.
+  // Only for streams that are not detached, on the connection's thread.
   virtual nghttp2_session* session() = 0;
-  // Runs `work` on the connection's thread, and then sends what there is to send; safe to call from
-  // any thread.
+  // Runs `work` on the connection's thread, then sends pending output. Callable from any thread.
   virtual void Post(std::function<void()> work) = 0;
-  // Of the client: "ipv4:127.0.0.1:50000", and the common name of its certificate or nothing.
+  // Address of the client, "ipv4:127.0.0.1:50000", and the common name of its certificate, or "".
   virtual const std::string& peer() const = 0;
   virtual const std::string& common_name() const = 0;
-  // No call begins any more: gRPC is about to be shut down.
+  // True: no new call may begin, because gRPC is about to shut down.
   virtual bool draining() const = 0;
 };
 
@@ -61,23 +60,23 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
  public:
   using Clock = std::chrono::steady_clock;
 
-  // `exempt`: the call itself costs no memory of the budget, so that a client that shares an
-  // address with others always has a few calls. Headers and messages always do.
+  // `exempt`: the call itself does not count for the memory budget, so that a client that shares an
+  // address with others can always make a few calls. Headers and messages always count.
   CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id, bool exempt);
 
-  // False: the headers are far too large, and the connection is to end.
+  // False: the headers are far too large; close the connection.
   bool AddHeader(std::string_view name, std::string_view value);
-  // The headers are complete, and what came with them is taken: a call that was reset meanwhile is
-  // never begun.
+  // Call after all input that arrived with the headers was processed: a call that was reset by then
+  // does not begin.
   void Begin();
   void Receive(std::span<const std::uint8_t> data);
-  // The client has sent all.
+  // The client has half-closed the stream.
   void EndRequest();
-  // As nghttp2_data_source_read_callback.
+  // Same contract as nghttp2_data_source_read_callback.
   ssize_t Send(std::span<std::uint8_t> into, std::uint32_t& flags);
-  // The stream or its connection is over: cancels the call, and uses the session no more.
+  // The stream or its connection has ended: cancels the call and stops using the session.
   void Detach();
-  // Ends a call whose client takes the answer too slowly.
+  // Ends the call if the client sends the request, or reads the response, too slowly.
   void Tick(Clock::time_point now);
 
  private:
@@ -99,7 +98,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   void ReadNext();
   void BeginCall();
   void EndReading();
-  void LetGo();
+  void ReleaseHold();
   void Cancel();
   void Credit(std::size_t bytes);
 
@@ -108,27 +107,27 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   const std::int32_t id_;
   const bool exempt_;
 
-  // The request's headers.
+  // Request headers.
   std::size_t header_bytes_ = 0;
   std::string method_, path_, content_type_, timeout_, encoding_, authorization_, request_id_;
 
-  // Memory of messages on their way in and out.
+  // Memory of headers and messages in transit.
   CallMemory::Reservation memory_;
 
-  // The call. gRPC uses it from Begin to OnDone, which keeps the stream alive meanwhile.
+  // State of the call. `self_` keeps the stream alive while gRPC uses it, until OnDone.
   grpc::ClientContext context_;
   std::shared_ptr<CallStream> self_;
   grpc::ByteBuffer incoming_;
-  bool checked_ = false;                                         // the headers are in order
-  bool streams_ = false;                                         // the request has many messages
-  Clock::time_point request_latest_ = Clock::time_point::max();  // for its one message
+  bool checked_ = false;                                         // the headers are valid
+  bool streams_ = false;                                         // client streaming
+  Clock::time_point request_latest_ = Clock::time_point::max();  // deadline for the one message
   bool reading_ = false;
   bool read_ended_ = false;
-  bool holding_ = false;  // gRPC waits for further operations: without, none may be started
-  bool refused_ = false;  // nothing of the request is looked at any more
+  bool holding_ = false;  // gRPC expects further operations; if false, none may start
+  bool refused_ = false;  // the rest of the request is ignored
   bool detached_ = false;
 
-  // The request: the message that comes in, and those that gRPC has yet to take.
+  // The request: the message that is being received, and those queued for gRPC.
   MessagePrefix prefix_{};
   std::size_t prefix_bytes_ = 0;
   grpc_slice message_ = grpc_empty_slice();
@@ -137,20 +136,20 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
     grpc::ByteBuffer bytes;
     std::int64_t reserved = 0;
   };
-  std::deque<Message> queue_;  // the first is being written while `writing_`
+  std::deque<Message> queue_;  // while `writing_`, gRPC reads the first
   std::int64_t message_reserved_ = 0;
   bool writing_ = false;
   bool request_ended_ = false;
   bool writes_done_ = false;
-  std::size_t uncredited_ = 0;  // bytes for which the client has no new window yet
+  std::size_t uncredited_ = 0;  // received bytes not yet returned to the flow-control window
 
-  // The answer.
+  // The response.
   std::deque<grpc::Slice> answer_;
-  std::size_t answer_offset_ = 0;  // in the first
-  std::int64_t answer_bytes_ = 0;  // held for all of them
+  std::size_t answer_offset_ = 0;  // in the first slice
+  std::int64_t answer_bytes_ = 0;  // reserved for all slices
   Clock::time_point answer_latest_ = Clock::time_point::max();
-  bool responding_ = false;  // the headers of the response are submitted
-  bool ended_ = false;       // with trailers_
+  bool responding_ = false;  // response headers are submitted
+  bool ended_ = false;       // trailers_ is valid
   HeaderList trailers_;
 };
 

@@ -13,23 +13,23 @@ namespace motiondb::server {
 
 namespace {
 
-constexpr std::chrono::seconds kGreetingTime{20};  // for the TLS handshake and the first frame
-constexpr std::chrono::seconds kSilenceToPing{
-    60};  // after which the client is asked whether it is there
-constexpr std::chrono::seconds kPingTime{20};  // for its answer
-constexpr std::size_t kChunk = 64 << 10;       // read or written at a time, at most
-// Read at a time where calls begin: at most some 200 of them before other connections have a turn.
-constexpr std::size_t kSmallChunk = 4 << 10;
-constexpr int kChunksInTurn = 4;
-constexpr std::chrono::seconds kLeavingTime{1};  // for a client to close, once it was told to
-constexpr std::int64_t kMostDropped = 4 << 20;
+constexpr std::chrono::seconds kFirstFrameTime{20};  // for the TLS handshake and the first frame
+constexpr std::chrono::seconds kIdleToPing{60};      // idle time before a ping
+constexpr std::chrono::seconds kPingReplyTime{20};
+constexpr std::size_t kChunkBytes = 64 << 10;  // maximum of one read or write
+// Size of a read in which calls begin: at most about 200 calls before other connections have a
+// turn.
+constexpr std::size_t kSmallChunkBytes = 4 << 10;
+constexpr int kChunksPerTurn = 4;
+constexpr std::chrono::seconds kCloseTime{1};  // for the client to close after the server's end
+constexpr std::int64_t kMaxDroppedBytes = 4 << 20;
 
-// The windows for what a client sends: of a stream, and of all of a connection.
+// Flow-control windows for received data, bytes.
 constexpr std::uint32_t kStreamWindow = 1 << 20;
 constexpr std::int32_t kConnectionWindow = 4 << 20;
 
 std::span<std::uint8_t> Buffer() {
-  static thread_local std::array<std::uint8_t, kChunk> buffer;
+  static thread_local std::array<std::uint8_t, kChunkBytes> buffer;
   return buffer;
 }
 
@@ -67,8 +67,8 @@ void Connection::Post(std::function<void()> work) {
   });
 }
 
-// Sends what this and further pieces of work have to send, in one go. Does not read: else a client
-// whose calls end quickly would have more turns than others.
+// Posts one write for the output of this and further work. It does not read: otherwise a client
+// with short calls would have more turns than others.
 void Connection::FlushSoon() {
   if (closed_ || std::exchange(flushing_, true)) return;
   boost::asio::post(context_, [self = shared_from_this()] {
@@ -82,7 +82,7 @@ CallStream* Connection::Find(std::int32_t id) {
   return found == streams_.end() ? nullptr : found->second.get();
 }
 
-// Tells the client to go; the caller closes the connection then.
+// Queues a GOAWAY; the caller then closes the connection.
 void Connection::End(const char* reason) {
   reason_ = reason;
   nghttp2_session_terminate_session(session_.get(), NGHTTP2_ENHANCE_YOUR_CALM);
@@ -90,7 +90,7 @@ void Connection::End(const char* reason) {
 
 void Connection::Serve(Turn turn) {
   if (closed_ || serving_) return;
-  if (leaving_.has_value()) return DropInput();
+  if (closing_since_.has_value()) return DropInput();
   serving_ = true;
   const auto self = shared_from_this();
   bool open = true;
@@ -101,77 +101,77 @@ void Connection::Serve(Turn turn) {
     open = false;
   }
   serving_ = false;
-  const bool over = nghttp2_session_want_read(session_.get()) == 0 &&
-                    nghttp2_session_want_write(session_.get()) == 0 && unsent_.empty();
-  if (!open || over) Leave();
+  const bool is_done = nghttp2_session_want_read(session_.get()) == 0 &&
+                       nghttp2_session_want_write(session_.get()) == 0 && unsent_.empty();
+  if (!open || is_done) Leave();
   if (!closed_) Await();
 }
 
-// No more is sent. What still comes is read and dropped until the client closes, too: closing a
-// socket with unread bytes could take from the client what it was told last.
+// Stops sending. Input is read and dropped until the client closes: closing a socket with unread
+// bytes resets it, and the client could lose the last output.
 void Connection::Leave() {
-  if (closed_ || leaving_.has_value()) return;
-  leaving_ = Clock::now();
-  LetGoOfStreams();
+  if (closed_ || closing_since_.has_value()) return;
+  closing_since_ = Clock::now();
+  DetachStreams();
   unsent_.clear();
   bytes_.EndWriting();
 }
 
-void Connection::LetGoOfStreams() {
+void Connection::DetachStreams() {
   for (const auto& [id, stream] : streams_) stream->Detach();
   streams_.clear();
-  beginning_.clear();  // they keep the connection, too
+  starting_streams_.clear();  // they refer to the connection
   calls_ = 0;
 }
 
 void Connection::DropInput() {
-  for (int i = 0; i < kChunksInTurn; ++i) {
-    const ssize_t size = recv(bytes_.socket().native_handle(), Buffer().data(), kChunk, 0);
+  for (int i = 0; i < kChunksPerTurn; ++i) {
+    const ssize_t size = recv(bytes_.socket().native_handle(), Buffer().data(), kChunkBytes, 0);
     const bool is_open = size > 0 || (size < 0 && (errno == EAGAIN || errno == EINTR));
     dropped_ += std::max<ssize_t>(size, 0);
-    if (!is_open || dropped_ > kMostDropped) return Close();
+    if (!is_open || dropped_ > kMaxDroppedBytes) return Close();
     if (size < 0) break;
   }
   Await();
 }
 
-// False: the connection is over. Reads what has come, within its turn.
+// Reads available input, at most kChunksPerTurn. False: the connection has ended.
 bool Connection::ReadSome() {
-  for (int i = 0; i < kChunksInTurn && unsent_.empty(); ++i) {
+  for (int i = 0; i < kChunksPerTurn && unsent_.empty(); ++i) {
     const std::span<std::uint8_t> buffer = Buffer().first(chunk_);
-    const std::size_t kept = frames_.Resume(buffer);
-    const ByteStream::Result read = bytes_.Read(buffer.subspan(kept));
+    const std::size_t kept_bytes = frames_.Resume(buffer);
+    const ByteStream::Result read = bytes_.Read(buffer.subspan(kept_bytes));
     wants_write_ = read.outcome == ByteStream::Outcome::kWantsWrite;
     if (read.outcome == ByteStream::Outcome::kClosed) return false;
     if (read.outcome != ByteStream::Outcome::kDone) return true;
-    if (!greeted_ && common_name_.empty()) common_name_ = bytes_.CommonName();
-    heard_ = Clock::now();
+    if (!got_frame_ && common_name_.empty()) common_name_ = bytes_.CommonName();
+    last_activity_ = Clock::now();
     pinged_ = false;
-    const std::size_t passed = frames_.Pass(buffer.first(kept + read.bytes));
+    const std::size_t passed = frames_.Pass(buffer.first(kept_bytes + read.bytes));
     const std::int64_t begun = calls_begun_;
     ssize_t taken = 0;
-    if (frames_.TooMany(heard_)) {
+    if (frames_.TooMany(last_activity_)) {
       End("too many frames without a call");
       taken = NGHTTP2_ERR_FLOODED;
     } else {
       taken = nghttp2_session_mem_recv(session_.get(), buffer.data(), passed);
     }
     if (taken < 0) {
-      if (reason_.empty() && greeted_) reason_ = nghttp2_strerror(static_cast<int>(taken));
-      WriteSome();  // tells the client why, if it still listens
+      if (reason_.empty() && got_frame_) reason_ = nghttp2_strerror(static_cast<int>(taken));
+      WriteSome();  // sends the GOAWAY with the reason
       return false;
     }
-    const auto beginning = std::exchange(beginning_, {});
+    const auto beginning = std::exchange(starting_streams_, {});
     for (const auto& stream : beginning) stream->Begin();
-    const bool is_bulk = read.bytes >= kSmallChunk && calls_begun_ == begun;
-    chunk_ = is_bulk ? kChunk : kSmallChunk;
+    const bool is_bulk = read.bytes >= kSmallChunkBytes && calls_begun_ == begun;
+    chunk_ = is_bulk ? kChunkBytes : kSmallChunkBytes;
     if (!is_bulk) return true;
     if (!WriteSome()) return false;
   }
   return true;
 }
 
-// False: the connection is over. Writes what there is until the socket takes no more.
+// Writes output until none is left or the socket accepts no more. False: the connection has ended.
 bool Connection::WriteSome() {
   while (true) {
     if (unsent_.empty()) {
@@ -186,7 +186,7 @@ bool Connection::WriteSome() {
         const std::size_t fits = std::min(bytes, buffer.size() - size);
         std::copy_n(data, fits, buffer.data() + size);
         size += fits;
-        unsent_.insert(unsent_.end(), data + fits, data + bytes);  // of the last frame
+        unsent_.insert(unsent_.end(), data + fits, data + bytes);  // rest of the last frame
       }
       if (size == 0) return true;
       std::size_t written = 0;
@@ -195,7 +195,7 @@ bool Connection::WriteSome() {
         if (result.outcome == ByteStream::Outcome::kClosed) return false;
         if (result.outcome != ByteStream::Outcome::kDone) break;
         written += result.bytes;
-        heard_ = Clock::now();
+        last_activity_ = Clock::now();
       }
       unsent_.insert(unsent_.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(written),
                      buffer.begin() + static_cast<std::ptrdiff_t>(size));
@@ -204,7 +204,7 @@ bool Connection::WriteSome() {
       const ByteStream::Result result = bytes_.Write(unsent_);
       if (result.outcome == ByteStream::Outcome::kClosed) return false;
       if (result.outcome != ByteStream::Outcome::kDone) return true;
-      heard_ = Clock::now();
+      last_activity_ = Clock::now();
       unsent_.erase(unsent_.begin(), unsent_.begin() + static_cast<std::ptrdiff_t>(result.bytes));
     }
     if (unsent_.capacity() > 0) std::vector<std::uint8_t>().swap(unsent_);
@@ -213,8 +213,8 @@ bool Connection::WriteSome() {
 
 void Connection::Await() {
   using Socket = boost::asio::ip::tcp::socket;
-  // Nothing more is read from a client that takes nothing.
-  if (unsent_.empty() && !leaving_.has_value() && bytes_.HasPending()) {
+  // A client that does not read gets no further reads.
+  if (unsent_.empty() && !closing_since_.has_value() && bytes_.HasPending()) {
     boost::asio::post(context_, [self = shared_from_this()] { self->Serve(); });
   } else if (unsent_.empty() && !std::exchange(awaiting_read_, true)) {
     bytes_.socket().async_wait(Socket::wait_read, [self = shared_from_this()](auto) {
@@ -232,13 +232,13 @@ void Connection::Await() {
 
 void Connection::Tick(Clock::time_point now) {
   if (closed_) return;
-  if (leaving_.has_value()) {
-    if (now - *leaving_ > kLeavingTime) Close();
+  if (closing_since_.has_value()) {
+    if (now - *closing_since_ > kCloseTime) Close();
     return;
   }
-  if (!greeted_ && now - began_ > kGreetingTime) return Close();
-  if (now - heard_ > kSilenceToPing + kPingTime) return Close();
-  if (now - heard_ > kSilenceToPing && greeted_ && !std::exchange(pinged_, true)) {
+  if (!got_frame_ && now - began_ > kFirstFrameTime) return Close();
+  if (now - last_activity_ > kIdleToPing + kPingReplyTime) return Close();
+  if (now - last_activity_ > kIdleToPing && got_frame_ && !std::exchange(pinged_, true)) {
     nghttp2_submit_ping(session_.get(), NGHTTP2_FLAG_NONE, nullptr);
   }
   for (const auto& [id, stream] : streams_) stream->Tick(now);
@@ -247,7 +247,7 @@ void Connection::Tick(Clock::time_point now) {
 
 void Connection::Drain() {
   draining_ = true;
-  if (closed_ || leaving_.has_value()) return;
+  if (closed_ || closing_since_.has_value()) return;
   nghttp2_submit_goaway(session_.get(), NGHTTP2_FLAG_NONE,
                         nghttp2_session_get_last_proc_stream_id(session_.get()), NGHTTP2_NO_ERROR,
                         nullptr, 0);
@@ -256,7 +256,7 @@ void Connection::Drain() {
 
 void Connection::Close() {
   if (std::exchange(closed_, true)) return;
-  LetGoOfStreams();
+  DetachStreams();
   bytes_.Close();
   on_closed_(shared_from_this(), reason_);
 }

@@ -1,9 +1,9 @@
 // One connection of a client: its bytes (plain or TLS), its HTTP/2 session (libnghttp2), and its
-// streams, each a call. Lives on one thread; what it may cost is bounded:
-// - HTTP/2 frames that carry no call are counted, and too many end the connection;
-// - nothing is read while what was answered cannot be written;
-// - it ends if its first bytes are no HTTP/2 within a time, and if a ping is not answered.
-// A stream's headers and messages are bounded by CallStream.
+// streams, one for each call. It stays on one thread. Its cost is bounded:
+// - it is closed after too many HTTP/2 frames without a call;
+// - it does not read while output waits for the socket;
+// - it is closed if no HTTP/2 frame arrives in time, or if a ping gets no reply.
+// CallStream bounds the headers and messages of a stream.
 #pragma once
 
 #include <nghttp2/nghttp2.h>
@@ -33,8 +33,8 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Told when a connection has ended, on its thread, and what its client did that it had to; empty
-  // where the client left.
+  // Called on the connection's thread when it has ended. `reason`: why the server closed it; empty
+  // if the client closed it.
   using OnClosed =
       std::function<void(const std::shared_ptr<Connection>&, const std::string& reason)>;
 
@@ -43,13 +43,13 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   ~Connection() override;
 
   void Start();
-  // To be called about once a second: looks after everything that takes too long.
+  // Checks all time limits. Call about once a second.
   void Tick(Clock::time_point now);
-  // Tells the client to make its next calls elsewhere, and begins none any more.
+  // Sends GOAWAY and begins no more calls.
   void Drain();
   void Close();
 
-  // How many calls are open; safe to read from any thread.
+  // Number of open calls; callable from any thread.
   int calls() const { return calls_.load(std::memory_order_relaxed); }
   Clock::time_point began() const { return began_; }
 
@@ -66,7 +66,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   void Serve(Turn turn = Turn::kReadAndWrite);
   void FlushSoon();
   void Leave();
-  void LetGoOfStreams();
+  void DetachStreams();
   void DropInput();
   bool ReadSome();
   bool WriteSome();
@@ -76,7 +76,7 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
 
   CallBridge& bridge_;
   boost::asio::io_context& context_;
-  // Until the last stream has let go of the connection, gRPC may post to its thread.
+  // Keeps the thread running: gRPC may post to it until the last stream is released.
   const boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   ByteStream bytes_;
   const std::string peer_;
@@ -84,33 +84,33 @@ class Connection final : public StreamHost, public std::enable_shared_from_this<
   const OnClosed on_closed_;
   Session session_;
   std::map<std::int32_t, std::shared_ptr<CallStream>> streams_;
-  std::vector<std::shared_ptr<CallStream>> beginning_;  // at the end of the present turn
+  std::vector<std::shared_ptr<CallStream>> starting_streams_;  // begin at the end of this turn
   std::atomic<int> calls_ = 0;
 
-  std::vector<std::uint8_t> unsent_;  // what the socket has not taken yet
+  std::vector<std::uint8_t> unsent_;  // output that the socket has not accepted yet
   bool wants_write_ = false;
   bool awaiting_read_ = false;
   bool awaiting_write_ = false;
   bool serving_ = false;
-  bool flushing_ = false;  // soon
+  bool flushing_ = false;  // a flush is posted
   bool closed_ = false;
   bool draining_ = false;
-  std::optional<Clock::time_point> leaving_;  // since when nothing is sent any more
-  std::int64_t dropped_ = 0;                  // bytes that came since
-  std::string reason_;                        // why it has to end
+  std::optional<Clock::time_point> closing_since_;  // time since which nothing is sent
+  std::int64_t dropped_ = 0;                        // bytes received since `closing_since_`
+  std::string reason_;                              // why the server closes it
 
   const Clock::time_point began_ = Clock::now();
-  Clock::time_point heard_ = began_;  // when bytes last went either way
-  bool pinged_ = false;               // and nothing was heard since
-  bool greeted_ = false;              // the client has begun to speak HTTP/2
+  Clock::time_point last_activity_ = began_;  // last time that bytes were read or written
+  bool pinged_ = false;                       // a ping was sent after `last_activity_`
+  bool got_frame_ = false;                    // an HTTP/2 frame has arrived
   FrameGuard frames_{began_};
   std::int64_t calls_begun_ = 0;
-  std::size_t chunk_ = 4096;  // to read next
+  std::size_t chunk_ = 4096;  // size of the next read, bytes
 };
 
-// The HTTP/2 session of a connection, of a server: libnghttp2 with its options and its callbacks,
-// which hand headers and data to the connection's streams (session.cc). What it took is
-// acknowledged by nghttp2_session_consume. The connection outlives it. Throws std::bad_alloc.
+// Returns a server-side HTTP/2 session of libnghttp2. Its callbacks (session.cc) pass headers and
+// data to the streams of the connection, which must outlive it. Flow control is manual, by
+// nghttp2_session_consume. Throws std::bad_alloc.
 Session NewSession(Connection& connection);
 
 }  // namespace motiondb::server

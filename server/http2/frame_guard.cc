@@ -7,12 +7,12 @@
 namespace motiondb::server {
 namespace {
 
-// Frames without a call, such as PING: as many as these allow together.
-constexpr std::int64_t kIdleFrames = 10'000;
+// Maximum of frames without a call, such as PING: the sum of these three.
+constexpr std::int64_t kBaseIdleFrames = 10'000;
 constexpr std::int64_t kIdleFramesPerSecond = 100;
 constexpr std::int64_t kIdleFramesPerCallFrame = 8;
 
-constexpr std::uint8_t kIgnoredType = 0xf0;  // among those that RFC 9113 leaves for experiments
+constexpr std::uint8_t kIgnoredType = 0xf0;  // RFC 9113 reserves it for experiments
 constexpr std::size_t kResetPayload = 4;
 
 }  // namespace
@@ -29,7 +29,7 @@ std::size_t FrameGuard::Pass(std::span<std::uint8_t> bytes) {
     payload_left_ -= skipped;
     at += skipped;
     if (bytes.size() - at < kHeaderBytes) break;
-    Look(bytes.subspan(at, kHeaderBytes));
+    InspectHeader(bytes.subspan(at, kHeaderBytes));
     at += kHeaderBytes;
   }
   kept_bytes_ = bytes.size() - at;
@@ -37,7 +37,7 @@ std::size_t FrameGuard::Pass(std::span<std::uint8_t> bytes) {
   return at;
 }
 
-void FrameGuard::Look(std::span<std::uint8_t> header) {
+void FrameGuard::InspectHeader(std::span<std::uint8_t> header) {
   const auto number = [&](std::size_t from, std::size_t to) {
     std::uint32_t value = 0;
     for (std::size_t i = from; i < to; ++i) value = value << 8 | header[i];
@@ -47,12 +47,12 @@ void FrameGuard::Look(std::span<std::uint8_t> header) {
   std::uint8_t& type = header[3];
   const bool ends_stream = (header[4] & NGHTTP2_FLAG_END_STREAM) != 0;
   const std::uint32_t stream = number(5, 9) & 0x7fff'ffff;
-  const bool of_call =
+  const bool is_call_frame =
       type == NGHTTP2_HEADERS || (type == NGHTTP2_DATA && (payload_left_ > 0 || ends_stream));
-  ++(of_call ? call_frames_ : idle_frames_);
+  ++(is_call_frame ? call_frames_ : idle_frames_);
   if (type == NGHTTP2_HEADERS) last_stream_ = std::max(last_stream_, stream);
-  const bool is_clients = stream % 2 == 1;
-  if (type == NGHTTP2_RST_STREAM && payload_left_ == kResetPayload && is_clients &&
+  const bool is_client_stream = stream % 2 == 1;
+  if (type == NGHTTP2_RST_STREAM && payload_left_ == kResetPayload && is_client_stream &&
       stream > last_stream_) {
     type = kIgnoredType;
   }
@@ -61,7 +61,7 @@ void FrameGuard::Look(std::span<std::uint8_t> header) {
 bool FrameGuard::TooMany(Clock::time_point now) const {
   const auto age = std::chrono::duration_cast<std::chrono::seconds>(now - began_).count();
   return idle_frames_ >
-         kIdleFrames + kIdleFramesPerCallFrame * call_frames_ + kIdleFramesPerSecond * age;
+         kBaseIdleFrames + kIdleFramesPerCallFrame * call_frames_ + kIdleFramesPerSecond * age;
 }
 
 }  // namespace motiondb::server

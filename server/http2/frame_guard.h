@@ -1,5 +1,5 @@
-// A client's frames before libnghttp2 reads them: counts those that carry nothing of a call, and
-// lets pass what libnghttp2 would close the connection for although gRPC's own clients send it.
+// Filters a client's HTTP/2 frames before libnghttp2 reads them. It counts frames without a call,
+// and hides a frame of gRPC's own clients for which libnghttp2 would close the connection.
 #pragma once
 
 #include <array>
@@ -16,32 +16,31 @@ class FrameGuard {
 
   explicit FrameGuard(Clock::time_point began) : began_(began) {}
 
-  // Puts the bytes that the last Pass kept at the beginning of `buffer`, and returns how many they
-  // are, at most 8: what the client sends next follows them.
+  // Copies the bytes that the last Pass kept to the beginning of `buffer` and returns their number,
+  // at most 8. The next input follows them.
   std::size_t Resume(std::span<std::uint8_t> buffer) const;
 
-  // Returns how many of `bytes`, which begin with what Resume gave, libnghttp2 may have now. The
-  // rest is a part of a frame's header, and is kept. Changes a RST_STREAM of a stream that was
-  // never opened into a frame of a type that libnghttp2 ignores: clients with gRPC's C core send
-  // one when a call is cancelled just as it begins (github.com/grpc/grpc/issues/19655), and must
-  // not lose the other calls of their connection by it.
+  // `bytes` begin with those from Resume. Returns how many of them to pass to libnghttp2; the rest
+  // is an incomplete frame header and is kept. Changes RST_STREAM of a stream that was never opened
+  // into a frame type that libnghttp2 ignores: clients with gRPC's C core send it if a call is
+  // cancelled as it begins (github.com/grpc/grpc/issues/19655). The connection must not end by it.
   std::size_t Pass(std::span<std::uint8_t> bytes);
 
-  // Whether there were more frames without a call than any client has reason to send.
+  // True if the client sent more frames without a call than any proper client does.
   bool TooMany(Clock::time_point now) const;
 
  private:
   static constexpr std::size_t kHeaderBytes = 9;
   static constexpr std::size_t kPrefaceBytes = 24;
 
-  void Look(std::span<std::uint8_t> header);
+  void InspectHeader(std::span<std::uint8_t> header);
 
   const Clock::time_point began_;
-  std::size_t payload_left_ = kPrefaceBytes;  // before the next frame's header
+  std::size_t payload_left_ = kPrefaceBytes;  // bytes before the next frame header
   std::array<std::uint8_t, kHeaderBytes - 1> kept_{};
   std::size_t kept_bytes_ = 0;
-  std::uint32_t last_stream_ = 0;  // that the client opened
-  std::int64_t idle_frames_ = 0;   // that carry nothing of a call
+  std::uint32_t last_stream_ = 0;  // last stream that the client opened
+  std::int64_t idle_frames_ = 0;   // frames without a call
   std::int64_t call_frames_ = 0;
 };
 

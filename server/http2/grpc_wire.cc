@@ -15,7 +15,7 @@ namespace motiondb::server {
 
 namespace {
 
-// As grpc-message has it: all but printable ASCII, and '%', as % and two hexadecimal digits.
+// Percent-encodes '%' and everything but printable ASCII, as grpc-message requires.
 std::string PercentEncoded(std::string_view text) {
   constexpr char kDigits[] = "0123456789ABCDEF";
   std::string encoded;
@@ -30,7 +30,7 @@ std::string PercentEncoded(std::string_view text) {
   return encoded;
 }
 
-// Without padding, as gRPC wants it.
+// Without padding, as gRPC requires.
 std::string Base64(std::string_view bytes) {
   std::string text = absl::Base64Escape({bytes.data(), bytes.size()});
   while (!text.empty() && text.back() == '=') text.pop_back();
@@ -59,7 +59,7 @@ std::optional<std::chrono::nanoseconds> ParseTimeout(std::string_view text) {
   if (parsed.ec != std::errc() || parsed.ptr != end || count < 0) return std::nullopt;
   using namespace std::chrono;
   switch (text.back()) {
-    case 'H':  // more than a year is as good as none, and would not fit
+    case 'H':  // clamped to about a year: more would overflow
       return hours(std::min<std::int64_t>(count, 24 * 366));
     case 'M':
       return minutes(std::min<std::int64_t>(count, 60 * 24 * 366));
@@ -103,13 +103,12 @@ using google::protobuf::MessageFactory;
 using google::protobuf::io::CodedInputStream;
 using Wire = google::protobuf::internal::WireFormatLite;
 
-// What an allocation costs beyond its bytes, a pointer to it, and what a growing array has to
-// spare.
+// Costs in bytes. An allocation: its overhead, a pointer to it, and spare capacity of arrays.
 constexpr std::int64_t kAllocation = 64;
-constexpr std::int64_t kOfAnyMessage = 512;  // what it keeps of fields that are wrong or cut off
-constexpr std::int64_t kUnknownByte = 32;    // of a group: it may hold many small fields
+constexpr std::int64_t kMessageBase = 512;                  // for invalid and truncated fields
+constexpr std::int64_t kUnknownGroupByte = 32;              // a group may have many small fields
 constexpr std::int64_t kScalar = 2 * sizeof(std::int64_t);  // arrays grow by doubling
-constexpr int kDeepest = 100;                               // as protobuf itself allows
+constexpr int kMaxDepth = 100;                              // protobuf's own limit
 
 std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) {
   const auto* const prototype = MessageFactory::generated_factory()->GetPrototype(&type);
@@ -122,17 +121,17 @@ std::int64_t SizeIn(const Descriptor& type, CodedInputStream& input, int depth) 
       const int before = input.CurrentPosition();
       const bool is_whole = Wire::SkipField(&input, tag);
       if (Wire::GetTagWireType(tag) == Wire::WIRETYPE_START_GROUP) {
-        size += kUnknownByte * (input.CurrentPosition() - before);
+        size += kUnknownGroupByte * (input.CurrentPosition() - before);
       }
       if (!is_whole) return size;
       continue;
     }
     std::uint32_t length = 0;
     if (!input.ReadVarint32(&length)) return size;
-    const std::int64_t left = std::max(0, input.BytesUntilLimit());
-    const auto present = static_cast<int>(std::min<std::int64_t>(length, left));
+    const std::int64_t available = std::max(0, input.BytesUntilLimit());
+    const auto present = static_cast<int>(std::min<std::int64_t>(length, available));
     const bool is_known = field != nullptr;
-    if (is_known && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && depth < kDeepest) {
+    if (is_known && field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE && depth < kMaxDepth) {
       const CodedInputStream::Limit outer = input.PushLimit(present);
       size += kAllocation + SizeIn(*field->message_type(), input, depth + 1);
       input.Skip(std::max(0, input.BytesUntilLimit()));
@@ -158,7 +157,7 @@ const google::protobuf::MethodDescriptor* FindRpc(std::string_view path) {
 std::int64_t ParsedSize(const Descriptor& type, std::span<const std::uint8_t> bytes) {
   CodedInputStream input(bytes.data(), static_cast<int>(bytes.size()));
   const CodedInputStream::Limit whole = input.PushLimit(static_cast<int>(bytes.size()));
-  const std::int64_t size = kOfAnyMessage + SizeIn(type, input, 0);
+  const std::int64_t size = kMessageBase + SizeIn(type, input, 0);
   input.PopLimit(whole);
   return size;
 }

@@ -24,37 +24,37 @@ namespace {
 
 using boost::asio::ip::tcp;
 
-constexpr rlim_t kMostDescriptors = 65'536;
-constexpr int kForOthers = 64;  // descriptors: files of the store, threads' wake-ups, HTTP
-constexpr std::size_t kPerAddress = 1024;
-constexpr unsigned kMostLoops = 4;
-constexpr std::chrono::milliseconds kRest{100};  // when no connection can be taken
-constexpr int kMostAcceptedAtOnce = 256;
+constexpr rlim_t kMaxDescriptors = 65'536;
+constexpr int kOtherDescriptors = 64;  // for files of the store, wake-ups of threads, HTTP
+constexpr std::size_t kMaxPerAddress = 1024;
+constexpr unsigned kMaxLoops = 4;
+constexpr std::chrono::milliseconds kAcceptRetry{100};  // if no connection can be accepted
+constexpr int kMaxAcceptedPerTurn = 256;
 constexpr std::chrono::seconds kTick{1};
-constexpr std::chrono::minutes kBetweenWarnings{1};
+constexpr std::chrono::minutes kWarningInterval{1};
 
-// Below which the descriptor of a connection must be.
-int MostDescriptors() {
+// Returns the upper limit (exclusive) for the descriptor number of a connection.
+int MaxDescriptors() {
   rlimit limit{};
   const bool known = getrlimit(RLIMIT_NOFILE, &limit) == 0;
-  const auto most =
-      static_cast<int>(known ? std::min(limit.rlim_cur, kMostDescriptors) : rlim_t{1024});
-  return most - std::min(kForOthers, most / 4);
+  const auto max_count =
+      static_cast<int>(known ? std::min(limit.rlim_cur, kMaxDescriptors) : rlim_t{1024});
+  return max_count - std::min(kOtherDescriptors, max_count / 4);
 }
 
 bool LacksResources(int error) {
   return error == EMFILE || error == ENFILE || error == ENOBUFS || error == ENOMEM;
 }
 
-// A client of IPv4 is one, also where it comes by a socket of IPv6.
-tcp::endpoint Plain(const tcp::endpoint& client) {
+// Returns an IPv4-mapped IPv6 address as IPv4, so that a client has one address.
+tcp::endpoint WithoutV4Mapping(const tcp::endpoint& client) {
   const auto& address = client.address();
   if (!address.is_v6() || !address.to_v6().is_v4_mapped()) return client;
   return {boost::asio::ip::make_address_v4(boost::asio::ip::v4_mapped, address.to_v6()),
           client.port()};
 }
 
-// As gRPC names a peer.
+// Returns the peer in gRPC's format.
 std::string PeerOf(const tcp::endpoint& client) {
   const std::string address = client.address().to_string();
   return client.address().is_v6() ? fmt::format("ipv6:[{}]:{}", address, client.port())
@@ -66,14 +66,14 @@ std::string PeerOf(const tcp::endpoint& client) {
 void RaiseDescriptorLimit() {
   rlimit limit{};
   if (getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
-  limit.rlim_cur = std::max(limit.rlim_cur, std::min(limit.rlim_max, kMostDescriptors));
+  limit.rlim_cur = std::max(limit.rlim_cur, std::min(limit.rlim_max, kMaxDescriptors));
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 absl::StatusOr<std::unique_ptr<Listener>> Listener::Start(const std::string& listen, const Tls* tls,
                                                           std::unique_ptr<CallBridge> bridge,
                                                           ConnectionMeter& meter) {
-  std::signal(SIGPIPE, SIG_IGN);  // which OpenSSL raises where it writes to a client that has gone
+  std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that the client has closed
   std::unique_ptr<Listener> listener(new Listener(tls, std::move(bridge), meter));
   MOTIONDB_RETURN_IF_ERROR(listener->Listen(listen));
   for (Acceptor& acceptor : listener->acceptors_) listener->Await(acceptor);
@@ -88,14 +88,14 @@ Listener::Listener(const Tls* tls, std::unique_ptr<CallBridge> bridge, Connectio
     : tls_(tls),
       bridge_(std::move(bridge)),
       meter_(meter),
-      most_descriptors_(MostDescriptors()),
+      max_descriptors_(MaxDescriptors()),
       loops_(MakeLoops()),
-      rest_(loops_.front()->context),
-      warnings_(1, kBetweenWarnings) {}
+      accept_retry_(loops_.front()->context),
+      warnings_(1, kWarningInterval) {}
 
 std::vector<std::unique_ptr<Listener::Loop>> Listener::MakeLoops() {
   std::vector<std::unique_ptr<Loop>> loops(
-      std::clamp(std::thread::hardware_concurrency(), 1U, kMostLoops));
+      std::clamp(std::thread::hardware_concurrency(), 1U, kMaxLoops));
   for (auto& loop : loops) loop = std::make_unique<Loop>();
   return loops;
 }
@@ -116,7 +116,7 @@ absl::Status Listener::Listen(const std::string& listen) {
   for (const std::string& host : hosts) {
     Acceptor acceptor(loops_.front()->context);
     const absl::Status listening = ListenOn(fmt::format("{}:{}", host, port), acceptor);
-    if (absl::IsNotFound(listening)) {  // a name may have more addresses than the machine
+    if (absl::IsNotFound(listening)) {  // the host may have addresses of other machines
       failed = listening;
       continue;
     }
@@ -130,22 +130,23 @@ absl::Status Listener::Listen(const std::string& listen) {
 
 void Listener::Await(Acceptor& acceptor) {
   acceptor.async_wait(Acceptor::wait_read, [this, &acceptor](const auto& error) {
-    if (!error && !closing_) Accept(acceptor);  // the wait may have ended before it was cancelled
+    if (!error && !closing_) Accept(acceptor);  // the wait may end just before a cancel
   });
 }
 
 void Listener::Accept(Acceptor& acceptor) {
   if (AcceptWaiting(acceptor)) return Await(acceptor);
-  rest_.expires_after(kRest);
-  rest_.async_wait([this, &acceptor](const auto&) {  // also if another rests, too
-    if (!closing_) Await(acceptor);
-  });
+  accept_retry_.expires_after(kAcceptRetry);
+  accept_retry_.async_wait(
+      [this, &acceptor](const auto&) {  // also if another acceptor restarted the timer
+        if (!closing_) Await(acceptor);
+      });
 }
 
-// Takes the clients in the queue, many between two rounds of the loop: a busy loop must not keep
-// them there. False if a resource is exhausted.
+// Accepts many waiting clients in one turn of the event loop, so that a busy loop does not leave
+// them in the accept queue. False if a resource is exhausted.
 bool Listener::AcceptWaiting(Acceptor& acceptor) {
-  for (int taken = 0; taken < kMostAcceptedAtOnce; ++taken) {
+  for (int taken = 0; taken < kMaxAcceptedPerTurn; ++taken) {
     sockaddr_storage address{};
     socklen_t size = sizeof(address);
     const int descriptor = accept4(acceptor.native_handle(), reinterpret_cast<sockaddr*>(&address),
@@ -159,15 +160,15 @@ bool Listener::AcceptWaiting(Acceptor& acceptor) {
     std::copy_n(reinterpret_cast<const char*>(&address), size,
                 reinterpret_cast<char*>(client.data()));
     client.resize(size);
-    Admit(descriptor, Plain(client));
+    Admit(descriptor, WithoutV4Mapping(client));
   }
   return true;
 }
 
 void Listener::Admit(int descriptor, const tcp::endpoint& client) {
   const std::string address = SourceOf(client.address().to_string());
-  // A descriptor is the lowest that is free, so its number is how many are in use at least.
-  const char* refusal = descriptor >= most_descriptors_ ? "too many descriptors" : nullptr;
+  // The kernel assigns the lowest free number, so at least `descriptor` descriptors are in use.
+  const char* refusal = descriptor >= max_descriptors_ ? "too many descriptors" : nullptr;
   if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections of its address";
   if (refusal != nullptr) {
     close(descriptor);
@@ -176,7 +177,7 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
     return spdlog::warn(
         "connections are refused: reason='{}' peer={} descriptors={} connections_per_address={}; "
         "the process may open more files with ulimit -n or LimitNOFILE",
-        refusal, client.address().to_string(), most_descriptors_, kPerAddress);
+        refusal, client.address().to_string(), max_descriptors_, kMaxPerAddress);
   }
   const int on = 1;
   setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof(on));
@@ -185,11 +186,12 @@ void Listener::Admit(int descriptor, const tcp::endpoint& client) {
                     [this, &loop, descriptor, client] { Begin(loop, descriptor, client); });
 }
 
-// Counts one more connection of the address. False if it has too many, and none makes room.
+// Counts a new connection of the address. At the limit it closes the oldest one without a call;
+// false if all have calls.
 bool Listener::MakeRoom(const std::string& address) {
   const storage::MutexLock lock(mutex_);
   auto& connections = by_address_[address];
-  if (connections.size() >= kPerAddress) {
+  if (connections.size() >= kMaxPerAddress) {
     std::shared_ptr<Connection> oldest;
     for (const auto& connection : connections) {
       if (connection == nullptr || connection->calls() > 0) continue;
@@ -240,8 +242,8 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
     const storage::MutexLock lock(mutex_);
     const auto found = by_address_.find(address);
     if (found == by_address_.end()) return;
-    const auto one = found->second.find(connection);
-    if (one != found->second.end()) found->second.erase(one);
+    const auto entry = found->second.find(connection);
+    if (entry != found->second.end()) found->second.erase(entry);
     if (found->second.empty()) by_address_.erase(found);
   }
   if (reason.empty()) return;
@@ -254,9 +256,9 @@ void Listener::Forget(Loop& loop, const std::shared_ptr<Connection>& connection,
 void Listener::Tick(Loop& loop) {
   loop.ticks.expires_after(kTick);
   loop.ticks.async_wait([this, &loop](const auto& error) {
-    if (error || closing_) return;  // Close needs the timer, also if this tick came first
+    if (error || closing_) return;  // Close uses this timer for its grace time
     const auto now = Connection::Clock::now();
-    const auto connections = loop.connections;  // a tick may end one
+    const auto connections = loop.connections;  // a copy: Tick may remove a connection
     for (const auto& connection : connections) connection->Tick(now);
     Tick(loop);
   });
@@ -264,22 +266,22 @@ void Listener::Tick(Loop& loop) {
 
 void Listener::Close(std::chrono::milliseconds grace) {
   if (closing_.exchange(true)) return;
-  if (!loops_.front()->thread.joinable()) return;  // it has not begun to listen
+  if (!loops_.front()->thread.joinable()) return;  // Listen failed or was not called
   std::latch drained(static_cast<std::ptrdiff_t>(loops_.size()));
   for (const auto& loop : loops_) {
     boost::asio::post(loop->context, [this, &loop = *loop, &drained, grace] {
       if (&loop == loops_.front().get()) {
-        rest_.cancel();
+        accept_retry_.cancel();
         acceptors_.clear();
       }
-      // It closes with its last call.
+      // A drained connection closes after its last call.
       const auto draining = loop.connections;
       for (const auto& connection : draining) connection->Drain();
       drained.count_down();
       loop.ticks.expires_after(loop.connections.empty() ? std::chrono::milliseconds(0) : grace);
       loop.ticks.async_wait([&loop](const auto&) {
-        const auto left = loop.connections;
-        for (const auto& connection : left) connection->Close();
+        const auto remaining = loop.connections;
+        for (const auto& connection : remaining) connection->Close();
       });
     });
   }

@@ -1,9 +1,9 @@
-// Takes connections and serves HTTP/2 on them, in plain text or TLS, for the gRPC server of this
-// process. gRPC 1.51 has no bound on what a connection may hold before its call begins, so no
-// client's bytes reach it but as the messages of a call.
+// Accepts connections and serves HTTP/2 on them, as plain text or TLS, for the gRPC server of this
+// process. gRPC 1.51 does not bound the memory of a connection before its call begins. So gRPC gets
+// only complete calls and messages.
 //
-// A client address has at most so many connections (kPerAddress in listener.cc); at the limit the
-// oldest one without a call makes room. Some descriptors are left for everything else.
+// A client address may have kMaxPerAddress connections (listener.cc). At the limit the oldest
+// connection without a call is closed for a new one. Some descriptors are left for other uses.
 // Thread-safe; owns its sockets and threads.
 #pragma once
 
@@ -31,28 +31,27 @@ namespace motiondb::server {
 
 class Tls;
 
-// Lets the process open as many files as it may, up to those of the most connections that are
-// taken. For whoever starts it, before anything else.
+// Raises the soft limit of open files to the hard limit, at most 65,536. Call first in main.
 void RaiseDescriptorLimit();
 
 class Listener {
  public:
-  // Listens at HOST:PORT, at each address that the host has; port 0 is one that is free. `tls` is
-  // null for plain text, and outlives the listener as `meter` does. The codes of ListenOn.
+  // Listens at each address of HOST:PORT; port 0 selects a free port. `tls`: null for plain text.
+  // `tls` and `meter` must outlive the listener. Errors: those of ListenOn.
   static absl::StatusOr<std::unique_ptr<Listener>> Start(const std::string& listen, const Tls* tls,
                                                          std::unique_ptr<CallBridge> bridge,
                                                          ConnectionMeter& meter);
-  // Waits for the calls that gRPC still has: they must have been ended.
+  // Waits until gRPC has released its calls. They must have ended.
   ~Listener();
 
   int port() const;
-  // Takes no connections and begins no calls any more once it has returned, tells clients to go,
-  // and cuts those that have not after `grace`.
+  // Stops accepting connections and calls and sends GOAWAY, then returns. Connections that are
+  // still open after `grace` are closed.
   void Close(std::chrono::milliseconds grace);
 
  private:
   using Acceptor = boost::asio::ip::tcp::acceptor;
-  // A thread and the connections that live on it.
+  // A thread and its connections.
   struct Loop {
     boost::asio::io_context context{1};
     boost::asio::steady_timer ticks{context};
@@ -76,15 +75,15 @@ class Listener {
   const Tls* const tls_;
   const std::unique_ptr<CallBridge> bridge_;
   ConnectionMeter& meter_;
-  const int most_descriptors_;
+  const int max_descriptors_;
   std::vector<std::unique_ptr<Loop>> loops_;
-  std::vector<Acceptor> acceptors_;  // on the first loop
-  boost::asio::steady_timer rest_;   // of them, while no connection can be taken
+  std::vector<Acceptor> acceptors_;         // on the first loop
+  boost::asio::steady_timer accept_retry_;  // used if no connection can be accepted
   std::atomic<bool> closing_ = false;
   std::size_t next_loop_ = 0;
   AttemptLimit warnings_;
   storage::Mutex mutex_;
-  // By address; connections that are being set up are null.
+  // By client address. Connections that are being set up are null.
   std::map<std::string, std::multiset<std::shared_ptr<Connection>>> by_address_
       ABSL_GUARDED_BY(mutex_);
 };

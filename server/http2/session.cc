@@ -1,4 +1,4 @@
-// How libnghttp2 hands a client's headers and data to the streams of its connection.
+// Callbacks of libnghttp2: they pass headers and data to the streams of the connection.
 #include <new>
 #include <utility>
 
@@ -13,16 +13,16 @@ using Callbacks =
 
 constexpr int kExemptCalls = 4;  // see CallStream
 
-// Calls that a client may reset: so many in a burst, and so many a second.
+// Limits on resets by a client: burst size, and rate.
 constexpr std::uint64_t kResetBurst = 1000;
 constexpr std::uint64_t kResetsPerSecond = 500;
 
 }  // namespace
 
-// What libnghttp2 calls. No exception may pass through it.
+// Exceptions must not pass through libnghttp2.
 struct SessionCallbacks {
   template <typename Work>
-  static int Guarded(const Work& work) {
+  static int CatchBadAlloc(const Work& work) {
     try {
       return work() ? 0 : NGHTTP2_ERR_CALLBACK_FAILURE;
     } catch (const std::bad_alloc&) {
@@ -33,7 +33,7 @@ struct SessionCallbacks {
   static int OnBeginHeaders(nghttp2_session*, const nghttp2_frame* frame, void* user) {
     auto& connection = *static_cast<Connection*>(user);
     if (frame->headers.cat != NGHTTP2_HCAT_REQUEST) return 0;
-    return Guarded([&] {
+    return CatchBadAlloc([&] {
       const std::int32_t id = frame->hd.stream_id;
       const bool exempt = connection.streams_.size() < kExemptCalls;
       connection.streams_.emplace(
@@ -53,7 +53,7 @@ struct SessionCallbacks {
     const auto text = [](const std::uint8_t* data, std::size_t size) {
       return std::string_view(reinterpret_cast<const char*>(data), size);
     };
-    return Guarded([&] {
+    return CatchBadAlloc([&] {
       if (stream == nullptr || stream->AddHeader(text(name, name_size), text(value, value_size))) {
         return true;
       }
@@ -64,14 +64,14 @@ struct SessionCallbacks {
 
   static int OnFrame(nghttp2_session*, const nghttp2_frame* frame, void* user) {
     auto& connection = *static_cast<Connection*>(user);
-    connection.greeted_ = true;
+    connection.got_frame_ = true;
     const bool is_headers = frame->hd.type == NGHTTP2_HEADERS;
     if (!is_headers && frame->hd.type != NGHTTP2_DATA) return 0;
-    return Guarded([&] {
+    return CatchBadAlloc([&] {
       CallStream* const stream = connection.Find(frame->hd.stream_id);
       if (stream == nullptr) return true;
       if (is_headers && frame->headers.cat == NGHTTP2_HCAT_REQUEST) {
-        connection.beginning_.push_back(stream->shared_from_this());
+        connection.starting_streams_.push_back(stream->shared_from_this());
       }
       if ((frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0) stream->EndRequest();
       return true;
@@ -82,28 +82,28 @@ struct SessionCallbacks {
                     const std::uint8_t* data, std::size_t size, void* user) {
     CallStream* const stream = static_cast<Connection*>(user)->Find(id);
     if (stream == nullptr) return nghttp2_session_consume(session, id, size);
-    return Guarded([&] {
+    return CatchBadAlloc([&] {
       stream->Receive({data, size});
       return true;
     });
   }
 
-  // A stream that was answered to its end while the client still sends: it need not go on. A client
-  // that was told to go: the log is to say why.
+  // After a complete response, RST_STREAM stops a client that still sends. The error text of a sent
+  // GOAWAY becomes the logged reason.
   static int OnSent(nghttp2_session* session, const nghttp2_frame* frame, void* user) {
     if (frame->hd.type == NGHTTP2_GOAWAY && frame->goaway.error_code != NGHTTP2_NO_ERROR) {
-      return Guarded([&] {
+      return CatchBadAlloc([&] {
         auto& connection = *static_cast<Connection*>(user);
         const nghttp2_goaway& goaway = frame->goaway;
-        if (!connection.greeted_ || !connection.reason_.empty()) return true;
+        if (!connection.got_frame_ || !connection.reason_.empty()) return true;
         connection.reason_.assign(goaway.opaque_data, goaway.opaque_data + goaway.opaque_data_len);
         return true;
       });
     }
-    const bool ends =
+    const bool is_end =
         frame->hd.type == NGHTTP2_HEADERS && (frame->hd.flags & NGHTTP2_FLAG_END_STREAM) != 0;
     const std::int32_t id = frame->hd.stream_id;
-    if (!ends || nghttp2_session_get_stream_remote_close(session, id) != 0) return 0;
+    if (!is_end || nghttp2_session_get_stream_remote_close(session, id) != 0) return 0;
     return nghttp2_submit_rst_stream(session, NGHTTP2_FLAG_NONE, id, NGHTTP2_NO_ERROR);
   }
 
@@ -114,7 +114,7 @@ struct SessionCallbacks {
     const std::shared_ptr<CallStream> stream = std::move(found->second);
     connection.streams_.erase(found);
     connection.calls_ = static_cast<int>(connection.streams_.size());
-    return Guarded([&] {
+    return CatchBadAlloc([&] {
       stream->Detach();
       return true;
     });

@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kOther = "other";
 
-// From what one frame of a stream costs to what a plan over a large database may take.
+// Upper bounds of the buckets: from one frame of a stream to a plan over a large database.
 const prometheus::Histogram::BucketBoundaries kSeconds{
     0.0005, 0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.25, 0.5, 1, 2.5, 5, 10, 30, 60, 300};
 
@@ -23,7 +23,7 @@ constexpr std::string_view kCodeNames[] = {
     "ABORTED",   "OUT_OF_RANGE",   "UNIMPLEMENTED",     "INTERNAL",           "UNAVAILABLE",
     "DATA_LOSS", "UNAUTHENTICATED"};
 
-// All of them, in order.
+// All codes, in order.
 constexpr auto kCodes = [] {
   std::array<absl::StatusCode, std::size(kCodeNames)> codes{};
   for (std::size_t i = 0; i < codes.size(); ++i) codes[i] = static_cast<absl::StatusCode>(i);
@@ -52,14 +52,13 @@ CallMeter::CallMeter(prometheus::Registry& registry, const std::vector<std::stri
                     .Register(registry)),
       seconds_(prometheus::BuildHistogram()
                    .Name("motiondb_request_seconds")
-                   .Help("How long calls took, by method; of streams, how long they were open.")
+                   .Help("Duration of calls, by method; for streams, how long they were open.")
                    .Register(registry)),
-      authentication_failures_(
-          prometheus::BuildCounter()
-              .Name("motiondb_authentication_failures_total")
-              .Help("Calls refused because the caller did not prove who it is.")
-              .Register(registry)
-              .Add({})) {
+      authentication_failures_(prometheus::BuildCounter()
+                                   .Name("motiondb_authentication_failures_total")
+                                   .Help("Calls refused because authentication failed.")
+                                   .Register(registry)
+                                   .Add({})) {
   static_assert(std::size(kCodeNames) == Method::kCodeCount);
   Add(kOther);
   for (const std::string& name : methods) Add(name);
@@ -71,7 +70,7 @@ void CallMeter::Add(const std::string& name) {
   auto method = std::make_unique<Method>();
   method->name_ = name;
   method->seconds_ = &seconds_.Add({{"method", name}}, kSeconds);
-  // A rate needs a count to begin from, and so does an alert on errors that never were before.
+  // Exports 0 from the start: a rate, and an alert on the first error, need a previous value.
   for (const absl::StatusCode code : kCodes) {
     if (code == absl::StatusCode::kOk || IsOwnFault(code)) CounterOf(*method, code);
   }
@@ -87,7 +86,7 @@ prometheus::Counter& CallMeter::CounterOf(Method& method, absl::StatusCode code)
   auto& slot = method.by_code_[IndexOf(code)];
   prometheus::Counter* counter = slot.load(std::memory_order_acquire);
   if (counter == nullptr) {
-    // The family gives everyone who asks for these labels the same counter.
+    // The family returns the same counter for the same labels.
     counter = &requests_.Add({{"method", method.name_}, {"code", std::string(CodeName(code))}});
     slot.store(counter, std::memory_order_release);
   }

@@ -1,6 +1,6 @@
-// Counts calls and how long they took, by method and code, and those under way, and connections.
-// Thread-safe; a call costs two atomic additions and the short lock that prometheus-cpp puts around
-// a histogram, which calls of one method share.
+// Counts calls by method and code, their durations, calls in flight, and connections.
+// A call costs two atomic additions and a short lock of prometheus-cpp on the histogram of its
+// method. Thread-safe.
 #pragma once
 
 #include <prometheus/client_metric.h>
@@ -26,28 +26,28 @@ class Histogram;
 
 namespace motiondb::server {
 
-// In seconds; all 0 of an empty histogram.
+// In seconds; all 0 if the histogram is empty.
 struct CallQuantiles {
   double p50 = 0;
   double p95 = 0;
   double p99 = 0;
 };
 
-// The value that a share `quantile` (0 to 1) of the observations does not exceed, linear between
-// the bounds of its bucket, the lowest of which begins at 0: what Prometheus' histogram_quantile
-// says. Of the last bucket, which has no end, its beginning. 0 of an empty histogram.
+// Returns the quantile (`quantile` is 0 to 1) like Prometheus' histogram_quantile: linear between
+// the bounds of its bucket. The lowest bucket begins at 0. In the last bucket, which has no end, it
+// is the lower bound. 0 if the histogram is empty.
 double EstimateQuantile(const prometheus::ClientMetric::Histogram& histogram, double quantile);
 
 CallQuantiles EstimateQuantiles(const prometheus::ClientMetric::Histogram& histogram);
 
-// Who decides how long a call lasts.
+// What determines the duration of a call.
 enum class CallKind {
-  kWork,    // the server, by its work
-  kWait,    // somebody else: a build that is waited for, a client that sends or takes a file
-  kFrames,  // the client, which streams frames as long as it likes
+  kWork,    // the work of the server
+  kWait,    // waiting for a build, or for a client that sends or receives a file
+  kFrames,  // the client, which streams frames without a limit
 };
 
-// True of the codes that say that the server, not its caller, did something wrong.
+// True for codes that mean a fault of the server: INTERNAL, UNKNOWN, DATA_LOSS.
 bool IsOwnFault(absl::StatusCode code);
 
 // "NOT_FOUND".
@@ -58,13 +58,13 @@ struct MethodFigures {
   std::string method;
   std::int64_t ended = 0;
   std::vector<std::pair<absl::StatusCode, std::int64_t>>
-      errors;  // in order of code, none of 0 calls
+      errors;  // in order of code; only codes that occurred
   CallQuantiles seconds;
 };
 
 class CallMeter {
  public:
-  // One method's share. Owned by the meter.
+  // Counters of one method. Owned by the meter.
   class Method {
    public:
     const std::string& name() const { return name_; }
@@ -77,25 +77,26 @@ class CallMeter {
     prometheus::Histogram* seconds_ = nullptr;
   };
 
-  // The registry must outlive the meter. Methods are named "Service.Method"; each is
-  // exported from the start, with no call yet.
+  // The registry must outlive the meter. `methods`: names such as "Service.Method". All of them are
+  // exported from the start, also without a call.
   CallMeter(prometheus::Registry& registry, const std::vector<std::string>& methods);
   ~CallMeter();
 
-  // The method of that name, or the one under which all unknown ones are counted.
+  // Returns the method of that name, or the common one for unknown names.
   Method& Find(std::string_view name);
 
   void Begin(CallKind kind);
-  // UNAUTHENTICATED counts as a failure to authenticate.
+  // Counts UNAUTHENTICATED also as an authentication failure.
   void End(Method& method, CallKind kind, absl::StatusCode code, double seconds);
-  // One more failure to authenticate, of a call that ends otherwise: it was not even looked at.
+  // Counts an authentication failure of a call that ends with another code, because its credentials
+  // were not checked.
   void CountRefusedAttempt();
 
-  // Calls ended, and of these those that failed by the server's own fault.
+  // Ended calls, and those of them that failed by the server's fault.
   std::int64_t ended() const;
   std::int64_t failed() const;
   std::int64_t authentication_failures() const;
-  // Methods of which calls have ended, in order of name.
+  // Methods with ended calls, in order of name.
   std::vector<MethodFigures> Methods() const;
   int open() const { return open_.load(std::memory_order_relaxed); }
   int open_streams() const { return open_streams_.load(std::memory_order_relaxed); }
@@ -103,25 +104,24 @@ class CallMeter {
  private:
   prometheus::Counter& CounterOf(Method& method, absl::StatusCode code);
   void Add(const std::string& name);
-  // Calls of the method that ended with this code.
+  // Returns the number of ended calls of the method with this code.
   static std::int64_t Count(const Method& method, absl::StatusCode code);
   std::int64_t Sum(const std::function<bool(absl::StatusCode)>& counts) const;
 
   prometheus::Family<prometheus::Counter>& requests_;
   prometheus::Family<prometheus::Histogram>& seconds_;
   prometheus::Counter& authentication_failures_;
-  std::map<std::string, std::unique_ptr<Method>, std::less<>> methods_;  // constant after the start
+  std::map<std::string, std::unique_ptr<Method>, std::less<>>
+      methods_;  // never changes after construction
   std::atomic<int> open_{0};
   std::atomic<int> open_streams_{0};
 };
 
-// Counts clients' connections.
+// Connections of clients.
 struct ConnectionMeter {
   std::atomic<int> open = 0;
-  std::atomic<std::int64_t> refused =
-      0;  // for lack of descriptors, or as one too many of an address
-  std::atomic<std::int64_t> ended =
-      0;  // by the server, for what a client sent or for lack of memory
+  std::atomic<std::int64_t> refused = 0;  // no descriptor, or too many of one address
+  std::atomic<std::int64_t> ended = 0;    // closed by the server: client error or out of memory
 };
 
 }  // namespace motiondb::server

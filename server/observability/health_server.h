@@ -1,5 +1,4 @@
-// The pages that the server shows over HTTP, on a port of their own: /metrics, /livez, /readyz, and
-// / that lists them. The monitor must outlive them.
+// HTTP pages on a separate port: /metrics, /livez, /readyz, and / with a list of them.
 #pragma once
 
 #include <memory>
@@ -12,13 +11,13 @@
 
 namespace motiondb::server {
 
-// Where the pages are unless something else is said.
+// Default address of the pages.
 inline constexpr char kDefaultHttpListen[] = "127.0.0.1:9464";
 
-// Starts the pages at `listen`: HOST:PORT; "none" for no pages; empty for 127.0.0.1:9464, where
-// they are left out, with a warning, if another program has that port. Null where there are none.
-// Warns of an address that others can reach, in the log's format but whatever its level. The
-// monitor must outlive the result. Codes: those of HttpServer::Start.
+// Serves the pages at `listen`: HOST:PORT; "none" for no pages; empty for 127.0.0.1:9464, or no
+// pages and a warning if that port is in use. Returns null if there are no pages. Warns, at any log
+// level, if other machines can reach the address. The monitor must outlive the result. Errors:
+// those of HttpServer::Start.
 absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string& listen,
                                                               const Monitor& monitor,
                                                               LogFormat format = LogFormat::kText);

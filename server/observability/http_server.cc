@@ -24,25 +24,25 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using Clock = std::chrono::steady_clock;
 
-// Of a request line with its headers, and of a body, which no page wants.
+// In bytes: request line with headers, and body. No page uses a body.
 constexpr std::size_t kHeaderLimit = 8192;
 constexpr std::size_t kBodyLimit = 1024;
 
-// That a client has to close a connection after its last answer.
-constexpr std::chrono::milliseconds kFarewell{1000};
+// Time for the client to close a connection after its last response.
+constexpr std::chrono::milliseconds kCloseTime{1000};
 
-HttpAnswer Refusal(http::status status, std::string why) {
-  return {.status = static_cast<unsigned>(status), .body = std::move(why) + "\n"};
+HttpAnswer Refusal(http::status status, std::string reason) {
+  return {.status = static_cast<unsigned>(status), .body = std::move(reason) + "\n"};
 }
 
-// Unspecified where the client is gone already.
+// Returns an unspecified address if the client has already disconnected.
 boost::asio::ip::address AddressOf(const boost::asio::ip::tcp::socket& socket) {
   beast::error_code error;
   return socket.remote_endpoint(error).address();
 }
 
-// The answer to what is no request; nothing where the client is gone or was too slow, which is the
-// end without a word.
+// Returns the response to an invalid request; nullopt if the client disconnected or was too slow:
+// then the connection is closed without a response.
 std::optional<HttpAnswer> AnswerTo(beast::error_code error) {
   if (error == http::error::header_limit) {
     return Refusal(http::status::request_header_fields_too_large,
@@ -51,8 +51,10 @@ std::optional<HttpAnswer> AnswerTo(beast::error_code error) {
   if (error == http::error::body_limit) {
     return Refusal(http::status::payload_too_large, "expected a request without a body");
   }
-  const bool is_cut = error == http::error::end_of_stream || error == http::error::partial_message;
-  if (is_cut || error.category() != http::make_error_code(http::error::bad_method).category()) {
+  const bool is_disconnect =
+      error == http::error::end_of_stream || error == http::error::partial_message;
+  if (is_disconnect ||
+      error.category() != http::make_error_code(http::error::bad_method).category()) {
     return std::nullopt;
   }
   return Refusal(http::status::bad_request, fmt::format("not HTTP/1.1: {}", error.message()));
@@ -67,7 +69,7 @@ HttpConnection::HttpConnection(HttpConnectionHost& host, boost::asio::ip::tcp::s
       buffer_(kHeaderLimit + kBodyLimit) {}
 
 HttpConnection::~HttpConnection() {
-  // Without Close only where an exception, or the end of the server, dropped what it waited for.
+  // Close was not called if an exception or the end of the server dropped the pending handler.
   if (!closed_) host_.OnClosed(*this);
 }
 
@@ -105,8 +107,7 @@ void HttpConnection::Respond() {
   path = path.substr(0, path.find('?'));
   const HttpPage* const page = host_.FindPage(path);
   if (page == nullptr) {
-    return Write(Refusal(http::status::not_found, "no such page; / lists those there are"),
-                 keep_alive);
+    return Write(Refusal(http::status::not_found, "unknown page; see / for a list"), keep_alive);
   }
   if (request.method() != Verb::get && request.method() != Verb::head) {
     return Write(Refusal(http::status::method_not_allowed, "expected GET or HEAD"), keep_alive);
@@ -117,7 +118,8 @@ void HttpConnection::Respond() {
         if (!self->closed_) self->Write(std::move(answer), keep_alive);
       });
   if (is_coming) return;
-  Write(Refusal(http::status::service_unavailable, "too many wait for pages already"), keep_alive);
+  Write(Refusal(http::status::service_unavailable, "too many requests wait for pages; retry later"),
+        keep_alive);
 }
 
 void HttpConnection::Write(HttpAnswer answer, bool keep_alive) {
@@ -131,7 +133,7 @@ void HttpConnection::Write(HttpAnswer answer, bool keep_alive) {
   }
   response_->keep_alive(keep_alive);
   response_->content_length(answer.body.size());
-  // The headers of a HEAD are those that GET would bring.
+  // HEAD returns the same headers as GET.
   if (parser_->get().method() != Verb::head) response_->body() = std::move(answer.body);
   waiting_ = Clock::now();
   stream_.expires_after(host_.limits().answer_time);
@@ -146,10 +148,10 @@ void HttpConnection::OnWritten(beast::error_code error) {
   waiting_.reset();
   if (error) return Close();
   if (!response_->need_eof()) return Read();
-  // The client learns the end from the end of the stream.
+  // The end of the stream marks the end of the response.
   stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, error);
   waiting_ = Clock::now();
-  stream_.expires_after(std::min(kFarewell, host_.limits().request_time));
+  stream_.expires_after(std::min(kCloseTime, host_.limits().request_time));
   AwaitEnd();
 }
 
@@ -168,9 +170,9 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 
-// How long to wait where a connection cannot be taken, as where no descriptor is left.
-constexpr std::chrono::milliseconds kRest{100};
-constexpr int kMostAcceptedAtOnce = 1024;
+// Time before the next attempt if no connection can be accepted, such as without a free descriptor.
+constexpr std::chrono::milliseconds kAcceptRetry{100};
+constexpr int kMaxAcceptedPerTurn = 1024;
 
 class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   using Take = std::function<void(HttpAnswer)>;
@@ -180,8 +182,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
       : pages_(std::move(pages)), limits_(limits) {}
 
   ~BeastHttpServer() override {
-    makers_.Join();
-    talker_.Stop();
+    page_thread_.Join();
+    socket_thread_.Stop();
   }
 
   absl::Status Listen(const std::string& listen) {
@@ -207,8 +209,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   }
 
   bool MakeElsewhere(const HttpPage& page, const asio::ip::address& address, Take take) override {
-    // Half are left to pages made at once: those who wait here cannot be made to make room. Half of
-    // the rest is left to other addresses.
+    // A waiting connection cannot be replaced. So half of the connections are reserved for
+    // immediate pages, and half of the rest for other addresses.
     if (waiting_ >= std::max(1, limits_.connections / 2)) return false;
     const auto waiting_there = waiting_by_address_.find(address);
     if (waiting_there != waiting_by_address_.end() &&
@@ -220,35 +222,36 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     std::vector<Taker>& takers = takers_[&page];
     takers.push_back({address, std::move(take)});
     if (takers.size() > 1) return true;
-    asio::post(makers_.executor(), [this, &page] {
-      asio::post(talker_.executor(), [this, &page, answer = page.make()] { Hand(page, answer); });
+    asio::post(page_thread_.executor(), [this, &page] {
+      asio::post(socket_thread_.executor(),
+                 [this, &page, answer = page.make()] { Deliver(page, answer); });
     });
     return true;
   }
 
   void OnClosed(HttpConnection& connection) override {
-    if (connections_.erase(&connection) == 0) return;  // no memory was left to admit it
-    const auto of_address = count_by_address_.find(connection.address());
-    if (--of_address->second == 0) count_by_address_.erase(of_address);
+    if (connections_.erase(&connection) == 0) return;  // Admit ran out of memory
+    const auto entry = count_by_address_.find(connection.address());
+    if (--entry->second == 0) count_by_address_.erase(entry);
   }
 
  private:
   void Accept() {
-    acceptor_.async_wait(tcp::acceptor::wait_read,
-                         [this](const boost::system::error_code& stopped) {
-                           if (stopped) return;
-                           if (AcceptWaiting()) return Accept();
-                           rest_.expires_after(kRest);
-                           rest_.async_wait([this](const boost::system::error_code& cancelled) {
-                             if (!cancelled) Accept();
-                           });
-                         });
+    acceptor_.async_wait(
+        tcp::acceptor::wait_read, [this](const boost::system::error_code& stopped) {
+          if (stopped) return;
+          if (AcceptWaiting()) return Accept();
+          accept_retry_.expires_after(kAcceptRetry);
+          accept_retry_.async_wait([this](const boost::system::error_code& cancelled) {
+            if (!cancelled) Accept();
+          });
+        });
   }
 
-  // Takes the clients in the queue, many between two rounds of answers: a flood that is answered
-  // slowly must not keep the others in the queue. False if a resource is exhausted.
+  // Accepts many waiting clients in one turn of the event loop, so that a flood of requests does
+  // not leave others in the accept queue. False if a resource is exhausted.
   bool AcceptWaiting() {
-    for (int taken = 0; taken < kMostAcceptedAtOnce; ++taken) {
+    for (int taken = 0; taken < kMaxAcceptedPerTurn; ++taken) {
       boost::system::error_code error;
       tcp::socket socket = acceptor_.accept(error);
       if (error == asio::error::would_block) return true;
@@ -259,8 +262,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     return true;
   }
 
-  // Gives all who asked for a page while it was made what came of it.
-  void Hand(const HttpPage& page, const HttpAnswer& answer) {
+  // Sends the page to all requests that arrived while it was made.
+  void Deliver(const HttpPage& page, const HttpAnswer& answer) {
     const std::vector<Taker> takers = std::exchange(takers_[&page], {});
     waiting_ -= static_cast<int>(takers.size());
     for (const Taker& taker : takers) {
@@ -279,8 +282,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     connection->Start();
   }
 
-  // Closes the connection that has kept us waiting longest, of the address that has most
-  // connections: a client at an address of its own keeps its place. False where each waits for us.
+  // Closes the connection with the longest wait for its client, of the address with the
+  // most connections. False if no connection waits for its client.
   bool MakeRoom() {
     HttpConnection* slowest = nullptr;
     for (HttpConnection* const connection : connections_) {
@@ -290,9 +293,9 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
         continue;
       }
       const int count = count_by_address_[connection->address()];
-      const int most = count_by_address_[slowest->address()];
+      const int slowest_count = count_by_address_[slowest->address()];
       const bool is_slower = *connection->waiting_since() < *slowest->waiting_since();
-      if (count > most || (count == most && is_slower)) slowest = connection;
+      if (count > slowest_count || (count == slowest_count && is_slower)) slowest = connection;
     }
     if (slowest == nullptr) return false;
     slowest->Close();
@@ -303,20 +306,21 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
   const HttpLimits limits_;
   std::string address_;
   bool is_loopback_ = false;
-  // Each is kept by what it waits for. Before the threads, which end what they wait for.
+  // Pending handlers own the connections; stopping the threads, which are declared below, drops
+  // them.
   std::unordered_set<HttpConnection*> connections_;
   std::map<asio::ip::address, int> count_by_address_;
-  ThreadPool talker_{1};
+  ThreadPool socket_thread_{1};
   struct Taker {
     asio::ip::address address;
     Take take;
   };
-  std::map<const HttpPage*, std::vector<Taker>> takers_;  // of each page that is being made
-  int waiting_ = 0;                                       // of them all
+  std::map<const HttpPage*, std::vector<Taker>> takers_;  // by page that is being made
+  int waiting_ = 0;                                       // in total
   std::map<asio::ip::address, int> waiting_by_address_;
-  tcp::acceptor acceptor_{talker_.context()};
-  asio::steady_timer rest_{talker_.context()};
-  ThreadPool makers_{1};
+  tcp::acceptor acceptor_{socket_thread_.context()};
+  asio::steady_timer accept_retry_{socket_thread_.context()};
+  ThreadPool page_thread_{1};
 };
 
 }  // namespace

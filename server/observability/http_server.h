@@ -1,14 +1,12 @@
-// A small HTTP/1.1 server for pages that machines read: GET and HEAD, nothing else. Meant for
-// metrics and health; there is no authentication. Thread-safe; owns its socket and two threads, one
-// that talks and one that makes pages.
+// A small HTTP/1.1 server for metrics and health pages: GET and HEAD only, no authentication.
+// Thread-safe; owns its socket and two threads, one for sockets and one that makes pages.
 //
-// What a client may cost is bounded: the size of a request, the time until it is whole and until
-// its answer is taken, and the connections at a time. At the limit the one that has kept the server
-// waiting longest makes room, of those of the address that has most connections, so clients that
-// send slowly, nothing or garbage lock nobody out.
-// A page that takes time is made once for all who ask meanwhile, and half of the connections may
-// wait for such pages, a quarter from one address, further requests being refused (503): however
-// long one takes, pages made at once are answered.
+// Bounds: the size of a request, the time to receive it and to send the response, and the number of
+// connections. At the limit, a new connection replaces the slowest client of the address with the
+// most connections. So slow or faulty clients do not lock out others.
+// A slow page is made once for all requests that arrive meanwhile. At most half of the connections
+// may wait for slow pages, a quarter from one address; further requests get 503. So immediate pages
+// are always served.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -33,50 +31,50 @@ struct HttpAnswer {
 
 struct HttpPage {
   std::function<HttpAnswer()> make;  // must not throw; called by one thread at a time
-  bool at_once = false;              // it takes no time: made without waiting for other pages
+  bool at_once = false;              // immediate page: made without waiting for other pages
 };
 
 using HttpPages = std::map<std::string, HttpPage, std::less<>>;  // by path, "/metrics"
 
 struct HttpLimits {
   int connections = 64;
-  std::chrono::milliseconds request_time{5000};   // until a request is whole, idling included
-  std::chrono::milliseconds answer_time{10'000};  // until an answer is taken
+  std::chrono::milliseconds request_time{5000};   // to receive a request, idle time included
+  std::chrono::milliseconds answer_time{10'000};  // to send a response
 };
 
 class HttpServer {
  public:
-  // Listens at HOST:PORT, port 0 for a free one, and answers from then on. Codes: INVALID_ARGUMENT
-  // (no HOST:PORT), UNAVAILABLE (cannot be listened on).
+  // Listens at HOST:PORT and serves the pages; port 0 selects a free port. Errors: those of
+  // ListenOn.
   static absl::StatusOr<std::unique_ptr<HttpServer>> Start(const std::string& listen,
                                                            HttpPages pages, HttpLimits limits = {});
-  // Cuts what still runs. Waits for a page that is being made.
+  // Closes all connections. Waits for a page that is being made.
   virtual ~HttpServer() = default;
 
-  // HOST:PORT that clients reach it at.
+  // HOST:PORT for clients.
   virtual const std::string& address() const = 0;
-  // True if only this machine reaches it.
+  // True if only this machine can reach it.
   virtual bool is_loopback() const = 0;
 };
 
-// One client of the HTTP server: reads a request, has its page made, writes the answer, and so on
-// while the client keeps the connection. Used by one thread, its server's.
 class HttpConnection;
 
-// What connections ask of their server.
+// Interface of the server for its connections.
 class HttpConnectionHost {
  public:
   virtual ~HttpConnectionHost() = default;
   virtual const HttpLimits& limits() const = 0;
-  // The page of a path; null where there is none.
+  // Returns the page of a path; null if there is none.
   virtual const HttpPage* FindPage(std::string_view path) const = 0;
-  // Makes a page elsewhere and brings the answer back to this thread. False, and nothing comes,
-  // where too many wait for pages already, in all or at this client address.
+  // Makes a page on another thread, then calls `take` on this thread. Returns false, without a
+  // call, if too many requests wait for pages already, in total or from this client address.
   virtual bool MakeElsewhere(const HttpPage& page, const boost::asio::ip::address& address,
                              std::function<void(HttpAnswer)> take) = 0;
   virtual void OnClosed(HttpConnection& connection) = 0;
 };
 
+// One client: reads a request, gets its page, writes the response, and repeats while the connection
+// is kept alive. Runs only on the server's socket thread.
 class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
  public:
   // The host must outlive the connection.
@@ -87,10 +85,10 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
 
   void Start() { Read(); }
   const boost::asio::ip::address& address() const { return address_; }
-  // Ends it at once.
+  // Closes it immediately.
   void Close();
 
-  // Since when the client keeps the server waiting; nothing while the server works.
+  // Time since which the server waits for the client; nullopt while the server works.
   std::optional<std::chrono::steady_clock::time_point> waiting_since() const { return waiting_; }
 
  private:
@@ -101,8 +99,8 @@ class HttpConnection : public std::enable_shared_from_this<HttpConnection> {
   void Respond();
   void Write(HttpAnswer answer, bool keep_alive);
   void OnWritten(boost::beast::error_code error);
-  // Throws away what still comes, until the client closes: to close with bytes unread would take
-  // the answer back that is on its way.
+  // Reads and drops input until the client closes: closing a socket with unread bytes resets it,
+  // and the client could lose the response.
   void AwaitEnd();
 
   HttpConnectionHost& host_;

@@ -1,4 +1,4 @@
-// Listening at an address that an operator gave. Functions keep no state.
+// Listening at a configured address, HOST:PORT.
 #pragma once
 
 #include <boost/asio/ip/tcp.hpp>
@@ -10,16 +10,16 @@
 
 namespace motiondb::server {
 
-// Has the acceptor, which is not open, listen at HOST:PORT, port 0 for a free one. INVALID_ARGUMENT
-// (no HOST:PORT, or nobody knows the host), NOT_FOUND (not an address of this machine), UNAVAILABLE
-// (cannot be listened on), all saying why.
+// Opens `acceptor` and listens at HOST:PORT; port 0 selects a free port. Errors:
+// INVALID_ARGUMENT (malformed, or the host does not resolve), NOT_FOUND (not an address of this
+// machine), UNAVAILABLE (in use, or not permitted).
 absl::Status ListenOn(const std::string& listen, boost::asio::ip::tcp::acceptor& acceptor);
 
-// The same for a moment alone, to know whether it can be done.
+// Checks that ListenOn succeeds, and closes the socket again. Errors: those of ListenOn.
 absl::Status TryListening(const std::string& listen);
 
-// The addresses of the host of HOST:PORT in numbers, "127.0.0.1" and "[::1]"; at least one.
-// INVALID_ARGUMENT as above.
+// Returns the numeric addresses of the host, such as "127.0.0.1" and "[::1]"; at least one.
+// INVALID_ARGUMENT if the text is malformed or the host does not resolve.
 absl::StatusOr<std::vector<std::string>> AddressesOf(const std::string& listen);
 
 }  // namespace motiondb::server

@@ -51,10 +51,9 @@ void Tell(LogFormat format, const std::string& message) {
 
 namespace {
 
-using json = nlohmann::ordered_json;  // fields stay in the order in which they were given
+using json = nlohmann::ordered_json;  // keeps the order of insertion
 
-// Bytes that are no UTF-8 become U+FFFD; display controls, which can only be in strings, are
-// escaped.
+// Returns JSON text. Invalid UTF-8 becomes U+FFFD. Display control characters are escaped.
 template <typename Json>
 std::string Dump(const Json& value) {
   const std::string text = value.dump(-1, ' ', false, json::error_handler_t::replace);
@@ -72,7 +71,7 @@ std::string Dump(const Json& value) {
   return escaped;
 }
 
-// As it is, but for control characters, quotes and backslashes, which are escaped as in JSON.
+// Escapes control characters, quotes and backslashes as in JSON.
 std::string OneLine(const std::string& text) {
   std::string quoted = Dump(json(text));
   return quoted.substr(1, quoted.size() - 2);
@@ -82,7 +81,7 @@ std::string MessageOf(const spdlog::details::log_msg& line) {
   return text::WithoutSecrets({line.payload.data(), line.payload.size()});
 }
 
-// A word, or a quoted string where it is none.
+// Returns a plain word, or a quoted string if it is not one word.
 std::string FieldText(const json& value) {
   const std::string quoted = Dump(value);
   if (!value.is_string()) return quoted;
@@ -93,7 +92,7 @@ std::string FieldText(const json& value) {
 }
 
 json ToJson(const LogField& field) {
-  json value = std::visit([](const auto& held) { return json(held); }, field.second);
+  json value = std::visit([](const auto& content) { return json(content); }, field.second);
   if (value.is_string()) value = text::WithoutSecrets(value.get_ref<const std::string&>());
   return value;
 }
@@ -104,7 +103,8 @@ void Collect(const LogFields* fields, json& object) {
   for (const LogField& field : fields->fields()) object[field.first] = ToJson(field);
 }
 
-// The fields that hold on this thread, the outer before the inner; of two of a name the inner.
+// Returns the fields of this thread, outer scopes first. An inner field replaces an outer one with
+// the same name.
 json CurrentFields() {
   json object = json::object();
   Collect(LogFields::Current(), object);

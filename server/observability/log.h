@@ -1,4 +1,4 @@
-// The server's log, and the facts that its lines carry.
+// The server's log, and the fields of its lines.
 #pragma once
 
 #include <spdlog/formatter.h>
@@ -12,12 +12,10 @@
 
 namespace motiondb::server {
 
-// Facts that every log line carries beside its message while they hold on a thread: the request it
-// is about, for one. JSON lines have them as members, text lines as `name=value` at the end.
-
 using LogField = std::pair<std::string, std::variant<std::string, double>>;
 
-// Holds on the thread that made it, within the braces that it stands in. May be nested.
+// Adds fields, such as the request id, to every log line of this thread during its lifetime. Scopes
+// may be nested. JSON lines have the fields as members, text lines as `name=value` at the end.
 class LogFields {
  public:
   // LogFields fields{{"request_id", id}};
@@ -26,7 +24,7 @@ class LogFields {
   LogFields(const LogFields&) = delete;
   LogFields& operator=(const LogFields&) = delete;
 
-  // The innermost of this thread; null where there is none.
+  // Returns the innermost scope of this thread; null if there is none.
   static const LogFields* Current();
   const std::vector<LogField>& fields() const { return fields_; }
   const LogFields* outer() const { return outer_; }
@@ -36,20 +34,19 @@ class LogFields {
   const LogFields* const outer_;
 };
 
-// The server's log, on standard error. A line looks as text for a person, or as one JSON object for
-// a machine. Either way it is one line of valid UTF-8, whatever the message.
+// Format of a log line: text, or one JSON object. Each event is one line of valid UTF-8.
 enum class LogFormat { kText, kJson };
 
-// Once, before anything is logged. `level`: debug, info, warning, error or off.
+// Logs to standard error. Call once, before any log line. `level`: debug, info, warning, error or
+// off.
 void StartLog(LogFormat format, const std::string& level);
 
-// Says on standard error what is to be seen whatever the level of the log: why the program ends, or
-// that it is open to all. A line of text that begins with the program's name, or a line of JSON of
-// the level critical.
+// Writes to standard error at any log level: why the program ends, or that it is insecure. A text
+// line begins with the program's name; a JSON line has the level critical.
 void Tell(LogFormat format, const std::string& message);
 
-// For spdlog::set_formatter. What it makes carries the LogFields of the thread that logs, so the
-// logger must not be asynchronous.
+// Returns a formatter for spdlog::set_formatter. It adds the LogFields of the calling thread, so
+// the logger must not be asynchronous.
 std::unique_ptr<spdlog::formatter> MakeLogFormatter(LogFormat format);
 
 }  // namespace motiondb::server

@@ -26,7 +26,7 @@ std::int64_t FileBytes(const std::string& path) {
   return error ? 0 : static_cast<std::int64_t>(bytes);
 }
 
-// What is kept for the superuser is not counted as free.
+// Free bytes exclude blocks reserved for the superuser.
 void SetDisk(const std::string& path, ServerFigures& figures) {
   struct statvfs disk {};
   if (statvfs(path.c_str(), &disk) != 0) return;
@@ -179,13 +179,13 @@ void LogCall(const EndedCall& call, std::chrono::duration<double> slow) {
                          {"code", std::string(CodeName(call.code))},
                          {"milliseconds", std::round(call.seconds * 1e6) / 1e3},
                          {"peer", call.peer}};
-  const char* const what = level == spdlog::level::err    ? "call failed"
-                           : level == spdlog::level::warn ? "slow call"
-                                                          : "call";
+  const char* const event = level == spdlog::level::err    ? "call failed"
+                            : level == spdlog::level::warn ? "slow call"
+                                                           : "call";
   if (call.message.empty()) {
-    spdlog::log(level, "{}", what);
+    spdlog::log(level, "{}", event);
   } else {
-    spdlog::log(level, "{}: {}", what, call.message);
+    spdlog::log(level, "{}: {}", event, call.message);
   }
 }
 

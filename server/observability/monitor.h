@@ -1,6 +1,6 @@
-// What the server knows about itself, from before its models are read until it ends: the figures
-// that metrics and GetServerStatus are made of, and whether it is ready. Nothing is polled: figures
-// are read when they are asked for. Thread-safe.
+// Statistics of the server for metrics and GetServerStatus, and its readiness. Exists from before
+// models are read until the server ends. Statistics are read on request; nothing is polled.
+// Thread-safe.
 #pragma once
 
 #include <prometheus/registry.h>
@@ -23,13 +23,13 @@ class Engine;
 
 struct MonitorOptions {
   std::vector<std::string> methods;           // see CallMeter
-  std::string store_path;                     // of the file whose size is told; empty: none is
-  std::chrono::milliseconds slow_call{2000};  // from which on a call is logged as slow; 0: none is
+  std::string store_path;                     // file whose size is reported; empty: none
+  std::chrono::milliseconds slow_call{2000};  // minimum duration of a slow call; 0: none
 };
 
 struct Readiness {
   bool ready = false;
-  std::string reason;  // a line for a person, also where it is ready
+  std::string reason;  // one line for people; also set if ready
 };
 
 class Monitor {
@@ -40,12 +40,12 @@ class Monitor {
   ConnectionMeter& connections() { return connections_; }
   std::chrono::milliseconds slow_call() const { return options_.slow_call; }
 
-  // How clients reach the server; said once, before it serves.
+  // Call once, before the server serves.
   void SetTransport(bool encrypted, bool authenticated);
-  // When the first certificate that connections need ends, Unix time in seconds.
+  // Expiry of the first certificate that expires, Unix time in seconds.
   void SetCertificateEnd(std::int64_t time_s) { certificate_end_time_s_ = time_s; }
 
-  // Kept as long as the engine may be read: its end waits for those who read it.
+  // The monitor may read the engine during its lifetime. The destructor waits for readers.
   class Attachment {
    public:
     Attachment(Monitor& monitor, Engine& engine);
@@ -60,9 +60,9 @@ class Monitor {
   void SetPhase(Phase phase) { phase_ = phase; }
 
   ServerFigures Figures() const;
-  // Reads a line from the store, so it may take as long as the disk does.
+  // Reads from the store, so it may block on the disk.
   Readiness CheckReadiness() const;
-  // All metrics in Prometheus' text format, version 0.0.4.
+  // Returns all metrics in Prometheus' text format 0.0.4.
   std::string Exposition() const;
 
  private:
@@ -79,19 +79,18 @@ class Monitor {
   Engine* engine_ ABSL_GUARDED_BY(engine_mutex_) = nullptr;
 };
 
-// One call as the monitor sees it: counted from its first moment to its last, then timed and
-// logged: those that failed by the server's fault as errors, slow ones as warnings, all others on
-// the level debug. Used by one thread at a time.
+// Counts one call in flight during its lifetime, and measures and logs it at its end. Log level:
+// error if the server failed, warning if slow, else debug. Used by one thread at a time.
 class CallWatch {
  public:
   // The monitor must outlive the watch.
   CallWatch(Monitor& monitor, std::string_view method, CallKind kind);
-  // A call that had no end is counted as CANCELLED: its client went away.
+  // Counts a call without End as CANCELLED: its client disconnected.
   ~CallWatch();
   CallWatch(const CallWatch&) = delete;
   CallWatch& operator=(const CallWatch&) = delete;
 
-  // Once. `message` is the status's, for the log.
+  // Call at most once. `message`: of the status, for the log.
   void End(absl::StatusCode code, const std::string& message, const std::string& request_id,
            const std::string& peer);
 
@@ -105,10 +104,10 @@ class CallWatch {
   bool ended_ = false;
 };
 
-// A call that has ended.
+// A call that has ended, for the log.
 struct EndedCall {
   std::string method;      // "QueryService.Recognize"
-  std::string request_id;  // as the client sent it, or the server made it
+  std::string request_id;  // from the client, or made by the server
   std::string peer;        // address of the client
   CallKind kind = CallKind::kWork;
   absl::StatusCode code = absl::StatusCode::kOk;
@@ -116,7 +115,7 @@ struct EndedCall {
   double seconds = 0;
 };
 
-// Only work can be slow: how long other calls last is up to somebody else. 0: none is slow.
+// `slow`: minimum duration of a slow call; 0: none. Only calls of kind kWork can be slow.
 void LogCall(const EndedCall& call, std::chrono::duration<double> slow);
 
 }  // namespace motiondb::server

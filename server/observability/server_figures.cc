@@ -28,14 +28,14 @@ class Families {
     Begin(type, name, help);
     Put(std::move(labels), value);
   }
-  // Starts a family, which Put then fills.
+  // Starts a family; Put adds series to it.
   void Begin(MetricType type, const char* name, const char* help) {
     families_.push_back({name, help, type, {}});
   }
   void Put(Labels labels, double value) {
     ClientMetric metric;
     metric.label = Shown(std::move(labels));
-    metric.gauge.value = metric.counter.value = value;  // whichever the family's type reads
+    metric.gauge.value = metric.counter.value = value;  // the type of the family selects one
     families_.back().metric.push_back(std::move(metric));
   }
   void PutSummary(Labels labels, std::int64_t count, double sum) {
@@ -48,7 +48,7 @@ class Families {
   std::vector<MetricFamily> Take() && { return std::move(families_); }
 
  private:
-  // Names of databases come from stores that earlier versions wrote.
+  // Stores of earlier versions may have database names with control characters.
   static Labels Shown(Labels labels) {
     for (auto& label : labels) label.value = text::SafeText(label.value);
     return labels;
@@ -57,7 +57,7 @@ class Families {
   std::vector<MetricFamily> families_;
 };
 
-// As Prometheus' own client libraries name them, so that common dashboards understand them.
+// Uses the names of Prometheus' client libraries, for common dashboards.
 void AddProcess(const ServerFigures& figures, Families& families) {
   const ProcessFigures& process = figures.process;
   families.Add(MetricType::Counter, "process_cpu_seconds_total",
@@ -71,10 +71,10 @@ void AddProcess(const ServerFigures& figures, Families& families) {
                process.thread_count);
   families.Add(MetricType::Gauge, "process_open_fds", "Open file descriptors.",
                process.open_descriptors);
-  families.Add(MetricType::Gauge, "process_max_fds", "Most file descriptors it may open.",
+  families.Add(MetricType::Gauge, "process_max_fds", "Maximum of open file descriptors.",
                static_cast<double>(process.max_descriptors));
   families.Add(MetricType::Gauge, "process_start_time_seconds",
-               "When the process started, in seconds since the Unix epoch.",
+               "Start time of the process, in seconds since the Unix epoch.",
                static_cast<double>(figures.start_time_us) * 1e-6);
 }
 
@@ -82,28 +82,28 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_build_info", "Always 1; the version is its label.", 1,
                {{"version", figures.version}});
   families.Add(MetricType::Gauge, "motiondb_serving",
-               "1 while the server takes calls; 0 while it starts or drains.",
+               "1 while the server accepts calls; 0 while it starts or drains.",
                figures.phase == Phase::kServing ? 1 : 0);
   families.Add(MetricType::Gauge, "motiondb_open_connections", "Connections of clients.",
                figures.open_connections);
   families.Add(MetricType::Counter, "motiondb_refused_connections_total",
-               "Connections refused: no descriptor, or too many of one address.",
+               "Connections refused: no free descriptor, or too many of one address.",
                static_cast<double>(figures.refused_connections));
   families.Add(MetricType::Counter, "motiondb_ended_connections_total",
-               "Connections that the server ended: a fault of the client, or no memory.",
+               "Connections that the server closed: client error, or out of memory.",
                static_cast<double>(figures.ended_connections));
-  families.Add(MetricType::Gauge, "motiondb_open_requests", "Calls under way, streams among them.",
+  families.Add(MetricType::Gauge, "motiondb_open_requests", "Calls in flight, with streams.",
                figures.open_calls);
-  families.Add(MetricType::Gauge, "motiondb_open_streams", "Streams of frames under way.",
+  families.Add(MetricType::Gauge, "motiondb_open_streams", "Streams of frames in flight.",
                figures.open_streams);
   families.Begin(MetricType::Gauge, "motiondb_queue_length",
-                 "Pieces of work that wait for a thread.");
+                 "Work that waits for a thread, by pool.");
   families.Put({{"queue", "requests"}}, figures.queued.requests);
   families.Put({{"queue", "heavy_requests"}}, figures.queued.heavy_requests);
   families.Put({{"queue", "changes"}}, figures.queued.changes);
   families.Put({{"queue", "urgent_changes"}}, figures.queued.urgent_changes);
   families.Put({{"queue", "upkeep"}}, figures.queued.upkeep);
-  families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that work on requests.",
+  families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that process requests.",
                figures.request_threads);
   families.Add(MetricType::Gauge, "motiondb_running_heavy_calls",
                "Heavy calls that have a thread or are next for one.", figures.running_heavy_calls);
@@ -112,18 +112,18 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_log_bytes", "Size of the store's write-ahead log.",
                static_cast<double>(figures.log_bytes));
   families.Add(MetricType::Gauge, "motiondb_damages",
-               "Things stored that were found damaged since the start, at most 100.",
+               "Corrupt items found since the start, at most 100.",
                static_cast<double>(figures.damages.size()));
   families.Add(
       MetricType::Gauge, "motiondb_certificate_end_time_seconds",
-      "When the first certificate that connections need ends, the server's or its clients' "
-      "authority's, in seconds since the Unix epoch; 0 without TLS.",
+      "Expiry of the first certificate that expires, of the server's chain or the client CA, in "
+      "seconds since the Unix epoch; 0 without TLS.",
       static_cast<double>(figures.certificate_end_time_s));
 }
 
 void AddWriteFailures(const ServerFigures& figures, Families& families) {
   families.Begin(MetricType::Counter, "motiondb_store_failed_writes_total",
-                 "Writes of the store that failed since the start, by reason.");
+                 "Failed writes of the store since the start, by reason.");
   const auto put = [&](const char* reason, std::int64_t count) {
     families.Put({{"reason", reason}}, static_cast<double>(count));
   };
@@ -133,20 +133,20 @@ void AddWriteFailures(const ServerFigures& figures, Families& families) {
   put("other", figures.write_failures.other);
 }
 
-// Without series while the store is not there yet.
+// No series until the store exists.
 void AddDisk(const ServerFigures& figures, Families& families) {
   const auto add = [&](const char* name, const char* help, std::int64_t bytes) {
     families.Begin(MetricType::Gauge, name, help);
     if (figures.disk_bytes > 0) families.Put({}, static_cast<double>(bytes));
   };
   add("motiondb_disk_bytes", "Size of the file system that the store is on.", figures.disk_bytes);
-  add("motiondb_disk_free_bytes", "What the server may still take of that file system.",
+  add("motiondb_disk_free_bytes", "Free space of that file system for the server.",
       figures.disk_free_bytes);
 }
 
 using Value = std::function<double(const DatabaseFigures&)>;
 
-// One gauge with a series for each database.
+// Adds a gauge with a series for each database.
 void AddEach(const ServerFigures& figures, const char* name, const char* help, const Value& value,
              Families& families) {
   families.Begin(MetricType::Gauge, name, help);
@@ -155,7 +155,7 @@ void AddEach(const ServerFigures& figures, const char* name, const char* help, c
   }
 }
 
-// One gauge with a series for each database that has a model.
+// Adds a gauge with a series for each database that has a model.
 void AddEachModel(const ServerFigures& figures, const char* name, const char* help,
                   const Value& value, Families& families) {
   families.Begin(MetricType::Gauge, name, help);
@@ -168,45 +168,45 @@ void AddDatabases(const ServerFigures& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_databases", "Databases.",
                static_cast<double>(figures.databases.size()));
   AddEach(
-      figures, "motiondb_database_clips", "Clips stored.",
+      figures, "motiondb_database_clips", "Stored clips.",
       [](const auto& database) { return database.stored.clip_count; }, families);
   AddEach(
       figures, "motiondb_database_frames",
-      "Frames of the clips stored, at the database's frame rate.",
+      "Frames of the stored clips, at the database's frame rate.",
       [](const auto& database) { return static_cast<double>(database.stored.frame_count); },
       families);
   AddEach(
-      figures, "motiondb_database_bytes", "Bytes that the clips stored take.",
+      figures, "motiondb_database_bytes", "Size of the stored clips.",
       [](const auto& database) { return static_cast<double>(database.stored.byte_count); },
       families);
   AddEach(
-      figures, "motiondb_database_streams", "Streams of frames under way that its model judges.",
+      figures, "motiondb_database_streams", "Streams in flight that use the model.",
       [](const auto& database) { return database.open_streams; }, families);
   AddEach(
       figures, "motiondb_model_version", "Version of the current model; 0 without one.",
       [](const auto& database) { return database.model ? database.model->version : 0; }, families);
   AddEachModel(
-      figures, "motiondb_model_age_seconds", "Time since the current model was made.",
+      figures, "motiondb_model_age_seconds", "Age of the current model.",
       [](const auto& database) { return database.model_age_seconds; }, families);
   AddEachModel(
-      figures, "motiondb_model_frames", "Frames that the current model knows.",
+      figures, "motiondb_model_frames", "Frames in the current model.",
       [](const auto& database) { return database.model->frame_count; }, families);
   AddEachModel(
-      figures, "motiondb_model_build_seconds", "How long building the current model took.",
+      figures, "motiondb_model_build_seconds", "Duration of the build of the current model.",
       [](const auto& database) { return database.model->build_seconds; }, families);
 }
 
 void AddRebuilds(const ServerFigures& figures, Families& families) {
   AddEach(
-      figures, "motiondb_rebuild_pending", "1 while a rebuild of the model waits or works, else 0.",
+      figures, "motiondb_rebuild_pending", "1 while a build of the model waits or runs, else 0.",
       [](const auto& database) { return database.operation ? 1 : 0; }, families);
   AddEach(
       figures, "motiondb_rebuild_progress",
-      "Progress of the rebuild that waits or works, 0 to 1; 1 where there is none.",
+      "Progress of the build that waits or runs, 0 to 1; 1 if there is none.",
       [](const auto& database) { return database.operation ? database.operation->progress : 1; },
       families);
   families.Begin(MetricType::Counter, "motiondb_rebuilds_total",
-                 "Rebuilds ended since the start, by how.");
+                 "Ended builds since the start, by outcome.");
   for (const DatabaseFigures& database : figures.databases) {
     const auto put = [&](const char* outcome, std::int64_t count) {
       families.Put({{"database", database.name}, {"outcome", outcome}}, static_cast<double>(count));
@@ -216,7 +216,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
     put("cancelled", database.rebuilds.cancelled);
   }
   families.Begin(MetricType::Summary, "motiondb_rebuild_seconds",
-                 "How long rebuilds took, of any outcome.");
+                 "Duration of builds, of any outcome.");
   for (const DatabaseFigures& database : figures.databases) {
     const RebuildTally& rebuilds = database.rebuilds;
     families.PutSummary({{"database", database.name}},
@@ -272,7 +272,7 @@ ProcessFigures ReadProcessFigures() {
   if (getrlimit(RLIMIT_NOFILE, &descriptors) == 0) {
     figures.max_descriptors = static_cast<std::int64_t>(descriptors.rlim_cur);
   }
-  // Less the one that the folder is read with.
+  // Minus the descriptor that reads the folder.
   figures.open_descriptors = std::max(0, CountEntries("/proc/self/fd") - 1);
   figures.thread_count = CountEntries("/proc/self/task");
   return figures;

@@ -1,4 +1,4 @@
-// How the server is doing at one moment, and the same as Prometheus metrics.
+// Statistics of the server at one moment, and their conversion to Prometheus metrics.
 #pragma once
 
 #include <prometheus/metric_family.h>
@@ -18,25 +18,23 @@
 
 namespace motiondb::server {
 
-// What the operating system knows about this process.
+// Statistics of this process from the operating system.
 struct ProcessFigures {
   std::int64_t resident_bytes = 0;
   std::int64_t virtual_bytes = 0;
-  double cpu_seconds = 0;  // user and system, of all threads, since the start
+  double cpu_seconds = 0;  // user and system time of all threads since the start
   int thread_count = 0;
   int open_descriptors = 0;
   std::int64_t max_descriptors = 0;
 };
 
-// Reads /proc/self; a figure that cannot be read is 0. Thread-safe.
+// Reads /proc/self and getrusage; a value that cannot be read is 0.
 ProcessFigures ReadProcessFigures();
 
-// How the server is doing at one moment: what its metrics, GetServerStatus and readiness tell, each
-// in its own words.
 enum class Phase {
   kStarting,  // models are being read
   kServing,
-  kDraining,  // calls under way may end, no other is taken
+  kDraining,  // calls in flight may end, new calls are refused
 };
 
 struct DatabaseFigures {
@@ -44,21 +42,22 @@ struct DatabaseFigures {
   StoredAmount stored;
   std::optional<storage::ModelRecord> model;
   double model_age_seconds = 0;
-  std::optional<storage::OperationRecord> operation;  // that waits or works for it
+  std::optional<storage::OperationRecord> operation;  // pending or running build
   RebuildTally rebuilds;
   int open_streams = 0;
 };
 
+// Source of the metrics, GetServerStatus and readiness.
 struct ServerFigures {
   Phase phase = Phase::kStarting;
   std::string version;
   std::int64_t start_time_us = 0;
   bool encrypted = false;
   bool authenticated = false;
-  std::int64_t certificate_end_time_s = 0;  // Unix time; 0: it serves without TLS
+  std::int64_t certificate_end_time_s = 0;  // Unix time; 0: no TLS
   std::int64_t ended_calls = 0;
-  std::int64_t failed_calls = 0;       // by the server's own fault
-  std::vector<MethodFigures> methods;  // of which calls have ended, in order of name
+  std::int64_t failed_calls = 0;       // by the server's fault
+  std::vector<MethodFigures> methods;  // with ended calls, in order of name
   std::int64_t authentication_failures = 0;
   int open_connections = 0;
   std::int64_t refused_connections = 0;  // see ConnectionMeter
@@ -72,15 +71,14 @@ struct ServerFigures {
   ProcessFigures process;
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;
-  std::int64_t disk_bytes = 0;             // of the file system that the store is on; 0: not known
-  std::int64_t disk_free_bytes = 0;        // of these, what the server may still take
+  std::int64_t disk_bytes = 0;             // size of the store's file system; 0: unknown
+  std::int64_t disk_free_bytes = 0;        // available to the server
   std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
   std::vector<storage::Damage> damages;    // found since the start, at most 100
 };
 
-// The server's figures as Prometheus metrics. server/observability/README.md lists them all.
-
-// A database that is gone has no series.
+// Converts the statistics to Prometheus metrics (docs/metrics.md). A deleted database has no
+// series.
 std::vector<prometheus::MetricFamily> FamiliesOf(const ServerFigures& figures);
 
 }  // namespace motiondb::server

@@ -17,7 +17,7 @@ absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
     return handler();
   } catch (const std::bad_alloc&) {
     return absl::ResourceExhaustedError(
-        "not enough memory for this call: send less at a time, or try again later");
+        "out of memory for this call: send less per call, or retry later");
   } catch (const std::exception& error) {
     return absl::InternalError(error.what());
   }
@@ -27,7 +27,7 @@ absl::Status WithoutExceptions(const std::function<absl::Status()>& handler) {
 
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler) {
-  if (cancelled()) return {grpc::StatusCode::CANCELLED, "nobody waits for the answer"};
+  if (cancelled()) return {grpc::StatusCode::CANCELLED, "the call was cancelled"};
   if (const absl::Status memory = RefillMemoryReserve(); !memory.ok()) return ToGrpcStatus(memory);
   const storage::ReadScope scope(cancelled);
   return ToGrpcStatus(WithoutExceptions(handler));

@@ -1,4 +1,4 @@
-// How a unary call is answered: on a request thread, never on one of gRPC's.
+// Unary calls: handlers run on a request thread, never on a thread of gRPC.
 #pragma once
 
 #include <grpcpp/server_context.h>
@@ -24,13 +24,13 @@
 
 namespace motiondb::server {
 
-// What a handler may use besides the request.
+// Context of a handler, besides the request.
 struct Call {
   Engine& engine;
-  core::Cancelled cancelled;                       // the deadline passed or the client went away
-  std::chrono::system_clock::time_point deadline;  // far away where the client set none
-  CallEntry& entry;                                // who asks
-  Monitor& monitor;                                // how the server is doing
+  core::Cancelled cancelled;                       // deadline exceeded, or the client disconnected
+  std::chrono::system_clock::time_point deadline;  // far in the future if the client set none
+  CallEntry& entry;                                // the caller and its limits
+  Monitor& monitor;                                // statistics of the server
 
   WorkTerms terms() const {
     return {entry.allowed(), cancelled,
@@ -38,8 +38,8 @@ struct Call {
   }
 };
 
-// How a call that asks a database begins. `name` is that of the database, as the request has it in
-// `field`. INVALID_ARGUMENT, and the codes of Query::Begin.
+// Begins a query. `name`: database name in `field` of the request. Errors: INVALID_ARGUMENT, and
+// those of Query::Begin.
 inline absl::StatusOr<Query> BeginQuery(const Call& call, const std::string& name,
                                         std::string_view field = "database") {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName(field, name));
@@ -61,7 +61,8 @@ class UnaryReactor final : public grpc::ServerUnaryReactor {
   CallEntry entry_;
 };
 
-// Ends the call with what kHandler makes. What turns out to be heavy is begun again as that.
+// Runs kHandler and ends the call with its result. If the work turns out to be heavy, the call is
+// queued again as a heavy call.
 template <auto kHandler, typename Request, typename Response>
 void Work(CallHost& host, const Request& request, Response& response, UnaryReactor& reactor,
           grpc::Status checked) {
@@ -85,8 +86,8 @@ void Work(CallHost& host, const Request& request, Response& response, UnaryReact
   });
 }
 
-// Answers with kHandler(call, request, response), run on a request thread. gRPC keeps context,
-// request and response until the call is finished.
+// Answers a unary call with kHandler(call, request, response), run on a request thread. gRPC keeps
+// context, request and response until the call is finished.
 template <auto kHandler, typename Request, typename Response>
 grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* context,
                                  const Request* request, Response* response) {
@@ -102,11 +103,9 @@ grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* co
   return reactor;
 }
 
-// A piece of a call's work, whatever it does, comes to a status.
-
-// The handler's status as gRPC's; exceptions become RESOURCE_EXHAUSTED (memory) or INTERNAL.
-// CANCELLED, without running the handler, where nobody waits any more, and where that is so while
-// the handler waits for its turn to read the store.
+// Runs one step of a call and returns its status. Exceptions become RESOURCE_EXHAUSTED (out of
+// memory) or INTERNAL. CANCELLED if the call is cancelled before the step, or while the step waits
+// for a reader of the store.
 grpc::Status RunHandler(const core::Cancelled& cancelled,
                         const std::function<absl::Status()>& handler);
 

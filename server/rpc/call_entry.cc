@@ -20,31 +20,33 @@
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kResourceLimit = 256;
-// Of requests and answers; 40 s of 34 markers at 60 Hz.
-constexpr std::size_t kLarge = 1 << 20;
-constexpr std::int64_t kSmall = 64 << 10;  // of which there may be as many as there are calls
+constexpr std::size_t kMaxResourceBytes = 256;
+// Requests and responses; 40 s of 34 markers at 60 Hz.
+constexpr std::size_t kLargeBytes = 1 << 20;
+constexpr std::int64_t kSmallBytes = 64 << 10;  // not counted; the number of calls limits the total
 
 using TimePoint = std::chrono::system_clock::time_point;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
-TimePoint Deadline(const CallHost& host, TimePoint of_client, const Method& method) {
-  const bool has_own =
+TimePoint Deadline(const CallHost& host, TimePoint client_deadline, const Method& method) {
+  const bool has_own_limit =
       method.request_class == RequestClass::kStream || method.waits || method.pool == Pool::kUpkeep;
-  if (has_own) return of_client;
-  return std::min(of_client, std::chrono::system_clock::now() + host.limits.options().longest_call);
+  if (has_own_limit) return client_deadline;
+  return std::min(client_deadline,
+                  std::chrono::system_clock::now() + host.limits.options().longest_call);
 }
 
-// When a client may itself take its deadline for past, and cancel the call: its clock began to run
-// before the call came here, and it told its time rounded up, by a hundredth at most.
-TimePoint Earliest(TimePoint of_client) {
-  constexpr std::chrono::milliseconds kOnTheWay{20};
-  return of_client - (of_client - std::chrono::system_clock::now()) / 100 - kOnTheWay;
+// Returns the earliest time at which the client may consider its deadline expired and cancel. Its
+// timer started before the call arrived here, and it rounds its timeout up by at most 1 %.
+TimePoint EarliestClientEnd(TimePoint client_deadline) {
+  constexpr std::chrono::milliseconds kTransitTime{20};
+  return client_deadline - (client_deadline - std::chrono::system_clock::now()) / 100 -
+         kTransitTime;
 }
 
-// For what is not to wait for its turn to be written.
-core::Cancelled AtOnce() {
+// Returns a cancellation that permits one attempt: the audit entry does not wait for the writer.
+core::Cancelled WithoutWaiting() {
   return [tried = false]() mutable { return std::exchange(tried, true); };
 }
 
@@ -69,8 +71,8 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       watch_(host.monitor, method.name, KindOf(method)),
       client_deadline_(context.deadline()),
       deadline_(Deadline(host, client_deadline_, method)),
-      client_may_give_up_(Earliest(client_deadline_)),
-      place_(host.limits.Enter(RequestClass::kLight, SourceOf(AddressOf(peer_)))),
+      earliest_client_end_(EarliestClientEnd(client_deadline_)),
+      slot_(host.limits.Enter(RequestClass::kLight, SourceOf(AddressOf(peer_)))),
       client_(SourceOf(AddressOf(peer_))),
       request_memory_(host.memory, client_),
       response_memory_(host.memory, client_),
@@ -80,67 +82,67 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
 
 void CallEntry::Weigh(std::size_t request_bytes) {
   const bool is_query = request_class_ == RequestClass::kLight && method_.pool == Pool::kRequests;
-  if (is_query && request_bytes > kLarge) request_class_ = RequestClass::kHeavy;
+  if (is_query && request_bytes > kLargeBytes) request_class_ = RequestClass::kHeavy;
 }
 
 grpc::Status CallEntry::Admission() const {
   if (!ticket_.admitted()) return Stopping();
-  return ToGrpcStatus(place_.status());
+  return ToGrpcStatus(slot_.status());
 }
 
 void CallEntry::Begin(const google::protobuf::Message& request,
                       std::function<void(grpc::Status)> work) {
-  if (const absl::Status held = ReserveRequest(request); !held.ok()) {
-    return work(ToGrpcStatus(held));
+  if (const absl::Status reserved = ReserveRequest(request); !reserved.ok()) {
+    return work(ToGrpcStatus(reserved));
   }
   host_.engine.workers().Post(Pool::kRequests, [this, &request, work = std::move(work)] {
     const LogFields fields{{"request_id", request_id_}};
     grpc::Status checked = RunHandler(cancelled(), [&] { return Check(request); });
-    const bool here = method_.pool == Pool::kRequests && !method_.TakesTurns(request_class_);
-    if (!checked.ok() || here) return work(std::move(checked));
+    const bool runs_here = method_.pool == Pool::kRequests && !method_.TakesTurns(request_class_);
+    if (!checked.ok() || runs_here) return work(std::move(checked));
     Post([work] { work(grpc::Status::OK); });
   });
 }
 
 void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
   request_class_ = RequestClass::kHeavy;
-  const absl::Status entered = EnterOwnPlace();
+  const absl::Status entered = EnterClass();
   if (!entered.ok()) return work(ToGrpcStatus(entered));
   Post([work = std::move(work)] { work(grpc::Status::OK); });
 }
 
 absl::Status CallEntry::ReserveRequest(const google::protobuf::Message& request) {
   request_size_ = static_cast<std::int64_t>(request.ByteSizeLong());
-  const bool counts = request_size_ > kSmall;
+  const bool counts = request_size_ > kSmallBytes;
   return Resize(request_memory_, counts ? static_cast<std::int64_t>(request.SpaceUsedLong()) : 0);
 }
 
 absl::Status CallEntry::ReserveResponse(const google::protobuf::Message& response,
                                         std::size_t bytes) {
-  if (bytes <= std::size_t{kSmall}) return absl::OkStatus();
-  // As a message, and as the bytes that it is sent as.
+  if (bytes <= std::size_t{kSmallBytes}) return absl::OkStatus();
+  // The message and its serialized bytes.
   return Resize(response_memory_, static_cast<std::int64_t>(response.SpaceUsedLong() + bytes));
 }
 
 absl::Status CallEntry::ReserveFile(std::size_t bytes) {
   file_size_ = static_cast<std::int64_t>(bytes);
-  return Resize(file_memory_, file_size_ <= kSmall ? 0 : file_size_);
+  return Resize(file_memory_, file_size_ <= kSmallBytes ? 0 : file_size_);
 }
 
 absl::Status CallEntry::ReserveWork(std::int64_t bytes) {
-  return Resize(work_memory_, bytes <= kSmall ? 0 : bytes);
+  return Resize(work_memory_, bytes <= kSmallBytes ? 0 : bytes);
 }
 
 absl::Status CallEntry::Resize(CallMemory::Reservation& reservation, std::int64_t bytes) {
-  const std::int64_t all = request_memory_.bytes() + response_memory_.bytes() +
-                           file_memory_.bytes() + work_memory_.bytes() - reservation.bytes() +
-                           bytes;
-  const std::int64_t most = MostOfOneCall(request_size_ + file_size_);
-  if (bytes > reservation.bytes() && all > most) {
+  const std::int64_t total_bytes = request_memory_.bytes() + response_memory_.bytes() +
+                                   file_memory_.bytes() + work_memory_.bytes() -
+                                   reservation.bytes() + bytes;
+  const std::int64_t max_bytes = MostOfOneCall(request_size_ + file_size_);
+  if (bytes > reservation.bytes() && total_bytes > max_bytes) {
     return absl::ResourceExhaustedError(fmt::format(
-        "the call needs {:.1f} MiB of memory; one that sends and names {:.1f} MiB may take {:.1f} "
-        "MiB: send it in parts or ask for less",
-        Mebibytes(all), Mebibytes(request_size_ + file_size_), Mebibytes(most)));
+        "the call needs {:.1f} MiB of memory; a call that sends and names {:.1f} MiB may use "
+        "{:.1f} MiB: split it or request less",
+        Mebibytes(total_bytes), Mebibytes(request_size_ + file_size_), Mebibytes(max_bytes)));
   }
   return reservation.Resize(bytes);
 }
@@ -168,29 +170,29 @@ core::Cancelled CallEntry::cancelled() const {
 absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   checked_ = true;
   if (method_.rule == nullptr) {
-    return absl::PermissionDeniedError(fmt::format("{}: no role may call it", method_.name));
+    return absl::PermissionDeniedError(fmt::format("no role may call {}", method_.name));
   }
   const CallRule& rule = *method_.rule;
   if (rule.recorded) resource_ = Subject(request);
   MOTIONDB_ASSIGN_OR_RETURN(Caller caller, Authenticate());
   principal_ = caller.principal;
-  const std::string touched = caller.database.empty() ? "" : Subject(request);
-  if (rule.scope == Scope::kOperation && !touched.empty()) {
-    const auto id = ParseOperationName(rule.field, touched);
+  const std::string resource = caller.database.empty() ? "" : Subject(request);
+  if (rule.scope == Scope::kOperation && !resource.empty()) {
+    const auto id = ParseOperationName(rule.field, resource);
     const auto operation = id.ok() ? host_.engine.operations().Get(*id) : id.status();
     MOTIONDB_RETURN_IF_ERROR(
         Authorize(caller, rule, operation.ok() ? DatabaseName(operation->database) : ""));
   } else {
-    MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, touched));
+    MOTIONDB_RETURN_IF_ERROR(Authorize(caller, rule, resource));
   }
   if (caller.principal != kAnonymous) SetClient(caller.principal);
-  if (CallLimits::HasOwnLimit(request_class_)) MOTIONDB_RETURN_IF_ERROR(EnterOwnPlace());
+  if (CallLimits::HasOwnLimit(request_class_)) MOTIONDB_RETURN_IF_ERROR(EnterClass());
   caller_ = std::move(caller);
   return absl::OkStatus();
 }
 
-absl::Status CallEntry::EnterOwnPlace() {
-  MOTIONDB_ASSIGN_OR_RETURN(own_place_, host_.limits.Enter(request_class_, client_));
+absl::Status CallEntry::EnterClass() {
+  MOTIONDB_ASSIGN_OR_RETURN(class_slot_, host_.limits.Enter(request_class_, client_));
   return absl::OkStatus();
 }
 
@@ -208,41 +210,40 @@ absl::Status CallEntry::Recheck() const {
 grpc::Status CallEntry::Silent() const {
   if (!checked_) {
     return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("nothing came for the {:g} s that a client may be silent before its first "
-                        "message (--silence-limit, at most {:g} s there)",
+            fmt::format("idle timeout: no first message within {:g} s (--silence-limit, for the "
+                        "first message at most {:g} s)",
                         Seconds(host_.limits.first_silence()),
                         Seconds(host_.limits.options().longest_first_silence))};
   }
   return {grpc::StatusCode::DEADLINE_EXCEEDED,
-          fmt::format("nothing came or went for the {:g} s that a client may be silent "
-                      "(--silence-limit)",
+          fmt::format("idle timeout: nothing sent or received for {:g} s (--silence-limit)",
                       Seconds(host_.limits.options().longest_silence))};
 }
 
-grpc::Status CallEntry::TimeIsUp() const {
+grpc::Status CallEntry::DeadlineStatus() const {
   const auto now = std::chrono::system_clock::now();
   if (deadline_ < client_deadline_ && now > deadline_) {
     return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
+            fmt::format("the call took longer than {:g} s (--call-time-limit)",
                         Seconds(host_.limits.options().longest_call))};
   }
-  if (now < client_may_give_up_) return grpc::Status::OK;
-  return {grpc::StatusCode::DEADLINE_EXCEEDED, "took longer than the deadline that the client set"};
+  if (now < earliest_client_end_) return grpc::Status::OK;
+  return {grpc::StatusCode::DEADLINE_EXCEEDED, "the call took longer than the client's deadline"};
 }
 
 grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   if (status.error_code() == grpc::StatusCode::CANCELLED) {
-    if (grpc::Status late = TimeIsUp(); !late.ok()) status = std::move(late);
+    if (grpc::Status expired = DeadlineStatus(); !expired.ok()) status = std::move(expired);
   }
   if (checked_ && (method_.rule == nullptr || method_.rule->recorded) &&
       !(recorded_ && status.ok())) {
-    const bool of_administrator = caller_.has_value() && caller_->role == storage::Role::kAdmin;
+    const bool is_admin = caller_.has_value() && caller_->role == storage::Role::kAdmin;
     const storage::AuditRecord record = Record(status.error_code());
-    const absl::Status kept = host_.access.Record(record, of_administrator, changed_ && status.ok(),
-                                                  status.ok() ? cancelled() : AtOnce());
-    if (absl::IsCancelled(kept)) host_.engine.RecordLater(record);
+    const absl::Status written = host_.access.Record(record, is_admin, changed_ && status.ok(),
+                                                     status.ok() ? cancelled() : WithoutWaiting());
+    if (absl::IsCancelled(written)) host_.engine.RecordLater(record);
   }
-  if (answer_bytes <= kLarge) own_place_ = {};  // before the client sees the end, and comes again
+  if (answer_bytes <= kLargeBytes) class_slot_ = {};  // before the client sees the end and retries
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
   ticket_.SetEnded(std::chrono::milliseconds(static_cast<std::int64_t>(answer_bytes) /
@@ -268,7 +269,7 @@ storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
   record.principal = text::SafeText(principal_);
   record.peer = AddressOf(peer_);
   record.method = method_.name;
-  record.resource = text::ValidUtf8(text::SafeText(resource_), kResourceLimit);
+  record.resource = text::ValidUtf8(text::SafeText(resource_), kMaxResourceBytes);
   record.code = code;
   record.request_id = request_id_;
   return record;

@@ -3,7 +3,7 @@
 namespace motiondb::server {
 
 void CallGate::Close() {
-  // Under the lock, which a ticket must take to leave: no call ends before it was told.
+  // A ticket needs this lock to leave, so no call is destroyed during its callback.
   const storage::MutexLock lock(mutex_);
   closed_ = true;
   for (const Ticket* const ticket : calls_) {
@@ -20,7 +20,7 @@ void CallGate::AwaitEmpty(Clock::time_point latest) {
 }
 
 void CallGate::CancelEndedBefore(Clock::time_point time) {
-  // Under the lock, as in Close.
+  // With the lock, as in Close.
   const storage::MutexLock lock(mutex_);
   for (const Ticket* const ticket : calls_) {
     if (ticket->cancel_ && ticket->ended_.load() < time) ticket->cancel_();

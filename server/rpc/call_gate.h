@@ -1,6 +1,6 @@
-// Counts the calls under way, so that a server can stop taking new ones and wait for the rest, and
-// break off those whose answer nobody takes. gRPC's own graceful shutdown would wait for every idle
-// connection and health watch too. Thread-safe.
+// Registry of the calls in flight. A server can refuse new calls and wait for the others, and
+// cancel calls whose response is not read. gRPC's graceful shutdown would also wait for idle
+// connections and health watches. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -17,12 +17,11 @@ class CallGate {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // A call's stay. Held by its reactor from its first moment to its last.
+  // Registers a call for its lifetime. Member of its reactor.
   class Ticket {
    public:
-    // `on_close` is called when the gate closes while the call is in: for a call that would stay as
-    // long as its client likes; `cancel` when it is to be broken off. Neither may wait for a call
-    // to end.
+    // Close calls `on_close`, for calls that only their client would end. CancelEndedBefore calls
+    // `cancel`. Neither may wait for the end of a call.
     explicit Ticket(CallGate& gate, std::function<void()> on_close = {},
                     std::function<void()> cancel = {})
         : gate_(gate),
@@ -35,10 +34,10 @@ class CallGate {
     Ticket(const Ticket&) = delete;
     Ticket& operator=(const Ticket&) = delete;
 
-    // False: the gate was closed, and the call is to be refused.
+    // False: the registry was closed; refuse the call.
     bool admitted() const { return admitted_; }
-    // The call has its answer; what is left is that the client takes it, for which it has `more`
-    // time than others.
+    // The response is complete and only has to be read by the client, for which it has `more` time
+    // in addition.
     void SetEnded(Clock::duration more) { ended_ = Clock::now() + more; }
 
    private:
@@ -50,11 +49,11 @@ class CallGate {
     const bool admitted_;
   };
 
-  // Admits nobody any more, and tells those who are in.
+  // Refuses new calls and notifies those in flight.
   void Close();
-  // Returns when nobody is in, or the time has come.
+  // Returns when no call is in flight, or at `latest`.
   void AwaitEmpty(Clock::time_point latest);
-  // Breaks off the calls that had their answer before then, and are still in.
+  // Cancels calls in flight that ended (SetEnded) before `time`.
   void CancelEndedBefore(Clock::time_point time);
 
  private:

@@ -1,4 +1,4 @@
-// What every service works with.
+// Shared state of all services.
 #pragma once
 
 #include "server/engine/engine.h"

@@ -35,7 +35,7 @@ std::vector<std::string> MethodNames() {
 
 namespace {
 
-constexpr std::size_t kLongestRequestId = 128;
+constexpr std::size_t kMaxRequestIdLength = 128;
 
 std::string Header(const grpc::CallbackServerContext& context, const char* name) {
   const auto& metadata = context.client_metadata();
@@ -43,7 +43,7 @@ std::string Header(const grpc::CallbackServerContext& context, const char* name)
   return found == metadata.end() ? "" : std::string(found->second.data(), found->second.size());
 }
 
-// No secret, only unlikely to be met twice.
+// Not secret; unique with high probability.
 std::string NewRequestId() {
   thread_local std::mt19937_64 random{std::random_device{}()};
   return fmt::format("{:016x}", random());
@@ -66,7 +66,7 @@ std::string AddressOf(const std::string& peer) {
   if (text.substr(0, scheme) == "unix") return "unix";
   text.remove_prefix(scheme + 1);
   text = text.substr(0, text.rfind(':'));
-  // Brackets come percent-encoded or not.
+  // Brackets may be percent-encoded.
   for (const std::string_view open : {"%5B", "["}) {
     if (text.starts_with(open)) text.remove_prefix(open.size());
   }
@@ -77,11 +77,11 @@ std::string AddressOf(const std::string& peer) {
 }
 
 std::string RequestIdOf(const grpc::CallbackServerContext& context) {
-  std::string given = Header(context, "x-request-id");
-  const bool usable = !given.empty() && given.size() <= kLongestRequestId &&
-                      std::ranges::all_of(given, absl::ascii_isgraph) &&
-                      text::WithoutSecrets(given) == given;
-  return usable ? given : NewRequestId();
+  std::string sent_id = Header(context, "x-request-id");
+  const bool usable = !sent_id.empty() && sent_id.size() <= kMaxRequestIdLength &&
+                      std::ranges::all_of(sent_id, absl::ascii_isgraph) &&
+                      text::WithoutSecrets(sent_id) == sent_id;
+  return usable ? sent_id : NewRequestId();
 }
 
 }  // namespace motiondb::server

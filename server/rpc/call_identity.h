@@ -1,4 +1,4 @@
-// Which call of the contract a request is, and what its context says about its caller.
+// Identifies the method and the caller of a request.
 #pragma once
 
 #include <google/protobuf/descriptor.h>
@@ -12,49 +12,48 @@
 
 namespace motiondb::server {
 
-// Which call of the contract a request belongs to. Safe to use from any thread.
+// An RPC with its row of the role table.
 struct Method {
   std::string name;                // "DatabaseService.GetDatabase"
-  const CallRule* rule = nullptr;  // null: the table has none, and the call is refused
-  bool streaming = false;          // on either side
-  bool waits = false;              // for somebody else, as long as the request's timeout says
+  const CallRule* rule = nullptr;  // null: not in the table; the call is refused
+  bool streaming = false;          // client or server streaming
+  bool waits = false;              // waits, up to the timeout of the request
   RequestClass request_class = RequestClass::kLight;
-  Pool pool = Pool::kRequests;  // where it is worked on
+  Pool pool = Pool::kRequests;  // threads for its work
 
-  // Whether as many at a time as the pool has threads could keep others waiting: then clients take
-  // turns, and threads stay with the others.
+  // True if calls of this method could occupy all threads of the pool. Then clients take turns, and
+  // a thread stays free for other calls.
   bool TakesTurns(RequestClass as) const {
     return as == RequestClass::kHeavy || (pool == Pool::kChanges && !rule->urgent);
   }
 };
 
-// The method of the role table whose input is this type: every call has a request type of its own.
+// Returns the method with this input type. Every RPC has its own request type.
 Method FindMethod(const google::protobuf::Descriptor& request_type);
 
-// The same, looked up once.
+// Like FindMethod, with one lookup for each type.
 template <typename Request>
 const Method& MethodOf() {
   static const Method method = FindMethod(*Request::descriptor());
   return method;
 }
 
-// The names of all calls of the contract.
+// Returns the names of all RPCs, "QueryService.Plan".
 std::vector<std::string> MethodNames();
 
-// What a call's context says about its caller. Safe to call from any thread.
-
-// `address` is the peer's.
+// `address`: of the peer.
 Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address);
 
-// As gRPC names a peer, "ipv4:127.0.0.1:50000": the listener's word, not the client's.
+// Returns the peer as set by the listener, in gRPC's format, "ipv4:127.0.0.1:50000". Clients cannot
+// forge it.
 std::string PeerOf(const grpc::CallbackServerContext& context);
 
-// The address without its port, "127.0.0.1", "::1", "unix", of a peer as gRPC has it:
-// "ipv4:127.0.0.1:50000", "ipv6:%5B::1%5D:50000".
+// Returns the address of a peer without the port: "127.0.0.1" for "ipv4:127.0.0.1:50000", "::1" for
+// "ipv6:%5B::1%5D:50000", or "unix".
 std::string AddressOf(const std::string& peer);
 
-// The caller's `x-request-id`, if it is 1 to 128 printable characters and holds no
-// token, else a new one.
+// Returns the caller's `x-request-id` if it has 1 to 128 printable characters and no token;
+// otherwise a new id.
 std::string RequestIdOf(const grpc::CallbackServerContext& context);
 
 }  // namespace motiondb::server

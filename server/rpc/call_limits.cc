@@ -12,26 +12,29 @@
 namespace motiondb::server {
 namespace {
 
-struct Words {
-  std::string_view what;
+struct ClassTexts {
+  std::string_view noun;
   std::string_view setting;
-  std::chrono::milliseconds retry_after;  // about how long one takes to end
+  std::chrono::milliseconds retry_after;  // about the duration of one call
 };
 
-constexpr Words kWords[] = {{"calls", "calls", std::chrono::milliseconds(100)},
-                            {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
-                            {"streams", "streams", std::chrono::milliseconds(10'000)}};
+constexpr ClassTexts kClassTexts[] = {
+    {"calls", "calls", std::chrono::milliseconds(100)},
+    {"heavy calls", "heavy-calls", std::chrono::milliseconds(1000)},
+    {"streams", "streams", std::chrono::milliseconds(10'000)}};
 
 constexpr std::size_t Index(RequestClass request_class) {
   return static_cast<std::size_t>(request_class);
 }
 
-absl::Status TooMany(const Words& words, int open, std::string_view whose, std::string_view share) {
-  return RetryLater(words.retry_after,
-                    "{} {} are under way {}, as many as there may be ({}--max-{}): try again in "
-                    "{:g} s, or when one has ended",
-                    open, words.what, whose, share, words.setting,
-                    std::chrono::duration<double>(words.retry_after).count());
+absl::Status TooMany(const ClassTexts& texts, int open, std::string_view whose,
+                     std::string_view share) {
+  return RetryLater(
+      texts.retry_after,
+      "too many {}: {} in flight {}, the maximum ({}--max-{}); retry in {:g} s or when "
+      "one has ended",
+      texts.noun, open, whose, share, texts.setting,
+      std::chrono::duration<double>(texts.retry_after).count());
 }
 
 }  // namespace
@@ -52,13 +55,13 @@ absl::StatusOr<CallLimits::Slot> CallLimits::Enter(RequestClass request_class,
                                                    const std::string& client) {
   const std::size_t i = Index(request_class);
   const storage::MutexLock lock(mutex_);
-  if (in_all_[i] >= limits_[i].in_all) return TooMany(kWords[i], in_all_[i], "in all", "");
-  const auto own = per_client_.find(client);
-  if (own != per_client_.end() && own->second[i] >= limits_[i].per_client) {
-    return TooMany(kWords[i], own->second[i], "for this client", "a quarter of ");
+  if (in_all_[i] >= limits_[i].in_all) return TooMany(kClassTexts[i], in_all_[i], "in total", "");
+  const auto entry = per_client_.find(client);
+  if (entry != per_client_.end() && entry->second[i] >= limits_[i].per_client) {
+    return TooMany(kClassTexts[i], entry->second[i], "for this client", "a quarter of ");
   }
   ++in_all_[i];
-  ++(own == per_client_.end() ? per_client_[client] : own->second)[i];
+  ++(entry == per_client_.end() ? per_client_[client] : entry->second)[i];
   Slot slot;
   slot.limits_ = this;
   slot.request_class_ = request_class;
@@ -68,10 +71,8 @@ absl::StatusOr<CallLimits::Slot> CallLimits::Enter(RequestClass request_class,
 
 absl::Status CallLimits::CheckMetadata(std::size_t bytes) const {
   if (bytes <= static_cast<std::size_t>(options_.max_metadata_bytes)) return absl::OkStatus();
-  return absl::ResourceExhaustedError(
-      fmt::format("the call comes with {} bytes of metadata, more than the {} that it may: "
-                  "try again with less",
-                  bytes, options_.max_metadata_bytes));
+  return absl::ResourceExhaustedError(fmt::format("expected at most {} bytes of metadata, got {}",
+                                                  options_.max_metadata_bytes, bytes));
 }
 
 int CallLimits::open(RequestClass request_class) const {
@@ -82,10 +83,10 @@ int CallLimits::open(RequestClass request_class) const {
 void CallLimits::Leave(RequestClass request_class, const std::string& client) {
   const storage::MutexLock lock(mutex_);
   --in_all_[Index(request_class)];
-  const auto own = per_client_.find(client);
-  --own->second[Index(request_class)];
-  if (std::ranges::all_of(own->second, [](int count) { return count == 0; })) {
-    per_client_.erase(own);
+  const auto entry = per_client_.find(client);
+  --entry->second[Index(request_class)];
+  if (std::ranges::all_of(entry->second, [](int count) { return count == 0; })) {
+    per_client_.erase(entry);
   }
 }
 

@@ -1,6 +1,5 @@
-// What calls may take: how many may be under way at a time, of one client and in all, and of those
-// that are heavy or last; how long they may be, and how much may come with one. Thread-safe;
-// outlives its slots.
+// Limits of calls: number in flight, in total and for one client, by request class; duration; size
+// of metadata. Thread-safe; outlives its slots.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +15,7 @@
 
 namespace motiondb::server {
 
-// A client that takes an answer slower than this ends its call.
+// Minimum rate at which a client must read a response; if it is slower, the call ends.
 inline constexpr std::int64_t kSlowestBytesPerMillisecond = 64;
 
 struct CallLimit {
@@ -25,24 +24,24 @@ struct CallLimit {
 };
 
 struct CallLimitOptions {
-  CallLimit calls{4096, 1024};  // of every class
+  CallLimit calls{4096, 1024};  // all classes together
   CallLimit heavy{256, 64};
   CallLimit streams{1024, 256};
-  // Whatever the client's own deadline. Streams of frames may go on; a wait for an operation, which
-  // takes no thread, has a timeout of its own.
+  // Maximum duration of a call, also without a client deadline. Not for streams of frames, for
+  // waits for an operation, which have their own timeout, and for maintenance.
   std::chrono::milliseconds longest_call{600'000};
-  // That a client which sends a stream may stay silent.
+  // Idle timeout.
   std::chrono::milliseconds longest_silence{300'000};
-  // That it may before its first message, if that is less: nobody knows yet who it is.
+  // Idle timeout before the first message, if shorter: the caller is not authenticated yet.
   std::chrono::milliseconds longest_first_silence{10'000};
-  int max_metadata_bytes = 8 << 10;  // that come with a call, as HTTP/2 counts them
-  // That calls may reserve (CallMemory).
+  int max_metadata_bytes = 8 << 10;  // of one call, as HTTP/2 counts them
+  // Budget for reservations of all calls (CallMemory).
   std::int64_t message_memory_bytes = 512 << 20;
 };
 
 class CallLimits {
  public:
-  // A call's place; free again when it is destroyed. Movable.
+  // A counted call in flight; the destructor releases it. Movable.
   class Slot {
    public:
     Slot() = default;
@@ -63,23 +62,22 @@ class CallLimits {
       : options_(options), limits_{options.calls, options.heavy, options.streams} {}
 
   const CallLimitOptions& options() const { return options_; }
-  // How long a client may be silent before its first message.
+  // Idle timeout before the first message.
   std::chrono::milliseconds first_silence() const {
     return std::min(options_.longest_silence, options_.longest_first_silence);
   }
 
-  // Whether calls of a class are limited by themselves. All calls count as kLight: these enter
-  // twice.
+  // True if the class has its own limit. Such calls enter twice, because all calls count as kLight.
   static bool HasOwnLimit(RequestClass request_class) {
     return request_class != RequestClass::kLight;
   }
-  // RESOURCE_EXHAUSTED, saying of what there is too much and when to try again.
+  // RESOURCE_EXHAUSTED at a limit, with the name of the limit and the time to retry.
   absl::StatusOr<Slot> Enter(RequestClass request_class, const std::string& client);
 
-  // RESOURCE_EXHAUSTED for a call that comes with more metadata than it may.
+  // RESOURCE_EXHAUSTED if a call has too much metadata.
   absl::Status CheckMetadata(std::size_t bytes) const;
 
-  // Calls of a class that are under way.
+  // Number of calls in flight of a class.
   int open(RequestClass request_class) const;
 
  private:
@@ -93,7 +91,7 @@ class CallLimits {
   mutable storage::Mutex mutex_;
   Counts in_all_ ABSL_GUARDED_BY(mutex_){};
   std::map<std::string, Counts> per_client_
-      ABSL_GUARDED_BY(mutex_);  // of those with a call under way
+      ABSL_GUARDED_BY(mutex_);  // only clients with calls in flight
 };
 
 }  // namespace motiondb::server

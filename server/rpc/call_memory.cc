@@ -35,37 +35,37 @@ absl::Status CallMemory::Change(const std::string& client, std::int64_t from, st
   if (to > client_limit_) {
     return absl::ResourceExhaustedError(
         fmt::format("the call needs {:.1f} MiB of memory, more than the {:.1f} MiB for one client "
-                    "(half of --message-memory-mib): send or ask for less",
+                    "(half of --message-memory-mib): send or request less",
                     Mebibytes(to), Mebibytes(client_limit_)));
   }
   const storage::MutexLock lock(mutex_);
-  const std::int64_t more = to - from;
-  const auto own = per_client_.find(client);
-  const std::int64_t of_client = own == per_client_.end() ? 0 : own->second;
-  const bool fits_client = of_client + more <= client_limit_;
-  if (more > 0 && !(fits_client && reserved_ + more <= limit_)) {
+  const std::int64_t increase = to - from;
+  const auto entry = per_client_.find(client);
+  const std::int64_t client_bytes = entry == per_client_.end() ? 0 : entry->second;
+  const bool fits_client = client_bytes + increase <= client_limit_;
+  if (increase > 0 && !(fits_client && reserved_ + increase <= limit_)) {
     return RetryLater(std::chrono::seconds(1),
-                      "{:.1f} MiB more do not fit: {} reserve {:.1f} of {:.1f} MiB "
-                      "(--message-memory-mib); try again in a second",
-                      Mebibytes(more), fits_client ? "all calls" : "calls of this client",
-                      Mebibytes(fits_client ? reserved_ : of_client),
+                      "not enough memory for {:.1f} MiB more: {} reserve {:.1f} of {:.1f} MiB "
+                      "(--message-memory-mib); retry in 1 s",
+                      Mebibytes(increase), fits_client ? "all calls" : "calls of this client",
+                      Mebibytes(fits_client ? reserved_ : client_bytes),
                       Mebibytes(fits_client ? limit_ : client_limit_));
   }
-  Add(client, more);
+  Add(client, increase);
   return absl::OkStatus();
 }
 
 void CallMemory::Add(const std::string& client, std::int64_t bytes) {
   reserved_ += bytes;
-  const auto own = per_client_.try_emplace(client, 0).first;
-  own->second += bytes;
-  if (own->second == 0) per_client_.erase(own);
+  const auto entry = per_client_.try_emplace(client, 0).first;
+  entry->second += bytes;
+  if (entry->second == 0) per_client_.erase(entry);
 }
 
 std::int64_t MostOfOneCall(std::int64_t size_bytes) {
-  constexpr std::int64_t kOfAnyCall = 48 << 20;
-  constexpr std::int64_t kTimesItsSize = 9;
-  return kOfAnyCall + kTimesItsSize * size_bytes;
+  constexpr std::int64_t kBase = 48 << 20;
+  constexpr std::int64_t kFactor = 9;
+  return kBase + kFactor * size_bytes;
 }
 
 }  // namespace motiondb::server

@@ -1,6 +1,6 @@
-// The one budget for memory of calls: requests as they were read, files on their way in, motion,
-// states and intermediate arrays of queries, and responses on their way out. A call reserves what
-// it may allocate before it allocates it. Thread-safe; outlives its reservations.
+// Memory budget of all calls: parsed requests, uploaded files, motion, states and intermediate
+// arrays of queries, and responses until they are sent. A call reserves memory before it allocates
+// it. Thread-safe; outlives its reservations.
 #pragma once
 
 #include <cstdint>
@@ -13,25 +13,25 @@
 
 namespace motiondb::server {
 
-// As messages show it.
+// For error messages.
 inline double Mebibytes(std::int64_t bytes) { return static_cast<double>(bytes) / (1 << 20); }
 
 class CallMemory {
  public:
-  // Memory of one call and client; released when it is destroyed. Used by one thread at a time.
+  // Memory of one call and client. The destructor releases it. Used by one thread at a time.
   class Reservation {
    public:
-    // `client`: as CallLimits has it, a principal or the source of an address.
+    // `client`: key as in CallLimits, a principal or the source of an address.
     Reservation(CallMemory& memory, std::string client)
         : memory_(memory), client_(std::move(client)) {}
     Reservation(const Reservation&) = delete;
     Reservation& operator=(const Reservation&) = delete;
     ~Reservation();
 
-    // Reserves `bytes` in place of what was reserved before. RESOURCE_EXHAUSTED, with the former
-    // reservation kept, if they do not fit; the error says whether a retry can succeed.
+    // Changes the reservation to `bytes`. RESOURCE_EXHAUSTED at a limit; then the reservation is
+    // unchanged, and the error tells whether a retry can succeed.
     absl::Status Resize(std::int64_t bytes);
-    // Later reservations count for another client; the present one moves to it.
+    // Moves this and later reservations to another client.
     void SetClient(const std::string& client);
 
     std::int64_t bytes() const { return bytes_; }
@@ -49,7 +49,6 @@ class CallMemory {
 
  private:
   absl::Status Change(const std::string& client, std::int64_t from, std::int64_t to);
-  // Under the mutex.
   void Add(const std::string& client, std::int64_t bytes) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::int64_t limit_;
@@ -57,12 +56,12 @@ class CallMemory {
   mutable storage::Mutex mutex_;
   std::int64_t reserved_ ABSL_GUARDED_BY(mutex_) = 0;
   std::map<std::string, std::int64_t> per_client_
-      ABSL_GUARDED_BY(mutex_);  // of clients with a reservation
+      ABSL_GUARDED_BY(mutex_);  // only clients with reservations
 };
 
-// What one call may reserve, by its size: the decompressed bytes that it sends and the stored bytes
-// that it names. Less than the promised 64 MB and ten times the size, since an allocator takes some
-// percent more than it is asked for.
+// Returns the memory that one call may reserve, in bytes. `size_bytes`: decompressed bytes that it
+// sends and stored bytes that it names. It is less than the documented 64 MB plus ten times the
+// size, because an allocator needs a few percent more.
 std::int64_t MostOfOneCall(std::int64_t size_bytes);
 
 }  // namespace motiondb::server

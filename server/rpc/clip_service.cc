@@ -15,8 +15,8 @@ namespace motiondb::server {
 namespace {
 
 constexpr std::size_t kSentBlockBytes = std::size_t{1} << 20;
-// That are read of a list: one may take a megabyte, and two fill a page.
-constexpr int kSkeletonsAtOnce = 8;
+// Number of skeletons in one read of a list: one may have a megabyte, and two fill a page.
+constexpr int kSkeletonsPerRead = 8;
 
 absl::Status GetClip(const Call& call, const v1::GetClipRequest& request,
                      v1::GetClipResponse& response) {
@@ -68,7 +68,7 @@ absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& req
   PageBudget budget(size);
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto records,
-                              call.engine.store().ListSkeletons(id, {after, kSkeletonsAtOnce}));
+                              call.engine.store().ListSkeletons(id, {after, kSkeletonsPerRead}));
     if (records.empty()) return absl::OkStatus();
     for (const storage::SkeletonRecord& record : records) {
       v1::Skeleton skeleton;
@@ -83,7 +83,7 @@ absl::Status ListSkeletons(const Call& call, const v1::ListSkeletonsRequest& req
   }
 }
 
-// Moves the next block of `bytes` from `begin` on into the message; false where none is left.
+// Copies the next block of `bytes` from `begin` to `block` and advances `begin`. False at the end.
 bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block) {
   if (begin == bytes.size()) return false;
   block.assign(bytes, begin, kSentBlockBytes);
@@ -101,13 +101,13 @@ absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(
   struct State {
     storage::ClipRecord record;
     storage::ClipSource source;
-    bool began = false;
+    bool header_sent = false;
     std::size_t file_begin = 0;
     std::size_t skeleton_begin = 0;
   };
   auto state = std::make_shared<State>(State{std::move(record), std::move(source)});
   return [state](v1::ExportClipResponse& message) -> absl::StatusOr<bool> {
-    if (!std::exchange(state->began, true)) {
+    if (!std::exchange(state->header_sent, true)) {
       SetClip(state->record, *message.mutable_header()->mutable_clip());
       message.mutable_header()->set_skeleton_file_name(state->record.skeleton_file_name);
       return true;

@@ -34,7 +34,7 @@ absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request
   return absl::OkStatus();
 }
 
-// What the caller may see of a page: all, or the one database that it is good for.
+// Returns the databases of a page that the caller may see: all, or the only one it has access to.
 absl::StatusOr<std::vector<storage::DatabaseRecord>> VisibleDatabases(const Call& call,
                                                                       const storage::Page& page) {
   const std::string only = call.entry.database();
@@ -54,7 +54,7 @@ absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& req
   const auto make = [&](const storage::DatabaseRecord& record, v1::Database& to) {
     if (const auto live = call.engine.FindDatabase(record.name); live.ok()) {
       SetDatabase(record, **live, to);
-    } else {  // deleted since it was listed: its settings alone
+    } else {  // deleted after it was listed: only its settings
       SetDatabase(record, LiveDatabase(record.name, record.settings), to);
     }
   };

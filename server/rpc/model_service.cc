@@ -16,7 +16,7 @@
 namespace motiondb::server {
 namespace {
 
-// The current model, by that name or its version: the only one that can be read.
+// Returns the current model, by name or version. Older models cannot be read.
 absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id.database));
   MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer snapshot, call.engine.CurrentModel(*live));
@@ -24,7 +24,7 @@ absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id
   if (id.version == 0 || is_current) return snapshot;
   MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
   return core::FailedPrecondition(
-      "of model {} of database '{}' only the figures are kept; a newer model took its place: read "
+      "model {} of database '{}' was replaced by a newer one, only its statistics are stored: read "
       "{}",
       id.version, id.database, CurrentModelName(id.database));
 }
@@ -91,7 +91,7 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
   return absl::OkStatus();
 }
 
-// Index of the clip that a request for transitions names; -1 for the global graph.
+// Returns the index of the clip in the model; -1, the global graph, if `name` is empty.
 absl::StatusOr<int> ClipIndex(const std::string& name, const ModelId& id,
                               const Snapshot& snapshot) {
   if (name.empty()) return -1;
@@ -139,7 +139,7 @@ absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(
     const Call& call, const v1::ReadStatesRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, FindReadable(call, id));
-  // A frame is its state and its node, which takes at most five bytes.
+  // A frame has its state and its node number, a varint of at most 5 bytes.
   const int frame_bytes = 4 * static_cast<int>(snapshot->model.states().cols()) + 5;
   const int block_frames = std::max(1, (1 << 20) / frame_bytes);
   return [snapshot, block_frames,

@@ -35,24 +35,24 @@ class ObserveReactor final
 
   void OnReadDone(bool ok) override {
     Do(Turn::kServer, [this, ok] {
-      const absl::Status held = ok ? entry_.ReserveRequest(request_) : absl::OkStatus();
-      entry_.Post([this, ok, held] { ok ? Work(held) : Close(); });
+      const absl::Status reserved = ok ? entry_.ReserveRequest(request_) : absl::OkStatus();
+      entry_.Post([this, ok, reserved] { ok ? Work(reserved) : Close(); });
     });
   }
   void OnWriteDone(bool ok) override {
     writing_ = false;
-    if (!ok && silent_) return End(entry_.Silent());
-    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
+    if (!ok && idle_) return End(entry_.Silent());
+    if (!ok) return End({grpc::StatusCode::CANCELLED, "the client disconnected"});
     Read();
   }
   void OnDone() override { delete this; }
 
  private:
-  // Who has something to do before the call goes on.
+  // Whose action the call waits for; kNobody: the call has ended.
   enum class Turn { kClient, kServer, kNobody };
 
-  // Starts what comes next, unless the call has ended. Under the lock, so that nobody ends the
-  // call, which deletes this, in between.
+  // Sets the turn and calls `start`, unless the call has ended. With the lock, so that no other
+  // thread can end the call, which deletes this.
   template <typename Start>
   void Do(Turn turn, Start start) {
     const storage::MutexLock lock(mutex_);
@@ -61,9 +61,9 @@ class ObserveReactor final
     start();
   }
 
-  void Work(const absl::Status& held) {
+  void Work(const absl::Status& reserved) {
     const grpc::Status status =
-        RunHandler(entry_.cancelled(), [&] { return held.ok() ? Take() : held; });
+        RunHandler(entry_.cancelled(), [&] { return reserved.ok() ? Take() : reserved; });
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
     silence_.Restart();
@@ -73,8 +73,8 @@ class ObserveReactor final
     });
   }
 
-  // Half-closed; where the call was cancelled instead, nobody reads the status. A stream without
-  // any message was not checked yet.
+  // The client has half-closed the stream, or has cancelled and reads no status. A stream without a
+  // message is checked here.
   void Close() {
     End(session_ != nullptr ? grpc::Status::OK : RunHandler(entry_.cancelled(), [this] {
       return entry_.Check(request_);
@@ -96,28 +96,28 @@ class ObserveReactor final
     Finish(entry_.End(Stopping()));
   }
 
-  // Once, whoever comes first; the last thing that its thread does here.
+  // Ends the call at most once. The calling thread must not use this object afterwards.
   void End(grpc::Status status) {
-    bool first = false;
-    Do(Turn::kNobody, [&] { first = true; });
-    if (first) Finish(entry_.End(std::move(status)));
+    bool is_first = false;
+    Do(Turn::kNobody, [&] { is_first = true; });
+    if (is_first) Finish(entry_.End(std::move(status)));
   }
 
-  // The server stops. A call that waits for its client ends at once, one that works when it has
-  // answered.
+  // The server stops. A call that waits for its client ends immediately, a busy one after its
+  // response.
   void Stop() {
     stopping_ = true;
     EndInClientsTurn(Stopping);
   }
 
   void EndSilence() {
-    // A status would wait behind the answer that the client does not take.
+    // A status would be queued behind the response that the client does not read.
     if (!writing_) return EndInClientsTurn([this] { return entry_.Silent(); });
-    silent_ = true;
+    idle_ = true;
     context_.TryCancel();
   }
 
-  // `status_of` is asked when nobody else works on the call any more.
+  // Calls `status_of` when no other thread works on the call.
   template <typename StatusOf>
   void EndInClientsTurn(StatusOf status_of) {
     {
@@ -180,10 +180,10 @@ class ObserveReactor final
   std::atomic<bool> stopping_ = false;
   storage::Mutex mutex_;
   Turn turn_ ABSL_GUARDED_BY(mutex_) = Turn::kClient;
-  std::atomic<bool> writing_ = false;  // until the client has room for the answer
-  std::atomic<bool> silent_ = false;
+  std::atomic<bool> writing_ = false;  // until the flow-control window has room for the response
+  std::atomic<bool> idle_ = false;
   grpc::CallbackServerContext& context_;
-  // Last, for they call what is above.
+  // Last: their callbacks use the members above.
   CallEntry entry_;
   SilenceLimit silence_;
 };

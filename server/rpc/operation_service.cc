@@ -21,16 +21,16 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kDefaultTimeout{60'000};
-constexpr milliseconds kLongestTimeout{24 * 3600 * 1000};
+constexpr milliseconds kMaxTimeout{24 * 3600 * 1000};
 
-// The answer must be back before the deadline: a tenth of what is left, at most half a second, is
-// kept for the way.
+// Returns the wait time. The response must arrive before the deadline: a tenth of the remaining
+// time, at most 0.5 s, is reserved for its transfer.
 milliseconds UntilDeadline(std::chrono::system_clock::time_point deadline) {
   if (deadline == std::chrono::system_clock::time_point::max()) return kDefaultTimeout;
-  const auto left =
+  const auto remaining =
       std::chrono::duration_cast<milliseconds>(deadline - std::chrono::system_clock::now());
-  return std::clamp(left - std::min(left / 10, milliseconds(500)), milliseconds(0),
-                    kLongestTimeout);
+  return std::clamp(remaining - std::min(remaining / 10, milliseconds(500)), milliseconds(0),
+                    kMaxTimeout);
 }
 
 absl::StatusOr<milliseconds> TimeoutFrom(const v1::WaitOperationRequest& request,
@@ -39,13 +39,13 @@ absl::StatusOr<milliseconds> TimeoutFrom(const v1::WaitOperationRequest& request
   if (!request.has_timeout()) return until_deadline;
   const auto& timeout = request.timeout();
   if (timeout.seconds() < 0 || timeout.nanos() < 0 || timeout.nanos() > 999'999'999) {
-    return FieldViolation("timeout", "expected a duration that is not negative, got {} s {} ns",
+    return FieldViolation("timeout", "expected a duration of at least 0 s, got {} s {} ns",
                           timeout.seconds(), timeout.nanos());
   }
   const std::int64_t seconds = std::min<std::int64_t>(timeout.seconds(), 24 * 3600);
   const milliseconds given(seconds * 1000 + timeout.nanos() / 1'000'000);
   const bool has_deadline = deadline != std::chrono::system_clock::time_point::max();
-  return has_deadline ? std::min(given, until_deadline) : std::min(given, kLongestTimeout);
+  return has_deadline ? std::min(given, until_deadline) : std::min(given, kMaxTimeout);
 }
 
 class WaitReactor final : public grpc::ServerUnaryReactor {
@@ -84,7 +84,7 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
   }
 
   void OnOperation(const absl::StatusOr<storage::OperationRecord>& operation) {
-    // Not before Start has let go of this, which the answer may delete.
+    // Waits until Start has released the lock, because the answer may delete this object.
     { const storage::MutexLock lock(mutex_); }
     Answer([&]() -> absl::Status {
       MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
@@ -94,7 +94,7 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
     });
   }
 
-  // The wait calls once, so the call is finished once.
+  // Called once, because OperationWait calls back once.
   void Answer(const std::function<absl::Status()>& handler) {
     Finish(entry_.End(RunHandler([] { return false; }, handler)));
   }
@@ -126,7 +126,7 @@ absl::Status GetOperation(const Call& call, const v1::GetOperationRequest& reque
 
 absl::Status ListOperations(const Call& call, const v1::ListOperationsRequest& request,
                             v1::ListOperationsResponse& response) {
-  std::string database = call.entry.database();  // all that the caller may see
+  std::string database = call.entry.database();  // empty: the caller may see all
   if (!request.database().empty()) {
     MOTIONDB_ASSIGN_OR_RETURN(database, ParseDatabaseName("database", request.database()));
     MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(database).status());

@@ -1,6 +1,5 @@
-// The services of motiondb.v1. Each translates between messages and the engine, and no more; each
-// is owned by the caller and must outlive the grpc::Server that it is registered with, as the
-// engine must outlive it.
+// Factories of the services of motiondb.v1. A service only translates between messages and the
+// engine. It must outlive its grpc::Server; the engine must outlive the service.
 #pragma once
 
 #include <grpcpp/impl/service_type.h>
@@ -33,9 +32,9 @@ std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host);
 
-// The calls that are answered by a reactor of their own: IngestClip and RestoreStore, which take a
-// file in blocks; Observe; and WaitOperation, which waits without holding a thread. Each reactor is
-// owned by gRPC: it deletes itself when the call is over.
+// Reactors of the calls with special handling: IngestClip and RestoreStore (a file in blocks),
+// Observe, and WaitOperation (waits without a thread). gRPC owns them; they delete themselves in
+// OnDone.
 
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
     CallHost& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);

@@ -8,35 +8,35 @@ namespace motiondb::server {
 
 struct SilenceLimit::State {
   State(Executor& runs_on, std::chrono::milliseconds first, std::chrono::milliseconds further,
-        std::function<void()> to_tell)
+        std::function<void()> callback)
       : executor(runs_on),
         timer(runs_on.MakeTimer(Pool::kRequests)),
         longest(further),
         latest(runs_on.Now() + first),
-        on_silence(std::move(to_tell)) {}
+        on_silence(std::move(callback)) {}
 
-  // Sets the timer, which sets itself again.
+  // Sets the timer; its handler sets it again.
   static void Wait(const std::shared_ptr<State>& state)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(state->mutex) {
     state->timer->Set(state->latest, [state] {
       const storage::MutexLock lock(state->mutex);
-      if (state->over) return;
+      if (state->ended) return;
       if (state->executor.Now() >= state->latest) {
         state->latest = state->executor.Now() + state->longest;
         state->on_silence();
-        if (state->over) return;
+        if (state->ended) return;
       }
       Wait(state);
     });
   }
 
-  storage::RecursiveMutex mutex;  // who is told may destroy the limit
+  storage::RecursiveMutex mutex;  // recursive: the callback may destroy the timer
   Executor& executor;
   const std::unique_ptr<Executor::Timer> timer;
   const std::chrono::milliseconds longest;
   Executor::Clock::time_point latest ABSL_GUARDED_BY(mutex);
   const std::function<void()> on_silence;
-  bool over ABSL_GUARDED_BY(mutex) = false;
+  bool ended ABSL_GUARDED_BY(mutex) = false;
 };
 
 SilenceLimit::SilenceLimit(Executor& executor, std::chrono::milliseconds first,
@@ -48,12 +48,12 @@ SilenceLimit::SilenceLimit(Executor& executor, std::chrono::milliseconds first,
 
 SilenceLimit::~SilenceLimit() {
   const storage::MutexLock lock(state_->mutex);
-  state_->over = true;
+  state_->ended = true;
   state_->timer->Cancel();
 }
 
 void SilenceLimit::Restart() {
-  // The timer looks when it fires, so that a message costs no timer.
+  // The handler compares with `latest` when it fires, so a Restart does not set the timer.
   const storage::MutexLock lock(state_->mutex);
   state_->latest = state_->executor.Now() + state_->longest;
 }

@@ -1,5 +1,4 @@
-// Tells a reactor that its client has kept it waiting for too long. Holds no thread meanwhile.
-// Thread-safe.
+// Idle timer of a call. Uses no thread while it waits. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -12,22 +11,22 @@ namespace motiondb::server {
 
 class SilenceLimit {
  public:
-  // Calls `on_silence` when `first` has passed without a Restart, and from then on each time that
-  // `longest` has since the last one; not while or after the limit is destroyed, which it may do
-  // itself.
+  // Calls `on_silence` if there is no Restart within `first`. After the first Restart or timeout
+  // the interval is `longest`; the timer repeats. No call during or after destruction. `on_silence`
+  // may destroy the timer.
   SilenceLimit(Executor& executor, std::chrono::milliseconds first,
                std::chrono::milliseconds longest, std::function<void()> on_silence);
   ~SilenceLimit();
   SilenceLimit(const SilenceLimit&) = delete;
   SilenceLimit& operator=(const SilenceLimit&) = delete;
 
-  // The client has its time anew.
+  // Restarts the interval.
   void Restart();
 
  private:
   struct State;
 
-  const std::shared_ptr<State> state_;  // shared with the timer, which may fire late
+  const std::shared_ptr<State> state_;  // shared with the executor's timer, which may fire late
 };
 
 }  // namespace motiondb::server

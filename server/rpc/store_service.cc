@@ -38,14 +38,14 @@ void SetSummary(const storage::VerifyTotals& totals, v1::VerifySummary& summary)
   summary.set_damage_count(totals.damage_count);
 }
 
-// One verification: its findings as messages, and its progress in between.
+// Makes the messages of one verification: corrupt items, progress in between, and a summary.
 class Verification {
  public:
   Verification(Engine& engine, std::unique_ptr<storage::StoreVerifier> verifier)
       : engine_(engine), verifier_(std::move(verifier)) {}
 
   absl::StatusOr<bool> Next(v1::VerifyStoreResponse& message) {
-    if (summed_up_) return false;
+    if (summary_sent_) return false;
     if (found_.empty() && more_) MOTIONDB_RETURN_IF_ERROR(Step());
     if (!found_.empty()) {
       SetDamage(found_.front(), *message.mutable_damage());
@@ -54,7 +54,7 @@ class Verification {
       message.set_progress(verifier_->progress());
     } else {
       SetSummary(verifier_->totals(), *message.mutable_summary());
-      summed_up_ = true;
+      summary_sent_ = true;
     }
     return true;
   }
@@ -72,9 +72,9 @@ class Verification {
 
   Engine& engine_;
   const std::unique_ptr<storage::StoreVerifier> verifier_;
-  std::deque<storage::Damage> found_;  // not yet sent
+  std::deque<storage::Damage> found_;  // not sent yet
   bool more_ = true;
-  bool summed_up_ = false;
+  bool summary_sent_ = false;
 };
 
 absl::StatusOr<NextMessage<v1::VerifyStoreResponse>> OpenVerify(const Call& call,

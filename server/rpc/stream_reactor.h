@@ -1,6 +1,5 @@
-// How a call with a stream of responses is answered: each message is made on a request thread when
-// the one before it was taken, so a slow client costs no more memory than a fast one, and one that
-// takes nothing for too long is sent away.
+// Server-streaming calls. Each message is made on a request thread after the previous one was
+// accepted, so a slow client needs no more memory. An idle client is disconnected.
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
@@ -15,8 +14,7 @@
 
 namespace motiondb::server {
 
-// Makes the next message; false where there is none. Holds what it needs; called by one thread at a
-// time.
+// Makes the next message; returns false at the end. Owns its data. Called by one thread at a time.
 template <typename Response>
 using NextMessage = std::function<absl::StatusOr<bool>(Response&)>;
 
@@ -24,10 +22,10 @@ using NextMessage = std::function<absl::StatusOr<bool>(Response&)>;
 template <typename Request, typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response> {
  public:
-  // `open` checks the request and returns what makes the messages.
+  // `open`: checks the request and returns the NextMessage.
   using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&, const Request&)>;
 
-  // gRPC keeps the request until the call is finished.
+  // gRPC keeps `request` until the call is finished.
   StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
       : entry_(host, *context, MethodOf<Request>()),
@@ -53,9 +51,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   void OnWriteDone(bool ok) override {
     writing_ = false;
     entry_.Post([this, ok] {
-      // Here, too: the end may have to be recorded, and gRPC's threads write nothing.
-      if (!ok && silent_) return End(entry_.Silent());
-      if (!ok) return End({grpc::StatusCode::CANCELLED, "the client went away"});
+      // Posted, because the end may write an audit entry, and gRPC's threads must not block.
+      if (!ok && idle_) return End(entry_.Silent());
+      if (!ok) return End({grpc::StatusCode::CANCELLED, "the client disconnected"});
       Step([this] { return Produce(); });
     });
   }
@@ -79,10 +77,10 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     this->StartWrite(&message_);
   }
 
-  // Nothing else ends a write for which there is no room: a status would wait behind it.
+  // Cancels, because a status would be queued behind the message that the client does not read.
   void EndSilence() {
     if (!writing_) return;
-    silent_ = true;
+    idle_ = true;
     context_.TryCancel();
   }
 
@@ -94,9 +92,9 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   Response message_;
   bool ended_ = false;
   grpc::CallbackServerContext& context_;
-  std::atomic<bool> writing_ = false;  // until the client has room for the message
-  std::atomic<bool> silent_ = false;
-  SilenceLimit silence_;  // last: it calls what is above
+  std::atomic<bool> writing_ = false;  // until the flow-control window has room for the message
+  std::atomic<bool> idle_ = false;
+  SilenceLimit silence_;  // last: its callback uses the members above
 };
 
 }  // namespace motiondb::server

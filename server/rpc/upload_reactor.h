@@ -1,6 +1,5 @@
-// How a call with a stream of requests and one response is answered: each message is taken before
-// the next is asked for, so a fast client costs no more memory than a slow one, and a client that
-// is silent for too long is sent away.
+// Client-streaming calls. Each message is processed before the next one is read, so a fast client
+// needs no more memory. An idle client gets DEADLINE_EXCEEDED.
 #pragma once
 
 #include <grpcpp/support/server_callback.h>
@@ -14,8 +13,8 @@
 
 namespace motiondb::server {
 
-// Where messages after the first are taken: on a request thread, or at once on gRPC's own, for what
-// only copies them.
+// Where messages after the first are processed: on a request thread, or directly on gRPC's thread
+// if they are only copied.
 enum class Taking { kOnRequestThread, kAtOnce };
 
 // Owned by gRPC: deletes itself when the call is over.
@@ -23,9 +22,9 @@ template <typename Request>
 class UploadReactor : public grpc::ServerReadReactor<Request> {
  public:
   void OnReadDone(bool ok) final {
-    if (!reading_.exchange(false)) return;  // the call has ended meanwhile
+    if (!reading_.exchange(false)) return;  // the call has ended
     // A stream without any message is checked at its end.
-    if (!std::exchange(begun_, true)) {
+    if (!std::exchange(started_, true)) {
       return entry_.Begin(message_, [this, ok](grpc::Status checked) {
         checked.ok() ? Step(ok) : End(std::move(checked));
       });
@@ -49,9 +48,9 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   }
   ~UploadReactor() override = default;
 
-  // Takes a message from a caller who may send it; the first on a request thread.
+  // Processes a message of an authorized caller. The first one runs on a request thread.
   virtual absl::Status Take(Request& message) = 0;
-  // All was sent, perhaps nothing: fills the response. On a request thread.
+  // Fills the response after the last message; there may have been none. On a request thread.
   virtual absl::Status Answer() = 0;
 
   CallEntry& entry() { return entry_; }
@@ -66,8 +65,8 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     this->StartRead(&message_);
   }
 
-  // What was read, or the end if it is not `ok`, comes to this.
-  grpc::Status Taken(bool ok) {
+  // Processes the message that was read, or the end of the stream if not `ok`.
+  grpc::Status Process(bool ok) {
     return RunHandler(entry_.cancelled(), [this, ok]() -> absl::Status {
       const LogFields fields{{"request_id", entry_.request_id()}};
       MOTIONDB_RETURN_IF_ERROR(entry_.Recheck());
@@ -77,19 +76,19 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   }
 
   void Step(bool ok) {
-    grpc::Status status = Taken(ok);
+    grpc::Status status = Process(ok);
     if (!ok || !status.ok()) return End(std::move(status));
     Read();
   }
 
   void TakeAtOnce() {
-    const grpc::Status status = Taken(true);
+    const grpc::Status status = Process(true);
     if (status.ok()) return Read();
-    // The end has to be recorded, and gRPC's threads write nothing.
+    // Posted, because the end writes an audit entry, and gRPC's threads must not block.
     entry_.Post([this, status] { End(status); });
   }
 
-  // What was sent so far is kept, and a rebuild may be waiting for the rest.
+  // Releases the memory of the upload; a build may also wait for the rest of it.
   void EndSilence() {
     if (reading_.exchange(false)) End(entry_.Silent());
   }
@@ -99,9 +98,9 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   CallEntry entry_;
   const Taking taking_;
   Request message_;
-  bool begun_ = false;                 // a message has come
-  std::atomic<bool> reading_ = false;  // a read is under way, and the call has not ended
-  SilenceLimit silence_;               // last: it calls what is above
+  bool started_ = false;               // the first message or the end has arrived
+  std::atomic<bool> reading_ = false;  // a read is pending, and the call has not ended
+  SilenceLimit silence_;               // last: its callback uses the members above
 };
 
 }  // namespace motiondb::server

@@ -18,10 +18,10 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds kMinute{60'000};
-constexpr int kRecordedInVainPerMinute = 10;
+constexpr int kNoChangeEntriesPerMinute = 10;
 constexpr char kAdminTokenId[] = "admin-token-file";
 
-// The token in `Bearer {token}`; empty where the header has another form.
+// Returns the token in `Bearer {token}`; empty if the header has another form.
 std::string BearerOf(const std::string& authorization) {
   constexpr std::string_view kScheme = "bearer ";
   if (!absl::StartsWithIgnoreCase(authorization, kScheme.data())) return "";
@@ -30,8 +30,8 @@ std::string BearerOf(const std::string& authorization) {
 
 std::shared_ptr<KnownToken> MakeAdminToken(const std::string& secret) {
   storage::TokenRecord record{.id = kAdminTokenId, .role = storage::Role::kAdmin};
-  // Random, so that the same file gives another hash in another process; a failure of the system's
-  // randomness costs nothing here.
+  // The salt makes the hash different in each process. An empty salt is acceptable: the hash stays
+  // in memory.
   record.salt = RandomHex(16).value_or("");
   record.secret_hash = HashSecret(record.salt, secret);
   return std::make_shared<KnownToken>(std::move(record));
@@ -45,11 +45,12 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
       admin_token_(options.admin_token.empty() ? nullptr : MakeAdminToken(options.admin_token)),
       tokens_(store),
       failures_(options.failures_per_minute, kMinute),
-      recorded_in_vain_(kRecordedInVainPerMinute, kMinute),
+      no_change_entries_(kNoChangeEntriesPerMinute, kMinute),
       warnings_(1, kMinute) {
   if (!options_.authentication) return;
   const absl::Status read = tokens_.ReadAhead(NowMicroseconds());
-  if (!read.ok()) spdlog::warn("tokens are read at their first use: {}", read.ToString());
+  if (!read.ok())
+    spdlog::warn("cannot preload tokens; each is read at its first use: error={}", read.ToString());
 }
 
 absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
@@ -63,8 +64,8 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
   }
   return Fail("no token", evidence.address,
               absl::UnauthenticatedError(
-                  "a token is needed (--token-file or MOTIONDB_TOKEN of motiondb; the header "
-                  "`authorization: Bearer {token}`)"));
+                  "a token is needed; set --token-file or MOTIONDB_TOKEN for motiondb, or send the "
+                  "header `authorization: Bearer {token}`"));
 }
 
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
@@ -76,7 +77,7 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
     const milliseconds wait = failures_.Wait(SourceOf(address));
     if (wait.count() > 0) {
       return Fail("too many wrong tokens", address,
-                  RetryLater(wait, "too many wrong tokens from {}: try again in {:.0f} s", address,
+                  RetryLater(wait, "too many wrong tokens from {}; try again in {:.0f} s", address,
                              std::chrono::duration<double>(wait).count()));
     }
     MOTIONDB_ASSIGN_OR_RETURN(token, tokens_.Find(bearer));
@@ -86,10 +87,10 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
     return Fail("a wrong token", address,
                 absl::UnauthenticatedError("the token is not one of this server's"));
   }
-  if (absl::Status held = token->CheckHolds(NowMicroseconds()); !held.ok()) {
+  if (absl::Status valid = token->CheckHolds(NowMicroseconds()); !valid.ok()) {
     const std::string what =
-        fmt::format("a token that has ended ({})", std::string(held.message()));
-    return Fail(what, address, std::move(held));
+        fmt::format("a token that is not valid ({})", std::string(valid.message()));
+    return Fail(what, address, std::move(valid));
   }
   const storage::TokenRecord& record = token->record();
   return Caller{fmt::format("tokens/{}", record.id), record.role, record.database, token};
@@ -143,7 +144,7 @@ absl::Status AccessControl::Recheck(const Caller& caller) const {
 absl::Status AccessControl::Record(const storage::AuditRecord& record, bool of_administrator,
                                    bool changed, const core::Cancelled& cancelled) {
   if (!changed && !of_administrator &&
-      !recorded_in_vain_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
+      !no_change_entries_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return absl::OkStatus();
   }
   return KeepAuditRecord(store_, record, cancelled);

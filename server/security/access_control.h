@@ -1,4 +1,4 @@
-// Who calls, what they may do, and the record of what they changed. Thread-safe.
+// Authentication of calls, revocation of tokens, and entries of the audit log.
 #pragma once
 
 #include <memory>
@@ -17,34 +17,35 @@ namespace motiondb::server {
 
 class AccessControl {
  public:
-  // The store must outlive this. Reads its tokens ahead; those that cannot be read now are when
-  // they are first used.
+  // Loads the tokens of the store into memory. A token that cannot be loaded now is loaded at its
+  // first use. The store must outlive this object.
   AccessControl(storage::AccessStore& store, const AccessOptions& options);
 
-  // UNAUTHENTICATED, saying what is lacking; RESOURCE_EXHAUSTED with RetryInfo for a token that is
-  // not known to be good, from an address that failed too often. Tokens in memory (TokenBook) go on
-  // to work there: who shares an address with somebody who guesses is not locked out. What fails is
-  // logged with the address, once a minute for each kind of failure, and never with the token.
+  // Returns the caller. Errors: UNAUTHENTICATED with the reason; RESOURCE_EXHAUSTED with RetryInfo
+  // for an unknown token from an address with too many failures. Tokens in memory (TokenBook) still
+  // work from such an address, so that a valid client behind the same NAT is not locked out. Logs a
+  // failure with its address, at most once a minute for each kind of failure, and never logs the
+  // token.
   absl::StatusOr<Caller> Authenticate(const Evidence& evidence);
-  // Whether what the caller was known by still holds. UNAUTHENTICATED.
+  // Returns UNAUTHENTICATED if the caller's token is no longer valid.
   absl::Status Recheck(const Caller& caller) const;
 
-  // Puts another token in the place of the administrator's, of which whoever is known by it is
-  // known no more. False if it is the same.
+  // Replaces the token of the admin token file. Callers with the old token lose access. Returns
+  // false if the token did not change.
   bool ReplaceAdminToken(const std::string& token);
 
-  // As TokenBook::Revoke. The last token of an administrator is kept unless somebody can administer
-  // without one: everybody, who has the administrator's token of the file, or a certificate.
+  // Like TokenBook::Revoke. Keeps the last admin token unless admin access is possible without it:
+  // authentication is off, there is an admin token file, or certificates have the role admin.
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t now_us,
                                                    const storage::ChangeTerms& terms = {});
 
-  // Whether somebody can administer the server at `now_us`, with a token or without. True where the
-  // tokens cannot be read.
+  // Returns whether admin access is possible at `now_us`, with a token or without. Returns true if
+  // the tokens cannot be read.
   bool CanBeAdministered(std::int64_t now_us);
 
-  // Keeps an entry of the record of changes. Those of calls that changed nothing, as where they
-  // failed, of others than administrators, are kept only so often from one source, so that nobody
-  // can push the rest out with them. As KeepAuditRecord.
+  // Adds an entry to the audit log, with KeepAuditRecord. Entries of calls that changed nothing
+  // (for example, failed calls) are limited to 10 a minute for each source and principal, unless
+  // the caller is an admin. So a client cannot displace other entries by calls that fail.
   absl::Status Record(const storage::AuditRecord& record, bool of_administrator, bool changed,
                       const core::Cancelled& cancelled = {});
 
@@ -54,19 +55,19 @@ class AccessControl {
 
  private:
   absl::StatusOr<Caller> ByToken(const std::string& bearer, const std::string& address);
-  // Null if it is not the administrator's.
+  // Returns null if `bearer` is not the token of the admin token file.
   std::shared_ptr<const KnownToken> FindAdminToken(const std::string& bearer) const;
   bool CanAdministerWithoutToken() const;
-  // Logs it and returns `status`. `what` the caller at the address showed: the kind of failure.
+  // Logs the failure of kind `what` and returns `status`.
   absl::Status Fail(std::string_view what, const std::string& address, absl::Status status);
 
   storage::AccessStore& store_;
   const AccessOptions options_;
   mutable storage::Mutex admin_mutex_;
-  std::shared_ptr<KnownToken> admin_token_ ABSL_GUARDED_BY(admin_mutex_);  // null: there is none
+  std::shared_ptr<KnownToken> admin_token_ ABSL_GUARDED_BY(admin_mutex_);  // null: no file
   TokenBook tokens_;
   AttemptLimit failures_;
-  AttemptLimit recorded_in_vain_;
+  AttemptLimit no_change_entries_;
   AttemptLimit warnings_;
 };
 

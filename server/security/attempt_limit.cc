@@ -16,17 +16,17 @@ bool AttemptLimit::Count(const std::string& source, Clock::time_point now) {
     found->second = {now};
   }
   Window& window = found->second;
-  window.count = std::min(window.count + 1, most_ + 1);
-  return window.count <= most_;
+  window.count = std::min(window.count + 1, max_count_ + 1);
+  return window.count <= max_count_;
 }
 
 std::chrono::milliseconds AttemptLimit::Wait(const std::string& source,
                                              Clock::time_point now) const {
   const storage::MutexLock lock(mutex_);
   const auto found = windows_.find(source);
-  if (found == windows_.end() || found->second.count < most_) return {};
-  const auto left = found->second.began + window_ - now;
-  return std::max(std::chrono::ceil<std::chrono::milliseconds>(left), std::chrono::milliseconds(0));
+  if (found == windows_.end() || found->second.count < max_count_) return {};
+  const auto rest = found->second.began + window_ - now;
+  return std::max(std::chrono::ceil<std::chrono::milliseconds>(rest), std::chrono::milliseconds(0));
 }
 
 std::size_t AttemptLimit::size() const {

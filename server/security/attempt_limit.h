@@ -1,5 +1,5 @@
-// Counts what a source, for example an address, did within a stretch of time, so that it can be
-// refused when it is too much. Its memory is bounded however many sources there are. Thread-safe.
+// Limits the events of each source, for example an address, within a time window. Memory is bounded
+// for any number of sources.
 #pragma once
 
 #include <chrono>
@@ -15,14 +15,14 @@ class AttemptLimit {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // At most `most` within a `window` that begins with the first; at most `capacity` sources are
-  // remembered, those that began last.
-  AttemptLimit(int most, std::chrono::milliseconds window, std::size_t capacity = 4096)
-      : most_(most), window_(window), capacity_(capacity) {}
+  // Allows `max_count` events within a `window` that begins with the first event. Keeps at most
+  // `capacity` sources: those with the newest windows.
+  AttemptLimit(int max_count, std::chrono::milliseconds window, std::size_t capacity = 4096)
+      : max_count_(max_count), window_(window), capacity_(capacity) {}
 
-  // Counts one more. Returns whether it was within the limit.
+  // Counts an event. Returns whether it is within the limit.
   bool Count(const std::string& source, Clock::time_point now = Clock::now());
-  // How long until the source may try again; zero if it may now.
+  // Returns the time until the source may try again; zero if it may try now.
   std::chrono::milliseconds Wait(const std::string& source,
                                  Clock::time_point now = Clock::now()) const;
   std::size_t size() const;
@@ -34,15 +34,15 @@ class AttemptLimit {
   };
   void MakeRoom(Clock::time_point now) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  const int most_;
+  const int max_count_;
   const std::chrono::milliseconds window_;
   const std::size_t capacity_;
   mutable storage::Mutex mutex_;
   std::unordered_map<std::string, Window> windows_ ABSL_GUARDED_BY(mutex_);
 };
 
-// What stands for a peer in such counts: the address itself, or the network of an IPv6 address (64
-// bits), of which a peer may have as many addresses as it likes.
+// Returns the key of a peer for AttemptLimit: an IPv4 address itself, or the /64 network of an IPv6
+// address, because one peer can use every address of its network.
 std::string SourceOf(const std::string& address);
 
 }  // namespace motiondb::server

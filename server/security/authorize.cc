@@ -5,8 +5,8 @@
 namespace motiondb::server {
 namespace {
 
-// Whether `resource` is the database or in it.
-bool IsOf(std::string_view database, std::string_view resource) {
+// Returns whether `resource` is the database or a part of it.
+bool IsPartOf(std::string_view database, std::string_view resource) {
   const std::string name = fmt::format("databases/{}", database);
   return resource.starts_with(name) &&
          (resource.size() == name.size() || resource[name.size()] == '/');
@@ -16,9 +16,9 @@ bool IsWithin(const Caller& caller, const CallRule& rule, std::string_view resou
   switch (rule.scope) {
     case Scope::kDatabase:
     case Scope::kOperation:
-      return IsOf(caller.database, resource);
+      return IsPartOf(caller.database, resource);
     case Scope::kList:
-      return resource.empty() || IsOf(caller.database, resource);
+      return resource.empty() || IsPartOf(caller.database, resource);
     case Scope::kServer:
       return false;
   }
@@ -47,7 +47,7 @@ absl::Status Authorize(const Caller& caller, const CallRule& rule, std::string_v
   }
   if (!caller.database.empty() && !IsWithin(caller, rule, resource)) {
     return absl::PermissionDeniedError(
-        fmt::format("{} is good for databases/{} alone", caller.principal, caller.database));
+        fmt::format("{} is valid for databases/{} only", caller.principal, caller.database));
   }
   return absl::OkStatus();
 }

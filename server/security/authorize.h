@@ -1,4 +1,4 @@
-// Who makes a call, and whether they may.
+// The caller of a call and its permissions.
 #pragma once
 
 #include <memory>
@@ -11,35 +11,33 @@
 
 namespace motiondb::server {
 
-// Who makes a call, and what was found out about them.
 class KnownToken;
 
-// What a call brings to show who makes it.
+// The credentials of a call, as received.
 struct Evidence {
-  std::string authorization;  // the header's value; empty where there is none
-  std::string common_name;    // of the client's certificate, verified; empty where there is none
-  std::string address;        // the peer's, without port
+  std::string authorization;  // value of the header; empty if absent
+  std::string common_name;    // of the verified client certificate; empty if absent
+  std::string address;        // of the peer, without port
 };
 
+// An authenticated caller.
 struct Caller {
   std::string principal;  // `tokens/{token}`, `certificate:{common name}`, or `anonymous`
   storage::Role role = storage::Role::kReader;
-  std::string database;                     // the id of the one that it may touch; empty: all
-  std::shared_ptr<const KnownToken> token;  // null where it is known by something else
+  std::string database;                     // id of the only database allowed; empty: all
+  std::shared_ptr<const KnownToken> token;  // null if authenticated without a token
 };
 
 inline constexpr char kAnonymous[] = "anonymous";
 
-// Metadata that the listener (server/http2) adds to each call, and takes from no client: its peer
-// as gRPC names one, and the common name of its certificate, verified, if it has one.
+// Metadata that the listener (server/http2) adds to each call: the peer as gRPC names it, and the
+// common name of its verified certificate, if any. The listener ignores such headers of clients.
 inline constexpr char kPeerMetadata[] = "motiondb-peer";
 inline constexpr char kCommonNameMetadata[] = "motiondb-common-name-bin";
 
-// Whether a caller may make a call. Pure; safe to call from any thread.
-
-// `resource` is what the rule's field names; for an operation, the database that it belongs to, or
-// empty. PERMISSION_DENIED, saying what is lacking. What the caller may not touch is refused
-// whether it exists or not.
+// Checks whether `caller` may make a call. `resource` is the value of the rule's field; for an
+// operation, the name of its database, or empty. Returns PERMISSION_DENIED with the reason. The
+// result does not depend on whether the resource exists.
 absl::Status Authorize(const Caller& caller, const CallRule& rule, std::string_view resource);
 
 const char* RoleName(storage::Role role);

@@ -24,13 +24,13 @@ Memory MemoryOf(const std::string& text) {
   return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
 }
 
-// A key that is encrypted would have OpenSSL ask at the terminal.
+// Without this callback OpenSSL asks for the passphrase of an encrypted key at the terminal.
 int NoPassphrase(char*, int, int, void*) { return -1; }
 
 std::string DateOf(const ASN1_TIME* time) {
   std::tm parts{};
   return ASN1_TIME_to_tm(time, &parts) == 1 ? fmt::format("{:%Y-%m-%d %H:%M:%S} UTC", parts)
-                                            : "a date that cannot be read";
+                                            : "an invalid date";
 }
 
 Certificate NextIn(BIO& memory) {
@@ -39,7 +39,8 @@ Certificate NextIn(BIO& memory) {
   return certificate;
 }
 
-// Of the first of all certificates in it to end. There is one, with a date that can be read.
+// Returns the earliest expiry, Unix time in s, of the certificates in `text`. REQUIRES: at least
+// one certificate has a valid date.
 std::int64_t FirstEndIn(const std::string& text) {
   std::int64_t first = std::numeric_limits<std::int64_t>::max();
   const Memory memory = MemoryOf(text);
@@ -59,7 +60,7 @@ absl::StatusOr<Certificate> CertificateIn(const std::string& path, const std::st
   }
   const ASN1_TIME* const end = X509_get0_notAfter(certificate.get());
   if (X509_cmp_current_time(end) < 0) {
-    return core::InvalidArgument("{}: the certificate expired on {}: no client would take it", path,
+    return core::InvalidArgument("{}: the certificate expired on {}; install a new one", path,
                                  DateOf(end));
   }
   return certificate;

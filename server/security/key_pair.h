@@ -1,4 +1,4 @@
-// Reads and checks what TLS is made of: PEM files. Safe to call from any thread.
+// Reads and checks the PEM files of TLS.
 #pragma once
 
 #include <cstdint>
@@ -9,28 +9,29 @@
 namespace motiondb::server {
 
 struct TlsFiles {
-  std::string certificate;  // the server's, with what lies between it and its authority
-  std::string key;          // of the certificate
-  std::string client_ca;    // who signs the clients' certificates; empty: none is asked for
+  std::string certificate;  // of the server, followed by intermediate certificates
+  std::string key;          // private key of the certificate
+  std::string client_ca;    // authorities of client certificates; empty: clients need none
 
   bool enabled() const { return !certificate.empty(); }
 };
 
-// What they hold.
+// The contents of TlsFiles.
 struct TlsTexts {
   std::string certificate;
   std::string key;
   std::string client_ca;
-  // When the first certificate that connections need ends, Unix time in seconds: the server's, one
-  // between it and its authority, or one of the authorities of clients.
+  // Unix time, s, at which the first of all these certificates expires: server, intermediate, or
+  // client authority.
   std::int64_t end_time_s = 0;
-  std::string first_to_end;  // the file that has it
+  std::string first_to_end;  // path of the file with that certificate
 
   bool operator==(const TlsTexts&) const = default;
 };
 
-// INVALID_ARGUMENT, naming the file: it cannot be read, holds no certificate or key, or the key is
-// not that of the certificate.
+// Returns the contents of the files. Returns INVALID_ARGUMENT with the path if a file cannot be
+// read, has no certificate or key, has an expired certificate, or the key does not match the
+// certificate.
 absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files);
 
 }  // namespace motiondb::server

@@ -18,7 +18,7 @@ absl::StatusOr<std::string> ReadTextFile(const std::string& path) {
   errno = 0;
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
-  // An empty file counts as one that nothing could be written from, without an error's number.
+  // For an empty file operator<< fails, but errno stays 0.
   if (!file || (!(text << file.rdbuf()) && errno != 0)) {
     return core::InvalidArgument("{}: cannot be read: {}", path, std::strerror(errno));
   }
@@ -27,7 +27,7 @@ absl::StatusOr<std::string> ReadTextFile(const std::string& path) {
 
 namespace {
 
-constexpr std::size_t kShortest = 20;
+constexpr std::size_t kMinTokenLength = 20;
 
 }  // namespace
 
@@ -41,13 +41,14 @@ absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::string text, ReadTextFile(path));
   absl::StripAsciiWhitespace(&text);
-  if (text.size() < kShortest) {
-    return core::InvalidArgument("{}: expected a token of at least {} characters", path, kShortest);
+  if (text.size() < kMinTokenLength) {
+    return core::InvalidArgument("{}: expected a token of at least {} characters", path,
+                                 kMinTokenLength);
   }
   if (!std::ranges::all_of(text, absl::ascii_isprint)) {
     return core::InvalidArgument(
-        "{}: expected a token on one line, of printable ASCII characters: a call's header carries "
-        "no others; `openssl rand -hex 32` writes one",
+        "{}: expected a token on one line, of printable ASCII characters; create one with "
+        "`openssl rand -hex 32`",
         path);
   }
   return text;

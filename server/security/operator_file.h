@@ -1,5 +1,4 @@
-// Small files that an operator named, some of whose content is to be known to few. Safe to call
-// from any thread.
+// Small files whose paths the operator configures, and checks of files with secrets.
 #pragma once
 
 #include <sys/stat.h>
@@ -11,11 +10,10 @@
 
 namespace motiondb::server {
 
-// INVALID_ARGUMENT, naming the file and why it cannot be read.
+// Returns the content. Returns INVALID_ARGUMENT with the path and the reason if it cannot be read.
 absl::StatusOr<std::string> ReadTextFile(const std::string& path);
 
-// What is wrong with the mode of a file that makes whoever reads or writes it somebody whom others
-// trust; empty: nothing.
+// Returns the fault in the mode of a file with a secret; empty if the mode is safe.
 inline std::string_view FaultOfMode(mode_t mode) {
   if ((mode & S_IROTH) != 0) return "everybody on this machine can read it";
   if ((mode & S_IWOTH) != 0) return "everybody on this machine can write it";
@@ -23,15 +21,13 @@ inline std::string_view FaultOfMode(mode_t mode) {
   return "";
 }
 
-// The modes that are right.
+// The expected modes, for error messages.
 inline constexpr char kSecretModes[] = "0600 or 0640";
 
-// The file that holds an administrator's token, for those who set servers up by programs. Safe to
-// call from any thread.
-
-// The token, without the white space around it. INVALID_ARGUMENT, naming the file and nothing of
-// what it holds: it cannot be read, everybody can read it, others than its owner can write
-// it, or its token is shorter than 20 characters or has others than printable ASCII ones.
+// Returns the token in the admin token file, without surrounding white space. Returns
+// INVALID_ARGUMENT with the path if the file cannot be read, if its mode has a fault (FaultOfMode),
+// or if the token has fewer than 20 characters or non-printable or non-ASCII characters. The error
+// never contains the token.
 absl::StatusOr<std::string> ReadAdminToken(const std::string& path);
 
 }  // namespace motiondb::server

@@ -1,6 +1,5 @@
-// Who may make which call, and what it is to the server: one table, a row for every call of the
-// contract. A test walks it against the service definitions, so that none is left out and no row
-// outlives its call. Safe to use from any thread.
+// The rules of all calls: required role, request class, audit, scope and thread pool. One row for
+// each call. A test compares the table with the service definitions.
 #pragma once
 
 #include <span>
@@ -11,38 +10,38 @@
 
 namespace motiondb::server {
 
-// What a call costs the server. Calls of a class share its limits.
+// The cost of a call. Calls of a class share its limits.
 enum class RequestClass {
   kLight,   // milliseconds; a query with a large request is heavy
-  kHeavy,   // much processor time, memory or disk: few run at a time, and clients take turns
-  kStream,  // as long as the client likes, a little at a time
+  kHeavy,   // much processor time, memory or disk; few run concurrently, in a fair queue
+  kStream,  // open as long as the client wants, with little work for each message
 };
 
-// What a call touches, for callers who may touch one database alone.
+// The resource of a call, for callers that may access only one database.
 enum class Scope {
-  kDatabase,   // the field names a database, or something in one
+  kDatabase,   // the field names a database or a part of one
   kOperation,  // the field names an operation, which belongs to a database
-  kList,       // lists what the caller may see; the field, where it is set, names a database
-  kServer      // more than one database: not for a caller of one
+  kList,       // returns only what the caller may see; the field, if set, names a database
+  kServer      // more than one database: refused for a caller of one database
 };
 
 struct CallRule {
   std::string_view method;  // "DatabaseService.GetDatabase", of motiondb.v1
   storage::Role least_role;
-  bool recorded;  // in the record of changes: it changes something, or copies all there is
+  bool recorded;  // in the audit log: the call changes something or copies the whole store
   RequestClass request_class;
   Scope scope;
-  std::string_view field;  // path in the request, or in the first of a stream: what it is about
-  std::string_view collection = {};  // what the field's value is an id in, where it is no full name
-  // Whose threads do the work: Pool::kChanges where it may wait for the store's writer, kUpkeep
-  // where it is about all that is stored, and takes as long as it takes.
+  std::string_view field;            // path of the resource's name in the (first) request message
+  std::string_view collection = {};  // prefix of the name if the field has only an id; else empty
+  // Thread pool of the handler: kChanges if it may wait for the store's writer, kUpkeep if it reads
+  // or writes the whole store without a time limit.
   Pool pool = Pool::kRequests;
-  bool urgent = false;  // a change that waits for no other to be made
+  bool urgent = false;  // does not wait in the queue of changes
 };
 
 std::span<const CallRule> CallRules();
 
-// Null if there is none.
+// Returns null for an unknown method.
 const CallRule* FindCallRule(std::string_view method);
 
 }  // namespace motiondb::server

@@ -12,7 +12,7 @@ namespace motiondb::server {
 absl::StatusOr<std::string> RandomHex(int bytes) {
   std::string random(static_cast<std::size_t>(bytes), '\0');
   if (RAND_bytes(reinterpret_cast<unsigned char*>(random.data()), bytes) != 1) {
-    return absl::InternalError("the system gives no random bytes");
+    return absl::InternalError("the random generator of OpenSSL failed");
   }
   return absl::BytesToHexString(random);
 }

@@ -1,6 +1,5 @@
-// The secrets of bearer tokens. A token is `mdb_{id}_{secret}`: the id, 48 bits, is no secret; the
-// secret is 256 random bits, so that a plain salted hash keeps it as well as a slow one would. Safe
-// to call from any thread.
+// The secrets of bearer tokens. A token is `mdb_{id}_{secret}`. The id (48 bits) is public. The
+// secret has 256 random bits, so a salted SHA-256 is as safe as a slow password hash.
 #pragma once
 
 #include <optional>
@@ -11,13 +10,13 @@
 
 namespace motiondb::server {
 
-// `bytes` bytes of the system's randomness in hexadecimal. INTERNAL where the system gives none.
+// Returns `bytes` random bytes in hexadecimal. Returns INTERNAL if the random generator fails.
 absl::StatusOr<std::string> RandomHex(int bytes);
 
-// SHA-256 of the salt and the secret: 32 bytes.
+// Returns the SHA-256 of salt and secret: 32 bytes.
 std::string HashSecret(std::string_view salt, std::string_view secret);
 
-// Takes a time that does not depend on where they differ.
+// Compares in constant time.
 bool SameBytes(std::string_view a, std::string_view b);
 
 struct BearerToken {
@@ -25,7 +24,7 @@ struct BearerToken {
   std::string_view secret;
 };
 
-// Nothing where the text does not have the form. The result points into the text.
+// Splits `mdb_{id}_{secret}`. Returns nullopt for another form. The result refers to `text`.
 std::optional<BearerToken> SplitToken(std::string_view text);
 std::string JoinToken(std::string_view id, std::string_view secret);
 

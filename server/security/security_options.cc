@@ -12,11 +12,10 @@ namespace {
 absl::Status CheckTls(const SecurityOptions& options) {
   const TlsFiles& tls = options.tls;
   if (tls.certificate.empty() != tls.key.empty()) {
-    return core::InvalidArgument("a TLS certificate and its key are given together or not at all");
+    return core::InvalidArgument("expected tls-certificate and tls-key together, got only one");
   }
   if (!tls.enabled() && !tls.client_ca.empty()) {
-    return core::InvalidArgument(
-        "certificates of clients (tls-client-ca) need a certificate of the server");
+    return core::InvalidArgument("tls-client-ca needs tls-certificate and tls-key");
   }
   if (tls.client_ca.empty() && options.certificate_role.has_value()) {
     return core::InvalidArgument("certificate-role needs tls-client-ca");
@@ -24,15 +23,16 @@ absl::Status CheckTls(const SecurityOptions& options) {
   return tls.enabled() ? ReadTlsFiles(tls).status() : absl::OkStatus();
 }
 
-// A key is only warned of: what mounts secrets may leave them open to all, where nobody else is.
+// Warns about the mode of the key file. It is no error: container platforms may mount secrets
+// readable by all, in a container without other users.
 void WarnOfKey(const std::string& key, std::vector<std::string>& warnings) {
   struct stat status;
   if (key.empty() || stat(key.c_str(), &status) != 0) return;
   const std::string_view fault = FaultOfMode(status.st_mode);
   if (fault.empty()) return;
   warnings.push_back(
-      fmt::format("{}: {}, and whoever has this key can pass for the server; expected mode {}", key,
-                  fault, kSecretModes));
+      fmt::format("{}: {}; a program with this key can impersonate the server; expected mode {}",
+                  key, fault, kSecretModes));
 }
 
 }  // namespace
@@ -51,8 +51,8 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
   const bool loopback = IsLoopback(listen);
   const bool encrypted = options.tls.enabled();
   SecurityPlan plan;
-  // A token over plain text is nobody's alone, and the client library sends none: where plain text
-  // was asked for, tokens are only if they were, too.
+  // A token over plain text is readable on the network, and the client library sends none. So with
+  // --insecure and without TLS, tokens are required only if the operator sets it.
   plan.access.authentication = options.authentication == Authentication::kByAddress
                                    ? !loopback && (encrypted || !options.insecure)
                                    : options.authentication == Authentication::kToken;
@@ -66,8 +66,8 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
   if (loopback && !plan.access.authentication &&
       (!options.admin_token_file.empty() || options.certificate_role.has_value())) {
     plan.warnings.push_back(fmt::format(
-        "nobody is asked for a token at {}: admin-token-file and certificate-role have no effect "
-        "without --authentication token",
+        "authentication is off at {}: admin-token-file and certificate-role have no effect; set "
+        "--authentication token",
         listen));
   }
   if (loopback || (encrypted && plan.access.authentication)) return plan;
@@ -77,15 +77,14 @@ absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
                                         plan.access.authentication ? "" : "authentication");
   if (!options.insecure) {
     return core::FailedPrecondition(
-        "{} can be reached from other machines, and there is no {}: give --tls-certificate and "
-        "--tls-key, leave --authentication at token, or listen on 127.0.0.1; --insecure serves "
-        "without",
+        "{} is reachable from other machines without {}; set --tls-certificate, --tls-key and "
+        "--authentication token, or listen on 127.0.0.1; --insecure allows it",
         listen, lacks);
   }
   plan.warnings.push_back(fmt::format(
-      "INSECURE: {} can be reached from other machines, and there is no {}.{}{}", listen, lacks,
-      encrypted ? "" : " Whoever is on the way reads and changes what is sent.",
-      plan.access.authentication ? "" : " Whoever reaches it may read, change and delete all."));
+      "INSECURE: {} is reachable from other machines without {}.{}{}", listen, lacks,
+      encrypted ? "" : " Traffic is not encrypted.",
+      plan.access.authentication ? "" : " Every client can read, change and delete everything."));
   return plan;
 }
 

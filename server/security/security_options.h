@@ -1,4 +1,4 @@
-// What an operator decides about security, and what follows from it. Safe to use from any thread.
+// Security settings of the operator and the configuration derived from them.
 #pragma once
 
 #include <optional>
@@ -17,36 +17,37 @@ enum class Authentication {
   kToken
 };
 
-// What follows for who may call.
+// Configuration of AccessControl.
 struct AccessOptions {
-  bool authentication = false;  // without it everybody is an anonymous administrator
-  std::string admin_token;      // counts as an administrator's token; empty: none
-  // What a client may do that shows a certificate and no token; without it, nothing.
+  bool authentication = false;  // false: every caller is an anonymous admin
+  std::string admin_token;      // accepted with the role admin; empty: none
+  // Role of a client with a certificate and no token; unset: a token is required.
   std::optional<storage::Role> certificate_role;
-  int failures_per_minute = 10;  // of one address, before its wrong tokens are not looked at
+  int failures_per_minute = 10;  // of one address; then its unknown tokens are refused unchecked
 };
 
 struct SecurityOptions {
   TlsFiles tls;
   Authentication authentication = Authentication::kByAddress;
-  std::string admin_token_file;  // what it holds counts as an administrator's token
+  std::string admin_token_file;  // path; its token has the role admin
   std::optional<storage::Role> certificate_role;
-  bool insecure = false;           // off loopback without TLS or authentication is allowed
-  std::optional<bool> reflection;  // unset: where everybody may call
+  bool insecure = false;           // allows other machines without TLS or authentication
+  std::optional<bool> reflection;  // unset: on if authentication is off
   int failures_per_minute = AccessOptions().failures_per_minute;
 };
 
 struct SecurityPlan {
   AccessOptions access;
   bool reflection = true;
-  std::vector<std::string> warnings;  // to be shown to whoever starts the server
+  std::vector<std::string> warnings;  // for the operator, at start
 };
 
-// Whether only programs on this machine reach `listen`, HOST:PORT.
+// Returns whether only this machine can reach `listen`, HOST:PORT.
 bool IsLoopback(const std::string& listen);
 
-// INVALID_ARGUMENT where the options do not fit each other, or a file is wrong, which it then
-// names; FAILED_PRECONDITION off loopback without TLS and authentication, unless `insecure`.
+// Derives the configuration. Returns INVALID_ARGUMENT if options contradict each other or a file is
+// invalid (with its path); FAILED_PRECONDITION if other machines can reach `listen` without TLS or
+// authentication, unless `insecure` is set.
 absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
                                           const std::string& listen);
 

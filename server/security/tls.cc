@@ -31,8 +31,8 @@ FileWatch::~FileWatch() {
   thread_.join();
 }
 
-// The files are small: they are read, rather than asked for their times, which a change within one
-// tick of the clock would leave as they were.
+// Reads the content, not the modification time: two changes within one clock tick have the same
+// time. The files are small.
 void FileWatch::Watch() {
   const storage::MutexLock lock(mutex_);
   const auto stopping = [this] {
@@ -46,10 +46,10 @@ void FileWatch::Look() {
   const absl::StatusOr<bool> taken = take_();
   if (taken.ok()) {
     fault_.clear();
-    if (*taken) spdlog::info("new {}, from {}", what_, file_);
+    if (*taken) spdlog::info("reloaded {}: file={}", what_, file_);
   } else if (fault_ != taken.status().message()) {
     fault_ = std::string(taken.status().message());
-    spdlog::warn("no new {}, what was read before stays in force: {}", what_, fault_);
+    spdlog::warn("cannot reload {}; the previous content stays in use: error={}", what_, fault_);
   }
 }
 
@@ -63,14 +63,15 @@ Memory MemoryOf(const std::string& text) {
   return {BIO_new_mem_buf(text.data(), static_cast<int>(text.size())), BIO_free};
 }
 
-// Null where there is no further one.
+// Returns null if there are no more certificates.
 Certificate NextIn(BIO& memory) {
   Certificate certificate(PEM_read_bio_X509(&memory, nullptr, nullptr, nullptr), X509_free);
   ERR_clear_error();
   return certificate;
 }
 
-// HTTP/2 is the one protocol served. A client that names none is taken to speak it.
+// Selects HTTP/2, the only protocol of the server. OpenSSL does not call this for a client without
+// ALPN; the server assumes HTTP/2 then.
 int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
                    const unsigned char* offered, unsigned offered_size, void*) {
   static constexpr unsigned char kHttp2[] = {2, 'h', '2'};
@@ -89,8 +90,8 @@ bool UsePair(SSL_CTX& context, const TlsTexts& texts) {
   const Memory key_text = MemoryOf(texts.key);
   const Key key(PEM_read_bio_PrivateKey(key_text.get(), nullptr, nullptr, nullptr), EVP_PKEY_free);
   if (own == nullptr || SSL_CTX_use_certificate(&context, own.get()) != 1) return false;
-  while (Certificate between = NextIn(*chain)) {
-    if (SSL_CTX_add1_chain_cert(&context, between.get()) != 1) return false;
+  while (Certificate intermediate = NextIn(*chain)) {
+    if (SSL_CTX_add1_chain_cert(&context, intermediate.get()) != 1) return false;
   }
   return SSL_CTX_use_PrivateKey(&context, key.get()) == 1 &&
          SSL_CTX_check_private_key(&context) == 1;
@@ -112,12 +113,12 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsTexts& texts) {
   const std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
   if (context == nullptr) return absl::ResourceExhaustedError("TLS: out of memory");
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
-  // A resumed session would outlive the authority that vouched for its client.
+  // No resumption: a resumed session would stay valid after the client's authority is removed.
   SSL_CTX_set_options(context.get(), SSL_OP_NO_RENEGOTIATION | SSL_OP_NO_TICKET |
                                          SSL_OP_NO_COMPRESSION | SSL_OP_CIPHER_SERVER_PREFERENCE);
   SSL_CTX_set_num_tickets(context.get(), 0);
   SSL_CTX_set_session_cache_mode(context.get(), SSL_SESS_CACHE_OFF);
-  // Idle connections keep no buffers.
+  // Idle connections release their buffers.
   SSL_CTX_set_mode(context.get(), SSL_MODE_ENABLE_PARTIAL_WRITE |
                                       SSL_MODE_ACCEPT_MOVING_WRITE_BUFFER |
                                       SSL_MODE_RELEASE_BUFFERS);
@@ -128,7 +129,7 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsTexts& texts) {
   const unsigned long error = ERR_get_error();
   ERR_clear_error();
   const char* const reason = ERR_reason_error_string(error);
-  return core::InvalidArgument("TLS: {} is not usable: {}", texts.first_to_end,
+  return core::InvalidArgument("TLS: cannot use {}: {}", texts.first_to_end,
                                reason == nullptr ? "unknown error" : reason);
 }
 
@@ -171,7 +172,7 @@ absl::StatusOr<bool> Tls::TakeChange() {
 
 namespace {
 
-// As in the alert of deploy/prometheus.
+// Equal to the threshold of the alert in deploy/prometheus.
 constexpr std::int64_t kSoonSeconds = std::int64_t{14} * 24 * 3600;
 
 }  // namespace
@@ -187,8 +188,8 @@ void CertificateEnd::Look(const std::string& file, std::int64_t end_time_s, std:
   if (warned_ || end_time_s - now_s > kSoonSeconds) return;
   warned_ = true;
   spdlog::warn(
-      "{}: a certificate in it ends on {:%Y-%m-%d %H:%M} UTC, and then no client connects that "
-      "needs it: put a new one in its place, which is taken while the server runs",
+      "{}: a certificate expires on {:%Y-%m-%d %H:%M} UTC; replace the file, the server reloads it "
+      "without a restart",
       file, fmt::gmtime(static_cast<std::time_t>(end_time_s)));
 }
 

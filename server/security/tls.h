@@ -1,4 +1,4 @@
-// The server's side of TLS, and the watch over its files, which an operator may replace.
+// TLS of the server. Reloads its files while the server runs.
 #pragma once
 
 #include <openssl/ssl.h>
@@ -16,15 +16,15 @@
 
 namespace motiondb::server {
 
-// Looks after files that an operator may replace while the server runs: reads them again and again;
-// what cannot be used is logged, once, and what was read before stays in force. Thread-safe.
+// Reloads files periodically, on its own thread. Logs each reload. Logs a fault once; the previous
+// content then stays in use.
 class FileWatch {
  public:
-  // Reads the files and puts what they hold in force: true if it is something new. Called on a
-  // thread of the watch's own, until that is destroyed. Its errors must not hold what is secret.
+  // Reads the files and applies their content. Returns whether the content is new. Runs on the
+  // thread of the FileWatch. Its errors must not contain secrets.
   using Take = std::function<absl::StatusOr<bool>()>;
 
-  // `what` is read from `file`, for the log: "certificates".
+  // `what` names the content for the log ("certificates"); `file` is its path.
   FileWatch(std::string what, std::string file, Take take,
             std::chrono::milliseconds period = std::chrono::seconds(1));
   ~FileWatch();
@@ -39,7 +39,7 @@ class FileWatch {
   const std::string file_;
   const Take take_;
   const std::chrono::milliseconds period_;
-  std::string fault_;  // of the files as they are now, already logged
+  std::string fault_;  // last fault logged; empty after a success
 
   storage::Mutex mutex_;
   storage::ConditionVariable wake_;
@@ -47,38 +47,38 @@ class FileWatch {
   std::thread thread_;
 };
 
-// The server's side of TLS: its certificate, the authority of its clients, and the watch over their
-// files. Thread-safe.
-//
-// Only a pair of files that fits is put in force: a bad one is logged, and the last good one stays.
+// Reports when the certificates expire, and warns 14 days before.
 class CertificateEnd {
  public:
-  // Takes the end of a certificate that is new, Unix time in seconds.
+  // Receives the expiry of new certificates, Unix time in s.
   using Tell = std::function<void(std::int64_t end_time_s)>;
 
   // `tell` may be empty.
   explicit CertificateEnd(Tell tell);
 
-  // At `now_s` it is one in `file` that ends at `end_time_s`, both Unix time in seconds. Logs a
-  // warning from 14 days before on, once for each certificate.
+  // Checks the certificate in `file` that expires at `end_time_s`; `now_s` is the current time,
+  // both Unix time in s. Logs a warning once for each certificate, from 14 days before its expiry.
   void Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s);
 
  private:
   Tell tell_;
-  std::int64_t end_time_s_ = 0;  // as it was told
+  std::int64_t end_time_s_ = 0;  // last value reported
   bool warned_ = false;
 };
 
+// The TLS context of the server: its certificate and the authorities of its clients. Uses only a
+// certificate and key that match; otherwise logs the fault and keeps the previous pair.
 class Tls {
  public:
-  // INVALID_ARGUMENT, naming the file that is wrong. `tell_end` is told when the certificate ends,
-  // here and, on a thread of the watch's own, whenever there is another.
+  // Loads the files and watches them. Returns INVALID_ARGUMENT with the path of an invalid file.
+  // Calls `tell_end` with the expiry here and, on the thread of the FileWatch, for each new
+  // certificate.
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
                                                     CertificateEnd::Tell tell_end);
 
-  // What new connections are made with: TLS 1.2 or later, HTTP/2 alone, no session resumption. A
-  // client certificate is required where `client_ca` was given. The files are read each second;
-  // connections that stand go on with what they began with.
+  // Returns the context for new connections: TLS 1.2 or later, only HTTP/2, no session resumption.
+  // Requires a client certificate if `client_ca` is set. The files are read every second; an
+  // existing connection keeps its context.
   std::shared_ptr<SSL_CTX> context() const;
 
  private:
@@ -86,11 +86,11 @@ class Tls {
   absl::StatusOr<bool> TakeChange();
 
   const TlsFiles files_;
-  TlsTexts texts_;  // in force
+  TlsTexts texts_;  // in use
   mutable storage::Mutex mutex_;
   std::shared_ptr<SSL_CTX> context_ ABSL_GUARDED_BY(mutex_);
   CertificateEnd end_;
-  FileWatch watch_;  // last: it changes what is above
+  FileWatch watch_;  // last member: its thread uses the members above
 };
 
 }  // namespace motiondb::server

@@ -14,10 +14,10 @@ namespace {
 
 constexpr int kSaltBytes = 16;
 constexpr int kSecretBytes = 32;
-constexpr std::size_t kReadAhead = 100'000;  // a few hundred bytes each
-constexpr int kPage = 1000;
+constexpr std::size_t kMaxReadAhead = 100'000;  // some hundred bytes each
+constexpr int kPageSize = 1000;
 
-// Whether its bearer may do everything, tokens among it.
+// Returns whether the token is valid and has the role admin for all databases.
 bool Administers(const storage::TokenRecord& token, std::int64_t now_us) {
   return token.role == storage::Role::kAdmin && token.database.empty() &&
          KnownToken(token).CheckHolds(now_us).ok();
@@ -30,7 +30,7 @@ bool KnownToken::HasSecret(std::string_view secret) const {
 }
 
 absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
-  if (state_ != State::kHolds) {
+  if (state_ != State::kValid) {
     return absl::UnauthenticatedError(fmt::format("tokens/{} was revoked", record_.id));
   }
   if (HasExpired(now_us)) {
@@ -47,11 +47,11 @@ absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
   const storage::MutexLock lock(mutex_);
   std::string after;
   while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(auto page, store_.ListTokens(after, kPage));
+    MOTIONDB_ASSIGN_OR_RETURN(auto page, store_.ListTokens(after, kPageSize));
     if (page.empty()) return absl::OkStatus();
     after = page.back().id;
     for (storage::TokenRecord& record : page) {
-      if (known_.size() >= kReadAhead) return absl::OkStatus();
+      if (known_.size() >= kMaxReadAhead) return absl::OkStatus();
       if (KnownToken(record).CheckHolds(now_us).ok()) Keep(std::move(record), now_us);
     }
   }
@@ -85,7 +85,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
 absl::StatusOr<bool> TokenBook::HasAdminBeside(const std::string& id, std::int64_t now_us) {
   std::string after;
   while (true) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPage));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPageSize));
     if (page.empty()) return false;
     for (const storage::TokenRecord& other : page) {
       if (other.id != id && Administers(other, now_us)) return true;
@@ -100,9 +100,8 @@ absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t 
   MOTIONDB_ASSIGN_OR_RETURN(const bool other, HasAdminBeside(id, now_us));
   if (other) return absl::OkStatus();
   return core::FailedPrecondition(
-      "tokens/{} is the last one of an administrator: without it nobody could make another; make "
-      "one first (`motiondb token create --role admin`), or start the server with an "
-      "admin-token-file",
+      "tokens/{} is the last admin token; first create another with `motiondb token create --role "
+      "admin`, or start the server with admin-token-file",
       id);
 }
 

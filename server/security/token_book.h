@@ -1,6 +1,6 @@
-// The bearer tokens: made, checked and revoked. Those that were read ahead, made or used are kept
-// in memory until they end, so that a call costs one hash; revoking one ends it there at once.
-// Thread-safe.
+// Creates, checks and revokes bearer tokens. Tokens that were preloaded, created or used stay in
+// memory while they are valid, so the check of a call costs one hash. A revocation takes effect in
+// memory immediately.
 #pragma once
 
 #include <atomic>
@@ -19,33 +19,33 @@
 
 namespace motiondb::server {
 
-// A token as it was stored, and whether it still holds.
+// A stored token and whether it is still valid.
 class KnownToken {
  public:
   explicit KnownToken(storage::TokenRecord record)
       : record_(std::move(record)),
-        state_(record_.revoke_time_us != 0 ? State::kEnded : State::kHolds) {}
+        state_(record_.revoke_time_us != 0 ? State::kEnded : State::kValid) {}
 
   const storage::TokenRecord& record() const { return record_; }
   bool HasSecret(std::string_view secret) const;
   void End() { state_ = State::kEnded; }
-  // Holds no more from here on, until its end is stored (End) or could not be (Resume). False if
-  // somebody else is ending it, or has.
+  // Makes the token invalid until its revocation is stored (End) or fails (Resume). Returns false
+  // if the token is already suspended or ended.
   bool Suspend() {
-    State holds = State::kHolds;
-    return state_.compare_exchange_strong(holds, State::kSuspended);
+    State expected = State::kValid;
+    return state_.compare_exchange_strong(expected, State::kSuspended);
   }
   void Resume() {
-    State suspended = State::kSuspended;
-    state_.compare_exchange_strong(suspended, State::kHolds);
+    State expected = State::kSuspended;
+    state_.compare_exchange_strong(expected, State::kValid);
   }
-  // For good.
+  // Returns whether the token can never become valid again; false while suspended.
   bool HasEnded(std::int64_t now_us) const;
-  // UNAUTHENTICATED once it was revoked or its time is over.
+  // Returns UNAUTHENTICATED if the token is revoked, suspended or expired.
   absl::Status CheckHolds(std::int64_t now_us) const;
 
  private:
-  enum class State { kHolds, kSuspended, kEnded };
+  enum class State { kValid, kSuspended, kEnded };
   bool HasExpired(std::int64_t now_us) const {
     return record_.expire_time_us != 0 && now_us >= record_.expire_time_us;
   }
@@ -56,68 +56,69 @@ class KnownToken {
 
 struct MadeToken {
   storage::TokenRecord record;
-  std::string secret;  // the whole of what its bearer sends
+  std::string secret;  // `mdb_{id}_{secret}`, as the client sends it
 };
 
 class TokenBook {
  public:
   using MakeAudit = std::function<storage::AuditRecord(const storage::TokenRecord&)>;
 
-  // The store must outlive the book.
+  // The store must outlive this object.
   explicit TokenBook(storage::AccessStore& store) : store_(store) {}
 
-  // Takes stored tokens that hold at `now_us` into memory, the oldest hundred thousand of them; the
-  // others come there when they are first used. The codes of the store.
+  // Loads the stored tokens that are valid at `now_us`, at most 100,000, oldest first; others are
+  // loaded at their first use. Returns errors of the store.
   absl::Status ReadAhead(std::int64_t now_us);
 
-  // `now_us` is when it is made; it ends at `expire_time_us`, or never where that is 0. `audit`,
-  // where there is one, makes its entry of the record of changes, which is kept with it.
+  // Creates a token at `now_us` that expires at `expire_time_us`; 0: never. `audit`, if set, makes
+  // the entry of the audit log, which is stored in the same transaction.
   absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
                                  const std::string& description, std::int64_t now_us,
                                  std::int64_t expire_time_us, const MakeAudit& audit = {},
                                  const core::Cancelled& cancelled = {});
-  // Whether the last token of an administrator may be revoked; with kKeep it may not.
+  // Whether the last admin token may be revoked (kMayGo) or not (kKeep).
   enum class LastAdmin { kMayGo, kKeep };
 
-  // Refuses its bearer at once, and returns when that is stored. FAILED_PRECONDITION if no other
-  // token that holds would be left of an administrator of all databases, and one is to be kept;
-  // NOT_FOUND, and the codes of the store. After an error the token holds as before.
+  // Refuses the token immediately and returns when the revocation is durable. Returns
+  // FAILED_PRECONDITION if the token is the last valid admin token for all databases and
+  // `last_admin` is kKeep; NOT_FOUND; errors of the store. After an error the token is valid as
+  // before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
                                               const storage::ChangeTerms& terms = {},
                                               LastAdmin last_admin = LastAdmin::kMayGo);
 
-  // Whether a token of an administrator of all databases holds at `now_us`. The codes of the store.
+  // Returns whether a valid admin token for all databases exists at `now_us`. Returns errors of the
+  // store.
   absl::StatusOr<bool> HasAdmin(std::int64_t now_us) { return HasAdminBeside("", now_us); }
 
-  // Whether `text` is the secret of a token in memory: looks nowhere else. Null if it is not.
+  // Returns the token in memory whose secret is `text`; otherwise null. Does not read the store.
   std::shared_ptr<const KnownToken> FindInMemory(std::string_view text) const;
-  // The token that `text` is the secret of, whether or not it still holds. Null if there is none;
-  // the codes of the store.
+  // Returns the token whose secret is `text`, valid or not; null if unknown. Returns errors of the
+  // store.
   absl::StatusOr<std::shared_ptr<const KnownToken>> Find(std::string_view text);
 
  private:
   std::int64_t revocations() const;
-  // The same, whether or not the token `id` does.
+  // Like HasAdmin, but ignores the token `id`.
   absl::StatusOr<bool> HasAdminBeside(const std::string& id, std::int64_t now_us);
-  // FAILED_PRECONDITION if the token is the last one of an administrator. REQUIRES: the revoking
-  // mutex is held.
+  // Returns FAILED_PRECONDITION if the token is the last admin token. REQUIRES: `revoking_mutex_`
+  // is locked.
   absl::Status CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us);
-  // Keeps a token in memory, and from time to time drops those that have ended: as many are there
-  // as there are good ones, and half of that again. REQUIRES: the mutex is held.
+  // Adds a token to memory. Sometimes removes ended tokens, so that memory holds at most about 1.5
+  // times the valid tokens. REQUIRES: `mutex_` is locked.
   std::shared_ptr<const KnownToken> Keep(storage::TokenRecord record, std::int64_t now_us)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   storage::AccessStore& store_;
-  // Held over the whole of a revocation that keeps the last administrator: of two who revoke each
-  // other at once, the second one finds the other gone.
+  // Locked during a whole revocation with kKeep: if two admins revoke each other concurrently, the
+  // second revocation is refused.
   storage::CancellableMutex revoking_mutex_;
   mutable storage::Mutex mutex_;
   std::unordered_map<std::string, std::shared_ptr<KnownToken>> known_ ABSL_GUARDED_BY(mutex_);
-  // Nobody waits for the store under the mutex, so what was read there may be old by the time it is
-  // kept: it is not kept if a token was revoked meanwhile.
+  // The store is read without `mutex_`, so a record may be out of date when it is added. It is
+  // added only if this count is unchanged since the read began.
   std::int64_t revocations_ ABSL_GUARDED_BY(mutex_) = 0;
-  std::size_t next_sweep_ ABSL_GUARDED_BY(mutex_) =
-      1024;  // as many known: time to drop those that have ended
+  std::size_t next_sweep_ ABSL_GUARDED_BY(mutex_) = 1024;  // token count of the next removal
 };
 
 }  // namespace motiondb::server

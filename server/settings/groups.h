@@ -1,13 +1,15 @@
-// The groups of settings. Each has its own: its `Add` declares each setting once,
-// as a CLI11 option with its default, check and description; from that one line come the flag
-// `--rebuild-delay`, the variable `MOTIONDBD_REBUILD_DELAY` and the key `rebuild-delay` of the
-// file, the manual page and what --check-config prints. A new group: a file, a line here and one in
-// settings_reader.cc, and its settings in deploy/motiondbd.conf, which a test compares.
+// The groups of settings. The `Add` function of a group declares each setting once, as a CLI11
+// option with default, check and description. This declaration defines the flag `--rebuild-delay`,
+// the variable `MOTIONDBD_REBUILD_DELAY`, the key `rebuild-delay` of the file, the manual page and
+// the output of --check-config.
 //
-// What one value alone can be checked for belongs into the option's check (a range, an existing
-// file, an address): it then names the file and line that the value came from. What takes two
-// settings, or a look at the machine, is for the group's `Check`, which --check-config calls, and
-// so does a start; but not that of the store, which is about to be opened.
+// To add a group: add a file, a line here, a line in settings_reader.cc, and its settings in
+// deploy/motiondbd.conf (a test compares them).
+//
+// Put a check of a single value (range, existing file, address) into the option: its error names
+// the file and line of the value. Put a check of several settings or of the machine into the
+// group's `Check`. --check-config and a start call it; a start does not call CheckStoreSettings,
+// because it then opens the store.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,7 +20,7 @@
 
 namespace motiondb::server {
 
-// `settings` must outlive `app`. An option that is no setting is marked `configurable(false)`.
+// `settings` must outlive `app`. Mark an option that is not a setting with `configurable(false)`.
 void AddStoreSettings(CLI::App& app, Settings& settings);
 void AddNetworkSettings(CLI::App& app, Settings& settings);
 void AddHttpSettings(CLI::App& app, Settings& settings);
@@ -27,7 +29,7 @@ void AddLimitSettings(CLI::App& app, Settings& settings);
 void AddSecuritySettings(CLI::App& app, Settings& settings);
 void AddLogSettings(CLI::App& app, Settings& settings);
 
-// Appends what is wrong with the settings as a whole; opens and changes nothing.
+// Append the problems of the settings as a whole. Open and change no files.
 void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& problems);
 void CheckLimitSettings(const Settings& settings, std::vector<absl::Status>& problems);

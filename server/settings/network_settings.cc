@@ -9,19 +9,19 @@ namespace motiondb::server {
 
 void AddNetworkSettings(CLI::App& app, Settings& settings) {
   app.add_option("--listen", settings.server.listen,
-                 "Where to answer gRPC; port 0 takes a free one")
+                 "Address of the gRPC listener; port 0: any free port")
       ->type_name("HOST:PORT")
       ->check(ListenAddress())
       ->capture_default_str()
       ->group("Network");
   AddSeconds(app, "--grace-seconds", settings.grace, 0, 3600,
-             "How long running calls may take after SIGTERM")
+             "Time that running calls may take after SIGTERM")
       ->group("Network");
 }
 
 namespace {
 
-// An address, or the word that means that there is none.
+// Accepts an address, the word none, or an empty value.
 CLI::Validator ListenAddressOrNone() {
   return CLI::Validator(
       [address = ListenAddress()](std::string& text) {
@@ -41,10 +41,10 @@ struct Address {
   std::string port;
 };
 
-// Whether who listens at one keeps another from listening at the other.
-bool Clash(const Address& one, const Address& other) {
-  if (std::stoi(one.port) == 0 || std::stoi(one.port) != std::stoi(other.port)) return false;
-  return one.host == other.host || one.is_everywhere() || other.is_everywhere();
+// Returns whether two listeners cannot use these addresses at the same time.
+bool Clash(const Address& a, const Address& b) {
+  if (std::stoi(a.port) == 0 || std::stoi(a.port) != std::stoi(b.port)) return false;
+  return a.host == b.host || a.is_everywhere() || b.is_everywhere();
 }
 
 }  // namespace
@@ -52,8 +52,8 @@ bool Clash(const Address& one, const Address& other) {
 void AddHttpSettings(CLI::App& app, Settings& settings) {
   app.add_option(
          "--http-listen", settings.http_listen,
-         "Where to answer HTTP: /metrics, /livez, /readyz, without authentication; port 0 "
-         "takes a free one, none is for no HTTP; without it 127.0.0.1:9464, if that is free")
+         "Address of the HTTP listener: /metrics, /livez, /readyz, without authentication; port 0: "
+         "any free port; none: no HTTP; if not set: 127.0.0.1:9464, if that port is free")
       ->type_name("HOST:PORT")
       ->check(ListenAddressOrNone())
       ->capture_default_str()
@@ -67,12 +67,13 @@ void CheckHttpSettings(const Settings& settings, std::vector<absl::Status>& prob
   const std::string& listen = settings.server.listen;
   if (!Clash(Address(listen), Address(http))) return;
   problems.push_back(core::InvalidArgument(
-      "listen and http-listen: {} and {}{} cannot both be listened at; give each a port of its own",
-      listen, http, is_default ? ", the default," : ""));
+      "listen and http-listen: {} and {}{} conflict; set a different port for each", listen, http,
+      is_default ? " (the default)" : ""));
 }
 
 void AddLogSettings(CLI::App& app, Settings& settings) {
-  app.add_option("--log-level", settings.log.level, "What to log on standard error")
+  app.add_option("--log-level", settings.log.level,
+                 "Minimum level of the lines logged on standard error")
       ->type_name("LEVEL")
       ->check(CLI::IsMember({"debug", "info", "warning", "error", "off"}))
       ->capture_default_str()
@@ -82,13 +83,13 @@ void AddLogSettings(CLI::App& app, Settings& settings) {
          [&settings](const std::string& format) {
            settings.log.format = format == "json" ? LogFormat::kJson : LogFormat::kText;
          },
-         "Lines of text for a person, or one JSON object a line")
+         "Format of the log: text lines, or one JSON object per line")
       ->type_name("FORMAT")
       ->check(CLI::IsMember({"text", "json"}))
       ->default_str("text")
       ->group("Log");
   AddSeconds(app, "--slow-call-seconds", settings.log.slow_call, 0, 3600,
-             "From how long on a call is logged as slow, with a warning; 0: never")
+             "Duration from which a call is logged as slow, with a warning; 0: never")
       ->group("Log");
 }
 

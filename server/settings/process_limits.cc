@@ -24,23 +24,24 @@ namespace motiondb::server {
 
 namespace {
 
-// The store, its readers, the listeners, the thread pools and HTTP take about 50; the rest is for
+// The store, its readers, the listeners, the thread pools and HTTP use about 50; the rest is for
 // connections.
-constexpr rlim_t kFewestDescriptors = 128;
-// Of gRPC, HTTP, the listener, the watched files and the store.
+constexpr rlim_t kMinDescriptors = 128;
+// Threads of gRPC, HTTP, the listener, the watched files and the store.
 constexpr int kOtherThreads = 25;
-// Address space beside their stacks, to start with. Later calls are refused if it runs out.
+// Address space in addition to the stacks that a start needs. If it runs out later, calls are
+// refused.
 constexpr std::size_t kFreeBytes = std::size_t{128} << 20;
 
 absl::Status CheckDescriptors() {
   rlimit limit{};
-  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kFewestDescriptors) {
+  if (getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= kMinDescriptors) {
     return absl::OkStatus();
   }
   return absl::ResourceExhaustedError(
-      fmt::format("cannot start: the process may open {} files, and at least {} are needed; raise "
-                  "the limit (ulimit -n, LimitNOFILE)",
-                  limit.rlim_cur, kFewestDescriptors));
+      fmt::format("cannot start: the process may open {} files, expected at least {}; raise the "
+                  "limit (ulimit -n, LimitNOFILE)",
+                  limit.rlim_cur, kMinDescriptors));
 }
 
 absl::Status CheckThreads(int count) {
@@ -50,18 +51,16 @@ absl::Status CheckThreads(int count) {
   try {
     threads.reserve(static_cast<std::size_t>(count));
     for (int i = 0; i < count; ++i) threads.emplace_back([&] { all_started.wait(); });
-    void* const room = mmap(nullptr, kFreeBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (room == MAP_FAILED) {
+    void* const mapped = mmap(nullptr, kFreeBytes, PROT_NONE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (mapped == MAP_FAILED) {
       status = absl::ResourceExhaustedError(
-          "cannot start: not enough address space beside the stacks of the threads; raise the "
-          "limit "
-          "(ulimit -v, LimitAS)");
+          "cannot start: not enough address space; raise the limit (ulimit -v, LimitAS)");
     } else {
-      munmap(room, kFreeBytes);
+      munmap(mapped, kFreeBytes);
     }
   } catch (const std::exception& error) {
     status = absl::ResourceExhaustedError(fmt::format(
-        "cannot start: {} threads can be started, and {} are needed ({}); raise the limit of "
+        "cannot start: the process may start {} threads, expected {} ({}); raise the limit of "
         "threads (ulimit -u, TasksMax) or of memory (ulimit -v)",
         threads.size(), count, error.what()));
   }
@@ -85,20 +84,22 @@ absl::Status CheckProcessLimits(int work_threads) {
 
 namespace {
 
-// What a file of a control group allows; `most` where it is not there or says "max".
-std::int64_t LimitIn(const std::filesystem::path& file, std::int64_t most) {
+// Returns the smaller of `max` and the limit in a file of a control group, in bytes; `max` if the
+// file does not exist or contains "max".
+std::int64_t LimitIn(const std::filesystem::path& file, std::int64_t max) {
   std::ifstream stream(file);
   std::string text;
   std::int64_t limit = 0;
-  return stream >> text && absl::SimpleAtoi(text, &limit) ? std::min(limit, most) : most;
+  return stream >> text && absl::SimpleAtoi(text, &limit) ? std::min(limit, max) : max;
 }
 
-// Of the group and all above it, below `mount`. A container may see its group as the mount itself.
+// Returns the minimum of `max` and the limits of the group and its ancestors below `mount`. In a
+// container, the group may be the mount itself.
 std::int64_t LimitOfGroup(const std::filesystem::path& mount, std::string group, const char* file,
-                          std::int64_t most) {
+                          std::int64_t max) {
   while (true) {
-    most = LimitIn(mount / std::filesystem::path(group).relative_path() / file, most);
-    if (group.empty()) return most;
+    max = LimitIn(mount / std::filesystem::path(group).relative_path() / file, max);
+    if (group.empty()) return max;
     group.resize(group.find_last_of('/') == std::string::npos ? 0 : group.find_last_of('/'));
   }
 }
@@ -107,7 +108,7 @@ std::int64_t LimitOfGroup(const std::filesystem::path& mount, std::string group,
 
 std::int64_t MemoryLimit(const std::string& root) {
   std::int64_t limit = std::int64_t{sysconf(_SC_PHYS_PAGES)} * sysconf(_SC_PAGESIZE);
-  // Lines of ID:CONTROLLERS:GROUP; version 2 has the id 0 and no controllers.
+  // Lines of ID:CONTROLLERS:GROUP. Version 2 has id 0 and no controllers.
   std::ifstream groups(root + "/proc/self/cgroup");
   for (std::string line; std::getline(groups, line);) {
     const std::vector<std::string> parts = absl::StrSplit(line, absl::MaxSplits(':', 2));

@@ -1,4 +1,4 @@
-// What the operating system lets the process have, checked before anything is made with it.
+// Limits of the operating system for this process.
 #pragma once
 
 #include <cstdint>
@@ -8,20 +8,19 @@
 
 namespace motiondb::server {
 
-// RESOURCE_EXHAUSTED, naming the limit and what is needed, if the process may not open enough files
-// (RLIMIT_NOFILE) or cannot run the threads of the server: `work_threads` and those of its
-// libraries (RLIMIT_NPROC, or address space for their stacks). Starts and ends that many threads.
+// Checks the limits before a start. Returns RESOURCE_EXHAUSTED with the limit and the required
+// value if the process cannot open enough files (RLIMIT_NOFILE) or cannot start `work_threads` plus
+// the threads of its libraries (RLIMIT_NPROC, or address space for the stacks). Starts and joins
+// that many threads.
 absl::Status CheckProcessLimits(int work_threads);
 
-// Where the address space is limited (RLIMIT_AS): has malloc share two arenas among all threads.
-// Each reserves 64 MiB, and by default there are eight for each core. To be called before threads
-// are started.
+// If the address space is limited (RLIMIT_AS), limits malloc to two arenas. Each arena reserves 64
+// MiB, and the default is eight arenas for each core. Call this before threads start.
 void SaveAddressSpace();
 
-// How much memory this process may use, by the machine and by its control groups.
-
-// In bytes: the least of the machine's memory and the limits of the process's control groups
-// (versions 1 and 2) and those above them. `root` is where /proc and /sys are.
+// Returns the memory that this process may use, in bytes: the minimum of the machine's memory and
+// the limits of the process's control groups (versions 1 and 2) and their ancestors. `root` is the
+// directory of /proc and /sys.
 std::int64_t MemoryLimit(const std::string& root = "");
 
 }  // namespace motiondb::server

@@ -23,12 +23,12 @@ constexpr Words<std::optional<storage::Role>, 4> kRoles{{{"none", std::nullopt},
 constexpr Words<std::optional<bool>, 3> kReflection{
     {{"auto", std::nullopt}, {"on", true}, {"off", false}}};
 
-// An option whose value is one of a few words, the first being the default.
+// Adds an option with a fixed set of words as values. The first word is the default.
 template <typename Value, std::size_t kCount>
 CLI::Option* AddWord(CLI::App& app, const std::string& name, Value& value,
                      const Words<Value, kCount>& words, const std::string& description) {
-  std::vector<std::string> known;
-  for (const auto& [word, meaning] : words) known.emplace_back(word);
+  std::vector<std::string> allowed;
+  for (const auto& [word, meaning] : words) allowed.emplace_back(word);
   return app
       .add_option_function<std::string>(
           name,
@@ -38,8 +38,8 @@ CLI::Option* AddWord(CLI::App& app, const std::string& name, Value& value,
             }
           },
           description)
-      ->check(CLI::IsMember(known))
-      ->default_str(known.front());
+      ->check(CLI::IsMember(allowed))
+      ->default_str(allowed.front());
 }
 
 }  // namespace
@@ -48,38 +48,39 @@ void AddSecuritySettings(CLI::App& app, Settings& settings) {
   SecurityOptions& security = settings.server.security;
   constexpr char kGroup[] = "Security";
   app.add_option("--tls-certificate", security.tls.certificate,
-                 "The server's certificate, PEM, with those between it and its authority; read "
-                 "again when it changes")
+                 "Certificate of the server with intermediate certificates, PEM; reloaded when it "
+                 "changes")
       ->type_name("FILE")
       ->group(kGroup);
-  app.add_option("--tls-key", security.tls.key, "The certificate's key, PEM")
+  app.add_option("--tls-key", security.tls.key, "Private key of the certificate, PEM")
       ->type_name("FILE")
       ->group(kGroup);
-  app.add_option("--tls-client-ca", security.tls.client_ca,
-                 "Who signs the certificates of clients, PEM; every client then needs one")
+  app.add_option(
+         "--tls-client-ca", security.tls.client_ca,
+         "Authorities of client certificates, PEM; if set, every client needs a certificate")
       ->type_name("FILE")
       ->group(kGroup);
   AddWord(app, "--authentication", security.authentication, kAuthentication,
-          "Who may call: token: who shows one; none: everybody; by-address: everybody if only "
-          "this machine can reach --listen, else who shows a token")
+          "token: every call needs a token; none: no authentication; by-address: none if only this "
+          "machine can reach --listen, otherwise token")
       ->group(kGroup);
   app.add_option("--admin-token-file", security.admin_token_file,
-                 "What it holds counts as an administrator's token; not to be readable by all, nor "
-                 "writable by others than its owner; read again when it changes")
+                 "File with a token of the role admin; only its owner may write it, and not all "
+                 "users may read it; reloaded when it changes")
       ->type_name("FILE")
       ->group(kGroup);
   AddWord(app, "--certificate-role", security.certificate_role, kRoles,
-          "What a client may do that shows a certificate and no token")
+          "Role of a client that has a certificate and no token")
       ->group(kGroup);
   AddCount(app, "--failures-per-minute", security.failures_per_minute, 1, 1'000'000,
-           "Wrong tokens of one address after which more are not looked at for a while")
+           "Wrong tokens per minute and address; then unknown tokens of the address are refused "
+           "for up to a minute")
       ->group(kGroup);
   AddWord(app, "--reflection", security.reflection, kReflection,
-          "Tell every caller, also without a token, which calls there are; auto: where everybody "
-          "may call")
+          "gRPC server reflection, which needs no token; auto: on if authentication is off")
       ->group(kGroup);
   app.add_flag("--insecure", security.insecure,
-               "Serve other machines although there is no TLS or no authentication")
+               "Allow other machines without TLS or without authentication")
       ->group(kGroup);
 }
 

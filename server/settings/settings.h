@@ -1,4 +1,4 @@
-// What an operator can set about motiondbd: the values, wherever they came from.
+// The values of all settings of motiondbd.
 #pragma once
 
 #include <chrono>
@@ -12,10 +12,10 @@
 
 namespace motiondb::server {
 
-// What a server is started with.
+// Options of a Server.
 struct ServerOptions {
-  std::string listen = "127.0.0.1:50051";  // port 0: a free one
-  int max_message_bytes = 16 << 20;        // largest request taken; a query may carry a whole file
+  std::string listen = "127.0.0.1:50051";  // port 0: any free port
+  int max_message_bytes = 16 << 20;        // of a request; a query may contain a whole file
   CallLimitOptions calls;
   SecurityOptions security;
   EngineOptions engine;
@@ -24,17 +24,17 @@ struct ServerOptions {
 struct LogSettings {
   std::string level = "info";
   LogFormat format = LogFormat::kText;
-  std::chrono::milliseconds slow_call{2000};  // from which on a call is logged as slow
+  std::chrono::milliseconds slow_call{2000};  // minimum duration of a call logged as slow
 };
 
 struct Settings {
   std::string store_path;  // required
-  bool read_only = false;  // as SqliteOptions::read_only
-  // As SqliteOptions::reserve_bytes.
+  bool read_only = false;  // SqliteOptions::read_only
+  // SqliteOptions::reserve_bytes.
   std::int64_t disk_reserve_bytes = std::int64_t{64} << 20;
   LogSettings log;
-  std::chrono::milliseconds grace{10'000};  // that running calls may take after SIGTERM
-  std::string http_listen;                  // as StartHealthServer takes it
+  std::chrono::milliseconds grace{10'000};  // time for running calls after SIGTERM
+  std::string http_listen;                  // argument of StartHealthServer
   ServerOptions server;
 };
 

@@ -19,9 +19,9 @@ namespace motiondb::server {
 
 namespace {
 
-constexpr std::size_t kLargestFile = std::size_t{1} << 20;
+constexpr std::size_t kMaxFileBytes = std::size_t{1} << 20;
 
-// A string as it is, a number or truth as it is written; nothing for what no setting has.
+// Returns the text of a string, number or boolean; nullopt for other types, which no setting has.
 std::optional<std::string> TextOf(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());
@@ -39,11 +39,11 @@ absl::StatusOr<std::vector<std::string>> ValuesOf(const toml::node& node) {
   };
   const toml::array* const array = node.as_array();
   if (array == nullptr ? add(node) : std::ranges::all_of(*array, add)) return values;
-  if (node.is_table()) return core::InvalidArgument("expected `key = value`; there are no tables");
+  if (node.is_table()) return core::InvalidArgument("expected `key = value`, got a table");
   return core::InvalidArgument("expected a string, a number, true or false, or an array of these");
 }
 
-// Whether TOML has the value without quotes, and reads it as the same text.
+// Returns whether TOML can have the value without quotes and parses it to the same text.
 bool IsBare(const std::string& value) {
   try {
     const toml::table table = toml::parse("v = " + value);
@@ -100,7 +100,7 @@ absl::StatusOr<std::string> ReadSettingsFile(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::string text;
   if (file) {
-    text.resize(kLargestFile + 1);
+    text.resize(kMaxFileBytes + 1);
     errno = 0;
     file.read(text.data(), static_cast<std::streamsize>(text.size()));
     text.resize(static_cast<std::size_t>(file.gcount()));
@@ -108,8 +108,8 @@ absl::StatusOr<std::string> ReadSettingsFile(const std::string& path) {
   if (!file.is_open() || file.bad()) {
     return absl::ErrnoToStatus(errno, fmt::format("{}: cannot be read", path));
   }
-  if (text.size() > kLargestFile) {
-    return core::InvalidArgument("{}: is larger than 1 MiB, which no configuration is", path);
+  if (text.size() > kMaxFileBytes) {
+    return core::InvalidArgument("{}: expected a file of at most 1 MiB", path);
   }
   return text;
 }
@@ -138,8 +138,8 @@ std::string VariableOf(const std::string& key) {
 }
 
 bool IsFlag(const CLI::Option& option) { return option.get_expected_min() == 0; }
-// What a flag is set to in a file or a variable, as "true" or "false"; empty: neither. CLI11 takes
-// a variable that is empty, which is easily left over, for true.
+// Returns the value of a flag in a file or variable as "true" or "false"; empty for other text.
+// CLI11 reads an empty variable as true, which would be a trap.
 std::string TruthOf(std::string value) {
   value = CLI::detail::to_lower(value);
   if (value == "true" || value == "1" || value == "yes" || value == "on") return "true";
@@ -156,14 +156,14 @@ std::vector<std::string> DefaultOf(const CLI::Option& option) {
   return text.empty() ? std::vector<std::string>() : CLI::detail::split(text, ',');
 }
 
-// What was a setting once, and what holds in its place. An existing file still starts a server.
+// Removed settings and their replacements. A file with a removed setting still works.
 constexpr std::pair<const char*, const char*> kRemoved[] = {
-    {"heavy-threads", "all threads but one may be at long work (threads)"},
-    {"rebuild-delay-limit", "10 s, or rebuild-delay if that is more"},
-    {"max-metadata-kib", "a call may come with 8 KiB of metadata"},
-    {"max-calls-per-client", "one client may have a quarter of max-calls"},
-    {"max-heavy-calls-per-client", "one client may have a quarter of max-heavy-calls"},
-    {"max-streams-per-client", "one client may have a quarter of max-streams"},
+    {"heavy-threads", "long work uses all threads but one (see threads)"},
+    {"rebuild-delay-limit", "the limit is 10 s, or rebuild-delay if that is more"},
+    {"max-metadata-kib", "the limit is 8 KiB of metadata for each call"},
+    {"max-calls-per-client", "the limit is a quarter of max-calls"},
+    {"max-heavy-calls-per-client", "the limit is a quarter of max-heavy-calls"},
+    {"max-streams-per-client", "the limit is a quarter of max-streams"},
 };
 
 const char* ReplacementOf(const std::string& key) {
@@ -188,20 +188,20 @@ Environment ReadEnvironment() {
 
 SettingsReader::SettingsReader()
     : app_("motiondbd: a database server for human motion", "motiondbd") {
-  app_.get_help_ptr()->description("Print this and exit")->configurable(false);
+  app_.get_help_ptr()->description("Print this help and exit")->configurable(false);
   app_.set_version_flag("--version", "motiondbd " MOTIONDB_VERSION, "Print the version and exit")
       ->configurable(false);
-  app_.add_option(
-          "--config", file_,
-          "File of settings, a line each: listen = \"127.0.0.1:50051\"; or MOTIONDBD_CONFIG")
+  app_.add_option("--config", file_,
+                  "Configuration file with lines like listen = \"127.0.0.1:50051\"; or set "
+                  "MOTIONDBD_CONFIG")
       ->type_name("FILE")
       ->configurable(false);
   app_.add_flag_callback(
           "--check-config", [this] { task_ = Task::kCheck; },
-          "Check all settings and the files they name, print them, and exit; the store is not "
-          "opened")
+          "Check all settings and their files, print the settings, and exit; does not open the "
+          "store")
       ->configurable(false);
-  for (const auto& [key, replacement] : kRemoved) {  // not shown
+  for (const auto& [key, replacement] : kRemoved) {  // hidden in the help
     app_.add_option("--" + std::string(key), removed_)->configurable(false)->group("");
   }
   AddStoreSettings(app_, settings_);
@@ -213,8 +213,8 @@ SettingsReader::SettingsReader()
   AddLogSettings(app_, settings_);
   app_.footer(
       "Every setting is also a variable and a line of the configuration file: --rebuild-delay,\n"
-      "MOTIONDBD_REBUILD_DELAY, rebuild-delay = 0.3. Flags are stronger than variables, these\n"
-      "stronger than the file.");
+      "MOTIONDBD_REBUILD_DELAY, rebuild-delay = 0.3. Flags override variables, and variables\n"
+      "override the file.");
 }
 
 std::vector<absl::Status> SettingsReader::CheckToServe() const {
@@ -233,7 +233,7 @@ std::vector<absl::Status> SettingsReader::Check() const {
 
 std::vector<absl::Status> SettingsReader::Read(int argc, const char* const* argv,
                                                const Environment& environment) {
-  // First for --help and --config, and once more at the end: flags have the last word.
+  // The first pass reads --help and --config. The second pass, below, lets flags override.
   if (const absl::Status status = ParseFlags(argc, argv); !status.ok()) return {status};
   if (task_ == Task::kHelp || task_ == Task::kVersion) return {};
   const auto file = environment.find(VariableOf("config"));
@@ -254,7 +254,7 @@ std::vector<absl::Status> SettingsReader::Read(int argc, const char* const* argv
   engine.rebuild_delay_limit = std::max(engine.rebuild_delay_limit, engine.rebuild_delay);
   if (settings_.store_path.empty()) {
     problems.push_back(absl::InvalidArgumentError(
-        "store: not set; give --store FILE, MOTIONDBD_STORE or a line `store = \"FILE\"`"));
+        "store: not set; use --store FILE, MOTIONDBD_STORE or the line `store = \"FILE\"`"));
   }
   return problems;
 }
@@ -284,7 +284,7 @@ absl::Status SettingsReader::Apply(const std::string& place, const std::string& 
   }
   CLI::Option* const found = app_.get_option_no_throw("--" + key);
   if (found == nullptr || !found->get_configurable()) {
-    return core::InvalidArgument("{}: no such setting: {}", place, key);
+    return core::InvalidArgument("{}: unknown setting: {}", place, key);
   }
   CLI::Option& option = *found;
   if (values.empty() || (values.size() > 1 && !IsArray(option))) {
@@ -308,8 +308,8 @@ absl::Status SettingsReader::Apply(const std::string& place, const std::string& 
 }
 
 void SettingsReader::WarnOfRemoved(const std::string& place, const std::string& key) {
-  warnings_.push_back(fmt::format("{}: {} is no setting any more and is ignored: {}", place, key,
-                                  ReplacementOf(key)));
+  warnings_.push_back(
+      fmt::format("{}: {} was removed and is ignored: {}", place, key, ReplacementOf(key)));
 }
 
 void SettingsReader::ApplyFile(std::vector<absl::Status>& problems) {
@@ -344,7 +344,7 @@ void SettingsReader::ApplyEnvironment(const Environment& environment,
     if (unknown.erase(VariableOf(key)) > 0) WarnOfRemoved(VariableOf(key), key);
   }
   for (const auto& [variable, value] : unknown) {
-    problems.push_back(core::InvalidArgument("{}: no such setting", variable));
+    problems.push_back(core::InvalidArgument("{}: unknown setting", variable));
   }
 }
 

@@ -12,15 +12,15 @@ namespace motiondb::server {
 
 void AddStoreSettings(CLI::App& app, Settings& settings) {
   app.add_option("--store", settings.store_path,
-                 "The file that holds the databases; made if absent")
+                 "File of the store with all databases; created if absent")
       ->type_name("FILE")
       ->group("Store");
   app.add_flag("--read-only", settings.read_only,
-               "Serve queries and refuse every change; the store may be on a read-only file system")
+               "Answer queries and refuse all changes; the store may be on a read-only file system")
       ->group("Store");
   AddMebibytes(app, "--disk-reserve-mib", settings.disk_reserve_bytes,
-               "What clips, models and restores leave free on the store's disk, so that it can be "
-               "emptied when it is full; 0: nothing",
+               "Free disk space that clips, models and restores must leave, so that data can "
+               "still be deleted when the disk is full; 0: none",
                1 << 20, 0)
       ->group("Store");
 }
@@ -37,11 +37,11 @@ void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& pro
   std::error_code ignored;
   if (fs::is_directory(store, ignored)) {
     problems.push_back(absl::InvalidArgumentError(
-        fmt::format("store: {} is a folder; expected a file's path", store.string())));
+        fmt::format("store: expected the path of a file, got the folder {}", store.string())));
     return;
   }
   if (settings.read_only) return require(store, "cannot read", R_OK);
-  // SQLite writes its log beside the file.
+  // SQLite writes its log in the folder of the file.
   require(store.has_parent_path() ? store.parent_path() : fs::path("."), "cannot write to folder",
           R_OK | W_OK);
   if (fs::exists(store, ignored)) require(store, "cannot read and write", R_OK | W_OK);
@@ -49,15 +49,15 @@ void CheckStoreSettings(const Settings& settings, std::vector<absl::Status>& pro
 
 void AddEngineSettings(CLI::App& app, Settings& settings) {
   EngineOptions& engine = settings.server.engine;
-  AddCount(app, "--threads", engine.query_threads, 0, 1024, "Threads for requests; 0: one a core")
+  AddCount(app, "--threads", engine.query_threads, 0, 1024, "Threads for requests; 0: one per core")
       ->group("Engine");
   AddCount(app, "--build-threads", engine.build_threads, 0, 1024,
-           "Threads for building models; 0: one for two cores")
+           "Threads for building models; 0: one per two cores")
       ->group("Engine");
   AddSeconds(
       app, "--rebuild-delay", engine.rebuild_delay, 0, 3600,
-      "Time without an ingest after which the model is rebuilt; at most 10 s, or this if it is "
-      "more, after the first")
+      "Time without an ingest after which the model is rebuilt. The rebuild starts at most 10 s "
+      "(or this time, if longer) after the first ingest")
       ->group("Engine");
 }
 

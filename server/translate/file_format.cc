@@ -33,22 +33,23 @@ absl::StatusOr<core::FileFormat> FileFormatFrom(std::string_view prefix, v1::Fil
     case v1::FILE_FORMAT_UNSPECIFIED:
       break;
     default:
-      return FieldViolation(fmt::format("{}.format", prefix), "{} is no format",
+      return FieldViolation(fmt::format("{}.format", prefix),
+                            "unknown format {}; expected BVH, AMC, TRC or C3D",
                             static_cast<int>(format));
   }
-  auto told = core::FormatOfPath(file_name);
-  if (told.ok()) return told;
-  return AtField(fmt::format("{}.file_name", prefix), told.status());
+  auto by_extension = core::FormatOfPath(file_name);
+  if (by_extension.ok()) return by_extension;
+  return AtField(fmt::format("{}.file_name", prefix), by_extension.status());
 }
 
 absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
                                const std::string& skeleton_file_name) {
   const std::string field = fmt::format("{}.skeleton_file_name", prefix);
   if (format == core::FileFormat::kAmc && skeleton_file_name.empty()) {
-    return FieldViolation(field, "an AMC file needs its ASF skeleton");
+    return FieldViolation(field, "expected the ASF skeleton file of the AMC file");
   }
   if (format != core::FileFormat::kAmc && !skeleton_file_name.empty()) {
-    return FieldViolation(field, "only an AMC file has a skeleton file, leave out '{}'",
+    return FieldViolation(field, "only an AMC file has a skeleton file; omit '{}'",
                           skeleton_file_name);
   }
   return absl::OkStatus();
@@ -80,7 +81,7 @@ absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
       from.read.up_axis = core::UpAxis::kZ;
       break;
     default:
-      return FieldViolation(field("up_axis"), "{} is no axis",
+      return FieldViolation(field("up_axis"), "unknown axis {}; expected X, Y or Z",
                             static_cast<int>(conventions.up_axis()));
   }
   return from;

@@ -1,4 +1,4 @@
-// Formats and conventions of motion files: requests <-> core. Safe to call from any thread.
+// Converts formats and conventions of motion files between requests and core.
 #pragma once
 
 #include <optional>
@@ -12,12 +12,13 @@ namespace motiondb::server {
 
 v1::FileFormat ToProto(core::FileFormat format);
 
-// The format given, or else the one that the file's name tells. `prefix` leads the names of fields:
-// "header" for header.format and header.file_name.
+// Returns `format`; if unspecified, the format of the extension of `file_name`. `prefix` is the
+// path of the message for errors: "header" for header.format and header.file_name.
 absl::StatusOr<core::FileFormat> FileFormatFrom(std::string_view prefix, v1::FileFormat format,
                                                 const std::string& file_name);
 
-// INVALID_ARGUMENT where an AMC comes without its ASF, or another format with one.
+// Returns INVALID_ARGUMENT for AMC without an ASF file, and for another format with a skeleton
+// file.
 absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
                                const std::string& skeleton_file_name);
 
@@ -26,7 +27,7 @@ struct Conventions {
   std::optional<double> leg_length_m;
 };
 
-// Numbers must be finite and not negative; 0 means not given.
+// Converts conventions. Numbers must be finite and not negative; 0 means not given.
 absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
                                             const v1::SourceConventions& conventions);
 

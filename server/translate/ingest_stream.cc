@@ -12,16 +12,16 @@
 namespace motiondb::server {
 namespace {
 
-constexpr std::size_t kLongestText = 255;
+constexpr std::size_t kMaxTextBytes = 255;
 
-// Of a file that another user exports into a folder: hidden it would be overlooked there, and with
-// a dash in front it would be an option of whatever command it is given to.
+// Checks the name of a file that other users may export. A name with a leading '.' would be hidden,
+// and a name with a leading '-' would be an option in a command.
 absl::Status CheckFileName(std::string_view field, std::string_view name) {
   if (name.starts_with('.') || name.starts_with('-')) {
     return FieldViolation(field, "expected a name that begins with neither '.' nor '-', got '{}'",
                           name);
   }
-  return CheckPlainText(field, name, kLongestText);
+  return CheckPlainText(field, name, kMaxTextBytes);
 }
 
 }  // namespace
@@ -58,8 +58,8 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   MOTIONDB_ASSIGN_OR_RETURN(file_.format,
                             FileFormatFrom("header", header.format(), file_.file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", file_.format, file_.skeleton_file_name));
-  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kLongestText));
-  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kLongestText));
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kMaxTextBytes));
+  MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kMaxTextBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
                             ConventionsFrom("header", header.conventions()));
   if (!header.clip_id().empty()) {
@@ -80,10 +80,10 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
     return FieldViolation(field, "expected at most {} bytes, got {}", kMostBlockBytes,
                           block.size());
   }
-  const std::size_t taken = file_.file_bytes.size() + file_.skeleton_bytes.size();
-  if (block.size() > max_file_bytes_ - taken) {
+  const std::size_t received = file_.file_bytes.size() + file_.skeleton_bytes.size();
+  if (block.size() > max_file_bytes_ - received) {
     return absl::ResourceExhaustedError(
-        fmt::format("{}: larger than the {} bytes that the server takes, skeleton included",
+        fmt::format("{}: expected at most {} bytes, skeleton included (setting max-file-mib)",
                     file_.file_name, max_file_bytes_));
   }
   if (bytes.empty()) {
@@ -95,7 +95,7 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
 }
 
 absl::StatusOr<IngestFile> IngestStream::Finish() {
-  if (database_.empty()) return FieldViolation("header", "the stream ended before it came");
+  if (database_.empty()) return FieldViolation("header", "the stream ended without a header");
   if (file_.file_bytes.empty()) {
     return FieldViolation("file_block", "{}: the file is empty", file_.file_name);
   }

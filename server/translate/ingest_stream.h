@@ -1,5 +1,4 @@
-// The messages of an ingest stream -> a file to ingest, checked as they come. Used by one thread at
-// a time.
+// Collects the messages of an ingest stream into a file to ingest, and checks each message.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +14,24 @@ class IngestClipRequest;
 
 namespace motiondb::server {
 
-// Of a file that is sent, in one message.
+// Maximum size of a file block in one message.
 inline constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
 
 class IngestStream {
  public:
   explicit IngestStream(std::size_t max_file_bytes) : max_file_bytes_(max_file_bytes) {}
 
-  // Takes the next message, of which a block is appended. INVALID_ARGUMENT if it is out of turn or
-  // wrong; RESOURCE_EXHAUSTED if the file grows beyond the limit.
+  // Adds the next message. Returns INVALID_ARGUMENT if it is invalid or out of order;
+  // RESOURCE_EXHAUSTED if the file is larger than the limit.
   absl::Status Take(v1::IngestClipRequest message);
 
-  // Id of the database; empty until the header has come.
+  // Id of the database; empty before the header.
   const std::string& database() const { return database_; }
-  // Of the file and its skeleton, so far.
+  // Bytes received so far, of the file and its skeleton.
   std::size_t byte_count() const { return file_.file_bytes.size() + file_.skeleton_bytes.size(); }
 
-  // The file, when the stream has ended. INVALID_ARGUMENT if something is missing.
+  // Returns the file, after the end of the stream. Returns INVALID_ARGUMENT if something is
+  // missing.
   absl::StatusOr<IngestFile> Finish();
 
  private:

@@ -13,7 +13,8 @@ namespace motiondb::server {
 absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, double value) {
   if (value == 0) return std::nullopt;
   if (std::isfinite(value) && value > 0) return value;
-  return FieldViolation(field, "expected more than 0, or 0 for not given, got {}", value);
+  return FieldViolation(field, "expected a finite number above 0, or 0 for not given, got {}",
+                        value);
 }
 
 namespace {
@@ -22,7 +23,7 @@ absl::Status CheckLine(std::string_view field, std::string_view line) {
   const text::Character control = text::FindDisplayControl(line);
   if (control.bytes == 0) return absl::OkStatus();
   return FieldViolation(
-      field, "expected text, got the control or invisible format character U+{:04X}; leave it out",
+      field, "expected text, got the control or invisible format character U+{:04X}; omit it",
       static_cast<std::uint32_t>(control.code));
 }
 
@@ -31,12 +32,12 @@ absl::Status CheckLine(std::string_view field, std::string_view line) {
 absl::Status CheckNoToken(std::string_view field, std::string_view text) {
   if (text::WithoutSecrets(text) == text) return absl::OkStatus();
   return FieldViolation(
-      field, "expected no access token, which everybody could read here; revoke the one you sent");
+      field, "expected no access token, because other users can read this field; revoke the token");
 }
 
-absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t most) {
-  if (text.size() > most) {
-    return FieldViolation(field, "expected at most {} bytes, got {}", most, text.size());
+absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t max_bytes) {
+  if (text.size() > max_bytes) {
+    return FieldViolation(field, "expected at most {} bytes, got {}", max_bytes, text.size());
   }
   MOTIONDB_RETURN_IF_ERROR(CheckLine(field, text));
   return CheckNoToken(field, text);

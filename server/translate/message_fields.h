@@ -1,6 +1,5 @@
-// Fields of a request that nothing else checks. An error names the field that was wrong. Numbers:
-// NaN, infinity and what lies outside the range is INVALID_ARGUMENT. Texts: those that are stored
-// and end up in tables and on terminals. Safe to call from any thread.
+// Checks of request fields, and access to fields of messages. An error has the path of the field.
+// Text that is stored is checked, because it is later shown in tables and on terminals.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -22,39 +21,38 @@ namespace motiondb::server {
 using core::AtField;
 using core::FieldViolation;
 
-// Positive, or 0 for not given.
+// Returns the value, or nullopt for 0. Returns INVALID_ARGUMENT if it is negative or not finite.
 absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, double value);
 
-// INVALID_ARGUMENT for what looks like a bearer token: whatever is stored has many readers.
+// Returns INVALID_ARGUMENT if the text contains a bearer token, because many users can read stored
+// text.
 absl::Status CheckNoToken(std::string_view field, std::string_view text);
 
-// INVALID_ARGUMENT for more bytes than `most`, a display control (core/format/text_scanner.h), or
-// a token.
-absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t most);
+// Returns INVALID_ARGUMENT for more than `max_bytes` bytes, a display control
+// (core/format/text_scanner.h), or a token.
+absl::Status CheckPlainText(std::string_view field, std::string_view text, std::size_t max_bytes);
 
-// The same for a text file of any length, which may have line ends and tabs.
+// Like CheckPlainText, for a text file of any length, with line ends and tabs.
 absl::Status CheckPlainLines(std::string_view field, std::string_view text);
 
-// The text in a field of any message. Safe to call from any thread.
-
-// `path` is that of a string field, as "prediction.database". Empty where a message on the way is
-// absent, and for the empty path. The path must be one of the message's type.
+// Returns the value of the string field at `path`, for example "prediction.database". Returns an
+// empty string if a message on the path is absent, or for an empty path. REQUIRES: the type of the
+// message has the path.
 std::string FieldText(const google::protobuf::Message& message, std::string_view path);
 
-// The field at the path in a message type; null if there is none, or it is no single string.
+// Returns the string field at `path` of a message type; null if it does not exist, is repeated, or
+// is not a string.
 const google::protobuf::FieldDescriptor* FindTextField(const google::protobuf::Descriptor& type,
                                                        std::string_view path);
 
-// Packed floats of a response. Safe to call from any thread.
+static_assert(std::endian::native == std::endian::little, "packed floats are copied unchanged");
 
-static_assert(std::endian::native == std::endian::little, "packed floats are copied as they are");
-
-// Appends `count` floats.
+// Appends `count` packed floats.
 inline void AppendPacked(const float* values, std::size_t count, std::string& bytes) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(float));
 }
 
-// Microseconds since the Unix epoch -> google.protobuf.Timestamp.
+// Sets a Timestamp from microseconds since the Unix epoch.
 
 inline void SetTimestamp(std::int64_t time_us, google::protobuf::Timestamp& timestamp) {
   timestamp.set_seconds(time_us / 1'000'000);

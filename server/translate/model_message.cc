@@ -13,7 +13,7 @@ namespace motiondb::server {
 
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
               const Snapshot* snapshot, v1::Model& message) {
-  // One that is not stored has the version of another, but a time of its own.
+  // A model that is not stored has the version of an earlier model, but its own time.
   const bool current = snapshot != nullptr && snapshot->record.version == record.version &&
                        snapshot->record.create_time_us == record.create_time_us;
   const Calibration calibration = current ? snapshot->calibration : Calibration::kOwn;

@@ -1,4 +1,4 @@
-// Models, their nodes and transitions as messages. Safe to call from any thread.
+// Converts models, nodes, transitions and states to messages.
 #pragma once
 
 #include <memory>
@@ -19,18 +19,19 @@ class ReadStatesResponse;
 
 namespace motiondb::server {
 
-// Figures of a model, stored or current; `snapshot` is the database's current model, or null.
+// Sets the statistics of a stored or current model. `snapshot` is the current model of the
+// database, or null.
 void SetModel(const storage::ModelRecord& record, const core::BuildSettings& settings,
               const Snapshot* snapshot, v1::Model& message);
 
-// REQUIRES: a layer and node of the model.
+// REQUIRES: `layer` and `node` are in the model.
 void SetNode(const core::Model& model, int layer, int node, v1::Node& message);
 
-// Frames [first_frame, end_frame).
+// Sets the states of the frames [first_frame, end_frame).
 void SetStates(const core::Model& model, int first_frame, int end_frame,
                v1::ReadStatesResponse& message);
 
-// A layer's transitions, of all clips or of one, in order of (from, to): edge i of `edge_count()`.
+// The transitions of a layer, of all clips or of one clip, in order of (from, to).
 class TransitionList {
  public:
   // `clip`: index into Model::clips(), or -1 for the global graph. The model must outlive the list.
@@ -42,7 +43,7 @@ class TransitionList {
  private:
   int NodeOf(int state) const { return clip_ == nullptr ? state : clip_->nodes[state]; }
 
-  const std::shared_ptr<const core::ClipGraph> clip_;  // null: the global graph, of nodes
+  const std::shared_ptr<const core::ClipGraph> clip_;  // null: global graph
   const core::TransitionGraph& graph_;
 };
 

@@ -1,4 +1,4 @@
-// An observation of a request -> the engine's. Safe to call from any thread.
+// Converts observations and the messages of Observe.
 #pragma once
 
 #include <string>
@@ -18,19 +18,18 @@ class ObservedFrames;
 
 namespace motiondb::server {
 
-// Refers to `message`. `field` is the observation's own name in the request, and leads the names of
-// fields in errors; `database` the id of the one that is asked. INVALID_ARGUMENT.
+// Converts an observation; the result refers to `message`. `field` is the path of the observation
+// in the request, for errors; `database` is the id of the database. Returns INVALID_ARGUMENT for an
+// invalid field.
 absl::StatusOr<Observation> ObservationFrom(std::string_view field, const v1::Observation& message,
                                             const std::string& database);
 
-// The messages of Observe. Safe to call from any thread.
-
 absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start);
 
-// Refers to the message.
+// The result refers to `frames`.
 PackedFrames FramesFrom(const v1::ObservedFrames& frames);
 
-// `top_count` labels; 0 means all.
+// Sets at most `top_count` labels; 0 means all.
 void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& message);
 
 void SetMarkers(const core::MarkerMotion& motion, v1::MarkerObservation& message);

@@ -13,13 +13,13 @@ namespace motiondb::server {
 
 namespace {
 
-constexpr char kSeparator = '\n';  // in no scope
+constexpr char kSeparator = '\n';  // not in any scope
 
 }  // namespace
 
-absl::StatusOr<int> PageSize(std::int32_t page_size, int fallback, int most) {
-  if (page_size < 0) return FieldViolation("page_size", "must not be negative, got {}", page_size);
-  return page_size == 0 ? fallback : std::min<int>(page_size, most);
+absl::StatusOr<int> PageSize(std::int32_t page_size, int fallback, int max_size) {
+  if (page_size < 0) return FieldViolation("page_size", "expected 0 or more, got {}", page_size);
+  return page_size == 0 ? fallback : std::min<int>(page_size, max_size);
 }
 
 std::string EncodePageToken(std::string_view scope, std::string_view position) {
@@ -33,7 +33,7 @@ absl::StatusOr<std::string> DecodePageToken(std::string_view scope, const std::s
   const std::string prefix = fmt::format("{}{}", scope, kSeparator);
   if (!valid || !decoded.starts_with(prefix) || decoded.size() == prefix.size()) {
     return FieldViolation("page_token",
-                          "expected the next_page_token of the page before, of the same list");
+                          "expected the next_page_token of the previous page of the same list");
   }
   return decoded.substr(prefix.size());
 }
@@ -57,7 +57,7 @@ absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
   ModelPosition position;
   if (text.empty()) return position;
   const char* const end = text.data() + text.size();
-  // Reads a number and the separator behind it; null where there is none.
+  // Reads a number and the following separator. Returns the position after it; null on an error.
   const auto read = [end](const char* from, auto& number, bool is_last) -> const char* {
     if (from == nullptr) return nullptr;
     const auto [after, error] = std::from_chars(from, end, number);
@@ -68,7 +68,7 @@ absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
   const char* const time = read(text.data(), position.version, false);
   const char* const index = read(time, position.create_time_us, false);
   if (read(index, position.index, true) == nullptr || position.index < 0) {
-    return FieldViolation("page_token", "expected the next_page_token of the page before");
+    return FieldViolation("page_token", "expected the next_page_token of the previous page");
   }
   return position;
 }
@@ -83,8 +83,7 @@ absl::Status CheckStillCurrent(const ModelPosition& position, const storage::Mod
     return absl::OkStatus();
   }
   return absl::AbortedError(
-      "the model was replaced by another while it was being listed: list again from the first "
-      "page");
+      "the model was replaced while it was being listed; list again from the first page");
 }
 
 }  // namespace motiondb::server

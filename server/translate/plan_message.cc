@@ -82,7 +82,7 @@ void SetFrames(const core::PlannedMotion& motion, v1::PlannedMotion& message) {
                *message.mutable_joint_angles());
 }
 
-// `number` counts the motions of an answer from 1.
+// `number` is the number of the motion in the response, from 1.
 absl::Status SetFile(const core::JointMotion& joints, const PlanBody& body, int number,
                      v1::MotionFile& message) {
   const std::string stem = number == 1 ? "plan" : fmt::format("plan-{}", number);
@@ -112,7 +112,7 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
   effort.set_total_seconds(plan.total_seconds);
   int number = 0;
   for (const core::PlannedMotion& motion : answer.motions) {
-    if (cancelled()) return absl::CancelledError("nobody waits for the plan");
+    if (cancelled()) return absl::CancelledError("the call was cancelled");
     v1::PlannedMotion& to = ++number == 1 ? *message.mutable_motion() : *message.add_alternatives();
     to.set_outcome(ToProto(motion.outcome));
     to.set_missing(text::ValidUtf8(motion.missing));
@@ -130,7 +130,7 @@ absl::Status SetPlan(const PlanResult& plan, const std::string& database, const 
 
 namespace {
 
-// "tx", "rz": what the degree of freedom does, and along or about which axis.
+// Returns the movement of a degree of freedom and its axis: "tx", "rz".
 std::string Movement(const core::Dof& dof) {
   Eigen::Index axis = 0;
   dof.axis.cwiseAbs().maxCoeff(&axis);
@@ -198,7 +198,7 @@ absl::StatusOr<core::Obstacles> ObstaclesFrom(const v1::Obstacles& message) {
   return obstacles;
 }
 
-// 0 means not given.
+// Sets the numbers of the request. A number without presence is not given if it is 0.
 void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   core::PlanProblem& problem = plan.problem;
   if (request.has_position_tolerance_m()) {
@@ -218,7 +218,7 @@ void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   problem.respect_joint_limits = !request.ignore_joint_limits();
 }
 
-// An id within `database` of a name of the request.
+// Returns the id in a parsed name. Returns INVALID_ARGUMENT if the name is not in `database`.
 absl::StatusOr<std::string> IdIn(const std::string& database, std::string_view field,
                                  std::string_view what, const std::string& name,
                                  const absl::StatusOr<MemberId>& parsed) {

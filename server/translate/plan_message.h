@@ -1,5 +1,4 @@
-// Plans: a request -> the engine's, and the engine's plan as a message. Safe to call from any
-// thread.
+// Converts plan requests to the engine's, and plans to messages.
 #pragma once
 
 #include <string>
@@ -21,18 +20,18 @@ class PlanResponse;
 
 namespace motiondb::server {
 
-// What a plan is asked for; refers to the message. `database` is the id of the one that is asked.
-// INVALID_ARGUMENT naming the field.
+// Converts a request; the result refers to `request`. `database` is the id of the database. Returns
+// INVALID_ARGUMENT with the field.
 absl::StatusOr<PlanRequest> PlanRequestFrom(const v1::PlanRequest& request,
                                             const std::string& database);
 
-// `with_files` adds each motion as a file. CANCELLED.
+// Sets a plan. `with_files` adds each motion as a file. Returns CANCELLED if cancelled.
 absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,
                      bool with_files, const core::Cancelled& cancelled, v1::PlanResponse& message);
 
-// One for each column of a frame of joint angles: the joint's name where that is its only degree of
-// freedom, else "joint.tx" or "joint.rx" and so on, after the axis that it is nearest to; with a
-// number, "joint.rz2", for another about the same axis.
+// Returns the names of the columns of joint angles: the name of the joint if it has one degree of
+// freedom; otherwise "joint.tx", "joint.rx" and so on, by the nearest axis, with a number for a
+// repeated axis: "joint.rz2".
 std::vector<std::string> DofNames(const core::Skeleton& skeleton);
 
 }  // namespace motiondb::server

@@ -13,7 +13,7 @@ namespace motiondb::server {
 
 namespace {
 
-constexpr std::size_t kMostScores = 1 << 20;  // of an answer, some 100 bytes each
+constexpr std::size_t kMaxScores = 1 << 20;  // in a response, about 100 bytes each
 
 std::size_t Count(std::size_t all, int top_count) {
   return top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
@@ -54,12 +54,12 @@ absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
   for (const core::RecognizedWindow& window : windows) {
     scores += Count(window.clips.size(), top_count) + window.labels.size();
   }
-  if (scores > kMostScores) {
+  if (scores > kMaxScores) {
     return FieldViolation(
         "top_count",
-        "the answer would have {} clips and labels in {} windows, at most {} fit: "
-        "ask for fewer clips or a longer hop",
-        scores, windows.size(), kMostScores);
+        "the response would have {} clips and labels in {} windows, the limit is {}; set a smaller "
+        "top_count or a longer hop",
+        scores, windows.size(), kMaxScores);
   }
   for (const core::RecognizedWindow& window : windows) {
     v1::RecognitionWindow& to = *message.add_windows();

@@ -1,4 +1,4 @@
-// Answers of core as messages. Safe to call from any thread.
+// Converts query requests to options of core, and results of core to messages.
 #pragma once
 
 #include <google/protobuf/repeated_ptr_field.h>
@@ -30,8 +30,8 @@ class RecognizeResponse;
 
 namespace motiondb::server {
 
-// `top_count` clips a window; 0 means all. INVALID_ARGUMENT for more clips and labels than one
-// message should hold.
+// Sets at most `top_count` clips for each window; 0 means all. Returns INVALID_ARGUMENT for more
+// clips and labels than one message may have.
 absl::Status SetRecognition(const std::vector<core::RecognizedWindow>& windows,
                             const std::string& database, const core::Model& model, int top_count,
                             v1::RecognizeResponse& message);
@@ -42,15 +42,16 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
                    const core::Model& model, v1::PredictResponse& message);
 
-// The parts that answers share. `top_count` labels; 0 means all.
+// Common parts of responses. `top_count`: maximum number of labels; 0 means all.
 void SetState(const core::NodeState& state, v1::NodeState& message);
 void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
                google::protobuf::RepeatedPtrField<v1::LabelProbability>& messages);
 void SetHorizons(const std::vector<core::PredictedFrame>& frames,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages);
 
-// The settings of a query -> core's options, with core's defaults for those not given. Core checks
-// them; INVALID_ARGUMENT here is for what core has no word for. Safe to call from any thread.
+// Convert the settings of a query to options of core, with the defaults of core for settings not
+// given. Core checks most options; these functions return INVALID_ARGUMENT for values without an
+// equivalent in core.
 
 absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request);
 core::EstimateOptions OptionsFrom(const v1::EstimateRequest& request);

@@ -22,11 +22,11 @@ namespace motiondb::server {
 
 namespace {
 
-// Beyond these a setting is a mistake: motion capture ends at about 1 kHz.
+// Range of Database.min_frames.
 constexpr int kLowestMinFrames = 2;  // one frame has no variance
 constexpr int kHighestMinFrames = 1'000'000;
 
-constexpr int kMostUnderived = 100;  // in a description
+constexpr int kMaxUnderived = 100;  // in a description
 
 absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
   switch (scaling) {
@@ -38,7 +38,9 @@ absl::StatusOr<core::Scaling> ScalingFrom(v1::Scaling scaling) {
     case v1::SCALING_DIMENSION:
       return core::Scaling::kDimension;
     default:
-      return FieldViolation("database.scaling", "{} is no scaling", static_cast<int>(scaling));
+      return FieldViolation("database.scaling",
+                            "unknown scaling {}; expected none, kind or dimension",
+                            static_cast<int>(scaling));
   }
 }
 
@@ -147,7 +149,7 @@ void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
   const auto underived = live.underived();
   message.set_underived_clip_count(static_cast<int>(underived.size()));
   for (const auto& [clip, reason] : underived) {
-    if (message.underived_clips_size() == kMostUnderived) break;
+    if (message.underived_clips_size() == kMaxUnderived) break;
     v1::UnderivedClip& to = *message.add_underived_clips();
     to.set_name(ClipName(live.name(), clip));
     to.set_reason(text::ValidUtf8(reason));
@@ -177,7 +179,7 @@ void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
 
 namespace {
 
-// The note on glitches in a clip's report, without what it begins with.
+// Returns the note on glitches in the report of a clip, without its prefix.
 std::string GlitchNoteOf(const std::string& report) {
   const std::string mark = std::string("; ") + core::kGlitchNote;
   const std::size_t begin = report.find(mark);
@@ -273,8 +275,8 @@ void SetOperation(const storage::OperationRecord& record, v1::Operation& message
 
 namespace {
 
-constexpr std::size_t kLongestDescription = 200;
-constexpr std::int64_t kLongestLifetimeSeconds = std::int64_t{100} * 365 * 24 * 3600;
+constexpr std::size_t kMaxDescriptionBytes = 200;
+constexpr std::int64_t kMaxLifetimeSeconds = std::int64_t{100} * 365 * 24 * 3600;
 
 absl::StatusOr<storage::Role> RoleFrom(v1::Role role) {
   switch (role) {
@@ -305,9 +307,9 @@ absl::StatusOr<std::int64_t> LifetimeFrom(const google::protobuf::Duration& life
   const bool positive = lifetime.seconds() >= 0 && lifetime.nanos() >= 0 &&
                         lifetime.nanos() <= 999'999'999 &&
                         (lifetime.seconds() > 0 || lifetime.nanos() >= 1000);
-  if (!positive || lifetime.seconds() > kLongestLifetimeSeconds) {
+  if (!positive || lifetime.seconds() > kMaxLifetimeSeconds) {
     return FieldViolation("lifetime",
-                          "expected a positive duration of at most a hundred years, got {} s {} ns",
+                          "expected a positive duration of at most 100 years, got {} s {} ns",
                           lifetime.seconds(), lifetime.nanos());
   }
   return lifetime.seconds() * 1'000'000 + lifetime.nanos() / 1000;
@@ -325,7 +327,7 @@ absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request) {
     MOTIONDB_ASSIGN_OR_RETURN(wanted.lifetime_us, LifetimeFrom(request.lifetime()));
   }
   MOTIONDB_RETURN_IF_ERROR(
-      CheckPlainText("description", request.description(), kLongestDescription));
+      CheckPlainText("description", request.description(), kMaxDescriptionBytes));
   wanted.description = request.description();
   return wanted;
 }

@@ -1,4 +1,5 @@
-// Records of the store as messages, and back: databases, clips, operations, tokens, the audit log.
+// Converts between records of the store and messages: databases, clips, operations, tokens, audit
+// log.
 #pragma once
 
 #include <cstdint>
@@ -27,15 +28,13 @@ class Token;
 
 namespace motiondb::server {
 
-// Databases as messages, and settings from them. Safe to call from any thread.
-
-// The settings of a database to create, with defaults for those not given. INVALID_ARGUMENT names
-// the field, below `database`.
+// Returns the settings of a database to create, with defaults for settings not given. Returns
+// INVALID_ARGUMENT with the field, below `database`.
 absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database);
 absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database);
 
-// What a model is like, in the fields that Model and DescribeDatabaseResponse have alike: as it was
-// stored, which is also what `status` and the metrics show.
+// Sets the statistics that Model and DescribeDatabaseResponse have in common. They are the stored
+// values, as in `status` and in the metrics.
 template <typename Message>
 void SetModelFigures(const storage::ModelRecord& record, Message& message) {
   message.set_build_seconds(record.build_seconds);
@@ -68,35 +67,27 @@ inline v1::Scaling ToProto(core::Scaling scaling) {
   return v1::SCALING_UNSPECIFIED;
 }
 
-// Clips and skeletons as messages. Safe to call from any thread.
-
 void SetClip(const storage::ClipRecord& record, v1::Clip& message);
 void SetSkeleton(const std::string& database, const storage::SkeletonRecord& record,
                  v1::Skeleton& message);
 
-// Operations as messages. Safe to call from any thread.
-
 void SetOperation(const storage::OperationRecord& record, v1::Operation& message);
 
-// Messages of AccessService <-> records. Safe to call from any thread.
-
-// What is to be made. Times, id and hash are left empty, except for how long it is good.
+// A token to create.
 struct WantedToken {
   storage::Role role = storage::Role::kReader;
-  std::string database;  // its id; empty: all
+  std::string database;  // id; empty: all
   std::string description;
-  std::int64_t lifetime_us = 0;  // 0: for ever
+  std::int64_t lifetime_us = 0;  // 0: never expires
 };
 
-// INVALID_ARGUMENT, naming the field.
+// Returns INVALID_ARGUMENT with the field.
 absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request);
 
 void SetToken(const storage::TokenRecord& record, v1::Token& message);
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
 
-// What was found damaged, as a message. Safe to call from any thread.
-
-// Texts come from a file that may hold anything: as much as a person reads of them.
+// Truncates the texts, because a corrupt file may have texts of any length.
 void SetDamage(const storage::Damage& damage, v1::Damage& message);
 
 }  // namespace motiondb::server

@@ -10,8 +10,8 @@
 namespace motiondb::server {
 namespace {
 
-// The ids in a name of the form `pattern`, in which each "{...}" stands for one; empty if the name
-// does not have that form.
+// Returns the ids in a name of the form `pattern`, in which each "{...}" is an id; empty if the
+// name has another form.
 std::vector<std::string> MatchIds(std::string_view pattern, std::string_view name) {
   std::vector<std::string> ids;
   while (true) {

@@ -1,6 +1,5 @@
-// Resource names, `databases/{database}/clips/{clip}` and the like, and the ids in them. Parsing
-// fails as INVALID_ARGUMENT that names the field and the form expected. Safe to call from any
-// thread.
+// Resource names such as `databases/{database}/clips/{clip}`, and their ids. The Parse functions
+// return INVALID_ARGUMENT with the field and the expected form.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace motiondb::server {
 
-// A clip or skeleton in a database, each by its id.
+// The ids of a database and of a clip or skeleton in it.
 struct MemberId {
   std::string database;
   std::string id;
@@ -36,10 +35,10 @@ std::string CurrentModelName(std::string_view database);
 std::string OperationName(std::string_view operation);
 std::string TokenName(std::string_view token);
 
-// Whether a new database may have this id: 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter
-// or digit.
+// Checks the id of a new database: 1 to 63 of a-z, 0-9, '-', '_', beginning with a letter or digit.
+// Returns INVALID_ARGUMENT with the field.
 absl::Status CheckDatabaseId(std::string_view field, std::string_view id);
-// Whether a new clip may: 1 to 127 of letters, digits, '-', '_', '.'.
+// Checks the id of a new clip: 1 to 127 of letters, digits, '-', '_', '.'.
 absl::Status CheckClipId(std::string_view field, std::string_view id);
 
 }  // namespace motiondb::server

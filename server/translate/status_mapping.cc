@@ -12,10 +12,11 @@ namespace motiondb::server {
 
 namespace {
 
-// gRPC carries details in a trailer of 8 KiB, together with the message.
+// The trailer of gRPC with message and details has at most 8 KiB.
 constexpr std::size_t kMessageLimit = 1024;
 
-// Written out, although the numbers agree, so that a new code on either side does not slip through.
+// A switch, although the numbers are equal, so that a new code on either side is handled
+// explicitly.
 grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
   switch (code) {
     case absl::StatusCode::kOk:
@@ -57,8 +58,8 @@ grpc::StatusCode ToGrpcCode(absl::StatusCode code) {
   }
 }
 
-// The field that an error names, as google.rpc.BadRequest; its description is the message without
-// the field.
+// Adds the field of an error as google.rpc.BadRequest. Its description is the message without the
+// field.
 void AddFieldViolation(const absl::Status& status, const std::string& field, v1::Status& details) {
   std::string_view description(status.message().data(), status.message().size());
   if (description.starts_with(field + ": ")) description.remove_prefix(field.size() + 2);
@@ -100,7 +101,7 @@ absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view messag
 
 grpc::Status WithRequestInfo(const grpc::Status& error, const std::string& request_id) {
   v1::Status details;
-  // Details that are there were made by ToGrpcStatus; where there are none the rest is filled in.
+  // Existing details come from ToGrpcStatus. Without details, set code and message.
   if (error.error_details().empty() || !details.ParseFromString(error.error_details())) {
     details.set_code(error.error_code());
     details.set_message(error.error_message());

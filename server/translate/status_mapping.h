@@ -1,4 +1,4 @@
-// The one place where an absl::Status becomes a grpc::Status. Safe to call from any thread.
+// Converts an absl::Status to a grpc::Status, and adds details to errors.
 #pragma once
 
 #include <fmt/format.h>
@@ -13,19 +13,15 @@
 
 namespace motiondb::server {
 
-// The same canonical code; the message as one line of valid UTF-8 of at most 1 KiB, without display
-// controls and without the secrets of tokens, since gRPC's trailers hold
-// 8; payloads as the details of a motiondb.v1.Status, which travels in `grpc-status-details-bin`.
+// Returns a status with the same canonical code. The message becomes one line of valid UTF-8, at
+// most 1 KiB (trailers of gRPC have at most 8 KiB), without display controls and secrets of tokens.
+// Payloads become details of a motiondb.v1.Status, in `grpc-status-details-bin`.
 grpc::Status ToGrpcStatus(const absl::Status& status);
 
-// Details of an error beside its message: when to try again, and the id of the call. They travel as
-// payloads under google.rpc's type URLs and reach the client with the status. Safe to call from any
-// thread.
-
-// Type URL of the payload.
+// Details of errors are payloads with type URLs of google.rpc.
 inline constexpr char kRetryInfoUrl[] = "type.googleapis.com/google.rpc.RetryInfo";
 
-// RESOURCE_EXHAUSTED "{message}", to be tried again after `delay`.
+// Returns RESOURCE_EXHAUSTED with `message` and a RetryInfo of `delay`.
 absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message);
 
 template <typename... Args>
@@ -36,7 +32,7 @@ absl::Status RetryLater(std::chrono::milliseconds delay, fmt::format_string<Args
 
 inline constexpr char kRequestInfoUrl[] = "type.googleapis.com/google.rpc.RequestInfo";
 
-// The error with a RequestInfo after its other details.
+// Returns the error with a RequestInfo after its other details.
 grpc::Status WithRequestInfo(const grpc::Status& error, const std::string& request_id);
 
 }  // namespace motiondb::server

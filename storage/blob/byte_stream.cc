@@ -21,7 +21,7 @@ absl::Status SpanSource::Read(std::span<std::byte> out) {
 }
 
 absl::Status SpanSource::Finish() {
-  if (!bytes_.empty()) return core::DataLoss("{} bytes are left over", bytes_.size());
+  if (!bytes_.empty()) return core::DataLoss("{} unexpected bytes at the end", bytes_.size());
   return absl::OkStatus();
 }
 
@@ -32,7 +32,8 @@ void FieldWriter::PutText(std::string_view text) {
 
 void FieldWriter::PutCount(std::size_t count) {
   if (status_.ok() && count > std::numeric_limits<std::uint32_t>::max()) {
-    status_ = core::InvalidArgument("{} items are too many to store", count);
+    status_ =
+        core::InvalidArgument("too many items to store: expected fewer than 2^32, got {}", count);
   }
   Put(static_cast<std::uint32_t>(count));
 }

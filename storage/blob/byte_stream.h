@@ -1,5 +1,5 @@
-// Where encoded bytes go to and come from: the seam between codecs and what keeps the bytes. Not
-// thread-safe; one stream serves one encoding.
+// Byte streams between codecs and storage, and typed fields on them. One stream serves one
+// encoding.
 #pragma once
 
 #include <Eigen/Core>
@@ -29,12 +29,12 @@ class ByteSink {
 class ByteSource {
  public:
   virtual ~ByteSource() = default;
-  // Fills `out`. DATA_LOSS if fewer bytes are left or they are damaged.
+  // Fills `out`. DATA_LOSS if fewer bytes are left or the bytes are corrupt.
   virtual absl::Status Read(std::span<std::byte> out) = 0;
   // DATA_LOSS unless all bytes were read.
   virtual absl::Status Finish() = 0;
-  // Bytes not yet read. No more than there are: sizes are checked against it before memory is
-  // taken.
+  // Returns the number of unread bytes, never more than exist: callers check sizes against it
+  // before they allocate memory.
   virtual std::uint64_t remaining() const = 0;
 };
 
@@ -48,7 +48,7 @@ class StringSink final : public ByteSink {
   std::string bytes_;
 };
 
-// Reads bytes that its owner keeps alive.
+// Reads bytes in memory, which must outlive it.
 class SpanSource final : public ByteSource {
  public:
   explicit SpanSource(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -60,15 +60,14 @@ class SpanSource final : public ByteSource {
   std::span<const std::byte> bytes_;
 };
 
-// Typed fields on a byte stream: little-endian numbers, arrays and text, one after the other.
-//
-// Both classes keep the first error and do nothing after it, so that a codec reads as the list of
-// its fields and asks once, at the end. Not thread-safe.
+// FieldWriter and FieldReader: a sequence of little-endian numbers, arrays and text on a stream.
+// Both keep the first error and do nothing after it, so that a codec checks the status once, at the
+// end.
 
 static_assert(std::endian::native == std::endian::little && std::numeric_limits<float>::is_iec559,
-              "numbers are stored as they lie in the memory of a little-endian machine");
+              "numbers are stored in the memory layout of a little-endian machine");
 
-// What is stored as it lies in memory: numbers, and structs of integers without padding.
+// Types that are stored in their memory layout: numbers, and structs of integers without padding.
 template <typename T>
 concept Storable = (std::is_arithmetic_v<T> && !std::same_as<T, bool>) ||
                    (std::is_trivially_copyable_v<T> && std::has_unique_object_representations_v<T>);
@@ -83,7 +82,7 @@ class FieldWriter {
     PutElements(std::span<const T>(&value, 1));
   }
 
-  // Elements alone: their number is known from elsewhere.
+  // Writes the elements without their number.
   template <Storable T>
   void PutElements(std::span<const T> elements) {
     if (status_.ok()) status_ = sink_.Write(std::as_bytes(elements));
@@ -99,7 +98,7 @@ class FieldWriter {
   // The number of bytes (u32), then the bytes.
   void PutText(std::string_view text);
 
-  // How many items follow (u32). INVALID_ARGUMENT if there are more than that can say.
+  // The number of items that follow (u32). INVALID_ARGUMENT if it exceeds 32 bits.
   void PutCount(std::size_t count);
 
   const absl::Status& status() const { return status_; }
@@ -114,7 +113,7 @@ class FieldReader {
   // The source must outlive the reader.
   explicit FieldReader(ByteSource& source) : source_(source) {}
 
-  // 0 after an error, as below: an empty array, an empty text.
+  // The Get functions return 0, an empty array or an empty text after an error.
   template <Storable T>
   T Get() {
     T value{};
@@ -136,14 +135,14 @@ class FieldReader {
 
   std::string GetText();
 
-  // A number of items, each of at least `item_bytes` bytes; an error if so many cannot follow.
+  // Reads a number of items of at least `item_bytes` bytes each; an error if fewer bytes are left.
   std::size_t GetCount(std::size_t item_bytes);
 
-  // Makes `status` the error, if there is none yet.
+  // Sets the error if there is none yet.
   void Fail(absl::Status status);
 
   bool ok() const { return status_.ok(); }
-  // DATA_LOSS unless all was read and every field was right.
+  // Returns the first error; DATA_LOSS if unread bytes are left.
   absl::Status Finish();
   const absl::Status& status() const { return status_; }
   std::uint64_t remaining() const { return source_.remaining(); }
@@ -153,18 +152,18 @@ class FieldReader {
   absl::Status status_;
 };
 
-// Matrices of floats on a byte stream, without their size: it follows from fields before them.
+// Matrices of numbers without their size, which earlier fields contain.
 
 template <typename Matrix>
 void PutMatrix(FieldWriter& writer, const Matrix& matrix) {
   writer.PutElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
 }
 
-// Fails before memory is taken where so many numbers cannot follow.
+// Fails before it allocates memory if fewer than rows x columns floats are left.
 template <typename Matrix>
 void GetMatrix(FieldReader& reader, Eigen::Index rows, Eigen::Index columns, Matrix& matrix) {
   if (!reader.ok()) return;
-  // Divided, since the product of two counts that a damaged blob has may not fit a number.
+  // Compares quotients: the product of two corrupt counts can overflow.
   const std::uint64_t numbers = reader.remaining() / sizeof(float);
   if (rows != 0 &&
       static_cast<std::uint64_t>(columns) > numbers / static_cast<std::uint64_t>(rows)) {

@@ -1,5 +1,5 @@
-// Checksums: CRC-32 (IEEE 802.3, as in zlib, gzip and PNG), which keeps no state, and SHA-256, as
-// libcrypto computes it. Not thread-safe; one Sha256 serves one digest.
+// Checksums: CRC-32 (IEEE 802.3, as in zlib, gzip and PNG) and SHA-256. One Sha256 object computes
+// one digest.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,8 @@ struct evp_md_ctx_st;
 
 namespace motiondb::storage {
 
-// Of bytes that follow others whose CRC-32 is `before`.
+// Returns the CRC-32 of a byte sequence that ends with `bytes`; `before` is the CRC-32 of the bytes
+// before them.
 std::uint32_t Crc32(std::span<const std::byte> bytes, std::uint32_t before = 0);
 
 inline constexpr std::size_t kSha256Bytes = 32;
@@ -22,7 +23,7 @@ class Sha256 {
  public:
   Sha256();
   void Update(std::string_view bytes);
-  // The digest, kSha256Bytes bytes. To be called once.
+  // Returns the digest, kSha256Bytes bytes. Call it once.
   std::string Finish();
 
  private:

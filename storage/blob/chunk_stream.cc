@@ -61,7 +61,7 @@ absl::Status ChunkSource::Read(std::span<std::byte> out) {
 
 absl::Status ChunkSource::Finish() {
   if (remaining_ > 0) {
-    return core::DataLoss("{}: {} bytes are left over", Describe(kind_), remaining_);
+    return core::DataLoss("{}: {} unexpected bytes at the end", Describe(kind_), remaining_);
   }
   while (!current_.last) MOTIONDB_RETURN_IF_ERROR(Advance());
   return absl::OkStatus();
@@ -69,7 +69,7 @@ absl::Status ChunkSource::Finish() {
 
 absl::Status ChunkSource::Advance() {
   if (position_ > 0 && current_.last) {
-    return core::DataLoss("{}: ends early, with chunk {}", Describe(kind_), position_ - 1);
+    return core::DataLoss("{}: ends too early, with chunk {}", Describe(kind_), position_ - 1);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto chunk, next_chunk_());
   if (chunk.empty()) {
@@ -93,7 +93,7 @@ struct Header {
   std::uint32_t position = 0;
   std::uint32_t flags = 0;
   std::uint32_t payload_bytes = 0;
-  std::uint32_t crc = 0;  // of the header before it and of the payload
+  std::uint32_t crc = 0;  // of the other header fields and the payload
 };
 static_assert(sizeof(Header) == kChunkHeaderBytes);
 
@@ -133,19 +133,19 @@ void SealChunk(BlobKind kind, std::uint32_t position, bool last, std::span<std::
 
 absl::StatusOr<OpenedChunk> OpenChunk(BlobKind kind, std::uint32_t position,
                                       std::span<const std::byte> chunk) {
-  const auto damaged = [&](std::string_view what) {
-    return core::DataLoss("{}: chunk {} is damaged: {}", Describe(kind), position, what);
+  const auto corrupt = [&](std::string_view what) {
+    return core::DataLoss("{}: chunk {} is corrupt: {}", Describe(kind), position, what);
   };
-  if (chunk.size() < kChunkHeaderBytes) return damaged("it is shorter than its header");
+  if (chunk.size() < kChunkHeaderBytes) return corrupt("it is shorter than its header");
   Header header;
   std::memcpy(&header, chunk.data(), sizeof(header));
   const auto payload = chunk.subspan(kChunkHeaderBytes);
-  if (header.magic != kMagic) return damaged("it does not begin as a chunk does");
-  if (header.payload_bytes != payload.size()) return damaged("its length is not the one it states");
-  if (header.crc != Crc(header, payload)) return damaged("its checksum does not match");
-  if (header.version != kChunkVersion) return damaged("its format is of a newer version");
+  if (header.magic != kMagic) return corrupt("its magic number is wrong");
+  if (header.payload_bytes != payload.size()) return corrupt("its length differs from its header");
+  if (header.crc != Crc(header, payload)) return corrupt("its checksum does not match");
+  if (header.version != kChunkVersion) return corrupt("its format has a newer version");
   if (header.kind != static_cast<std::uint16_t>(kind) || header.position != position) {
-    return damaged("it belongs elsewhere");
+    return corrupt("it belongs to another blob or position");
   }
   return OpenedChunk{payload, (header.flags & kLastFlag) != 0};
 }

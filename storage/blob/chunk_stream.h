@@ -1,5 +1,5 @@
-// Chunks: what a blob is cut into, each with a header that tells what it is and a checksum that
-// tells damage. docs/storage_format.md gives the layout byte by byte. Functions keep no state.
+// Chunks: a blob is split into chunks, each with a header and a checksum. docs/storage_format.md
+// describes the layout.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace motiondb::storage {
 
-// What a blob holds. Stored: values do not change.
+// Content of a blob. Stored: never change a value.
 enum class BlobKind : std::uint16_t {
   kMotionFile = 1,    // the bytes of a motion file
   kSkeletonFile = 2,  // the bytes of the skeleton file that came with it
@@ -22,36 +22,39 @@ enum class BlobKind : std::uint16_t {
   kModel = 5,         // model_codec.h
 };
 
-// As messages call it: "states", "motion file".
+// Returns the name for messages: "states", "motion file".
 const char* Describe(BlobKind kind);
 
 inline constexpr std::size_t kChunkHeaderBytes = 24;
-// Large enough that a row's cost does not count, small enough that damage and buffers stay small.
+// Large enough to make the cost of a row negligible; small enough for small buffers and little loss
+// by corruption.
 inline constexpr std::size_t kChunkPayloadBytes = 256 * 1024;
 
-// Writes the header of a chunk: the first kChunkHeaderBytes of `chunk`, whose rest is the payload.
+// Writes the header of a chunk into its first kChunkHeaderBytes; the rest of `chunk` is the
+// payload.
 void SealChunk(BlobKind kind, std::uint32_t position, bool last, std::span<std::byte> chunk);
 
 struct OpenedChunk {
-  std::span<const std::byte> payload;  // a part of the chunk's own bytes
+  std::span<const std::byte> payload;  // refers to the bytes of the chunk
   bool last = false;
 };
 
-// DATA_LOSS, naming kind and position, unless it is the whole and undamaged chunk of that place.
+// Checks the header and the checksum of a chunk. DATA_LOSS, naming kind and position, if it is
+// corrupt or belongs to another kind or position.
 absl::StatusOr<OpenedChunk> OpenChunk(BlobKind kind, std::uint32_t position,
                                       std::span<const std::byte> chunk);
 
-// A blob as a stream over its chunks: at most one chunk is in memory. Not thread-safe.
+// Writes a blob as chunks; at most one chunk is in memory.
 class ChunkSink final : public ByteSink {
  public:
-  // Keeps one sealed chunk, which is valid during the call.
+  // Stores one sealed chunk, which is valid during the call.
   using PutChunk =
       std::function<absl::Status(std::uint32_t position, std::span<const std::byte> chunk)>;
 
   ChunkSink(BlobKind kind, PutChunk put_chunk);
 
   absl::Status Write(std::span<const std::byte> bytes) override;
-  // Puts the last chunk, which an empty blob has too.
+  // Writes the last chunk. An empty blob has one empty chunk.
   absl::Status Finish();
 
  private:
@@ -60,15 +63,16 @@ class ChunkSink final : public ByteSink {
   BlobKind kind_;
   PutChunk put_chunk_;
   std::uint32_t position_ = 0;
-  std::vector<std::byte> chunk_;  // the header's place, then what was written of the payload
+  std::vector<std::byte> chunk_;  // space for the header, then the payload so far
 };
 
+// Reads a blob from its chunks; at most one chunk is in memory.
 class ChunkSource final : public ByteSource {
  public:
-  // The next chunk, valid until the next call; an empty span after the last.
+  // Returns the next chunk, valid until the next call; an empty span after the last.
   using NextChunk = std::function<absl::StatusOr<std::span<const std::byte>>()>;
 
-  // `payload_bytes` is what the chunks hold together without their headers.
+  // `payload_bytes`: the size of all chunks without their headers.
   ChunkSource(BlobKind kind, std::uint64_t payload_bytes, NextChunk next_chunk);
 
   absl::Status Read(std::span<std::byte> out) override;
@@ -82,7 +86,7 @@ class ChunkSource final : public ByteSource {
   std::uint64_t remaining_;
   NextChunk next_chunk_;
   std::uint32_t position_ = 0;  // of the next chunk
-  OpenedChunk current_;         // its payload is what is not yet read
+  OpenedChunk current_;         // its payload is the unread rest
 };
 
 }  // namespace motiondb::storage

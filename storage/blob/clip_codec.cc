@@ -9,22 +9,23 @@ namespace motiondb::storage {
 namespace {
 
 constexpr std::uint32_t kWholeVersion = 1;   // without glitches
-constexpr std::uint32_t kGlitchVersion = 2;  // with the frames that glitches reach, at least one
+constexpr std::uint32_t kGlitchVersion = 2;  // with the frame spans of at least one glitch
 
-static_assert(sizeof(core::FrameSpan) == 8, "spans are stored as they lie in memory");
+static_assert(sizeof(core::FrameSpan) == 8, "spans are stored in their memory layout");
 
 std::vector<core::FrameSpan> GetSpans(FieldReader& reader, std::int32_t frame_count) {
   auto spans = reader.GetArray<core::FrameSpan>();
   std::int64_t next = 0;
   for (const core::FrameSpan& span : spans) {
     if (span.first < next || span.last < span.first || span.last >= frame_count) {
-      reader.Fail(core::DataLoss("states: glitches in frames {} to {} of {}", span.first, span.last,
-                                 frame_count));
+      reader.Fail(core::DataLoss("states: invalid glitch in frames {} to {} of {}", span.first,
+                                 span.last, frame_count));
       break;
     }
     next = std::int64_t{span.last} + 1;
   }
-  if (reader.ok() && spans.empty()) reader.Fail(core::DataLoss("states: no glitch where one is"));
+  if (reader.ok() && spans.empty())
+    reader.Fail(core::DataLoss("states: version 2 without a glitch"));
   return spans;
 }
 
@@ -64,14 +65,14 @@ absl::StatusOr<StatesHeader> DecodeStatesHeader(ByteSource& source) {
   if (version == kGlitchVersion) header.glitches = GetSpans(reader, header.frame_count);
   MOTIONDB_RETURN_IF_ERROR(reader.status());
   if (header.frame_count < 0 || header.dimension_count < 0) {
-    return core::DataLoss("states: {} frames of {} dimensions", header.frame_count,
+    return core::DataLoss("states: negative size, {} frames of {} dimensions", header.frame_count,
                           header.dimension_count);
   }
-  // Neither factor reaches 2^34, so the product holds.
+  // frame_bytes < 2^34 and frame_count < 2^31: the product does not overflow.
   const std::uint64_t frame_bytes =
       sizeof(float) * static_cast<std::uint64_t>(header.dimension_count) + 3 * sizeof(double);
   const std::uint64_t bytes = frame_bytes * static_cast<std::uint64_t>(header.frame_count);
-  // Without frames no bytes bound the dimensions, which still take no memory.
+  // With 0 frames the number of dimensions is not checked, but no memory is allocated.
   if (reader.remaining() != bytes) {
     return core::DataLoss("states: expected {} bytes for {} frames, got {}", bytes,
                           header.frame_count, reader.remaining());
@@ -107,11 +108,11 @@ constexpr std::uint32_t kSkeletonVersion = 1;
 constexpr std::size_t kDofBytes = 1 + 5 * sizeof(double);
 constexpr std::size_t kJointBytes = 4 + 4 + (3 + 9 + 9) * sizeof(double) + 4;
 
-// Stored: values do not change.
+// Stored: never change a value.
 constexpr std::uint8_t kTranslation = 0;
 constexpr std::uint8_t kRotation = 1;
 
-// Vectors and matrices, column after column.
+// Reads a vector or matrix of fixed size, column by column.
 template <typename Matrix>
 void GetFixed(FieldReader& reader, Matrix& matrix) {
   reader.GetElements(std::span(matrix.data(), static_cast<std::size_t>(matrix.size())));
@@ -135,7 +136,8 @@ void PutJoint(FieldWriter& writer, const core::Joint& joint) {
 core::Dof GetDof(FieldReader& reader) {
   core::Dof dof;
   const auto kind = reader.Get<std::uint8_t>();
-  if (kind > kRotation) reader.Fail(core::DataLoss("joints: unknown kind of motion {}", kind));
+  if (kind > kRotation)
+    reader.Fail(core::DataLoss("joints: unknown kind of degree of freedom {}", kind));
   dof.kind = kind == kTranslation ? core::Dof::Kind::kTranslation : core::Dof::Kind::kRotation;
   GetFixed(reader, dof.axis);
   dof.lower = reader.Get<double>();

@@ -1,6 +1,6 @@
-// StateSequence <-> bytes; docs/storage_format.md gives the layout. Encoding what was decoded gives
-// the same bytes. Decoding gives DATA_LOSS for any other bytes, and takes no memory that they do
-// not account for. Safe to call from any thread.
+// Binary formats of state sequences and skeletons; docs/storage_format.md describes the layout.
+// Encoding a decoded value returns the same bytes. Decoding returns DATA_LOSS for invalid bytes and
+// never allocates more memory than their size justifies.
 #pragma once
 
 #include <cstdint>
@@ -14,11 +14,11 @@
 
 namespace motiondb::storage {
 
-// INVALID_ARGUMENT unless there is a root pose for each frame.
+// INVALID_ARGUMENT if the number of root poses differs from the number of frames.
 absl::Status EncodeStates(const core::StateSequence& sequence, ByteSink& sink);
 absl::StatusOr<core::StateSequence> DecodeStates(ByteSource& source);
 
-// The same in two steps, for a reader who has a place for the frames.
+// Decoding in two steps, into memory of the caller.
 struct StatesHeader {
   double frame_rate_hz = 0;
   double leg_length_m = 0;
@@ -26,17 +26,13 @@ struct StatesHeader {
   std::int32_t dimension_count = 0;
   std::vector<core::FrameSpan> glitches = {};
 };
-// What follows it in the source is exactly the frames that it tells of.
+// Checks that exactly the bytes of frame_count frames follow.
 absl::StatusOr<StatesHeader> DecodeStatesHeader(ByteSource& source);
 // `states` has frame_count * dimension_count numbers, row-major, `root_path` 3 * frame_count.
 absl::Status DecodeStatesFrames(ByteSource& source, std::span<float> states,
                                 std::span<double> root_path);
 
-// Skeleton <-> bytes; docs/storage_format.md gives the layout. Encoding what was decoded gives the
-// same bytes, and alike skeletons give the same bytes. Decoding gives DATA_LOSS for any bytes that
-// are not a skeleton's, and takes no memory that they do not account for. Safe to call from any
-// thread.
-
+// Equal skeletons have equal encodings.
 absl::Status EncodeSkeleton(const core::Skeleton& skeleton, ByteSink& sink);
 absl::StatusOr<core::Skeleton> DecodeSkeleton(ByteSource& source);
 

@@ -8,7 +8,7 @@ namespace motiondb::storage {
 
 namespace {
 
-constexpr std::size_t kLawBytes = 12 * sizeof(double);
+constexpr std::size_t kErrorModelBytes = 12 * sizeof(double);
 
 }  // namespace
 
@@ -22,7 +22,7 @@ core::MotionPrior GetPrior(FieldReader& reader, Eigen::Index dimensions) {
   prior.seconds = reader.GetArray<double>();
   for (std::size_t i = 0; i < prior.seconds.size(); ++i) {
     if (!(prior.seconds[i] > (i == 0 ? 0 : prior.seconds[i - 1]))) {
-      reader.Fail(core::DataLoss("motion prior: its horizons do not ascend"));
+      reader.Fail(core::DataLoss("motion prior: its horizons are not in ascending order"));
       return {};
     }
   }
@@ -46,7 +46,7 @@ void PutConfidence(FieldWriter& writer, const core::PredictionConfidence& confid
 
 core::PredictionConfidence GetConfidence(FieldReader& reader) {
   core::PredictionConfidence confidence;
-  confidence.laws.resize(reader.GetCount(kLawBytes));
+  confidence.laws.resize(reader.GetCount(kErrorModelBytes));
   double before = 0;
   for (core::ErrorLaw& law : confidence.laws) {
     law.seconds = reader.Get<double>();
@@ -66,7 +66,7 @@ core::PredictionConfidence GetConfidence(FieldReader& reader) {
       finite = finite && law.lowest[i] <= law.highest[i];
     }
     if (!finite || !(law.deviation > 0)) {
-      reader.Fail(core::DataLoss("confidence: a law of prediction errors is none"));
+      reader.Fail(core::DataLoss("confidence: invalid error model of the predictions"));
       return {};
     }
   }
@@ -88,12 +88,13 @@ core::AnswerCalibration GetAnswer(FieldReader& reader) {
   calibration.familiarity = reader.GetArray<float>();
   const auto& [scale, power] = calibration.weight;
   if (!(scale > 0 && std::isfinite(scale) && power >= 0 && power <= 1)) {
-    reader.Fail(core::DataLoss("calibration: evidence is weighted {}, power {}", scale, power));
+    reader.Fail(
+        core::DataLoss("calibration: invalid evidence weight: scale {}, power {}", scale, power));
   }
   for (std::size_t i = 0; i < calibration.familiarity.size(); ++i) {
     const float score = calibration.familiarity[i];
     if (std::isnan(score) || (i > 0 && score < calibration.familiarity[i - 1])) {
-      reader.Fail(core::DataLoss("calibration: its familiarity scores do not ascend"));
+      reader.Fail(core::DataLoss("calibration: its familiarity scores are not in ascending order"));
       break;
     }
   }
@@ -118,7 +119,7 @@ core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions) {
   const auto directions = reader.Get<std::uint32_t>();
   if (directions == 0) return metric;
   if (dimensions == 0) {
-    reader.Fail(core::DataLoss("metric: {} directions among no dimensions", directions));
+    reader.Fail(core::DataLoss("metric: {} directions in a space of 0 dimensions", directions));
     return metric;
   }
   const auto loadings = reader.Get<std::uint32_t>();
@@ -146,7 +147,7 @@ namespace {
 
 using core::Edge;
 
-static_assert(sizeof(Edge) == 8, "edges are stored as they lie in memory");
+static_assert(sizeof(Edge) == 8, "edges are stored in their memory layout");
 
 bool RowsFit(const std::vector<std::int32_t>& row_begin, std::size_t edge_count) {
   if (row_begin.empty() || row_begin.front() != 0) return false;
@@ -156,7 +157,7 @@ bool RowsFit(const std::vector<std::int32_t>& row_begin, std::size_t edge_count)
   return static_cast<std::size_t>(row_begin.back()) == edge_count;
 }
 
-// Edges of each row ascend and lead to nodes that there are.
+// Returns whether the edges of each row ascend and lead to existing nodes.
 bool EdgesFit(const std::vector<std::int32_t>& row_begin, const std::vector<Edge>& edges) {
   const auto node_count = static_cast<std::int32_t>(row_begin.size()) - 1;
   for (std::int32_t k = 0; k < node_count; ++k) {
@@ -181,7 +182,8 @@ core::TransitionGraph GetGraph(FieldReader& reader) {
   auto edges = reader.GetArray<Edge>();
   if (!reader.ok()) return {};
   if (!RowsFit(row_begin, edges.size()) || !EdgesFit(row_begin, edges)) {
-    reader.Fail(core::DataLoss("a transition graph has edges that are not in order"));
+    reader.Fail(
+        core::DataLoss("transition graph: its edges are invalid or not in ascending order"));
     return {};
   }
   return core::TransitionGraph(std::move(row_begin), std::move(edges));

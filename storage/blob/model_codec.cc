@@ -11,12 +11,12 @@ namespace {
 using core::Branch;
 
 constexpr std::uint32_t kPartsVersion = 3;
-constexpr std::uint32_t kPlainVersion = 1;  // knows nothing of subjects, metric, prior, calibration
-constexpr std::uint32_t kPlaneVersion = 3;  // the first that knows where the tree is divided
+constexpr std::uint32_t kPlainVersion = 1;  // without subjects, metric, prior, calibration
+constexpr std::uint32_t kPlaneVersion = 3;  // the first with the split planes of the tree
 constexpr std::size_t kTextBytes = sizeof(std::uint32_t);
 constexpr std::size_t kClipBytes = 2 * kTextBytes + 2 * sizeof(std::int32_t) + sizeof(double);
 
-static_assert(sizeof(Branch) == 24, "branches are stored as they lie in memory");
+static_assert(sizeof(Branch) == 24, "branches are stored in their memory layout");
 
 std::uint32_t ToStored(core::Scaling scaling) {
   switch (scaling) {
@@ -45,7 +45,7 @@ core::BuildSettings GetSettings(FieldReader& reader) {
   const auto scaling = reader.Get<std::uint32_t>();
   if (!(settings.frame_rate_hz > 0) || !std::isfinite(settings.frame_rate_hz) ||
       settings.min_frames < 1 || scaling >= std::size(kScalings)) {
-    reader.Fail(core::DataLoss("settings: {} Hz, at least {} frames, scaling {}",
+    reader.Fail(core::DataLoss("settings: invalid frame rate {}, min_frames {} or scaling {}",
                                settings.frame_rate_hz, settings.min_frames, scaling));
     return {};
   }
@@ -73,7 +73,8 @@ core::MarkerSet GetMarkerSet(FieldReader& reader) {
   const auto get_marker = [&](std::int32_t lowest) {
     const auto marker = reader.Get<std::int32_t>();
     if (marker < lowest || marker >= set.marker_count()) {
-      reader.Fail(core::DataLoss("marker set: marker {} of {}", marker, set.marker_count()));
+      reader.Fail(core::DataLoss("marker set: got marker {}, expected a number below {}", marker,
+                                 set.marker_count()));
     }
     return marker;
   };
@@ -107,7 +108,7 @@ std::vector<core::ModelClip> GetClips(FieldReader& reader) {
     clip.frame_count = reader.Get<std::int32_t>();
     clip.leg_length_m = reader.Get<double>();
     if (clip.first_frame != next || clip.frame_count < 1) {
-      reader.Fail(core::DataLoss("clip '{}' does not follow the one before it", clip.id));
+      reader.Fail(core::DataLoss("clip '{}' does not follow the previous clip", clip.id));
     }
     next += clip.frame_count;
   }
@@ -138,7 +139,7 @@ core::Tree GetTree(FieldReader& reader, std::uint32_t version, Eigen::Index dime
   for (const Branch& branch : branches) {
     if (branch.parent < -1 || branch.parent >= count || branch.left >= count ||
         branch.right >= count || branch.layer > count) {
-      reader.Fail(core::DataLoss("tree: a branch has relatives that there are not"));
+      reader.Fail(core::DataLoss("tree: a branch refers to a missing branch"));
     }
   }
   core::SplitPlanes planes;
@@ -164,7 +165,7 @@ core::NodeGaussians GetGaussians(FieldReader& reader, Eigen::Index branches,
 void PutGraphs(FieldWriter& writer, const core::ModelParts& parts) {
   writer.PutCount(parts.global_graphs.size());
   for (const core::TransitionGraph& graph : parts.global_graphs) PutGraph(writer, graph);
-  writer.PutCount(1);  // layers of which clips' graphs follow
+  writer.PutCount(1);  // number of layers with clip graphs
   writer.PutCount(parts.clip_graphs.size());
   for (const auto& graph : parts.clip_graphs) PutClipGraph(writer, *graph);
 }
@@ -172,13 +173,13 @@ void PutGraphs(FieldWriter& writer, const core::ModelParts& parts) {
 void GetGraphs(FieldReader& reader, core::ModelParts& parts) {
   parts.global_graphs.resize(reader.GetCount(kGraphBytes));
   for (core::TransitionGraph& graph : parts.global_graphs) graph = GetGraph(reader);
-  // Older versions have clips' graphs on all layers, the bottom one last.
+  // Older versions store clip graphs of all layers, the bottom layer last.
   std::vector<core::ClipGraph> clips(parts.clips.size());
   const std::size_t layers = reader.GetCount(sizeof(std::uint32_t));
   for (std::size_t layer = 0; layer < layers && reader.ok(); ++layer) {
     const std::size_t count = reader.GetCount(kClipGraphBytes);
     if (reader.ok() && count != clips.size()) {
-      reader.Fail(core::DataLoss("graphs: those of {} clips for {} clips", count, clips.size()));
+      reader.Fail(core::DataLoss("graphs: got {} clip graphs for {} clips", count, clips.size()));
     }
     for (core::ClipGraph& graph : clips) graph = GetClipGraph(reader);
   }
@@ -199,7 +200,7 @@ core::FamiliarityReference GetFamiliarity(FieldReader& reader) {
     scores = reader.GetArray<float>();
     for (std::size_t i = 0; i < scores.size(); ++i) {
       if (std::isnan(scores[i]) || (i > 0 && scores[i] < scores[i - 1])) {
-        reader.Fail(core::DataLoss("familiarity: its scores do not ascend"));
+        reader.Fail(core::DataLoss("familiarity: its scores are not in ascending order"));
         break;
       }
     }
@@ -272,7 +273,8 @@ absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source) {
                                                   : std::int64_t{parts.clips.back().first_frame} +
                                                         parts.clips.back().frame_count;
   if (frames != parts.tree.frame_count()) {
-    return core::DataLoss("clips of {} frames for a tree of {}", frames, parts.tree.frame_count());
+    return core::DataLoss("parts: the clips have {} frames, the tree has {}", frames,
+                          parts.tree.frame_count());
   }
   return parts;
 }

@@ -1,7 +1,7 @@
-// A model <-> bytes, all but its states and root path, which are those of its clips and are stored
-// with them; docs/storage_format.md gives the layout. Encoding what was decoded gives the same
-// bytes. Decoding gives DATA_LOSS for any bytes that are not a model's, and takes no memory that
-// they do not account for. Safe to call from any thread.
+// Binary format of a model without its states and root path, which are stored with the clips;
+// docs/storage_format.md describes the layout. Encoding a decoded model returns the same bytes.
+// Decoding returns DATA_LOSS for invalid bytes and never allocates more memory than their size
+// justifies.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -17,15 +17,14 @@ namespace motiondb::storage {
 
 absl::Status EncodeModel(const core::ModelParts& parts, ByteSink& sink);
 
-// `states` and `root_path` are left empty. The clips follow each other and hold as many frames as
-// the tree; whether all else fits is for core::Model::Create to say.
+// Leaves `states` and `root_path` empty. Checks that the clips are contiguous and that their frames
+// are those of the tree; core::Model::Create checks the rest.
 absl::StatusOr<core::ModelParts> DecodeModel(ByteSource& source);
 
-// Transition graphs <-> fields of a model's bytes; docs/storage_format.md gives the layout. The
-// readers keep every promise of transition_graph.h or make the reader fail. Safe to call from any
-// thread.
+// Transition graphs as fields of a model. Reading checks every invariant of transition_graph.h; if
+// one is violated, `reader` fails with DATA_LOSS.
 
-// Fewest bytes that a graph and a clip's graph take.
+// Minimum size of an encoded graph and of an encoded clip graph.
 inline constexpr std::size_t kGraphBytes = 3 * sizeof(std::uint32_t);
 inline constexpr std::size_t kClipGraphBytes = 2 * sizeof(std::uint32_t) + kGraphBytes;
 
@@ -35,18 +34,16 @@ core::TransitionGraph GetGraph(FieldReader& reader);
 void PutClipGraph(FieldWriter& writer, const core::ClipGraph& graph);
 core::ClipGraph GetClipGraph(FieldReader& reader);
 
-// What a model has learned <-> fields of its bytes: of how motion goes on, and of recognition (the
-// metric and the calibration). `dimensions`: of a state. Damage is DATA_LOSS in the reader.
+// The learned parts of a model as fields: prediction (prior, confidence) and recognition (metric,
+// calibration). `dimensions`: numbers in a state. Corruption makes `reader` fail with DATA_LOSS.
 
 void PutPrior(FieldWriter& writer, const core::MotionPrior& prior);
-// `dimensions`: of a state.
 core::MotionPrior GetPrior(FieldReader& reader, Eigen::Index dimensions);
 
 void PutConfidence(FieldWriter& writer, const core::PredictionConfidence& confidence);
 core::PredictionConfidence GetConfidence(FieldReader& reader);
 
 void PutMetric(FieldWriter& writer, const core::MotionMetric& metric);
-// Of states of `dimensions` numbers.
 core::MotionMetric GetMetric(FieldReader& reader, Eigen::Index dimensions);
 
 void PutRecognition(FieldWriter& writer, const core::RecognitionCalibration& calibration);

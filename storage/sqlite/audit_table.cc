@@ -17,7 +17,7 @@ absl::Status InsertAuditRecord(Connection& connection, const AuditRecord& record
           .Run());
   const std::int64_t sequence = connection.last_insert_key();
   MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "audit", sequence));
-  // Sequence numbers have no gaps, so that this keeps as many rows as it says.
+  // Sequence numbers have no gaps, so exactly kAuditLimit rows stay.
   return connection.Query("DELETE FROM audit WHERE sequence <= ?", sequence - kAuditLimit).Run();
 }
 

@@ -1,4 +1,4 @@
-// Rows of the table `audit`. Functions keep no state; they run in the transaction of their caller.
+// Rows of the table `audit`. The functions run in the caller's transaction.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace motiondb::storage {
 
-// Entries that are kept; the oldest go.
+// Number of entries to keep; older ones are deleted.
 inline constexpr int kAuditLimit = 100'000;
 
-// As AccessStore::AddAuditRecord and ListAuditRecords.
+// See AccessStore::AddAuditRecord and ListAuditRecords.
 absl::Status InsertAuditRecord(Connection& connection, const AuditRecord& record);
 absl::StatusOr<std::vector<AuditRecord>> SelectAuditRecords(Connection& connection,
                                                             std::int64_t before, int limit);

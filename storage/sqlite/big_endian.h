@@ -1,4 +1,4 @@
-// Numbers as SQLite's files have them.
+// Big-endian numbers, as in SQLite's files.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace motiondb::storage {
 
-// The four bytes at `place` as a number. REQUIRES: `bytes` has them.
+// Returns the four bytes at offset `place` as a number. REQUIRES: place + 4 <= bytes.size().
 inline std::uint32_t BigEndian(std::string_view bytes, std::size_t place) {
   std::uint32_t value = 0;
   for (std::size_t i = place; i < place + 4; ++i) {

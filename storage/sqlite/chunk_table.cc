@@ -73,7 +73,8 @@ absl::StatusOr<std::int64_t> BlobBytes(Connection& connection, const BlobOwner& 
                        owner.key, static_cast<int>(kind));
   MOTIONDB_RETURN_IF_ERROR(total.Step().status());
   const std::int64_t bytes = PayloadBytes(total.Integer(0), total.Integer(1));
-  if (bytes < 0) return core::DataLoss("{}: a chunk is damaged: cut short", Describe(kind));
+  if (bytes < 0)
+    return core::DataLoss("{}: a chunk is corrupt: it is shorter than its header", Describe(kind));
   return bytes;
 }
 

@@ -53,7 +53,7 @@ void CountUncountedBytes(Connection& connection) {
     const absl::Status counted = CountEach(connection, *keys);
     if (counted.ok()) continue;
     if (!absl::IsDataLoss(counted)) return;
-    // After such an error SQLite does nothing more in that transaction.
+    // After DATA_LOSS the transaction cannot continue: count each clip in its own transaction.
     for (const std::int64_t key : *keys) {
       if (!absl::IsDataLoss(CountEach(connection, {key}))) continue;
       InTransaction(connection, Transaction::Kind::kWrite, [&](Connection&) -> absl::Status {

@@ -1,4 +1,4 @@
-// What the blobs of a clip take, with the clip. Functions keep no state.
+// The column `byte_count` of the table `clip`: the size of the clip's blobs.
 #pragma once
 
 #include <cstdint>
@@ -8,13 +8,13 @@
 
 namespace motiondb::storage {
 
-// Counts it for a clip whose blobs are there, and sets the checksum of the clip's row, in the
-// transaction of the caller.
+// Sets byte_count and the row checksum of a clip from its stored blobs, in the caller's
+// transaction.
 absl::Status CountBytes(Connection& connection, std::int64_t clip_key);
 
-// Counts it for all clips of versions that did not: in transactions of its own, a thousand clips in
-// each. A clip with a chunk that cannot be read counts as 0. What fails otherwise is left to the
-// next opening, and counts as 0 meanwhile: it is no reason not to open a store.
+// Sets byte_count of all clips of older versions, which did not store it: 1,000 clips per
+// transaction. If a chunk cannot be read, byte_count is 0. Other errors are ignored, so that the
+// store can be opened: those clips are counted at the next opening.
 void CountUncountedBytes(Connection& connection);
 
 }  // namespace motiondb::storage

@@ -14,12 +14,12 @@
 namespace motiondb::storage {
 namespace {
 
-// A deleted clip that no model needs.
+// SQL condition: a deleted clip that no model uses.
 constexpr char kRemoved[] =
     "deleted = 1 AND NOT EXISTS (SELECT 1 FROM model_clip WHERE model_clip.clip_key = "
     "clip.clip_key)";
 
-// A query for clips as ToClipRecord reads them; `rest` follows the database in the condition.
+// Returns a query for the columns that ToClipRecord reads. `rest` ends the WHERE clause.
 std::string SelectClips(std::string_view rest) {
   return fmt::format(
       "SELECT clip.id, label, subject, file_name, skeleton_file_name, format, frame_count, "
@@ -86,7 +86,7 @@ absl::StatusOr<std::int64_t> FindClip(Connection& connection, const std::string&
   return row.Integer(0);
 }
 
-// 0: it has none.
+// Returns the skeleton key of a clip; 0 if it has none.
 absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t clip_key) {
   Statement row =
       connection.Query("SELECT ifnull(skeleton_key, 0) FROM clip WHERE clip_key = ?", clip_key);
@@ -94,7 +94,7 @@ absl::StatusOr<std::int64_t> SkeletonOf(Connection& connection, std::int64_t cli
   return row.Integer(0);
 }
 
-// The id that a new clip gets. ALREADY_EXISTS as AddClip says.
+// Returns the id for a new clip. ALREADY_EXISTS: see MotionStore::AddClip.
 absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t database_key,
                                      const NewClip& clip) {
   const ClipRecord& record = clip.record;
@@ -103,9 +103,8 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
       database_key, record.content_hash);
   MOTIONDB_ASSIGN_OR_RETURN(const bool stored, alike.Step());
   if (stored) {
-    return absl::AlreadyExistsError(
-        fmt::format("database '{}' holds the same motion already, as clip '{}'", record.database,
-                    alike.Text(0)));
+    return absl::AlreadyExistsError(fmt::format(
+        "database '{}' already has the same motion as clip '{}'", record.database, alike.Text(0)));
   }
   MOTIONDB_ASSIGN_OR_RETURN(
       std::string free,
@@ -113,12 +112,12 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
              database_key, record.id));
   if (clip.id_is_fixed && free != record.id) {
     return absl::AlreadyExistsError(
-        fmt::format("database '{}' holds another clip '{}'", record.database, record.id));
+        fmt::format("database '{}' already has another clip '{}'", record.database, record.id));
   }
   return free;
 }
 
-// `record` under its id; `skeleton_key` 0: it has none.
+// Inserts a row; `skeleton_key` 0: no skeleton.
 absl::Status InsertRow(Connection& connection, std::int64_t database_key, std::int64_t skeleton_key,
                        const ClipRecord& record, const core::RootPath& path) {
   const auto path_bytes =
@@ -159,11 +158,11 @@ absl::Status InsertBlobs(Connection& connection, const BlobOwner& owner, const N
 
 absl::Status CheckFrameCount(const ClipRecord& record, const core::StateSequence& states) {
   if (record.frame_count == states.frame_count()) return absl::OkStatus();
-  return core::InvalidArgument("clip '{}': frame_count is {}, but there are {} states", record.id,
+  return core::InvalidArgument("clip '{}': expected {} states (frame_count), got {}", record.id,
                                record.frame_count, states.frame_count());
 }
 
-// The row leaves its id, its content and its skeleton to another, and keeps its states.
+// Marks a clip as deleted. Its id, content hash and skeleton become free; its states stay.
 absl::Status MarkDeleted(Connection& connection, std::int64_t clip_key) {
   MOTIONDB_RETURN_IF_ERROR(
       connection
@@ -172,8 +171,9 @@ absl::Status MarkDeleted(Connection& connection, std::int64_t clip_key) {
   return SetRowChecksum(connection, "clip", clip_key);
 }
 
-// A row with the states takes the place of one, with its files and its skeleton. What is left of
-// that one is of no version, so that a model that knows it is not extended.
+// Replaces a row by a new one with `states`, and moves the files and the skeleton to it. The old
+// row is marked as deleted and gets representation_version 0, so that a model that uses it is not
+// extended.
 absl::Status ReplaceRow(Connection& connection, std::int64_t database_key, std::int64_t clip_key,
                         const ClipRecord& record, const core::StateSequence& states) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, clip_key));
@@ -205,7 +205,7 @@ absl::Status UpdateRow(Connection& connection, std::int64_t clip_key, const Clip
   return SetRowChecksum(connection, "clip", clip_key);
 }
 
-// The key of the clip that was listed as `record`; 0: it is not there any more.
+// Returns the key of the clip that was listed as `record`; 0 if it no longer exists.
 absl::StatusOr<std::int64_t> FindListed(Connection& connection, std::int64_t database_key,
                                         const ClipRecord& record) {
   Statement row = connection.Query(
@@ -347,8 +347,8 @@ absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t 
                                            const core::ModelClip& clip,
                                            std::span<const double> root_path, Deleted deleted) {
   const std::uint32_t crc = Crc32(std::as_bytes(root_path));
-  // One query for each index: with `deleted` as a parameter SQLite would use neither. The newest:
-  // one whose states were replaced since, and that was then deleted, left both.
+  // Two queries with constant `deleted`: with a parameter SQLite would not use the partial indices.
+  // The newest row: a clip whose states were replaced and that was then deleted has several rows.
   for (const char* const condition : {"deleted = 0", "deleted = 1"}) {
     Statement row = connection.Query(
         fmt::format("SELECT clip_key FROM clip WHERE database_key = ? AND id = ? AND {} AND "
@@ -359,8 +359,7 @@ absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t 
     if (found) return row.Integer(0);
     if (deleted == Deleted::kNot) break;
   }
-  return core::NotFound("the clip '{}' that the model was built from is not stored any more",
-                        clip.id);
+  return core::NotFound("the clip '{}' that the model was built from is no longer stored", clip.id);
 }
 
 }  // namespace motiondb::storage

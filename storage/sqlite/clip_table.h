@@ -1,6 +1,5 @@
-// Rows of the table `clip` and the blobs of clips. Functions keep no state; they run in the
-// transaction of their caller. Where a database or clip is named, NOT_FOUND says that it is not
-// there.
+// Rows of the table `clip` and the blobs of clips. The functions run in the caller's transaction.
+// NOT_FOUND if a named database or clip does not exist.
 #pragma once
 
 #include <cstdint>
@@ -16,9 +15,9 @@
 
 namespace motiondb::storage {
 
-// As MotionStore::AddClip. INVALID_ARGUMENT if the record does not tell the frames of the states.
+// See MotionStore::AddClip.
 absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& clip);
-// As MotionStore::PutDerived.
+// See MotionStore::PutDerived.
 absl::StatusOr<std::vector<ClipRecord>> PutDerivedClips(Connection& connection,
                                                         const std::string& database,
                                                         std::span<const DerivedClip> clips);
@@ -32,25 +31,23 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
                                                      const std::string& database,
                                                      const std::string& clip);
 
-// What becomes of bytes that nothing needs any more. Freeing them takes reading where they are, so
-// a sector that cannot be read keeps them: DATA_LOSS, which undoes the whole transaction. A change
-// that is to happen all the same leaves them.
+// Whether a deletion frees bytes that are no longer needed. To free bytes, SQLite must read their
+// pages; an unreadable sector causes DATA_LOSS and a rollback. kLeave avoids that.
 enum class Remains { kFree, kLeave };
 
-// Deletes a clip and returns its record. Its states stay, for the current model and for one that is
-// being built.
+// Deletes a clip and returns its record. Its states stay for the current model and a running build.
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
                                       const std::string& clip, Remains remains);
-// Deletes what is left of those of the clips that are deleted and that no model needs.
+// Deletes the rows and states of those clips in `clip_keys` that are deleted and used by no model.
 absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int64_t> clip_keys);
-// The keys of all such clips, ascending.
+// Returns the keys of all clips that PurgeRemovedClips would delete, ascending.
 absl::StatusOr<std::vector<std::int64_t>> SelectRemovedClips(Connection& connection,
                                                              const std::string& database);
 
-// Whether a clip counts of which only what RemoveClip leaves is there.
+// Whether FindModelClip also accepts deleted clips.
 enum class Deleted { kNot, kToo };
-// The clip that a model was built from. NOT_FOUND also if another is stored under its id.
-// `root_path` is the model's for the clip's frames: frames x 3, row-major.
+// Returns the key of a clip of a model. NOT_FOUND also if the stored clip has the same id but other
+// states. `root_path`: the model's root path of the clip, frames x 3, row-major.
 absl::StatusOr<std::int64_t> FindModelClip(Connection& connection, std::int64_t database_key,
                                            const core::ModelClip& clip,
                                            std::span<const double> root_path, Deleted deleted);

@@ -13,7 +13,7 @@ absl::StatusOr<std::unique_ptr<Connection>> Connection::Open(const std::string& 
   sqlite3* opened = nullptr;
   const int code = sqlite3_open_v2(path.c_str(), &opened, flags | SQLITE_OPEN_NOMUTEX,
                                    vfs.empty() ? nullptr : vfs.c_str());
-  std::unique_ptr<sqlite3, Close> handle(opened);  // there even where opening failed
+  std::unique_ptr<sqlite3, Close> handle(opened);  // set even if opening failed
   if (code != SQLITE_OK) {
     const absl::Status error = SqliteError(handle.get(), code);
     return absl::Status(error.code(),
@@ -35,7 +35,7 @@ absl::Status Connection::Execute(const std::string& script) {
 absl::StatusOr<std::int64_t> Connection::QueryInteger(std::string_view sql) {
   Statement statement = Query(sql);
   MOTIONDB_ASSIGN_OR_RETURN(const bool row, statement.Step());
-  if (!row) return core::NotFound("no row for {}", sql);
+  if (!row) return core::NotFound("expected a row, got none from '{}'", sql);
   return statement.Integer(0);
 }
 

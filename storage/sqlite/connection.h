@@ -1,5 +1,5 @@
-// One connection to a SQLite file. Keeps the statements it prepared. Not thread-safe: its owner
-// lets one thread at a time use it.
+// A connection to an SQLite file, with a cache of prepared statements. Only one thread at a time
+// may use it.
 #pragma once
 
 #include <sqlite3.h>
@@ -17,28 +17,28 @@ namespace motiondb::storage {
 
 class Connection {
  public:
-  // `path` is absolute, or ":memory:": SQLite may take a name that begins with "file:" for a URI.
-  // `flags` are those of sqlite3_open_v2; `vfs` is the name of a VFS, empty for the default one.
+  // `path` must be absolute or ":memory:": SQLite may interpret a name that begins with "file:" as
+  // a URI. `flags`: see sqlite3_open_v2. `vfs`: name of an SQLite VFS, empty for the default.
   static absl::StatusOr<std::unique_ptr<Connection>> Open(const std::string& path, int flags,
                                                           const std::string& vfs);
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  // Runs a script of statements without parameters; rows are passed over.
+  // Runs a script of statements without parameters; ignores result rows.
   absl::Status Execute(const std::string& script);
 
-  // A statement with its parameters bound in order. Prepared once for each text.
+  // Returns a statement with its parameters bound in order. Each SQL text is prepared once.
   template <typename... Args>
   Statement Query(std::string_view sql, const Args&... args) {
     Statement statement = Prepare(sql);
     (statement.Bind(args), ...);
     return statement;
   }
-  // The first column of the first row. NOT_FOUND if there is no row.
+  // Returns the first column of the first row. NOT_FOUND if there is no row.
   absl::StatusOr<std::int64_t> QueryInteger(std::string_view sql);
 
   std::int64_t last_insert_key() const { return sqlite3_last_insert_rowid(handle_.get()); }
-  // Rows that the last INSERT, UPDATE or DELETE changed.
+  // Returns the number of rows that the last INSERT, UPDATE or DELETE changed.
   int changes() const { return sqlite3_changes(handle_.get()); }
   bool in_transaction() const { return sqlite3_get_autocommit(handle_.get()) == 0; }
   sqlite3* handle() const { return handle_.get(); }
@@ -54,7 +54,7 @@ class Connection {
   void GiveBack(StatementHandle statement);
 
   std::unique_ptr<sqlite3, Close> handle_;
-  // Statements not in use, by their text. One in use twice at a time is there twice.
+  // Unused statements by SQL text. A statement that was used twice at a time has two entries.
   std::multimap<std::string, StatementHandle, std::less<>> idle_;
 };
 

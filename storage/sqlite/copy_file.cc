@@ -18,14 +18,14 @@ namespace fs = std::filesystem;
 
 constexpr int kPagesAtOnce = 256;
 
-// A hidden name, which nobody gives a copy of their own.
+// Returns the prefix of the names of temporary files: hidden, to avoid names that users choose.
 std::string Prefix(const fs::path& store) { return fmt::format(".{}.", store.filename().string()); }
 
-// What SQLite adds to the name of a file that it writes, besides that of the file itself.
+// Suffixes of the files that SQLite writes for a database.
 constexpr std::array<std::string_view, 4> kSuffixes = {"", "-wal", "-shm", "-journal"};
 
-// Whether this is the name of a copy, or of what SQLite has beside one. All of the name: the store
-// `robots.db` may be in the folder of a store `robots`.
+// Returns whether `name` is a temporary file of `store` or a file that SQLite wrote beside one. The
+// whole name must match: another store in the folder may have a name that begins alike.
 bool IsOfCopy(std::string_view name, const fs::path& store) {
   const std::string prefix = Prefix(store);
   if (!name.starts_with(prefix)) return false;
@@ -60,11 +60,11 @@ void CopyFile::Remove() {
 void RemoveLeftCopies(const std::string& store_path) {
   const fs::path path(store_path);
   std::error_code ignored;
-  std::vector<fs::path> left;
+  std::vector<fs::path> stale;
   for (const fs::directory_entry& entry : fs::directory_iterator(path.parent_path(), ignored)) {
-    if (IsOfCopy(entry.path().filename().string(), path)) left.push_back(entry.path());
+    if (IsOfCopy(entry.path().filename().string(), path)) stale.push_back(entry.path());
   }
-  for (const fs::path& file : left) fs::remove(file, ignored);
+  for (const fs::path& file : stale) fs::remove(file, ignored);
 }
 
 absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled) {
@@ -76,9 +76,9 @@ absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& 
     stopped = cancelled && cancelled();
     if (!stopped) code = sqlite3_backup_step(copy, kPagesAtOnce);
   }
-  // Undoes what was written, unless the last step was the end.
+  // Rolls back unless the last step finished the copy.
   const int finished = sqlite3_backup_finish(copy);
-  if (stopped) return absl::CancelledError("stopped");
+  if (stopped) return absl::CancelledError("cancelled while the store was copied");
   if (code == SQLITE_DONE) code = finished;
   if (code != SQLITE_OK) return SqliteError(to.handle(), code);
   return absl::OkStatus();

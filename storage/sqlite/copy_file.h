@@ -1,5 +1,4 @@
-// Files beside a store that live as long as a backup or a restore, and copying a store from one
-// connection to another. Functions keep no state.
+// Temporary files of backup and restore beside the store, and copying a store between connections.
 #pragma once
 
 #include <string>
@@ -10,7 +9,7 @@
 
 namespace motiondb::storage {
 
-// A hidden name beside the store that no other has, and the promise that nothing stays there.
+// A unique hidden file name beside the store. The destructor deletes the file.
 class CopyFile {
  public:
   // `purpose` is "backup" or "restore".
@@ -26,12 +25,12 @@ class CopyFile {
   const std::string path_;
 };
 
-// Deletes what a process that was killed left. REQUIRES: the lock of the store is held.
+// Deletes temporary files of a killed process. REQUIRES: the caller holds the StoreLock.
 void RemoveLeftCopies(const std::string& store_path);
 
-// Copies all pages, as `from` sees them at one moment. REQUIRES: `from` is in a transaction in
-// which it has read, or has no other writer; `to` is in none. CANCELLED; else the codes of SQLite.
-// `to` then holds all or, after an error, nothing of it.
+// Copies all pages from a consistent view of `from` to `to`; after an error `to` is unchanged.
+// REQUIRES: `from` is in a transaction that has read, or has no other writer; `to` is in no
+// transaction. CANCELLED, or the codes of SqliteError.
 absl::Status CopyPages(Connection& from, Connection& to, const core::Cancelled& cancelled);
 
 }  // namespace motiondb::storage

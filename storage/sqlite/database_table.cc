@@ -9,7 +9,7 @@
 namespace motiondb::storage {
 namespace {
 
-// A query for databases as ToDatabaseRecord reads them.
+// Returns a query for the columns that ToDatabaseRecord reads.
 std::string SelectDatabases(std::string_view condition) {
   return fmt::format(
       "SELECT name, frame_rate_hz, min_frames, scaling, marker_set, marker_set_text, "
@@ -47,7 +47,7 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
               record.create_time_us, ToText(record.settings.glitches))
           .Run();
   if (absl::IsAlreadyExists(inserted)) {
-    return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
+    return absl::AlreadyExistsError(fmt::format("database '{}' already exists", record.name));
   }
   MOTIONDB_RETURN_IF_ERROR(inserted);
   return SetRowChecksum(connection, "database", connection.last_insert_key());
@@ -74,7 +74,7 @@ absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connecti
 
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, name));
-  // The name is free for another; no database has one with a slash.
+  // Frees the name. Names of existing databases contain no slash.
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("UPDATE database SET deleted = 1, name = 'deleted/' || database_key "
@@ -97,7 +97,7 @@ absl::Status CheckWithoutDatabases(Connection& connection) {
       const auto count, connection.QueryInteger("SELECT count(*) FROM database WHERE deleted = 0"));
   if (count == 0) return absl::OkStatus();
   return core::FailedPrecondition(
-      "the store holds databases ({}): a backup is restored into a store without any", count);
+      "the store already has databases ({}): restore a backup into an empty store", count);
 }
 
 absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
@@ -109,7 +109,7 @@ absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
                  text, database_key)
           .Run());
   if (connection.changes() == 0) {
-    return core::FailedPrecondition("the database has another marker set already");
+    return core::FailedPrecondition("the database already has another marker set");
   }
   return SetRowChecksum(connection, "database", database_key);
 }

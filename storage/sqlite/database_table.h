@@ -1,5 +1,4 @@
-// Rows of the table `database`. Functions keep no state; they run in the transaction of their
-// caller.
+// Rows of the table `database`. The functions run in the caller's transaction.
 #pragma once
 
 #include <cstdint>
@@ -16,17 +15,17 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
 absl::StatusOr<DatabaseRecord> SelectDatabase(Connection& connection, const std::string& name);
 absl::StatusOr<std::vector<DatabaseRecord>> SelectDatabases(Connection& connection,
                                                             const Page& page);
-// Gone for all that looks for it by its name; FreeDeletedDatabases removes it.
+// Makes a database invisible and its name free; FreeDeletedDatabases removes its content.
 absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name);
 
-// NOT_FOUND.
+// Returns the key of a database. NOT_FOUND if it does not exist.
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);
 
-// FAILED_PRECONDITION if there is a database: a backup is restored into a store without any.
+// FAILED_PRECONDITION if there is a database: a restore requires a store without databases.
 absl::Status CheckWithoutDatabases(Connection& connection);
 
-// Gives a database the marker set that its first clip brings. FAILED_PRECONDITION if it has
-// another.
+// Sets the marker set of a database, which its first clip brings. FAILED_PRECONDITION if it has a
+// different one.
 absl::Status SetMarkerSetText(Connection& connection, std::int64_t database_key,
                               const std::string& text);
 

@@ -16,18 +16,18 @@ constexpr std::int64_t kPieceBytes = 4 << 20;
 constexpr int kPieceRows = 256;
 constexpr std::int64_t kBeforeAll = std::numeric_limits<std::int64_t>::max();
 
-// Where freeing has come to among what has chunks: from the last key to the first, so that a model
-// goes before the one that it extends.
+// Progress through the rows with chunks. The order is from the last key to the first: an extension
+// is deleted before its build.
 struct Place {
   std::int64_t owner = kBeforeAll;
   bool owner_is_done = true;
-  // The last chunk of the owner.
+  // The last freed chunk of the owner.
   std::int64_t kind = -1;
   std::int64_t position = -1;
 };
 
-// Whether it may go well another time, as it is.
-bool MayPass(const absl::Status& status) {
+// Returns whether the same call may succeed later.
+bool IsTransient(const absl::Status& status) {
   return absl::IsUnavailable(status) || absl::IsResourceExhausted(status) ||
          absl::IsCancelled(status);
 }
@@ -38,7 +38,7 @@ class Freeing {
   Freeing(std::int64_t database_key, const WriteOnce& write, const core::Cancelled& cancelled)
       : key_(database_key), write_(write), cancelled_(cancelled) {}
 
-  // What cannot be read, and what needs it, stays: DATA_LOSS.
+  // DATA_LOSS if some rows cannot be read; these and the rows that refer to them stay.
   absl::Status Run() {
     MOTIONDB_RETURN_IF_ERROR(FreeRows(
         "model_clip WHERE (model_key, position) IN (SELECT model_key, position FROM model_clip "
@@ -49,7 +49,7 @@ class Freeing {
     MOTIONDB_RETURN_IF_ERROR(
         FreeRows("operation WHERE sequence IN (SELECT sequence FROM operation WHERE "
                  "database_key = ? LIMIT ?)"));
-    if (!left_.ok()) return left_;
+    if (!data_loss_.ok()) return data_loss_;
     return write_([&](Connection& connection) {
       return connection.Query("DELETE FROM database WHERE database_key = ? AND deleted = 1", key_)
           .Run();
@@ -57,20 +57,21 @@ class Freeing {
   }
 
  private:
-  // One transaction. CANCELLED before it.
+  // Runs one transaction. CANCELLED if cancelled before it.
   absl::Status Write(const std::function<absl::Status(Connection&)>& piece) {
-    if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
+    if (cancelled_ && cancelled_())
+      return absl::CancelledError("cancelled while deleted databases were freed");
     return write_(piece);
   }
 
-  // Notes that something stays because of `status`; what may pass is an error.
+  // Records that some rows stay because of `status`. Returns transient errors.
   absl::Status Leave(const absl::Status& status) {
-    if (MayPass(status)) return status;
-    if (left_.ok()) left_ = absl::DataLossError(status.message());
+    if (IsTransient(status)) return status;
+    if (data_loss_.ok()) data_loss_ = absl::DataLossError(status.message());
     return absl::OkStatus();
   }
 
-  // Deletes small rows: `what` takes the database and a number of them.
+  // Deletes small rows. `what`: table and condition with two parameters, database key and limit.
   absl::Status FreeRows(std::string_view what) {
     const std::string sql = fmt::format("DELETE FROM {}", what);
     bool more = true;
@@ -101,11 +102,11 @@ class Freeing {
         });
       };
       absl::Status freed = free_rows(kPieceRows);
-      // Those before it again: one that cannot be freed undoes what was freed with it.
-      if (!freed.ok() && !MayPass(freed) && freed_rows_ > 0) freed = free_rows(freed_rows_);
+      // The failed row rolled back the rows before it: free these again, without it.
+      if (!freed.ok() && !IsTransient(freed) && freed_rows_ > 0) freed = free_rows(freed_rows_);
       if (!freed.ok()) {
         MOTIONDB_RETURN_IF_ERROR(Leave(freed));
-        // Past the one that stays; where not even that can be found, no other can.
+        // Continue after the row that stays. If it could not even be found, stop.
         if (!reached_any_) return absl::OkStatus();
         more = true;
       }
@@ -114,7 +115,8 @@ class Freeing {
     return absl::OkStatus();
   }
 
-  // Frees so many chunks and rows from `place` on, or fewer large ones. False at the end.
+  // Frees up to `rows` chunks and rows from `place` on, at most about kPieceBytes. Returns false at
+  // the end.
   absl::StatusOr<bool> FreePiece(Connection& connection, std::string_view table, int rows,
                                  Place& place) {
     std::int64_t bytes = 0;
@@ -140,7 +142,7 @@ class Freeing {
     return found;
   }
 
-  // Frees the owner's next chunk, or the owner after the last; returns its bytes.
+  // Frees the owner's next chunk, or the owner if no chunk is left. Returns the freed bytes.
   absl::StatusOr<std::int64_t> FreeNext(Connection& connection, std::string_view table,
                                         Place& place) {
     std::int64_t chunk_key = 0;
@@ -153,7 +155,7 @@ class Freeing {
           place.owner, place.kind, place.position);
       const auto found = chunk.Step();
       if (!found.ok()) {
-        // Its chunks cannot be gone through: it stays as it is.
+        // Its chunks cannot be listed: it stays.
         place.owner_is_done = true;
         reached_any_ = true;
         return found.status();
@@ -184,13 +186,13 @@ class Freeing {
   const std::int64_t key_;
   const WriteOnce& write_;
   const core::Cancelled& cancelled_;
-  absl::Status left_;  // why something stays
-  // Of the last piece: whether it came to something to free, and how much of that it freed.
+  absl::Status data_loss_;  // the first error because of which a row stays
+  // The last transaction: whether it found something to free, and the number of freed rows.
   bool reached_any_ = false;
   int freed_rows_ = 0;
 };
 
-// The next deleted database after a key; 0: there is none.
+// Finds the next deleted database after a key; 0 if there is none.
 absl::Status FindDeleted(Connection& connection, std::int64_t after, std::int64_t& key) {
   Statement row = connection.Query(
       "SELECT database_key FROM database WHERE deleted = 1 AND database_key > ? "
@@ -204,15 +206,15 @@ absl::Status FindDeleted(Connection& connection, std::int64_t after, std::int64_
 }  // namespace
 
 absl::Status FreeDeletedDatabases(const WriteOnce& write, const core::Cancelled& cancelled) {
-  absl::Status left;
+  absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {
     MOTIONDB_RETURN_IF_ERROR(
         write([&](Connection& connection) { return FindDeleted(connection, key, key); }));
-    if (key == 0) return left;
+    if (key == 0) return data_loss;
     const absl::Status freed = Freeing(key, write, cancelled).Run();
     if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;
-    left.Update(freed);
+    data_loss.Update(freed);
   }
 }
 

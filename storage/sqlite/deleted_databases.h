@@ -1,5 +1,4 @@
-// Frees what deleted databases left on the disk, a few megabytes in a transaction. Functions keep
-// no state.
+// Frees the disk space of deleted databases, a few megabytes per transaction.
 #pragma once
 
 #include <functional>
@@ -10,11 +9,11 @@
 
 namespace motiondb::storage {
 
-// Runs a piece of work in a transaction of its own that may write; one that fails changes nothing.
+// Runs `piece` in its own write transaction, which is rolled back on an error.
 using WriteOnce =
     std::function<absl::Status(const std::function<absl::Status(Connection&)>& piece)>;
 
-// As MotionStore::PurgeDeletedDatabases, in pieces. `cancelled` is asked between them.
+// See MotionStore::PurgeDeletedDatabases. Polls `cancelled` between the transactions.
 absl::Status FreeDeletedDatabases(const WriteOnce& write, const core::Cancelled& cancelled);
 
 }  // namespace motiondb::storage

@@ -27,9 +27,9 @@ absl::StatusOr<std::int64_t> DiskReserve::FreeBytes() const {
   struct statvfs disk {};
   if (statvfs(path_.c_str(), &disk) != 0) {
     return absl::UnavailableError(
-        fmt::format("cannot look at the disk of '{}': {}", path_, std::strerror(errno)));
+        fmt::format("cannot read the free disk space of '{}': {}", path_, std::strerror(errno)));
   }
-  // What is kept for the superuser is not counted as free.
+  // f_bavail does not include blocks that are reserved for the superuser.
   return static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
 }
 
@@ -70,9 +70,8 @@ absl::Status DiskReserve::CheckBeside(std::int64_t added_bytes) const {
 
 absl::Status DiskReserve::Refuse(std::int64_t free, std::int64_t added_bytes) const {
   return absl::ResourceExhaustedError(fmt::format(
-      "{} are free on the disk of '{}', and {} have to be: {} for the log and what is to be "
-      "stored, and {} that stay free for deleting (--disk-reserve-mib); free room there, or delete "
-      "clips",
+      "{} free on the disk of '{}', expected {}: {} for the log and the new data, and a reserve of "
+      "{} for deletions (--disk-reserve-mib); free disk space or delete clips",
       Mebibytes(free), path_, Mebibytes(added_bytes + bytes_), Mebibytes(added_bytes),
       Mebibytes(bytes_)));
 }
@@ -123,7 +122,7 @@ std::int64_t AddedBytes(const DerivedClip& clip) {
 
 std::int64_t AddedBytes(const core::Model& model) {
   CountingSink sink;
-  // What cannot be encoded is for the one who stores it to say.
+  // PutModel returns errors of encoding.
   EncodeModel(model.parts(), sink).IgnoreError();
   return sink.count();
 }

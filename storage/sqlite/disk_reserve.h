@@ -1,6 +1,6 @@
-// Room on the disk of a store that additions leave free: a change takes room in the log before it
-// frees any, so what has filled its own disk could not be emptied; and how many bytes an addition
-// brings. Not thread-safe but const.
+// The disk space that additions to a store must leave free, and the size of an addition. A deletion
+// first needs space in the log; without the reserve, a store that fills its disk could not be
+// emptied.
 #pragma once
 
 #include <cstdint>
@@ -18,31 +18,31 @@ namespace motiondb::storage {
 
 class DiskReserve {
  public:
-  // Keeps `bytes` free on the disk of the store at `path`; 0: does not look.
+  // Reserves `bytes` on the disk of the store at `path`; 0: no check.
   DiskReserve(std::string path, std::int64_t bytes) : path_(std::move(path)), bytes_(bytes) {}
 
   bool is_off() const { return bytes_ == 0; }
-  // Whether there is room for so many more bytes: in the log, then in the file, beyond what the log
-  // holds already and what is to stay free. RESOURCE_EXHAUSTED, saying what there is and what has
-  // to be. Empties the log where that may give room. REQUIRES: on the writer's thread, and `writer`
-  // is in no transaction.
+  // RESOURCE_EXHAUSTED, with the free and the required bytes, if the disk has no room for
+  // `added_bytes` in the log and in the file, in addition to the present log and the reserve.
+  // Empties the log if that may free space. REQUIRES: runs on the writer thread; `writer` is in no
+  // transaction.
   absl::Status Check(Connection& writer, std::int64_t added_bytes) const;
 
-  // Whether the disk has more room than the reserve: if not, every addition is refused. Looks at
-  // the disk alone, so any thread may call it. True if that cannot be seen.
+  // Returns whether the disk has more free space than the reserve; if not, every addition fails.
+  // True if the free space is unknown. Any thread may call it.
   bool IsLeft() const;
-  // Whether there is room for so many more bytes of a file beside the store. RESOURCE_EXHAUSTED.
+  // RESOURCE_EXHAUSTED if there is no room for `added_bytes` of a file beside the store.
   absl::Status CheckBeside(std::int64_t added_bytes) const;
 
-  // Empties the log where less is free than the reserve, so that what deletions take of that is
-  // given back by the next one. REQUIRES: as above.
+  // Empties the log if less space is free than the reserve, to return the space that earlier
+  // deletions used in the log. REQUIRES: as Check.
   void GiveBack(Connection& writer) const;
 
  private:
   struct Room {
-    std::int64_t free = 0;   // bytes on the disk
-    std::int64_t log = 0;    // bytes of the log, which are still to be moved into the file
-    std::int64_t freed = 0;  // bytes of the file that nothing uses: additions take these first
+    std::int64_t free = 0;   // free bytes of the disk
+    std::int64_t log = 0;    // size of the log, bytes
+    std::int64_t freed = 0;  // unused bytes in the file; additions use these first
   };
   absl::StatusOr<std::int64_t> FreeBytes() const;
   absl::StatusOr<Room> Look(Connection& writer) const;
@@ -53,11 +53,12 @@ class DiskReserve {
   const std::int64_t bytes_;
 };
 
-// A skeleton's own encoding and the record, some kilobytes, are not counted.
+// Returns the bytes that adding the clip writes, without the record and the encoded skeleton (some
+// kilobytes).
 std::int64_t AddedBytes(const NewClip& clip);
-// With the files, which are written again where they get other states.
+// Includes the source files, which are written again with new states.
 std::int64_t AddedBytes(const DerivedClip& clip);
-// Takes as long as copying them does.
+// Encodes the model to count its bytes.
 std::int64_t AddedBytes(const core::Model& model);
 
 }  // namespace motiondb::storage

@@ -49,7 +49,7 @@ const char* Spell(const Spellings<Enum, kSize>& spellings, Enum value) {
   for (const auto& [known, text] : spellings) {
     if (known == value) return text;
   }
-  return "";  // which the tables refuse
+  return "";  // violates the CHECK constraint of the column
 }
 
 template <typename Enum, std::size_t kSize>
@@ -57,7 +57,7 @@ absl::StatusOr<Enum> Read(const Spellings<Enum, kSize>& spellings, const std::st
   for (const auto& [value, known] : spellings) {
     if (text == known) return value;
   }
-  return core::DataLoss("'{}' is stored where it means nothing", text);
+  return core::DataLoss("the store has an unknown value '{}'", text);
 }
 
 }  // namespace

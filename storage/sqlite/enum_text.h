@@ -1,4 +1,4 @@
-// Enumerations as the tables spell them. Stored: spellings do not change.
+// Texts of enumerations in the tables. Stored: never change a text.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ const char* ToText(OperationKind kind);
 const char* ToText(core::UpAxis up);
 const char* ToText(Role role);
 
-// DATA_LOSS for a text that is none.
+// DATA_LOSS for an unknown text.
 template <typename Enum>
 absl::StatusOr<Enum> FromText(const std::string& text);
 template <>

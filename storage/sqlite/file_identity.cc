@@ -19,7 +19,7 @@ absl::StatusOr<FileIdentity> IdentityOf(const std::string& path) {
 absl::Status CheckIsFile(const std::string& path, const FileIdentity& file) {
   MOTIONDB_ASSIGN_OR_RETURN(const FileIdentity found, IdentityOf(path));
   if (found.device == file.device && found.inode == file.inode) return absl::OkStatus();
-  return absl::UnavailableError(fmt::format("'{}' is not the file that it was", path));
+  return absl::UnavailableError(fmt::format("'{}' was replaced by another file", path));
 }
 
 }  // namespace motiondb::storage

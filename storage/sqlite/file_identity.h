@@ -1,4 +1,4 @@
-// Tells a file from another that took its name. Functions keep no state.
+// Detects that a file was replaced by another file of the same name.
 #pragma once
 
 #include <sys/types.h>
@@ -14,11 +14,10 @@ struct FileIdentity {
   ino_t inode = 0;
 };
 
-// Of the file that `path` leads to. UNAVAILABLE: "'PATH' is gone (why)".
+// Returns the identity of the file at `path`. UNAVAILABLE if there is none.
 absl::StatusOr<FileIdentity> IdentityOf(const std::string& path);
 
-// OK while `path` leads to that file. UNAVAILABLE: as above, or "'PATH' is not the file that it
-// was".
+// UNAVAILABLE if the file at `path` is missing or is not `file`.
 absl::Status CheckIsFile(const std::string& path, const FileIdentity& file);
 
 }  // namespace motiondb::storage

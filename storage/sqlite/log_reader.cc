@@ -11,19 +11,19 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr std::uint32_t kLogMagic = 0x377f0682;  // the lowest bit: checksums of big-endian words
+constexpr std::uint32_t kLogMagic = 0x377f0682;  // lowest bit 1: checksums of big-endian words
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kFrameHeaderBytes = 24;
 constexpr std::size_t kSectorBytes = 512;
 
-// Two numbers of 32 bits, one after the other.
+// Two consecutive 32-bit numbers: salts or a checksum.
 using Pair = std::array<std::uint32_t, 2>;
 
 Pair PairAt(std::string_view bytes, std::size_t place) {
   return {BigEndian(bytes, place), BigEndian(bytes, place + 4)};
 }
 
-// The checksum `sum` continued over bytes, a multiple of 8.
+// Returns the checksum `sum` continued over `bytes`, whose length is a multiple of 8.
 Pair Continue(Pair sum, std::string_view bytes, bool big_endian) {
   const auto word = [&](std::size_t place) {
     const std::uint32_t number = BigEndian(bytes, place);
@@ -57,7 +57,7 @@ LogHeader ParseHeader(std::string_view bytes) {
   return header;
 }
 
-// Goes through the frames in order.
+// Checks the frames in order.
 class Frames {
  public:
   explicit Frames(const LogHeader& header)
@@ -67,7 +67,7 @@ class Frames {
         checksum_(header.checksum),
         salts_(header.salts) {}
 
-  // `bytes`: header and page of the next frame.
+  // Checks the next frame; `bytes`: its header and page.
   void Take(std::string_view bytes) {
     ++count_;
     const std::uint32_t page_count = BigEndian(bytes, 4);
@@ -106,7 +106,8 @@ class Frames {
     content_.is_corrupt = content_.is_corrupt || ends_transaction_;
   }
 
-  // Whether page count and salts of this frame were written together: a disk writes sectors whole.
+  // Returns whether the page count and the salts of this frame are in one sector, which a disk
+  // writes as a whole.
   bool IsInOneSector() const {
     const std::size_t begin = kHeaderBytes + static_cast<std::size_t>(count_ - 1) *
                                                  (kFrameHeaderBytes + header_.page_bytes);
@@ -117,8 +118,8 @@ class Frames {
   LogContent content_;
   std::int64_t count_ = 0;
   bool found_bad_;
-  // Of the frame before: whether its checksum may be continued, that checksum, its salts, and
-  // whether it ends a transaction.
+  // The previous frame: whether its checksum may be continued, its checksum, its salts, and whether
+  // it ends a transaction.
   bool may_be_continued_;
   Pair checksum_;
   Pair salts_;
@@ -143,7 +144,7 @@ LogContent ReadLog(const std::string& path, std::uint32_t page_bytes) {
   LogHeader header = ParseHeader(bytes);
   if (header.is_good) return ReadFrames(file, header);
   if (page_bytes < 512 || !std::has_single_bit(page_bytes)) return {};
-  // Recovery takes a log with a bad header for empty. The frames themselves show what they are.
+  // Recovery treats a log with a bad header as empty. Try both byte orders of the checksums.
   header.page_bytes = page_bytes;
   header.big_endian = false;
   const LogContent little = ReadFrames(file, header);

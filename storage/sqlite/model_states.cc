@@ -58,7 +58,7 @@ absl::Status ModelStates::FindClips(Connection& connection, std::int64_t built_k
     }
   }
   if (frames > std::numeric_limits<std::int32_t>::max()) {
-    return core::DataLoss("parts: its clips have {} frames", frames);
+    return core::DataLoss("parts: too many frames: {}", frames);
   }
   const std::int64_t built_frames = frames - room_;
   room_ = std::max<std::int64_t>(room_, core::RoomToGrow(built_frames));

@@ -1,5 +1,5 @@
-// The states and the root path of a model: those of its clips, read by several connections at once
-// straight to where they stay. Not thread-safe, except where it says so.
+// Reads the states and the root path of a model from its clips, on several connections in parallel,
+// directly into the memory of the model.
 #pragma once
 
 #include <atomic>
@@ -17,21 +17,21 @@ namespace motiondb::storage {
 
 class ModelStates {
  public:
-  // Finds the clips of the build that a current model is or extends, and takes memory for their
-  // frames, with room for those of the clips that were added. DATA_LOSS, before it is taken, if the
-  // clips' states do not hold so many.
+  // Finds the clips of a build and allocates memory for their frames and for those of added clips.
+  // `current_key`: the current model; `built_key`: the build that it is or extends. DATA_LOSS,
+  // before memory is allocated, if the stored states have fewer bytes than these frames need.
   static absl::StatusOr<std::unique_ptr<ModelStates>> Find(Connection& connection,
                                                            std::int64_t current_key,
                                                            std::int64_t built_key);
 
-  // Reads clips that no other call has begun, until none is left. Each thread has a connection of
-  // its own, in a transaction. One that sees another moment, in which the model is not current,
-  // reads nothing: what a model needs stays as it is as long as it is current. What went wrong with
-  // a clip is told by MoveInto. Thread-safe.
+  // Reads clips that no other call has begun, until none is left. Thread-safe: each thread has its
+  // own connection, in a transaction. Reads nothing if the model is not current in that
+  // transaction: only the data of a current model is guaranteed to exist. MoveInto returns errors
+  // of clips.
   absl::Status ReadSome(Connection& connection);
 
-  // When all have been read: moves them into the build that they belong to and scales them. The
-  // first clip with an error in order of frames, or DATA_LOSS if the model has other clips.
+  // Moves the states into the parts of the build and scales them. Call it after all reads. Returns
+  // the error of the first clip that has one; DATA_LOSS if the model has other clips.
   absl::Status MoveInto(core::ModelParts& parts, const core::ParallelFor& parallel);
 
  private:
@@ -40,7 +40,7 @@ class ModelStates {
     std::string id;
     std::int32_t first_frame = 0;
     std::int32_t frame_count = 0;
-    std::int64_t bytes = 0;  // of its states' blob
+    std::int64_t bytes = 0;  // size of its states blob
     std::vector<core::FrameSpan> glitches;
     absl::Status status;
   };
@@ -50,8 +50,8 @@ class ModelStates {
 
   const std::int64_t current_key_;
   std::vector<Clip> clips_;
-  std::atomic<std::size_t> next_ = 0;  // clip that nobody has begun
-  std::int64_t room_ = 0;              // for frames of clips that were added, or will be
+  std::atomic<std::size_t> next_ = 0;  // next clip to read
+  std::int64_t room_ = 0;              // spare frames for clips that were or will be added
   core::FrameMatrix states_;
   core::RootPath root_path_;
 };

@@ -17,7 +17,7 @@
 namespace motiondb::storage {
 namespace {
 
-// A query for models as ToModelRecord reads them; `rest` follows the database in the condition.
+// Returns a query for the columns that ToModelRecord reads. `rest` ends the WHERE clause.
 std::string SelectModels(std::string_view rest) {
   return fmt::format(
       "SELECT model_key, version, current, create_time_us, build_seconds, frame_count, clip_count, "
@@ -61,14 +61,14 @@ absl::StatusOr<std::vector<std::int64_t>> SelectModelClips(Connection& connectio
   }
 }
 
-// Clips that were added after the build, as they were given to the model.
+// Reads the clips that extend a build, as input of core::ExtendModel.
 absl::StatusOr<std::vector<core::BuildInput>> ReadAddedClips(Connection& connection,
                                                              std::span<const std::int64_t> keys) {
   std::vector<core::BuildInput> inputs;
   for (const std::int64_t key : keys) {
     Statement row = connection.Query("SELECT id, label, subject FROM clip WHERE clip_key = ?", key);
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-    if (!found) return core::DataLoss("an added clip is not there");
+    if (!found) return core::DataLoss("a clip that was added to the model is missing");
     core::BuildInput& input = inputs.emplace_back();
     input.clip_id = row.Text(0);
     input.label = row.Text(1);
@@ -92,7 +92,8 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
   core::ModelParts parts;
   absl::Status read;
   parallel(static_cast<int>(connections.size()), [&](int i) {
-    if (i > 0) return states->ReadSome(*connections[i]).IgnoreError();  // the first reads the rest
+    // Errors of helpers are ignored: the first connection reads the remaining clips.
+    if (i > 0) return states->ReadSome(*connections[i]).IgnoreError();
     read = ReadBlob(first, ModelOwner(current.built_key), BlobKind::kModel,
                     [&](ByteSource& source) -> absl::Status {
                       MOTIONDB_ASSIGN_OR_RETURN(parts, DecodeModel(source));

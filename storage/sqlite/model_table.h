@@ -1,5 +1,5 @@
-// Rows of the table `model` and what belongs to models. Functions keep no state; they run in the
-// transaction of their caller. Where a database is named, NOT_FOUND says that it is not there.
+// Rows of the tables of models. The functions run in the caller's transaction. NOT_FOUND if a named
+// database does not exist.
 #pragma once
 
 #include <cstdint>
@@ -16,10 +16,10 @@ namespace motiondb::storage {
 
 inline BlobOwner ModelOwner(std::int64_t model_key) { return {"model", model_key}; }
 
-// The current model as it is stored.
+// The row of the current model.
 struct CurrentModel {
   std::int64_t model_key = 0;
-  std::int64_t built_key = 0;  // of the build that it is or extends
+  std::int64_t built_key = 0;  // the build that it is or extends
   int version = 0;
   int clip_count = 0;
   int frame_count = 0;
@@ -29,12 +29,12 @@ struct CurrentModel {
 absl::StatusOr<CurrentModel> FindCurrentModel(Connection& connection, const std::string& database,
                                               std::int64_t database_key);
 
-// `connections` are one or more, each in a transaction; the first one decides what is current, the
-// others help to read where they see the same.
+// Reads the current model. `connections`: one or more, each in a transaction. The first determines
+// the current model; the others help to read if they see the same model.
 absl::StatusOr<core::Model> SelectCurrentModel(std::span<Connection* const> connections,
                                                const std::string& database,
                                                const core::ParallelFor& parallel);
-// As MotionStore::FindModelStaleness.
+// See MotionStore::FindModelStaleness.
 absl::StatusOr<ModelStaleness> SelectModelStaleness(Connection& connection,
                                                     const std::string& database);
 absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::string& database,

@@ -1,4 +1,4 @@
-// SqliteMotionStore's opening of a file: to write, or read-only.
+// SqliteMotionStore: opening a file for writing or read-only.
 #include <chrono>
 #include <filesystem>
 #include <system_error>
@@ -24,7 +24,7 @@ absl::StatusOr<std::unique_ptr<Writer>> StartWriter(std::unique_ptr<Connection> 
     return std::make_unique<Writer>(std::move(connection));
   } catch (const std::system_error& error) {
     return absl::ResourceExhaustedError(
-        fmt::format("the thread that writes cannot be started: {}", error.what()));
+        fmt::format("cannot start the writer thread: {}", error.what()));
   }
 }
 
@@ -32,7 +32,7 @@ absl::StatusOr<std::unique_ptr<Writer>> StartWriter(std::unique_ptr<Connection> 
 
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const std::string& path,
                                                                            SqliteOptions options) {
-  if (path.empty()) return core::InvalidArgument("the path of the store is empty");
+  if (path.empty()) return core::InvalidArgument("the path of the store must not be empty");
   if (!options.now_us) options.now_us = SystemMicroseconds;
   if (path == ":memory:") {
     if (options.read_only) return core::InvalidArgument("a store in memory cannot be read-only");
@@ -42,8 +42,9 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
     return std::unique_ptr<SqliteMotionStore>(new SqliteMotionStore(
         "", {}, std::nullopt, std::move(writer), nullptr, {}, std::move(options)));
   }
-  // One file, one lock, by whatever links it was reached. Absolute first: what is not there yet
-  // would stay relative, and SQLite takes a name that begins with "file:" for a URI.
+  // Resolve symbolic links, so that a file has one lock. Make the path absolute first: a missing
+  // file would keep a relative path, and SQLite interprets a name that begins with "file:" as a
+  // URI.
   std::error_code error;
   const std::filesystem::path absolute = std::filesystem::absolute(path, error);
   std::string file;
@@ -63,7 +64,7 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrit
   if (check.log_is_corrupt) EmptyLog(*connection);
   Files files;
   MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
-  // SQLite makes the log when the writer first reads, and keeps it until the writer is closed.
+  // SQLite creates the log when the writer first reads, and keeps it until the writer is closed.
   MOTIONDB_ASSIGN_OR_RETURN(files.log, IdentityOf(LogPath(file)));
   auto readers = std::make_unique<ReaderPool>(
       file, files.store, [file, vfs = options.vfs] { return OpenReader(file, vfs); },

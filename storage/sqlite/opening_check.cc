@@ -22,7 +22,7 @@ std::string Describe(const LogContent& log, const std::string& path) {
       log.bad_frame == 0 ? "its header" : fmt::format("its frame {}", log.bad_frame);
   return fmt::format(
       "the log '{}' is corrupt at {}: SQLite drops {} valid frames after it, with {} complete "
-      "transactions, so changes that were acknowledged may be missing",
+      "transactions; acknowledged changes may be missing",
       path, where, log.lost_frames, log.lost_transactions);
 }
 
@@ -39,7 +39,7 @@ void CheckLog(const std::string& store_path, std::uint32_t page_bytes, bool read
   const LogContent kept = ReadLog(kept_path, page_bytes);
   if (kept.is_corrupt && !error) {
     check.found.push_back(
-        {"", fmt::format("{}; ingest again what is missing, or restore a backup, then delete '{}', "
+        {"", fmt::format("{}; ingest missing clips again or restore a backup, then delete '{}', "
                          "the copy of that log",
                          Describe(kept, path), kept_path)});
   } else if (log.is_corrupt) {
@@ -47,22 +47,22 @@ void CheckLog(const std::string& store_path, std::uint32_t page_bytes, bool read
   }
 }
 
-// REQUIRES: recovery finds nothing in the log.
+// Checks whether the file was truncated. REQUIRES: recovery finds nothing in the log.
 void CheckLength(const std::string& path, std::string_view header, std::int64_t page_bytes,
                  bool read_only, OpeningCheck& check) {
-  // SQLite takes no notice of a page count from a writer that did not keep it.
+  // SQLite ignores the page count if the last writer did not update it.
   constexpr std::size_t kChangeCounter = 24;
   constexpr std::size_t kPageCount = 28;
   constexpr std::size_t kCountIsOfChange = 92;
   if (BigEndian(header, kChangeCounter) != BigEndian(header, kCountIsOfChange)) return;
   std::error_code error;
-  // Where making the store was interrupted, SQLite undoes that.
+  // Creation of the store was interrupted: SQLite rolls it back.
   if (fs::exists(path + "-journal", error)) return;
   const auto bytes = static_cast<std::int64_t>(fs::file_size(path, error));
   const std::int64_t expected = BigEndian(header, kPageCount) * page_bytes;
   if (error || bytes < page_bytes || bytes >= expected) return;
   check.found.push_back(
-      {"", fmt::format("the file '{}' was truncated: expected {} bytes, got {}; what was on its "
+      {"", fmt::format("the file '{}' was truncated: expected {} bytes, got {}; the data on its "
                        "last {} pages is lost: restore a backup",
                        path, expected, bytes, (expected - bytes + page_bytes - 1) / page_bytes)});
   if (!read_only) fs::resize_file(path, static_cast<std::uintmax_t>(expected), error);

@@ -1,5 +1,5 @@
-// Looks at the files of a store before SQLite opens them, for corruption that SQLite would pass
-// over or answer by refusing the whole store. Functions keep no state.
+// Checks the files of a store before SQLite opens them, for corruption that SQLite would ignore or
+// because of which it would refuse the whole store.
 #pragma once
 
 #include <string>
@@ -11,17 +11,15 @@ namespace motiondb::storage {
 
 struct OpeningCheck {
   std::vector<Damage> found;
-  // The log is corrupt: what it holds behind the bad frame is to be removed once the frames before
-  // it are recovered.
+  // The log is corrupt: after recovery of the frames before the bad frame, empty it.
   bool log_is_corrupt = false;
-  // The file ends before its last page, and is still that short.
+  // The file ends before its last page and was not extended.
   bool is_short = false;
 };
 
-// Keeps a copy of a corrupt log as `STORE-corrupt-wal`, and fills a store's file that ends too
-// early with zeros to its length, so that SQLite serves the pages that are there. A kept copy is
-// reported again, until it is deleted. With `read_only` it changes nothing. REQUIRES: the lock of
-// the store is held.
+// Copies a corrupt log to `STORE-corrupt-wal`; the copy is reported at each opening until it is
+// deleted. Extends a truncated store file with zeros to its length, so that SQLite serves the
+// remaining pages. With `read_only` it changes nothing. REQUIRES: the caller holds the StoreLock.
 OpeningCheck CheckBeforeOpening(const std::string& store_path, bool read_only);
 
 }  // namespace motiondb::storage

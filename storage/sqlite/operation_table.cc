@@ -11,9 +11,9 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr int kOperationsKept = 1000;  // of each database
+constexpr int kOperationsKept = 1000;  // finished operations to keep, per database
 
-// A query for operations as ToOperationRecord reads them.
+// Returns a query for the columns that ToOperationRecord reads.
 std::string SelectOperations(std::string_view condition) {
   return fmt::format(
       "SELECT id, name, state, progress, stage, model_version, error_code, error_message, "
@@ -42,7 +42,7 @@ absl::Status NoOperation(const std::string& id) {
   return core::NotFound("operation '{}' does not exist", id);
 }
 
-// Deletes those of a database that ended long ago.
+// Deletes old finished operations of a database.
 absl::Status ForgetOldOperations(Connection& connection, std::int64_t database_key) {
   return connection
       .Query(
@@ -53,7 +53,7 @@ absl::Status ForgetOldOperations(Connection& connection, std::int64_t database_k
       .Run();
 }
 
-// The sequence number below which a page begins.
+// Returns the sequence number of the operation `before`; the maximum if it is empty.
 absl::StatusOr<std::int64_t> SequenceOf(Connection& connection, const std::string& before) {
   if (before.empty()) return std::numeric_limits<std::int64_t>::max();
   Statement row = connection.Query(
@@ -83,7 +83,7 @@ absl::Status UpsertOperation(Connection& connection, const OperationRecord& reco
                  record.model_version, record.error_code, record.error_message,
                  record.create_time_us, record.update_time_us, ToText(record.kind))
           .Run());
-  // A RETURNING clause would cost a statement journal.
+  // Not with a RETURNING clause, which would need a statement journal.
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t sequence, SequenceOf(connection, record.id));
   MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "operation", sequence));
   if (record.state != OperationState::kPending) return absl::OkStatus();

@@ -1,5 +1,4 @@
-// Rows of the table `operation`. Functions keep no state; they run in the transaction of their
-// caller.
+// Rows of the table `operation`. The functions run in the caller's transaction.
 #pragma once
 
 #include <string>
@@ -11,7 +10,7 @@
 
 namespace motiondb::storage {
 
-// As MotionStore::PutOperation. NOT_FOUND if there is no such database.
+// See MotionStore::PutOperation. NOT_FOUND if the database does not exist.
 absl::Status UpsertOperation(Connection& connection, const OperationRecord& record);
 absl::StatusOr<OperationRecord> SelectOperation(Connection& connection, const std::string& id);
 absl::StatusOr<std::vector<OperationRecord>> SelectOperations(Connection& connection,

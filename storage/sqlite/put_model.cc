@@ -14,12 +14,12 @@
 namespace motiondb::storage {
 namespace {
 
-constexpr int kModelsKept = 1000;  // figures of superseded models
-// Of one transaction: some ten milliseconds.
+constexpr int kModelsKept = 1000;  // model records to keep, per database
+// Limits of one transaction, for about ten milliseconds.
 constexpr std::ptrdiff_t kPieceClips = 2000;
 constexpr std::size_t kPieceBytes = 4 << 20;
 
-// A model that is still being stored is staged: nobody sees it.
+// A model that is still being stored is staged, which makes it invisible.
 enum class Standing { kStaged, kCurrent };
 
 absl::StatusOr<int> NextVersion(Connection& connection, std::int64_t database_key) {
@@ -34,7 +34,7 @@ absl::StatusOr<int> NextVersion(Connection& connection, std::int64_t database_ke
   return version;
 }
 
-// A staged model has a version beyond all others, until it is published.
+// Returns a version for a staged model: above all others, until it is published.
 absl::StatusOr<int> StagedVersion(Connection& connection, std::int64_t database_key) {
   Statement row = connection.Query(
       "SELECT ifnull(min(version), 0x80000000) - 1 FROM model WHERE database_key = ? AND "
@@ -44,7 +44,7 @@ absl::StatusOr<int> StagedVersion(Connection& connection, std::int64_t database_
   return row.Integer<int>(0);
 }
 
-// Keys of the model's clips from number `first` to before `end`.
+// Returns the keys of the model's clips with indices `first` to `end` - 1.
 absl::StatusOr<std::vector<std::int64_t>> FindModelClips(Connection& connection,
                                                          std::int64_t database_key,
                                                          const core::Model& model,
@@ -72,10 +72,10 @@ absl::Status InsertLayers(Connection& connection, std::int64_t model_key, const 
   return absl::OkStatus();
 }
 
-// Inserts the figures of a model; returns its key.
-absl::StatusOr<std::int64_t> InsertFigures(Connection& connection, std::int64_t database_key,
-                                           int version, const core::Model& model,
-                                           std::int64_t create_time_us, Standing standing) {
+// Inserts the row and the layers of a model; returns its key.
+absl::StatusOr<std::int64_t> InsertRecord(Connection& connection, std::int64_t database_key,
+                                          int version, const core::Model& model,
+                                          std::int64_t create_time_us, Standing standing) {
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO model (database_key, version, current, create_time_us, "
@@ -91,9 +91,8 @@ absl::StatusOr<std::int64_t> InsertFigures(Connection& connection, std::int64_t 
   return model_key;
 }
 
-// Deletes figures of models that were superseded long ago, but of builds that models which are kept
-// extend.
-absl::Status ForgetOldFigures(Connection& connection, std::int64_t database_key, int version) {
+// Deletes the records of old models, except builds that a kept model extends.
+absl::Status DeleteOldRecords(Connection& connection, std::int64_t database_key, int version) {
   const int last = version - kModelsKept;
   return connection
       .Query(
@@ -105,7 +104,7 @@ absl::Status ForgetOldFigures(Connection& connection, std::int64_t database_key,
       .Run();
 }
 
-// Whether the first clips of `model` are those of the current model.
+// Returns whether the first clips of `model` are those of the current model.
 absl::StatusOr<bool> Extends(Connection& connection, const core::Model& model,
                              const CurrentModel& current) {
   const auto& clips = model.clips();
@@ -140,7 +139,7 @@ absl::Status Supersede(Connection& connection, std::int64_t model_key) {
   return SetRowChecksum(connection, "model", model_key);
 }
 
-// The current model, if there is one, is current no more.
+// Marks the current model, if there is one, as former.
 absl::Status Retire(Connection& connection, std::int64_t database_key) {
   std::int64_t key = 0;
   {
@@ -153,7 +152,7 @@ absl::Status Retire(Connection& connection, std::int64_t database_key) {
   return Supersede(connection, key);
 }
 
-// Stores one model in pieces.
+// Stores one model in several transactions.
 class ModelWriter {
  public:
   ModelWriter(const WriteOnce& write, const std::string& database, const core::Model& model)
@@ -171,19 +170,18 @@ class ModelWriter {
     return write_([&](Connection& connection) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(database_key_, FindDatabase(connection, database_));
       MOTIONDB_ASSIGN_OR_RETURN(const int version, StagedVersion(connection, database_key_));
-      MOTIONDB_ASSIGN_OR_RETURN(
-          model_key_, InsertFigures(connection, database_key_, version, model_, create_time_us,
-                                    Standing::kStaged));
+      MOTIONDB_ASSIGN_OR_RETURN(model_key_, InsertRecord(connection, database_key_, version, model_,
+                                                         create_time_us, Standing::kStaged));
       return absl::OkStatus();
     });
   }
 
-  // Runs a piece, unless the database was deleted meanwhile.
+  // Runs a transaction. NOT_FOUND if the database was deleted meanwhile.
   absl::Status Write(const std::function<absl::Status(Connection&)>& piece) {
     return write_([&](Connection& connection) -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindDatabase(connection, database_));
       if (key != database_key_) {
-        return core::NotFound("database '{}' was deleted, and another created", database_);
+        return core::NotFound("database '{}' was deleted and created again", database_);
       }
       return piece(connection);
     });
@@ -203,7 +201,7 @@ class ModelWriter {
     return absl::OkStatus();
   }
 
-  // Encodes outside of transactions.
+  // Encodes the model outside of transactions.
   absl::Status WriteChunks() {
     ChunkSink sink(BlobKind::kModel, [&](std::uint32_t position, std::span<const std::byte> chunk) {
       chunks_.emplace_back(position, std::vector(chunk.begin(), chunk.end()));
@@ -239,7 +237,7 @@ class ModelWriter {
                      version, model_key_)
               .Run());
       MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key_));
-      MOTIONDB_RETURN_IF_ERROR(ForgetOldFigures(connection, database_key_, version));
+      MOTIONDB_RETURN_IF_ERROR(DeleteOldRecords(connection, database_key_, version));
       MOTIONDB_ASSIGN_OR_RETURN(record, SelectModel(connection, database_, version));
       return absl::OkStatus();
     });
@@ -256,7 +254,8 @@ class ModelWriter {
   std::size_t chunk_bytes_ = 0;
 };
 
-// The next model after a key that holds clips or chunks and that no model needs; 0: there is none.
+// Returns the key of the next model after `after` that has clips or chunks and that the current
+// model does not need; 0 if there is none.
 absl::StatusOr<std::int64_t> FindUnneeded(Connection& connection, std::int64_t database_key,
                                           std::int64_t after) {
   Statement row = connection.Query(
@@ -271,7 +270,7 @@ absl::StatusOr<std::int64_t> FindUnneeded(Connection& connection, std::int64_t d
   return found ? row.Integer(0) : 0;
 }
 
-// Frees what one holds, a piece at a time.
+// Frees the clips and chunks of a model in several transactions.
 absl::Status FreeModel(const WriteOnce& write, std::int64_t model_key) {
   constexpr int kPieceChunks = 16;
   const auto free_rows = [&](const std::string& sql, auto limit) -> absl::Status {
@@ -305,16 +304,16 @@ absl::Status FreeModel(const WriteOnce& write, std::int64_t model_key) {
 absl::StatusOr<ModelRecord> PutModelInPieces(const WriteOnce& write, const std::string& database,
                                              const core::Model& model,
                                              std::int64_t create_time_us) {
-  const absl::Status freed = FreeUnneededModels(write, database);  // what an earlier one left
+  const absl::Status freed = FreeUnneededModels(write, database);  // left by an earlier call
   if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;
   auto record = ModelWriter(write, database, model).Run(create_time_us);
-  // The next one frees what cannot be freed now.
+  // On an error the next call tries again.
   FreeUnneededModels(write, database).IgnoreError();
   return record;
 }
 
 absl::Status FreeUnneededModels(const WriteOnce& write, const std::string& database) {
-  absl::Status left;
+  absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {
     const absl::Status looked = write([&](Connection& connection) -> absl::Status {
@@ -323,8 +322,8 @@ absl::Status FreeUnneededModels(const WriteOnce& write, const std::string& datab
       return absl::OkStatus();
     });
     if (!looked.ok()) return looked;
-    if (key == 0) return left;
-    left.Update(FreeModel(write, key));
+    if (key == 0) return data_loss;
+    data_loss.Update(FreeModel(write, key));
   }
 }
 
@@ -339,7 +338,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
     MOTIONDB_ASSIGN_OR_RETURN(extends, Extends(connection, model, *current));
   }
   if (!extends) {
-    return core::FailedPrecondition("the model does not extend the current one of database '{}'",
+    return core::FailedPrecondition("the model does not extend the current model of database '{}'",
                                     database);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys,
@@ -349,7 +348,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
   MOTIONDB_RETURN_IF_ERROR(Supersede(connection, current->model_key));
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::int64_t model_key,
-      InsertFigures(connection, database_key, version, model, create_time_us, Standing::kCurrent));
+      InsertRecord(connection, database_key, version, model, create_time_us, Standing::kCurrent));
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("UPDATE model SET base_key = ?, added_clip_count = ?, added_frame_count = ?, "
@@ -360,7 +359,7 @@ absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::s
   MOTIONDB_RETURN_IF_ERROR(SetRowChecksum(connection, "model", model_key));
   MOTIONDB_RETURN_IF_ERROR(
       InsertClips(connection, current->built_key, current->clip_count, clip_keys));
-  MOTIONDB_RETURN_IF_ERROR(ForgetOldFigures(connection, database_key, version));
+  MOTIONDB_RETURN_IF_ERROR(DeleteOldRecords(connection, database_key, version));
   return SelectModel(connection, database, version);
 }
 

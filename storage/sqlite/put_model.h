@@ -1,6 +1,5 @@
-// Storing models. A built one is stored in pieces, each in a short transaction, so that other
-// changes need not wait for all of it: staged, which nobody sees, then published by the last piece.
-// Functions keep no state.
+// Storing models. A built model is stored in many short transactions, so that other writes do not
+// wait long. It is staged, and therefore invisible, until the last transaction publishes it.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +12,21 @@
 
 namespace motiondb::storage {
 
-// As MotionStore::PutModel. What an error or the end of the process leaves staged is freed by the
-// next call for the database. One at a time for a database.
+// See MotionStore::PutModel. Only one call at a time for a database. If a call fails or the process
+// ends, the next call for the database frees the staged model.
 absl::StatusOr<ModelRecord> PutModelInPieces(const WriteOnce& write, const std::string& database,
                                              const core::Model& model, std::int64_t create_time_us);
 
-// Frees what staged and superseded models hold, but for what the current one needs. DATA_LOSS:
-// what cannot be read stays.
+// Frees the data of staged and former models that the current model does not use. DATA_LOSS if some
+// data cannot be read and stays.
 absl::Status FreeUnneededModels(const WriteOnce& write, const std::string& database);
 
-// As MotionStore::PutExtension, in the transaction of the caller.
+// See MotionStore::PutExtension. Runs in the caller's transaction.
 absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,
                                             const core::Model& model, double drift_fraction,
                                             std::int64_t create_time_us);
 
-// Makes the current model, if there is one, a superseded one; FreeUnneededModels frees it.
+// Marks the current model, if there is one, as former; FreeUnneededModels frees its data.
 absl::Status RetireCurrentModel(Connection& connection, const std::string& database);
 
 }  // namespace motiondb::storage

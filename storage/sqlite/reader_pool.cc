@@ -28,8 +28,8 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
     const MutexLock lock(mutex_);
     to_open = left_to_open_;
     if (to_open > 0) --to_open;
-    const std::size_t stay = left_to_open_ > 0 ? 0 : 1;
-    for (; idle_.size() > stay; idle_.pop_back()) {
+    const std::size_t min_idle = left_to_open_ > 0 ? 0 : 1;
+    for (; idle_.size() > min_idle; idle_.pop_back()) {
       leases.emplace_back(*this, std::move(idle_.back()));
     }
     left_to_open_ -= to_open;
@@ -61,7 +61,7 @@ absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Can
     mutex_.AssertHeld();
     return !idle_.empty() || left_to_open_ > 0;
   });
-  if (!available) return NotWanted();  // nothing is idle, so no notification is lost
+  if (!available) return NotWanted();  // no connection is idle, so no notification is lost
   if (idle_.empty()) {
     --left_to_open_;
     return nullptr;

@@ -1,4 +1,4 @@
-// Connections that read, lent to one thread at a time. Thread-safe.
+// A pool of read connections; each is leased to one thread at a time.
 #pragma once
 
 #include <functional>
@@ -18,11 +18,11 @@ class ReaderPool {
  public:
   using Open = std::function<absl::StatusOr<std::unique_ptr<Connection>>()>;
 
-  // Opens connections to `path` with `open` when they are first needed, at most `limit`, and none
-  // to another file than `file`, whatever is at `path` by then: UNAVAILABLE.
+  // Opens at most `limit` connections to `path` with `open`, on demand. UNAVAILABLE if the file at
+  // `path` is no longer `file`.
   ReaderPool(std::string path, FileIdentity file, Open open, int limit);
 
-  // A connection, given back when this is destroyed, which must be before the pool is.
+  // A leased connection. The destructor returns it to the pool, which must outlive the lease.
   class Lease {
    public:
     Lease(ReaderPool& pool, std::unique_ptr<Connection> connection)
@@ -39,14 +39,15 @@ class ReaderPool {
     std::unique_ptr<Connection> connection_;
   };
 
-  // Waits for a connection if all are lent. CANCELLED, soon after `cancelled` says so.
+  // Waits for a connection if all are leased. CANCELLED within about 20 ms after `cancelled`
+  // returns true.
   absl::StatusOr<Lease> Acquire(const core::Cancelled& cancelled = {});
-  // Those that are to be had without waiting, to help one that was acquired; but one stays for
-  // whoever asks next. May be none.
+  // Returns all connections that are available without waiting except one, which stays for the next
+  // caller. They help a caller that already has a connection. May be empty.
   std::vector<Lease> AcquireIdle();
 
  private:
-  // Null if there is none idle and one may be opened. CANCELLED.
+  // Returns an idle connection. Null if none is idle and the caller may open one. CANCELLED.
   absl::StatusOr<std::unique_ptr<Connection>> TakeIdle(const core::Cancelled& cancelled);
   absl::StatusOr<Lease> OpenPromised();
   void GiveBack(std::unique_ptr<Connection> connection);

@@ -17,11 +17,11 @@ struct CheckedTable {
   std::string_view name;
   std::string_view key;
   std::string_view columns;  // all but row_crc
-  std::string_view id;       // the column that names a row; empty: none does
+  std::string_view id;       // the column with the resource id; empty: none
   bool is_in_database = false;
 };
 
-// With the columns that the last migration to set row_crc has (schema.cc).
+// The columns must match those of the last migration that sets row_crc of the table (schema.cc).
 constexpr std::array kTables = {
     CheckedTable{"database", "database_key",
                  "database_key, name, frame_rate_hz, min_frames, scaling, marker_set, "
@@ -56,7 +56,7 @@ constexpr std::array kTables = {
                  "sequence, time_us, principal, peer, method, resource, code, request_id", ""},
 };
 
-// The name of a row's resource, in SQL.
+// Returns an SQL expression for the resource name of a row.
 std::string ResourceOf(const CheckedTable& table) {
   if (table.id.empty()) return "''";
   const std::string name = fmt::format("'{}s/' || {}.{}", table.name, table.name, table.id);
@@ -71,7 +71,7 @@ std::ptrdiff_t IndexOf(std::string_view table) {
   return std::ranges::find(kTables, table, &CheckedTable::name) - kTables.begin();
 }
 
-// Of each table, in their order.
+// Returns the UPDATE statement of each table, in the order of kTables.
 std::array<std::string, kTables.size()> MakeUpdates() {
   std::array<std::string, kTables.size()> updates;
   std::ranges::transform(kTables, updates.begin(), [](const CheckedTable& table) {
@@ -88,7 +88,8 @@ std::uint32_t CrcOf(Number number, std::uint32_t crc) {
   return Crc32(bytes, crc);
 }
 
-// Type and length are part of it, so that no value can pass for another or for two.
+// The SQL function motiondb_crc. The checksum includes types and lengths, so that different lists
+// of values have different input.
 void Checksum(sqlite3_context* context, int count, sqlite3_value** values) {
   std::uint32_t crc = 0;
   for (sqlite3_value* const value : std::span(values, static_cast<std::size_t>(count))) {

@@ -1,9 +1,9 @@
-// Checksums of rows, so that a change of one that SQLite did not make is found. The column
-// `row_crc` of a table holds the CRC-32 of the row's other columns, which the SQL function
-// `motiondb_crc` gives. Functions keep no state; they run in the transaction of their caller.
+// Checksums of rows, to detect changes that SQLite did not make. The column `row_crc` contains the
+// CRC-32 of the other columns of the row, which the SQL function `motiondb_crc` computes. The
+// functions run in the caller's transaction.
 //
-// Who inserts or updates a row calls SetRowChecksum, or inserts `motiondb_crc(...)`. Rows of chunks
-// have none: each chunk has a checksum of its own.
+// Code that inserts or updates a row must call SetRowChecksum or insert `motiondb_crc(...)`. Rows
+// of chunks have no `row_crc`: each chunk contains a checksum.
 #pragma once
 
 #include <sqlite3.h>
@@ -19,7 +19,7 @@
 
 namespace motiondb::storage {
 
-// Every connection has it. An SQLite result code.
+// Adds the SQL function `motiondb_crc` to a connection. Returns an SQLite result code.
 int AddChecksumFunction(sqlite3* database);
 
 // `key` is the row id. REQUIRES: the table is one of CheckedTables.
@@ -27,13 +27,13 @@ absl::Status SetRowChecksum(Connection& connection, std::string_view table, std:
 
 std::span<const std::string_view> CheckedTables();
 
-// A row whose checksum is not that of its columns.
+// A row whose checksum does not match its columns.
 struct ChangedRow {
-  std::string resource;  // what it is, as in Damage; empty if it has no name
+  std::string resource;  // resource name, as in Damage; empty if it has none
   std::string row;       // "row 7 of table clip"
 };
 
-// The first hundred of a table.
+// Returns the first 100 changed rows of a table.
 absl::StatusOr<std::vector<ChangedRow>> FindChangedRows(Connection& connection,
                                                         std::string_view table);
 

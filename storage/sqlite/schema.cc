@@ -131,8 +131,8 @@ CREATE TABLE operation (
 CREATE INDEX operation_by_database ON operation (database_key, sequence);
 )sql";
 
-// A model may extend a built one by clips. Then it has the chunks and clips of the build, under the
-// build's key, and clips of its own behind those.
+// A model may extend a build by clips. It then uses the chunks and clips of the build, under the
+// build's key; its added clips follow those of the build.
 constexpr char kExtensions[] = R"sql(
 ALTER TABLE model ADD COLUMN base_key INTEGER REFERENCES model;  -- NULL: it was built
 ALTER TABLE model ADD COLUMN added_clip_count INTEGER NOT NULL DEFAULT 0;
@@ -140,8 +140,8 @@ ALTER TABLE model ADD COLUMN added_frame_count INTEGER NOT NULL DEFAULT 0;
 ALTER TABLE model ADD COLUMN stale_share REAL NOT NULL DEFAULT 0;
 )sql";
 
-// Who may call, and who changed what. Databases are named, not referred to: a token may be made
-// before its database, and the record of a change outlives what it changed.
+// Tokens and the audit log. They contain names instead of keys of databases: a token may be created
+// before its database, and an audit entry outlives the changed object.
 constexpr char kAccess[] = R"sql(
 CREATE TABLE token (
   sequence INTEGER PRIMARY KEY AUTOINCREMENT,  -- rises with each token made
@@ -168,18 +168,18 @@ CREATE TABLE audit (
 ) STRICT;
 )sql";
 
-// A deleted database stays, under a name that no other has, until all that it holds is freed.
+// A deleted database stays under a unique name until its content is freed.
 constexpr char kDeletion[] = R"sql(
 ALTER TABLE database ADD COLUMN deleted INTEGER NOT NULL DEFAULT 0 CHECK (deleted IN (0, 1));
 )sql";
 
-// What a clip's blobs take stands with the clip: to list clips, no page need be read that chunks
-// begin on, and one that is damaged costs its clip alone.
+// The size of a clip's blobs is a column of the clip. Listing clips then reads no page of chunks,
+// and a corrupt page of chunks does not affect the list.
 constexpr char kClipByteCounts[] = R"sql(
 ALTER TABLE clip ADD COLUMN byte_count INTEGER;  -- NULL: a former version's, not counted yet
 )sql";
 
-// Each row has a checksum (row_checksum.h), so that a change that SQLite did not make is found.
+// Each row has a checksum (row_checksum.h), to detect changes that SQLite did not make.
 constexpr char kRowChecksums[] = R"sql(
 ALTER TABLE database ADD COLUMN row_crc INTEGER;
 ALTER TABLE skeleton ADD COLUMN row_crc INTEGER;
@@ -209,10 +209,9 @@ UPDATE audit SET row_crc = motiondb_crc(sequence, time_us, principal, peer, meth
   request_id);
 )sql";
 
-// A model is stored in several transactions; until the last one it is staged. What is looked for
-// among what grows has an index: a deleted clip that a model was built from, a deleted database, a
-// skeleton like a clip's, and what refers to a row that is deleted. A database has a setting for
-// glitches.
+// A model is stored in several transactions; until the last one it is staged. Searches in growing
+// tables have an index: deleted clips of a model, deleted databases, equal skeletons, and
+// references to a deleted row. A database has a setting for glitches.
 constexpr char kStagedModelsAndGlitches[] = R"sql(
 ALTER TABLE model ADD COLUMN staged INTEGER NOT NULL DEFAULT 0 CHECK (staged IN (0, 1));
 UPDATE model SET row_crc = motiondb_crc(model_key, database_key, version, current, create_time_us,
@@ -228,10 +227,9 @@ UPDATE database SET row_crc = motiondb_crc(database_key, name, frame_rate_hz, mi
   marker_set, marker_set_text, last_model_version, create_time_us, deleted, glitches);
 )sql";
 
-// States carry the version of the representation that made them, and clips what is needed to derive
-// them again. Of clips of former versions that is what their report tells: a unit and an up axis
-// that were given; the frame rate and the leg length that were found, whether or not they were
-// given.
+// Clips have the version of the representation of their states and the conventions to derive them
+// again. For clips of former versions these come from the source report (unit and up axis if given)
+// and from the record (frame rate and leg length, given or not).
 constexpr char kRepresentationVersions[] = R"sql(
 ALTER TABLE clip ADD COLUMN representation_version INTEGER NOT NULL DEFAULT 1;
 ALTER TABLE clip ADD COLUMN tried_version INTEGER NOT NULL DEFAULT 1;
@@ -273,8 +271,8 @@ constexpr const char* kMigrations[] = {kFirst,
                                        kStagedModelsAndGlitches,
                                        kRepresentationVersions};
 
-// What makes each table, index, trigger and view, by its kind and name. Without the statistics that
-// ANALYZE leaves. From the last kind to the first: tables before their indices.
+// SQL definition of each table, index, trigger and view by kind and name, without the tables that
+// ANALYZE creates. Descending order of kind: tables come before their indices.
 using SchemaObjects = std::map<std::string, std::string, std::greater<>>;
 absl::StatusOr<SchemaObjects> Definitions(Connection& connection) {
   SchemaObjects definitions;
@@ -298,7 +296,7 @@ absl::Status Migrate(Connection& connection, std::span<const char* const> migrat
   MOTIONDB_ASSIGN_OR_RETURN(std::int64_t version, connection.QueryInteger("PRAGMA user_version"));
   if (version < 0 || version > latest) {
     return core::FailedPrecondition(
-        "the store is of version {}, from a newer motiondb; this one knows versions up to {}",
+        "the store is of version {}, from a newer motiondb; this one supports versions up to {}",
         version, latest);
   }
   for (; version < latest; ++version) {
@@ -322,10 +320,10 @@ absl::Status CheckSchema(Connection& connection) {
   for (const auto& [object, definition] : expected) {
     const auto found = definitions.find(object);
     if (found == definitions.end()) return core::DataLoss("the {} is missing", object);
-    if (found->second != definition) return core::DataLoss("the {} is not a store's", object);
+    if (found->second != definition) return core::DataLoss("the {} was changed", object);
   }
   for (const auto& [object, definition] : definitions) {
-    if (!expected.contains(object)) return core::DataLoss("a store has no {}", object);
+    if (!expected.contains(object)) return core::DataLoss("unexpected {}", object);
   }
   return absl::OkStatus();
 }

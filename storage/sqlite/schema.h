@@ -1,4 +1,4 @@
-// The tables of a store and how they came to be, one migration after another.
+// The tables of a store and their migrations.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,20 @@
 
 namespace motiondb::storage {
 
-// Tells a store from any other SQLite file: "mtdb".
+// SQLite application id of a store: "mtdb".
 inline constexpr std::int64_t kApplicationId = 0x6d746462;
 
-// Scripts in order. The first makes version 1 of an empty file. What was released does not change.
+// Returns the migration scripts in order. The first makes version 1 from an empty file. A released
+// script never changes.
 std::span<const char* const> Migrations();
 
-// Brings the file to version migrations.size(), each migration and its user_version in a
-// transaction of their own. FAILED_PRECONDITION, changing nothing, if the file is of a later
-// version.
+// Migrates the file to version migrations.size(). Each migration sets user_version in its own
+// transaction. FAILED_PRECONDITION, changing nothing, if the file has a later version.
 absl::Status Migrate(Connection& connection, std::span<const char* const> migrations);
 
-// DATA_LOSS, naming the first that differs, unless the tables, indices, triggers and views are
-// those, word by word, that all of Migrations() make. A trigger of somebody else's would change
-// what is stored behind the server's back.
+// Checks that the definitions of tables, indices, triggers and views are exactly those that
+// Migrations() make. DATA_LOSS names the first that differs. For example, a foreign trigger could
+// change stored data without notice.
 absl::Status CheckSchema(Connection& connection);
 
 }  // namespace motiondb::storage

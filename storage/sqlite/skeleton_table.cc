@@ -14,14 +14,15 @@ namespace motiondb::storage {
 
 namespace {
 
-constexpr std::size_t kLongestId = 100;  // leaves room for "-2"
+constexpr std::size_t kMaxIdBytes = 100;  // leaves room for "-2"
 
 BlobOwner Owner(std::int64_t key) { return {"skeleton", key}; }
 
-// Letters, digits, '-', '_' and '.' of a name, all else as '_': what resource names may hold.
+// Returns a valid resource id: replaces characters other than letters, digits, '-', '_', '.' by
+// '_'.
 std::string IdFromName(std::string name) {
   if (name.empty()) return "skeleton";
-  name.resize(std::min(name.size(), kLongestId));
+  name.resize(std::min(name.size(), kMaxIdBytes));
   for (char& c : name) {
     const bool fit = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
                      c == '-' || c == '_' || c == '.';
@@ -42,7 +43,7 @@ absl::StatusOr<core::Skeleton> Decode(Connection& connection, std::int64_t key,
   return skeleton;
 }
 
-// The key of the skeleton with these bytes; 0 if there is none.
+// Returns the key of the skeleton with the encoding `encoded`; 0 if there is none.
 absl::StatusOr<std::int64_t> FindAlike(Connection& connection, std::int64_t database_key,
                                        const std::string& encoded, std::uint32_t crc) {
   Statement row = connection.Query(
@@ -52,7 +53,7 @@ absl::StatusOr<std::int64_t> FindAlike(Connection& connection, std::int64_t data
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found) return 0;
     const auto stored = ReadBlob(connection, Owner(row.Integer(0)), BlobKind::kSkeleton);
-    // One that is damaged is like no other; it must not stand in the way of a new clip.
+    // A corrupt skeleton equals no other; it must not prevent adding a clip.
     if (stored.ok() && *stored == encoded) return row.Integer(0);
     if (!stored.ok() && !absl::IsDataLoss(stored.status())) return stored.status();
   }
@@ -107,7 +108,7 @@ absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connecti
     if (!found) break;
     std::string id = row.Text(1);
     auto skeleton = Decode(connection, row.Integer(0), database, id);
-    // Damage costs the one skeleton, not the list.
+    // Skip a corrupt skeleton.
     if (absl::IsDataLoss(skeleton.status())) continue;
     if (!skeleton.ok()) return skeleton.status();
     records.push_back({std::move(id), *std::move(skeleton)});
@@ -132,7 +133,7 @@ absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view take
   const auto is_taken = [&](std::int64_t number) {
     return connection.Query(taken_sql, database_key, id_of(number)).Step();
   };
-  // In steps that double, then by halving: as many questions as the count of taken ids has digits.
+  // Exponential, then binary search: O(log n) queries for n taken ids.
   std::int64_t taken = 0;
   std::int64_t free = 1;
   while (true) {

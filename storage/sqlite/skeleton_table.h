@@ -1,5 +1,5 @@
-// Rows of the table `skeleton`, and ids that are not taken. Functions keep no state; they run in
-// the transaction of their caller.
+// Rows of the table `skeleton`, and the choice of free ids. The functions run in the caller's
+// transaction.
 #pragma once
 
 #include <cstdint>
@@ -13,8 +13,8 @@
 
 namespace motiondb::storage {
 
-// The key of a skeleton that is alike in every number and name, stored now if there was none. A new
-// one is called as the skeleton calls itself, made fit for an id.
+// Returns the key of an identical stored skeleton; stores the skeleton if there is none. The id of
+// a new one is the skeleton's name with invalid characters replaced.
 absl::StatusOr<std::int64_t> FindOrInsertSkeleton(Connection& connection, std::int64_t database_key,
                                                   const core::Skeleton& skeleton);
 absl::StatusOr<core::Skeleton> SelectSkeleton(Connection& connection, const std::string& database,
@@ -23,11 +23,12 @@ absl::StatusOr<std::vector<SkeletonRecord>> SelectSkeletons(Connection& connecti
                                                             const std::string& database,
                                                             const Page& page);
 
-// Deletes one that no clip is on.
+// Deletes a skeleton if no clip uses it.
 absl::Status DeleteUnusedSkeleton(Connection& connection, std::int64_t skeleton_key);
 
-// `wanted`, or one of "wanted-2", "wanted-3", ... for which `taken_sql`, a query with the
-// parameters database_key and id, gives no row: the first, where those before it have no gap.
+// Returns a free id: `wanted`, "wanted-2", "wanted-3", ... An id is taken if `taken_sql`, a query
+// with the parameters database_key and id, returns a row. Returns the first free id if the taken
+// numbers have no gap, else any free id.
 absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view taken_sql,
                                    std::int64_t database_key, const std::string& wanted);
 

@@ -15,9 +15,9 @@ absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& rea
   {
     MOTIONDB_ASSIGN_OR_RETURN(
         const auto copy, Connection::Open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
-    // It need not outlive a crash.
+    // The copy need not survive a crash.
     MOTIONDB_RETURN_IF_ERROR(copy->Execute("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF"));
-    // The transaction's moment is that of its first read.
+    // The first read determines the snapshot of the transaction.
     MOTIONDB_RETURN_IF_ERROR(reader.QueryInteger("SELECT count(*) FROM database").status());
     MOTIONDB_RETURN_IF_ERROR(CopyPages(reader, *copy, cancelled));
   }
@@ -25,9 +25,9 @@ absl::StatusOr<std::unique_ptr<SqliteBackup>> SqliteBackup::Make(Connection& rea
   backup->file_bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(path, error));
   backup->stream_.open(path, std::ios::binary);
   if (error || !backup->stream_) {
-    return absl::UnavailableError(fmt::format("cannot read '{}'", path));
+    return absl::UnavailableError(fmt::format("cannot read the copy of the store, '{}'", path));
   }
-  backup->file_.Remove();  // the stream still has it
+  backup->file_.Remove();  // the open stream can still read it
   return backup;
 }
 
@@ -37,16 +37,16 @@ std::int64_t SqliteBackup::total_bytes() const {
 
 absl::StatusOr<bool> SqliteBackup::Read(std::string& block) {
   if (ended_) return false;
-  const std::int64_t left = file_bytes_ - read_bytes_;
-  if (left == 0) {
+  const std::int64_t remaining = file_bytes_ - read_bytes_;
+  if (remaining == 0) {
     digest_.Update(kBackupMark);
     block = std::string(kBackupMark) + digest_.Finish();
     ended_ = true;
     return true;
   }
-  block.resize(static_cast<std::size_t>(std::min<std::int64_t>(left, kBackupBlockBytes)));
+  block.resize(static_cast<std::size_t>(std::min<std::int64_t>(remaining, kBackupBlockBytes)));
   stream_.read(block.data(), static_cast<std::streamsize>(block.size()));
-  if (!stream_) return absl::UnavailableError("the copy of the store cannot be read");
+  if (!stream_) return absl::UnavailableError("cannot read the copy of the store");
   read_bytes_ += static_cast<std::int64_t>(block.size());
   digest_.Update(block);
   return true;

@@ -1,5 +1,5 @@
-// A backup of a SQLite store. First all pages go to a file beside the store, so that the moment
-// that the copy is of, which the log must keep, does not last as long as the slowest client.
+// Backup of an SQLite store. First all pages are copied to a file beside the store: otherwise the
+// read transaction would last as long as the slowest client, and the log could not be emptied.
 #pragma once
 
 #include <cstddef>
@@ -18,7 +18,8 @@ namespace motiondb::storage {
 
 class SqliteBackup final : public StoreBackup {
  public:
-  // `reader` is a reader of the store at `store_path`, in a transaction; no longer needed then.
+  // `reader`: a read connection to the store at `store_path`, in a transaction; not used after the
+  // call.
   static absl::StatusOr<std::unique_ptr<SqliteBackup>> Make(Connection& reader,
                                                             const std::string& store_path,
                                                             const core::Cancelled& cancelled);

@@ -177,14 +177,14 @@ absl::StatusOr<std::vector<SkeletonRecord>> SqliteMotionStore::ListSkeletons(
 absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& database,
                                                         const core::Model& model) {
   const MutexLock lock(models_mutex_);
-  // All of it has to have room before the first piece.
+  // Check the room for the whole model before the first transaction.
   Added added = reserve_.is_off() ? 0 : AddedBytes(model);
   const WriteOnce write = [&](const auto& piece) {
     return Write(Priority::kBackground, piece, {}, std::exchange(added, Added(0)));
   };
   auto record = PutModelInPieces(write, database, model, now_us_());
   if (record.ok())
-    PurgeDeletedClips(database, {}).IgnoreError();  // that only the former one needed
+    PurgeDeletedClips(database, {}).IgnoreError();  // clips that only the former model used
   return record;
 }
 
@@ -245,29 +245,29 @@ absl::Status SqliteMotionStore::PurgeDeletedClips(const std::string& database,
                               return SelectRemovedClips(connection, database);
                             }));
   if (keys.empty()) return absl::OkStatus();
-  // A few at a time, so that other changes do not wait for all.
+  // Small transactions, so that other writes do not wait long.
   constexpr std::size_t kPieceClips = 64;
-  const auto purge = [&](std::span<const std::int64_t> some) {
-    const auto piece = [&](Connection& connection) { return PurgeRemovedClips(connection, some); };
+  const auto purge = [&](std::span<const std::int64_t> batch) {
+    const auto piece = [&](Connection& connection) { return PurgeRemovedClips(connection, batch); };
     return Write(Priority::kBackground, piece, cancelled);
   };
-  absl::Status left;
+  absl::Status data_loss;
   for (std::size_t first = 0; first < keys.size(); first += kPieceClips) {
-    const auto some =
+    const auto batch =
         std::span(keys).subspan(first).first(std::min(kPieceClips, keys.size() - first));
-    const absl::Status purged = purge(some);
+    const absl::Status purged = purge(batch);
     if (!absl::IsDataLoss(purged)) {
       MOTIONDB_RETURN_IF_ERROR(purged);
       continue;
     }
-    // One cannot be freed; the others can.
-    left = purged;
-    for (const std::int64_t& key : some) {
-      const absl::Status one = purge(std::span(&key, 1));
-      if (!one.ok() && !absl::IsDataLoss(one)) return one;
+    // A clip cannot be freed: purge each clip in its own transaction.
+    data_loss = purged;
+    for (const std::int64_t& key : batch) {
+      const absl::Status single = purge(std::span(&key, 1));
+      if (!single.ok() && !absl::IsDataLoss(single)) return single;
     }
   }
-  return left;
+  return data_loss;
 }
 
 absl::Status SqliteMotionStore::PutOperation(const OperationRecord& record,
@@ -327,16 +327,16 @@ absl::Status SqliteMotionStore::CheckFile() {
   if (path_.empty() || read_only_) return absl::OkStatus();
   const absl::Status store = CheckIsFile(path_, files_.store);
   if (!store.ok()) {
-    return absl::UnavailableError(fmt::format(
-        "the store's file {}: nothing is changed any more, since it would be lost; put the file "
-        "back, or stop the server and restore a backup",
-        std::string(store.message())));
+    return absl::UnavailableError(
+        fmt::format("the store's file {}: changes are refused because they would be lost; put the "
+                    "file back, or stop the server and restore a backup",
+                    std::string(store.message())));
   }
   const absl::Status log = CheckIsFile(LogPath(path_), files_.log);
   if (!log.ok()) {
     return absl::UnavailableError(fmt::format(
         "the store's log {}: changes are refused because they would be lost; put the file back, or "
-        "restart the server with SIGTERM, which saves what the log held",
+        "restart the server with SIGTERM, which saves the content of the log",
         std::string(log.message())));
   }
   return absl::OkStatus();
@@ -366,10 +366,10 @@ absl::Status SqliteMotionStore::CheckWrites() {
 }
 
 absl::Status SqliteMotionStore::TryWriting() {
-  // What a small clip takes in the log and in the file.
+  // Size of a small clip in the log and in the file.
   constexpr std::int64_t kAddedBytes = 256 << 10;
-  constexpr std::chrono::seconds kLongestWait{1};
-  const auto latest = WaitClock::now() + kLongestWait;
+  constexpr std::chrono::seconds kMaxWait{1};
+  const auto latest = WaitClock::now() + kMaxWait;
   const auto write = [this](Connection& writer) -> absl::Status {
     MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, kAddedBytes));
     MOTIONDB_ASSIGN_OR_RETURN(const auto version, writer.QueryInteger("PRAGMA user_version"));
@@ -390,7 +390,7 @@ absl::StatusOr<std::unique_ptr<StoreVerifier>> SqliteMotionStore::BeginVerify(
 
 absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
     const core::Cancelled& cancelled) {
-  if (path_.empty()) return core::FailedPrecondition("a store in memory is not backed up");
+  if (path_.empty()) return core::FailedPrecondition("cannot back up a store in memory");
   return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(reader));
     MOTIONDB_RETURN_IF_ERROR(reserve_.CheckBeside(bytes));
@@ -399,7 +399,7 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
 }
 
 absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
-  if (path_.empty()) return core::FailedPrecondition("a store in memory is not restored");
+  if (path_.empty()) return core::FailedPrecondition("cannot restore into a store in memory");
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
   MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
   return SqliteRestore::Make(path_, reserve_,
@@ -416,7 +416,7 @@ absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancell
     MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, bytes));
     MOTIONDB_RETURN_IF_ERROR(KeepAccess(writer, backup));
     MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, writer, cancelled));
-    // The log has the whole store now; if readers are in the way, a later write moves it.
+    // The log now contains the whole store; if readers block the checkpoint, a later write does it.
     writer.Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();
     return absl::OkStatus();
   });

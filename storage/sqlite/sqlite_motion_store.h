@@ -1,7 +1,7 @@
 // A store in one SQLite file, for one server. docs/storage_format.md describes the file.
 //
-// Thread-safe. Reads run beside each other and beside a write; each sees one moment. Writes run one
-// after another, on the writer's thread (writer.h).
+// Reads run concurrently with each other and with a write; each sees a consistent snapshot. Writes
+// run one after another on the writer thread (writer.h).
 #pragma once
 
 #include <cstdint>
@@ -27,26 +27,26 @@
 namespace motiondb::storage {
 
 struct SqliteOptions {
-  // Most reads at a time; more wait.
+  // Maximum number of concurrent reads; others wait.
   int reader_count = 4;
-  // When a model is put: microseconds since the Unix epoch. The system's clock where empty. All
-  // other times come with the records.
+  // Clock for the creation time of models: microseconds since the Unix epoch. Empty: system clock.
+  // All other times come with the records.
   std::function<std::int64_t()> now_us;
-  // What additions leave free on the store's disk, so that it can be emptied; 0: they do not look.
-  // Not for a store in memory.
+  // Disk space that additions must leave free (disk_reserve.h); 0: no check. Ignored for a store in
+  // memory.
   std::int64_t reserve_bytes = 0;
-  // Every change is refused (FAILED_PRECONDITION) and no file of the store is written, so that they
-  // may be on a read-only file system. The store has to be there, of the current version.
+  // Changes return FAILED_PRECONDITION, and no file of the store is written: the file system may be
+  // read-only. The store must exist and have the current version.
   bool read_only = false;
-  // Name of a registered SQLite VFS; empty for the default one. Tests put faults there.
+  // Name of a registered SQLite VFS; empty for the default. Tests inject faults with it.
   std::string vfs;
 };
 
 class SqliteMotionStore final : public MotionStore, public AccessStore, public StoreUpkeep {
  public:
-  // Opens the store at `path`, making it where there is none or an empty file, and upgrading one of
-  // an older version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION,
-  // changing nothing, if the file is not a store, is of a newer version, or is open elsewhere.
+  // Opens the store at `path`. Creates it if the file is missing or empty; upgrades an older
+  // version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION, changing
+  // nothing, if the file is not a store, has a newer version, or is open elsewhere.
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> Open(const std::string& path,
                                                                  SqliteOptions options = {});
 
@@ -115,7 +115,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   std::vector<Damage> FoundAtOpening() const override { return found_at_opening_; }
   absl::Status CheckFile() override;
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
-  // Both FAILED_PRECONDITION for a store in memory.
+  // BeginBackup and BeginRestore return FAILED_PRECONDITION for a store in memory.
   absl::StatusOr<std::unique_ptr<StoreBackup>> BeginBackup(
       const core::Cancelled& cancelled) override;
   absl::StatusOr<std::unique_ptr<StoreRestore>> BeginRestore() override;
@@ -123,66 +123,65 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
  private:
   struct Files {
     FileIdentity store;
-    FileIdentity log;  // not of a store that is open read-only
+    FileIdentity log;  // unset if read-only
   };
   SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
                     std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
                     std::vector<Damage> found_at_opening, SqliteOptions options);
-  // Both after the checks of Open; `file` is absolute.
+  // Open without its checks; `file` is absolute.
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenToWrite(std::string file,
                                                                         SqliteOptions options);
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenReadOnly(std::string file,
                                                                          SqliteOptions options);
 
-  // The bytes that a change adds, as far as they are known; none: it is no addition, and need not
-  // leave the reserve.
+  // Known bytes that a change adds; none: not an addition, so the reserve is not checked.
   using Added = std::optional<std::int64_t>;
 
-  // Runs work(Connection&), which returns a Status or StatusOr, in a transaction: all of it
-  // happens, or after an error none. On the writer's thread.
+  // Runs work(Connection&), which returns a Status or StatusOr, in a transaction, which is rolled
+  // back on an error. Runs on the writer thread.
   template <typename Work>
   auto Transact(Connection& writer, Added added, const Work& work)
       -> std::invoke_result_t<Work, Connection&> {
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, added));
     return InTransaction(writer, Transaction::Kind::kWrite, work);
   }
-  // Has the writer do that. CANCELLED before its turn.
+  // Queues Transact on the writer and waits for it. CANCELLED if cancelled before it began.
   template <typename Work>
   auto Write(Priority priority, const Work& work, const core::Cancelled& cancelled = {},
              Added added = {});
-  // The same with an entry of the record of changes.
+  // As Write, with an audit entry in the same transaction.
   template <typename Work>
   auto WriteWith(const ChangeTerms& terms, const Work& work, Added added = {},
                  Priority priority = Priority::kOrdinary);
-  // Runs work(Connection&, Remains) so that what cannot be freed does not stop it.
+  // Runs work(Connection&, Remains) with kFree, and on DATA_LOSS again with kLeave.
   template <typename Work>
   auto WriteAndFree(const ChangeTerms& terms, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 
-  // OK if a change that is committed now will last, and leaves the reserve if it is an addition.
-  // Otherwise moves what the log holds into the store's file as far as it can, because the log may
-  // be lost. On the writer's thread.
+  // Returns OK if the store's files are in place and, for an addition, the reserve stays free. If a
+  // file is missing or replaced, moves the log into the store's file as far as possible, because
+  // the log may be lost. Runs on the writer thread.
   absl::Status CheckMayWrite(Connection& writer, Added added);
 
-  // Writes a page that stays as it is. CANCELLED if another write takes long.
+  // Writes a page without changing it. CANCELLED if it waits longer than a second for other writes.
   absl::Status TryWriting();
 
-  // Makes the checked store of a backup this store's own.
+  // Replaces the content of this store by the store of a checked backup.
   absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
 
   const std::string path_;  // empty for a store in memory
-  const Files files_;       // that were opened under `path_`
+  const Files files_;       // the files that were opened
   const bool read_only_;
   const std::vector<Damage> found_at_opening_;
   const DiskReserve reserve_;
-  // Destroyed from last to first: readers, then the writer, which empties the log, then the lock.
+  // Order of destruction: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;        // none for a store in memory
   std::unique_ptr<Writer> writer_;       // null if read-only
-  std::unique_ptr<ReaderPool> readers_;  // null for a store in memory, which the writer reads
+  std::unique_ptr<ReaderPool> readers_;  // null for a store in memory: the writer reads it
   std::function<std::int64_t()> now_us_;
   WriteHealth write_health_;
-  Mutex models_mutex_;  // models are put and dropped one at a time
+  Mutex models_mutex_;  // serializes PutModel and DropModel
 };
 
 }  // namespace motiondb::storage

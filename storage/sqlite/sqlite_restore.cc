@@ -22,11 +22,11 @@ constexpr char kIn[] = "the backup";
 
 absl::Status NoBackup() {
   return core::InvalidArgument(
-      "this is not a backup, as `motiondb backup` writes it, or its beginning is damaged");
+      "not a backup, or its beginning is corrupt; expected a file that `motiondb backup` wrote");
 }
 
-// What is damaged in a backup, or means nothing to SQLite (INTERNAL), is its sender's mistake: this
-// store has lost nothing.
+// Names the backup in an error. DATA_LOSS and INTERNAL of a backup become INVALID_ARGUMENT: the
+// input is wrong, this store is not corrupt.
 absl::Status OfBackup(const absl::Status& status) {
   const absl::Status named = In(kIn, status);
   return absl::IsDataLoss(named) || absl::IsInternal(named)
@@ -34,7 +34,7 @@ absl::Status OfBackup(const absl::Status& status) {
              : named;
 }
 
-// The first damage in the whole store, if there is any.
+// Verifies a whole store. DATA_LOSS with the first corrupt item.
 absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled) {
   SqliteVerifier verifier(
       [&](const SqliteVerifier::Look& look) -> absl::Status {
@@ -50,7 +50,7 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
       const Damage& first = found.front();
       if (first.resource.empty()) return core::DataLoss("{}", first.description);
       return core::DataLoss(
-          "{}: {}; it was damaged when the backup was made: `motiondbd --store FILE` serves the "
+          "{}: {}; it was corrupt when the backup was made: `motiondbd --store FILE` serves the "
           "backup without it",
           first.resource, first.description);
     }
@@ -77,7 +77,7 @@ absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::st
 absl::Status SqliteRestore::Append(std::string_view bytes) {
   tail_ += bytes;
   if (!begun_ && tail_.size() >= kStoreHeaderBytes) {
-    // What is no backup at all need not be sent to its end.
+    // Refuse a wrong file before the client has sent all of it.
     if (!IsStoreHeader(tail_)) return NoBackup();
     begun_ = true;
   }
@@ -107,12 +107,12 @@ absl::Status SqliteRestore::CheckSum() {
   if (!begun_ && !tail_.starts_with(kSqliteMagic)) return NoBackup();
   if (!tail_.starts_with(kBackupMark) || tail_.size() != kBackupTrailerBytes) {
     return core::InvalidArgument(
-        "the backup is cut off, or is the file of a store, which `motiondbd --store` serves: the "
-        "checksum that a backup ends with is missing");
+        "the checksum at the end is missing: the backup is cut off, or is the file of a store, "
+        "which `motiondbd --store` serves");
   }
   digest_.Update(kBackupMark);
   if (std::string_view(tail_).substr(kBackupMark.size()) != digest_.Finish()) {
-    return core::InvalidArgument("the backup is damaged: its checksum does not match");
+    return core::InvalidArgument("the backup is corrupt: its checksum does not match");
   }
   return absl::OkStatus();
 }
@@ -126,7 +126,7 @@ absl::Status SqliteRestore::CheckIsThere() const {
   }
   if (there.ok()) return there;
   return absl::UnavailableError(fmt::format(
-      "{}: the backup was on its way into it, restore it again", std::string(there.message())));
+      "{} while it received the backup; restore the backup again", std::string(there.message())));
 }
 
 absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {
@@ -134,10 +134,10 @@ absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {
   stream_.close();
   MOTIONDB_RETURN_IF_ERROR(CheckIsThere());
   if (const absl::Status store = CheckIsStore(file_.path()); !store.ok()) return NoBackup();
-  // Migrates it, too.
+  // This also migrates the backup.
   auto backup = OpenWriterOfExisting(file_.path());
   if (!backup.ok()) return OfBackup(backup.status());
-  // It need not outlive a crash.
+  // The file need not survive a crash.
   MOTIONDB_RETURN_IF_ERROR((*backup)->Execute("PRAGMA synchronous = OFF"));
   MOTIONDB_RETURN_IF_ERROR(OfBackup(CheckWhole(**backup, cancelled)));
   checked_ = *std::move(backup);
@@ -146,7 +146,7 @@ absl::Status SqliteRestore::Check(const core::Cancelled& cancelled) {
 
 absl::Status SqliteRestore::Finish(const core::Cancelled& cancelled) {
   if (checked_ == nullptr) return core::FailedPrecondition("the backup was not checked");
-  // Once alone: taking it over changes the backup first.
+  // Only one attempt: `take_over_` changes the backup first.
   const std::unique_ptr<Connection> backup = std::move(checked_);
   return take_over_(*backup, cancelled);
 }

@@ -1,5 +1,5 @@
-// A backup on its way into a SQLite store: gathered in a file beside the store, checked there, and
-// copied into the store by the one connection that writes, in one transaction.
+// Restore of a backup into an SQLite store. The backup is written to a file beside the store,
+// checked there, and copied into the store by the writer in one transaction.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@ namespace motiondb::storage {
 
 class SqliteRestore final : public StoreRestore {
  public:
-  // What comes in leaves `reserve` free. `take_over` copies from a connection to the backup's
-  // store, which has passed all checks.
+  // `reserve` stays free while the backup is received. `take_over` copies the checked backup into
+  // the store.
   using TakeOver =
       std::function<absl::Status(Connection& backup, const core::Cancelled& cancelled)>;
   static absl::StatusOr<std::unique_ptr<SqliteRestore>> Make(const std::string& store_path,
@@ -36,7 +36,7 @@ class SqliteRestore final : public StoreRestore {
       : reserve_(reserve), file_(store_path, "restore"), take_over_(std::move(take_over)) {}
   absl::Status Write(std::string_view bytes);
   absl::Status CheckSum();
-  // Whether the file that was written is where it was: UNAVAILABLE.
+  // UNAVAILABLE if the received file was moved, replaced or changed.
   absl::Status CheckIsThere() const;
 
   const DiskReserve reserve_;
@@ -45,13 +45,13 @@ class SqliteRestore final : public StoreRestore {
   FileIdentity opened_;
   std::int64_t written_bytes_ = 0;
   Sha256 digest_;
-  std::string tail_;  // the last bytes so far, which may be the trailer
+  std::string tail_;  // the last received bytes, which may be the trailer
   bool begun_ = false;
-  std::unique_ptr<Connection> checked_;  // to the backup's store; null before Check
+  std::unique_ptr<Connection> checked_;  // connection to the backup; null before Check
   const TakeOver take_over_;
 };
 
-// Brings what a target has of tokens and records of changes to a backup that will take its place.
+// Copies the tokens and audit entries of the target store into the backup that will replace it.
 absl::Status KeepAccess(Connection& target, Connection& backup);
 
 }  // namespace motiondb::storage

@@ -24,16 +24,16 @@ namespace {
 constexpr std::int64_t kStepBytes = 4 << 20;
 constexpr int kStepRows = 256;
 constexpr std::size_t kBufferBytes = 64 << 10;
-// A model's parts are decoded up to here; decoded they take about as much memory again.
+// Models up to this size are decoded, which needs about the same size of memory.
 constexpr std::int64_t kDecodedModelBytes = 16 << 20;
-// Share of the work that checking the file is taken for.
+// Estimated share of the file check in the whole verification, for progress().
 constexpr double kFileShare = 0.2;
 
 std::string MemberName(const std::string& database, const char* collection, const std::string& id) {
   return fmt::format("databases/{}/{}/{}", database, collection, id);
 }
 
-// Reads so many bytes, handing them on in pieces.
+// Reads `bytes` bytes and passes them to `take` in pieces.
 absl::Status ReadPieces(ByteSource& source, std::uint64_t bytes,
                         const std::function<void(std::span<const std::byte>)>& take) {
   std::vector<std::byte> buffer(std::min<std::uint64_t>(bytes, kBufferBytes));
@@ -46,7 +46,7 @@ absl::Status ReadPieces(ByteSource& source, std::uint64_t bytes,
   return absl::OkStatus();
 }
 
-// Whether these are the parts of what the tables say of a build.
+// DATA_LOSS if `parts` do not match the rows of the build.
 absl::Status CheckIsOf(Connection& connection, std::int64_t built_key,
                        const core::ModelParts& parts) {
   Statement build = connection.Query(
@@ -65,15 +65,15 @@ absl::Status CheckIsOf(Connection& connection, std::int64_t built_key,
   for (const core::ModelClip& clip : parts.clips) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
     if (!found || row.Text(0) != clip.id || row.Integer(1) != clip.frame_count) {
-      return core::DataLoss("parts: its clip '{}' of {} frames is not the store's", clip.id,
+      return core::DataLoss("parts: its clip '{}' of {} frames does not match the store", clip.id,
                             clip.frame_count);
     }
   }
   return absl::OkStatus();
 }
 
-// Lets SQLite's own long statements be cancelled while it lives, from a thread beside them: where
-// it goes through the pages of a file, SQLite calls nobody, but can be interrupted.
+// Makes long SQLite statements cancellable during its lifetime: a thread polls `cancelled` and
+// interrupts SQLite, which has no callback while it checks the pages of a file.
 class Interruptible {
  public:
   Interruptible(Connection& connection, const core::Cancelled& cancelled) {
@@ -98,7 +98,7 @@ class Interruptible {
 absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
   const std::int64_t bytes_before = totals_.byte_count;
   const Phase phase = phase_;
-  bool row_is_damaged = false;
+  bool found_corrupt_row = false;
   const absl::Status status = read_([&](Connection& connection) -> absl::Status {
     if (phase == Phase::kSchema) {
       Advance();
@@ -108,11 +108,11 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
     if (phase == Phase::kRecords) return CheckRecords(connection);
     if (phase == Phase::kRows) {
       const absl::Status checked = CheckRows(connection);
-      row_is_damaged = !found_.empty();
+      found_corrupt_row = !found_.empty();
       return checked;
     }
     for (int row = 0; row < kStepRows && totals_.byte_count - bytes_before < kStepBytes; ++row) {
-      if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
+      if (cancelled_ && cancelled_()) return absl::CancelledError("the verification was cancelled");
       absl::StatusOr<bool> more = false;
       if (phase == Phase::kClips) more = CheckClip(connection);
       if (phase == Phase::kSkeletons) more = CheckSkeleton(connection);
@@ -122,15 +122,15 @@ absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
         Advance();
         break;
       }
-      // SQLite may read nothing more in this transaction, nor end it well.
-      row_is_damaged = !found_.empty();
-      if (row_is_damaged) break;
+      // After corruption, SQLite may refuse to read on or to commit: begin a new transaction.
+      found_corrupt_row = !found_.empty();
+      if (found_corrupt_row) break;
     }
     return absl::OkStatus();
   });
-  if (cancelled_ && cancelled_()) return absl::CancelledError("stopped");
-  if (!status.ok() && !row_is_damaged) {
-    // Rows that cannot be gone through cost what comes after them of their kind.
+  if (cancelled_ && cancelled_()) return absl::CancelledError("the verification was cancelled");
+  if (!status.ok() && !found_corrupt_row) {
+    // The rows cannot be listed: skip the rest of this phase.
     MOTIONDB_RETURN_IF_ERROR(Note("", status));
     if (phase_ == phase) Advance();
   }
@@ -185,8 +185,7 @@ absl::Status SqliteVerifier::CheckFile(Connection& connection) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool row, reference.Step());
     if (!row) break;
     MOTIONDB_RETURN_IF_ERROR(
-        Note("", core::DataLoss("the file: row {} of table {} refers to a row of table {} that is "
-                                "not there",
+        Note("", core::DataLoss("the file: row {} of table {} refers to a missing row of table {}",
                                 reference.Integer(1), reference.Text(0), reference.Text(2))));
   }
   Advance();
@@ -210,7 +209,7 @@ absl::StatusOr<bool> SqliteVerifier::CheckClip(Connection& connection) {
   const auto frames = row.Integer<std::int32_t>(4);
   const auto crc = row.Integer<std::uint32_t>(5);
   if (row.Integer(3) != 0) {
-    // Deleted, but the current model has its states.
+    // Deleted, but the current model uses its states.
     const std::string model = MemberName(database, "models", std::to_string(row.Integer(6)));
     MOTIONDB_RETURN_IF_ERROR(Note(model, In(fmt::format("deleted clip '{}'", id),
                                             CheckStates(connection, last_key_, frames, crc))));
@@ -328,7 +327,7 @@ absl::Status SqliteVerifier::CheckStates(Connection& connection, std::int64_t cl
     MOTIONDB_RETURN_IF_ERROR(
         ReadPieces(source, source.remaining(), [&](auto piece) { crc = Crc32(piece, crc); }));
     if (crc != root_path_crc) {
-      return core::DataLoss("states: their root path is not the clip's");
+      return core::DataLoss("states: the root path does not match the clip");
     }
     return source.Finish();
   };

@@ -79,8 +79,8 @@ absl::StatusCode ToStatusCode(int code) {
   if (code == SQLITE_CONSTRAINT_UNIQUE || code == SQLITE_CONSTRAINT_PRIMARYKEY) {
     return absl::StatusCode::kAlreadyExists;
   }
-  // What the disk cannot give back, or not as it was, costs what is on it, as damage does. SQLite
-  // repeats a read that a signal broke off, and mostly tells EIO as SQLITE_CORRUPT.
+  // Data that the disk cannot read is lost, like corrupt data. SQLite repeats reads that a signal
+  // interrupted, and reports EIO mostly as SQLITE_CORRUPT.
   if (code == SQLITE_IOERR_READ || code == SQLITE_IOERR_SHORT_READ ||
       code == SQLITE_IOERR_CORRUPTFS || code == SQLITE_IOERR_DATA) {
     return absl::StatusCode::kDataLoss;
@@ -97,7 +97,7 @@ absl::StatusCode ToStatusCode(int code) {
     case SQLITE_LOCKED:
     case SQLITE_CANTOPEN:
     case SQLITE_PROTOCOL:
-    // The disk's state, not the caller's rights: PERMISSION_DENIED would ask them for another role.
+    // Not PERMISSION_DENIED, which would suggest that the caller needs another role.
     case SQLITE_READONLY:
     case SQLITE_PERM:
       return absl::StatusCode::kUnavailable;
@@ -112,7 +112,7 @@ absl::StatusCode ToStatusCode(int code) {
 
 absl::Status SqliteError(sqlite3* database, int code) {
   const char* file = database == nullptr ? nullptr : sqlite3_db_filename(database, "main");
-  // The connection's own message tells more, where it is about this error.
+  // The connection's message has more detail if it belongs to this error.
   const bool own = database != nullptr && sqlite3_errcode(database) == code;
   return absl::Status(
       ToStatusCode(code),

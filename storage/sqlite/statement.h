@@ -1,7 +1,7 @@
-// A prepared SQL statement with its parameters bound, on loan from the connection that prepared it.
+// A prepared SQL statement with bound parameters, borrowed from a connection.
 //
-// Keeps the first error, so that it is asked for once, by Step or Run. Goes back to the connection
-// when destroyed, which must be before the connection is. Not thread-safe.
+// Keeps the first error; Step or Run returns it. The destructor returns the statement to the
+// connection, which must outlive it.
 #pragma once
 
 #include <sqlite3.h>
@@ -29,7 +29,7 @@ using StatementHandle = std::unique_ptr<sqlite3_stmt, FinalizeStatement>;
 
 class Statement {
  public:
-  // Made by Connection::Query. `handle` is null where `status` is an error.
+  // Called by Connection::Query. `handle` is null if `status` is an error.
   Statement(Connection& connection, StatementHandle handle, absl::Status status)
       : connection_(&connection), handle_(std::move(handle)), status_(std::move(status)) {}
   Statement(Statement&&) = default;
@@ -44,7 +44,7 @@ class Statement {
   void Bind(const char* text) { Bind(std::string_view(text)); }
   void Bind(std::span<const std::byte> blob);
   void Bind(std::nullptr_t);
-  // NULL where there is none.
+  // Binds NULL if there is no value.
   template <typename Value>
   void Bind(const std::optional<Value>& value) {
     if (value) {
@@ -54,14 +54,15 @@ class Statement {
     }
   }
 
-  // To the next row. False after the last one.
+  // Moves to the next row. Returns false after the last one.
   absl::StatusOr<bool> Step();
-  // To the end, passing over rows.
+  // Runs to the end; ignores rows.
   absl::Status Run();
-  // Back to before the first row, without parameters.
+  // Moves back before the first row and clears the parameters.
   void Reset();
 
-  // Columns of the current row, numbered from 0. Tables are STRICT, so the types are as declared.
+  // Columns of the current row, numbered from 0. Tables are STRICT: the types are the declared
+  // ones.
   std::int64_t Integer(int column) const { return sqlite3_column_int64(handle_.get(), column); }
   template <std::integral T>
   T Integer(int column) const {
@@ -85,12 +86,12 @@ class Statement {
   int next_parameter_ = 1;
 };
 
-// `code` is a result code, extended or not, other than OK, ROW and DONE. The message names the file
-// and says what SQLite says.
+// Converts an SQLite result code, extended or not, other than OK, ROW and DONE. The message
+// contains the file name and SQLite's message.
 //   CORRUPT, NOTADB -> DATA_LOSS             FULL, NOMEM -> RESOURCE_EXHAUSTED
-//   IOERR, BUSY, LOCKED, CANTOPEN, PROTOCOL -> UNAVAILABLE
-//   a UNIQUE or PRIMARY KEY constraint -> ALREADY_EXISTS
-//   READONLY, PERM, AUTH -> PERMISSION_DENIED   TOOBIG -> INVALID_ARGUMENT   any other -> INTERNAL
+//   IOERR of a read -> DATA_LOSS             a UNIQUE or PRIMARY KEY constraint -> ALREADY_EXISTS
+//   other IOERR, BUSY, LOCKED, CANTOPEN, PROTOCOL, READONLY, PERM -> UNAVAILABLE
+//   TOOBIG -> INVALID_ARGUMENT               any other -> INTERNAL
 absl::Status SqliteError(sqlite3* database, int code);
 
 }  // namespace motiondb::storage

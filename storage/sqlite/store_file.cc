@@ -21,15 +21,15 @@ namespace {
 
 constexpr char kInMemory[] = ":memory:";
 
-constexpr std::size_t kVersionPlace = 60;  // of user_version
-constexpr std::size_t kIdPlace = 68;       // of the application id
+constexpr std::size_t kVersionPlace = 60;  // offset of user_version
+constexpr std::size_t kIdPlace = 68;       // offset of the application id
 
 using StoreHeader = std::array<char, kStoreHeaderBytes>;
 
-// Milliseconds, long for a lock that is held for moments.
+// Timeout for SQLite's locks, ms. They are held only briefly.
 constexpr int kLockWait = 10'000;
 
-// For every connection.
+// Settings of every connection.
 constexpr char kCommonSetup[] = R"sql(
 PRAGMA mmap_size = 0;
 PRAGMA trusted_schema = OFF;
@@ -48,13 +48,13 @@ PRAGMA wal_autocheckpoint = 0;
 )sql";
 
 absl::Status NotAStore(std::string_view path, std::string_view what) {
-  return core::FailedPrecondition("'{}' is not a motiondb store but {}; it was left as it was",
-                                  path, what);
+  return core::FailedPrecondition("'{}' is not a motiondb store but {}; it was not changed", path,
+                                  what);
 }
 
 std::string_view AsText(const StoreHeader& header) { return {header.data(), header.size()}; }
 
-// What a shorter file lacks is zero.
+// Reads the header of a file; fills up a shorter file with zeros.
 absl::StatusOr<StoreHeader> ReadHeader(const std::string& path) {
   StoreHeader header{};
   errno = 0;
@@ -67,11 +67,11 @@ absl::StatusOr<StoreHeader> ReadHeader(const std::string& path) {
   return header;
 }
 
-// Gives an empty file its page size and its application id; a file that has an id keeps it.
+// Sets page size and application id of an empty file; checks the id of any other file.
 absl::Status Initialize(Connection& connection, const std::string& path) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto pages, connection.QueryInteger("PRAGMA page_count"));
   if (pages == 0) {
-    // Before the log is on: an id that is in the file itself is there to see however this ends.
+    // Before the log is enabled: the id is then in the file itself, even if the opening fails.
     MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA page_size = 16384"));
     MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
                               Transaction::Begin(connection, Transaction::Kind::kWrite));
@@ -89,11 +89,11 @@ absl::Status UseLog(Connection& connection, const std::string& path) {
   MOTIONDB_RETURN_IF_ERROR(mode.Step().status());
   if (mode.Text(0) == "wal") return absl::OkStatus();
   return core::FailedPrecondition(
-      "'{}' cannot have a write-ahead log (journal mode '{}'): is it on a network file system?",
-      path, mode.Text(0));
+      "'{}' cannot use a write-ahead log (journal mode '{}'); put the store on a local disk", path,
+      mode.Text(0));
 }
 
-// `path` as a URI that tells SQLite that nobody changes the file.
+// Returns an SQLite URI of `path` with the option that the file does not change.
 std::string ImmutableUri(const std::string& path) {
   std::string uri = "file:";
   for (const char c : path) {
@@ -108,7 +108,7 @@ absl::Status SetUp(Connection& connection) {
   return connection.Execute(kCommonSetup);
 }
 
-// Of whatever version the file is.
+// Opens a write connection to a file of any version.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterWith(int flags, const std::string& path,
                                                            const std::string& vfs) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection,
@@ -137,8 +137,8 @@ absl::Status CheckIsStore(const std::string& path) {
   if (file.type() != fs::file_type::regular) return NotAStore(path, "something other than a file");
   if (fs::file_size(path, error) == 0) return absl::OkStatus();
 
-  // Not by SQLite, which finds a file damaged that is shorter than its first page says, as one is
-  // whose log was not moved into it to the end: a full disk or a power cut leaves it so.
+  // Not with SQLite: it reports corruption if the file is shorter than its page count. A full disk
+  // or a power cut during a checkpoint leaves such a file, which its log completes.
   MOTIONDB_ASSIGN_OR_RETURN(const StoreHeader header, ReadHeader(path));
   if (!AsText(header).starts_with(kSqliteMagic)) {
     return NotAStore(path, "a file of another kind");
@@ -156,7 +156,7 @@ absl::StatusOr<int> ReadStoreVersion(const std::string& path) {
   MOTIONDB_ASSIGN_OR_RETURN(const StoreHeader header, ReadHeader(file));
   const auto version = static_cast<int>(BigEndian(AsText(header), kVersionPlace));
   if (version >= static_cast<int>(Migrations().size())) return version;
-  // The log may hold a later one: an upgrade that was not moved into the file before a crash.
+  // The log may contain a later version: an upgrade that was not checkpointed before a crash.
   MOTIONDB_ASSIGN_OR_RETURN(const StoreLock lock, StoreLock::Acquire(file));
   MOTIONDB_ASSIGN_OR_RETURN(const auto reader, OpenReader(file, ""));
   MOTIONDB_ASSIGN_OR_RETURN(const auto logged, reader->QueryInteger("PRAGMA user_version"));
@@ -195,7 +195,7 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& pa
   absl::StatusOr<std::unique_ptr<Connection>> opened;
   std::error_code error;
   if (std::filesystem::exists(LogPath(path), error)) {
-    // Alone on the files, without locks, SQLite keeps the index of the log in memory.
+    // With exclusive access and without locks, SQLite keeps the index of the log in memory.
     MOTIONDB_ASSIGN_OR_RETURN(opened, Connection::Open(path, SQLITE_OPEN_READONLY, "unix-none"));
     MOTIONDB_RETURN_IF_ERROR((*opened)->Execute("PRAGMA locking_mode = EXCLUSIVE"));
   } else {
@@ -206,7 +206,7 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& pa
   sqlite3_db_config(connection.handle(), SQLITE_DBCONFIG_NO_CKPT_ON_CLOSE, 1, nullptr);
   MOTIONDB_RETURN_IF_ERROR(SetUp(connection));
   MOTIONDB_RETURN_IF_ERROR(connection.Execute(kReaderSetup));
-  // So SQLite accepts a page count that is larger than the file.
+  // With this setting SQLite accepts a page count that is larger than the file.
   if (is_short) MOTIONDB_RETURN_IF_ERROR(connection.Execute("PRAGMA writable_schema = ON"));
   return opened;
 }
@@ -216,15 +216,14 @@ absl::Status CheckIsOfThisVersion(Connection& connection) {
   const auto latest = static_cast<std::int64_t>(Migrations().size());
   if (version == latest) return absl::OkStatus();
   return core::FailedPrecondition(
-      "the store is of version {}; expected {}: open it once without --read-only, which upgrades "
-      "an "
+      "the store is of version {}; expected {}: open it once without --read-only to upgrade an "
       "older version",
       version, latest);
 }
 
 void EmptyLog(Connection& writer) {
   sqlite3_busy_timeout(writer.handle(), 0);
-  // Where a reader is in the way, or the disk is full, the log stays as long as it is.
+  // If a reader blocks or the disk is full, the log keeps its size.
   writer.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();
   sqlite3_busy_timeout(writer.handle(), kLockWait);
 }

@@ -1,5 +1,5 @@
-// Opening the file of a store: what may be opened, and how each connection is set up. Functions
-// keep no state. docs/architecture.md explains the settings.
+// Opening the file of a store: checks and settings of each connection. docs/architecture.md
+// explains the settings.
 #pragma once
 
 #include <cstddef>
@@ -12,48 +12,48 @@
 
 namespace motiondb::storage {
 
-// What every SQLite file begins with.
+// The first bytes of every SQLite file.
 inline constexpr std::string_view kSqliteMagic("SQLite format 3\0", 16);
 
-// As many bytes tell what a SQLite file is.
+// Size of the header of an SQLite file.
 inline constexpr std::size_t kStoreHeaderBytes = 100;
 
-// Of SQLite's write-ahead log of the store at `store_path`.
+// Returns the path of the write-ahead log of the store at `store_path`.
 inline std::string LogPath(const std::string& store_path) { return store_path + "-wal"; }
 
-// Whether a file that begins so is a store's. REQUIRES: at least kStoreHeaderBytes.
+// Returns whether `header` begins the file of a store. REQUIRES: at least kStoreHeaderBytes bytes.
 bool IsStoreHeader(std::string_view header);
 
-// OK if there is nothing at `path`, an empty file or a store. Else FAILED_PRECONDITION saying what
-// it is, leaving it as it was.
+// Returns OK if `path` is missing, an empty file or a store. Otherwise FAILED_PRECONDITION with the
+// kind of the file. Changes nothing.
 absl::Status CheckIsStore(const std::string& path);
 
-// The version of the store at `path`, to be asked before it is opened, which upgrades it; 0 where
-// there is nothing, or no version yet. The codes of CheckIsStore, StoreLock and SQLite.
+// Returns the version of the store at `path`; 0 if there is no file or no version yet. Call it
+// before opening the store, which upgrades it. The codes of CheckIsStore, StoreLock and
+// SqliteError.
 absl::StatusOr<int> ReadStoreVersion(const std::string& path);
 
-// The one connection that writes and checkpoints; makes and upgrades the store. `path` may be
-// ":memory:". Its holder holds the StoreLock.
+// Opens the only connection that writes and checkpoints; creates and upgrades the store. `path` may
+// be ":memory:". REQUIRES: the caller holds the StoreLock.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
                                                        const std::string& vfs);
-// The same of a file that there is; UNAVAILABLE where there is none. Errors of an upgrade do not
+// As OpenWriter, for an existing file; UNAVAILABLE if there is none. Errors of an upgrade do not
 // name the file.
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path);
 
-// A connection that can only read, and never checkpoints.
+// Opens a connection that can only read and never checkpoints.
 absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
                                                        const std::string& vfs);
 
-// A connection that reads a store that nobody changes meanwhile, its log included. It writes
-// nothing, so that it may be on a file system that is read-only. `is_short`: the file ends before
-// its last page.
+// Opens a read connection to a store whose file and log do not change. It writes nothing, so the
+// file system may be read-only. `is_short`: the file ends before its last page.
 absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& path, bool is_short);
 
-// FAILED_PRECONDITION unless the store is of the version that migrations lead to.
+// FAILED_PRECONDITION if the store does not have the current version.
 absl::Status CheckIsOfThisVersion(Connection& connection);
 
-// Moves what the log holds into the file, as far as no reader is in the way, and if all of it,
-// gives the log's room back; waits for nobody. REQUIRES: `writer` is in no transaction.
+// Moves the content of the log into the file as far as readers allow, without waiting. If all was
+// moved, truncates the log. REQUIRES: `writer` is in no transaction.
 void EmptyLog(Connection& writer);
 
 }  // namespace motiondb::storage

@@ -14,7 +14,7 @@
 namespace motiondb::storage {
 namespace {
 
-// What the holder wrote: " (process 123)", or nothing.
+// Returns the holder's process id from the lock file: " (process 123)", or an empty text.
 std::string HolderOf(int file) {
   char text[32];
   const ssize_t size = pread(file, text, sizeof(text), 0);
@@ -25,8 +25,8 @@ absl::Status CheckHasOneName(const std::string& store_path) {
   struct stat store {};
   if (stat(store_path.c_str(), &store) != 0 || store.st_nlink <= 1) return absl::OkStatus();
   return core::FailedPrecondition(
-      "'{}' has {} names (hard links): by another name a second server could damage it, and its "
-      "log would be missed; keep the name that has the log (-wal), if one has, and remove the rest",
+      "'{}' has {} names (hard links), expected one: servers on different names could corrupt it; "
+      "keep the name that has a log (-wal), if there is one, and remove the others",
       store_path, store.st_nlink);
 }
 
@@ -50,12 +50,12 @@ absl::StatusOr<StoreLock> StoreLock::Acquire(const std::string& store_path, Kind
   if (flock(file, (shared ? LOCK_SH : LOCK_EX) | LOCK_NB) != 0) {
     if (errno == EWOULDBLOCK) {
       return core::FailedPrecondition(
-          "'{}' is in use{}: only one process at a time may open a store, or several read-only",
-          store_path, HolderOf(file));
+          "'{}' is in use{}: only one process may open a store, or several read-only", store_path,
+          HolderOf(file));
     }
     return absl::UnavailableError(fmt::format("cannot lock '{}': {}", path, std::strerror(errno)));
   }
-  // For the message above alone, so that a failure does not matter. Those who share have no name.
+  // Only for the message above: ignore errors. Shared holders write no process id.
   const std::string holder = shared ? "" : fmt::format("{}", getpid());
   if (ftruncate(file, 0) == 0) static_cast<void>(!pwrite(file, holder.data(), holder.size(), 0));
   return lock;

@@ -1,14 +1,15 @@
-// The right to write to a store, held by one object in one process at a time: two writers could
-// damage the file (SQLite before 3.51.3 may when two connections write or checkpoint at once).
+// Lock of a store. Only one object in one process may write to a store: two writers could corrupt
+// the file (SQLite before 3.51.3 may do so if two connections write or checkpoint at the same
+// time).
 //
-// It is an flock on a file beside the store, "<store>-lock", which the system lets go when the
-// process ends, however it ends. The file stays; it means nothing by itself.
+// The lock is an flock on the file "<store>-lock" beside the store. The system releases it when the
+// process ends in any way. The file stays; alone it has no meaning.
 //
-// So the lock goes by the store's name, as SQLite's log does, and a store that has several names
-// (hard links) is refused. A lock on the store's own inode would keep a second server out, but not
-// the harm: by its other name a store is opened without the log of the first, which after a kill
-// holds what was acknowledged. Nor could it be had safely on every file system: where flock is made
-// of fcntl locks, as on NFS, it would clash with those that SQLite takes on the same file.
+// The lock depends on the store's name, like SQLite's log. Therefore a store with several names
+// (hard links) is refused: opened by another name, it would lack the log, which after a kill
+// contains acknowledged changes. A lock on the store's inode would not prevent that. It would also
+// conflict with SQLite's own locks on file systems that implement flock with fcntl locks, such as
+// NFS.
 #pragma once
 
 #include <string>
@@ -19,14 +20,13 @@ namespace motiondb::storage {
 
 class StoreLock {
  public:
-  // Any number may hold kShared together; who holds kAlone holds it alone.
+  // kShared: any number of holders. kAlone: exclusive.
   enum class Kind { kAlone, kShared };
 
-  // The store need not be there. FAILED_PRECONDITION, naming the process, if another holds it, or,
-  // putting nothing beside it, if the store has several names; UNAVAILABLE if the lock file cannot
-  // be made.
-  // kShared changes nothing: where the lock file is not there and cannot be made, on a read-only
-  // file system, nobody can write, and the lock is held without a file.
+  // The store need not exist. FAILED_PRECONDITION, naming the process, if the lock is held;
+  // FAILED_PRECONDITION, without creating a file, if the store has several names; UNAVAILABLE if
+  // the lock file cannot be created. With kShared, a missing lock file that cannot be created is no
+  // error: on a read-only file system there is no writer.
   static absl::StatusOr<StoreLock> Acquire(const std::string& store_path, Kind kind = Kind::kAlone);
   StoreLock(StoreLock&& other) noexcept;
   StoreLock& operator=(StoreLock&& other) noexcept;

@@ -9,7 +9,7 @@
 namespace motiondb::storage {
 namespace {
 
-// A query for tokens as ToTokenRecord reads them.
+// Returns a query for the columns that ToTokenRecord reads.
 std::string SelectTokens(std::string_view condition) {
   return fmt::format(
       "SELECT id, role, database, description, salt, secret_hash, create_time_us, expire_time_us, "
@@ -53,7 +53,7 @@ absl::Status InsertToken(Connection& connection, const TokenRecord& record) {
               record.create_time_us, record.expire_time_us, record.revoke_time_us)
           .Run();
   if (absl::IsAlreadyExists(inserted)) {
-    return absl::AlreadyExistsError(fmt::format("token '{}' exists already", record.id));
+    return absl::AlreadyExistsError(fmt::format("token '{}' already exists", record.id));
   }
   MOTIONDB_RETURN_IF_ERROR(inserted);
   return SetRowChecksum(connection, "token", connection.last_insert_key());

@@ -1,4 +1,4 @@
-// Rows of the table `token`. Functions keep no state; they run in the transaction of their caller.
+// Rows of the table `token`. The functions run in the caller's transaction.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace motiondb::storage {
 
-// As AccessStore::AddToken, GetToken, ListTokens and RevokeToken.
+// See AccessStore::AddToken, GetToken, ListTokens and RevokeToken.
 absl::Status InsertToken(Connection& connection, const TokenRecord& record);
 absl::StatusOr<TokenRecord> SelectToken(Connection& connection, const std::string& id);
 absl::StatusOr<std::vector<TokenRecord>> SelectTokens(Connection& connection,

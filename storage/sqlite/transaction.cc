@@ -7,7 +7,7 @@
 namespace motiondb::storage {
 
 absl::StatusOr<Transaction> Transaction::Begin(Connection& connection, Kind kind) {
-  // From here on whatever was begun is undone, even where the statement fails after it began.
+  // The object exists before BEGIN: it rolls back even if the statement fails after it began.
   Transaction transaction(connection);
   transaction.RollBack();
   MOTIONDB_RETURN_IF_ERROR(
@@ -23,7 +23,7 @@ Transaction::~Transaction() {
 }
 
 void Transaction::RollBack() {
-  // SQLite has undone it already after some errors. Where this fails, the next Begin tries again.
+  // After some errors SQLite has rolled back already. If this fails, the next Begin tries again.
   if (connection_->in_transaction()) connection_->Query("ROLLBACK").Run().IgnoreError();
 }
 

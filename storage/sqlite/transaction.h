@@ -1,4 +1,4 @@
-// A transaction that ends with its scope: undone unless committed. Not thread-safe.
+// A transaction. The destructor rolls it back unless it was committed.
 #pragma once
 
 #include <type_traits>
@@ -12,17 +12,17 @@ namespace motiondb::storage {
 class Transaction {
  public:
   enum class Kind {
-    kRead,   // all that is read is of one moment
-    kWrite,  // excludes other writers from the start
+    kRead,   // reads a consistent snapshot
+    kWrite,  // excludes other writers from its beginning
   };
 
-  // The connection must outlive the transaction, and no statement may outlive that.
+  // The connection must outlive the transaction; the transaction must outlive its statements.
   static absl::StatusOr<Transaction> Begin(Connection& connection, Kind kind);
   Transaction(Transaction&& other) noexcept;
   Transaction& operator=(Transaction&&) = delete;
   ~Transaction();
 
-  // Returns when what was written is durable. After an error nothing was written.
+  // Returns when the changes are durable. After an error nothing was changed.
   absl::Status Commit();
 
  private:
@@ -38,8 +38,8 @@ const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
 }
 
-// Runs work(Connection&), which returns a Status or StatusOr, in a transaction, which is undone
-// where that is an error.
+// Runs work(Connection&), which returns a Status or StatusOr, in a transaction, which is rolled
+// back on an error.
 template <typename Work>
 auto InTransaction(Connection& connection, Transaction::Kind kind, const Work& work)
     -> std::invoke_result_t<Work, Connection&> {

@@ -1,5 +1,4 @@
-// Whether writing to the store works: counts the writes that failed, and decides when a trial write
-// is due. Thread-safe.
+// Health of writes: counts failed writes and decides when a test write is due. Thread-safe.
 #pragma once
 
 #include <atomic>
@@ -14,14 +13,14 @@ namespace motiondb::storage {
 
 class WriteHealth {
  public:
-  // To be called with the result of each write. Counts failures of the store itself, not those of
-  // the request, such as NOT_FOUND.
+  // Records the result of a write. Counts failures of the store, not of the request (NOT_FOUND).
   void Note(const absl::Status& written);
   WriteFailures failures() const;
-  // The last write failed.
+  // Returns whether the last write failed.
   bool is_suspect() const { return suspect_; }
-  // The result of `write`, which is called once a second at most; between calls, and while another
-  // thread waits for it, the last result. CANCELLED from `write` means: not known, as before.
+  // Calls `write` at most once a second and returns its result. Between calls, and while another
+  // thread is calling `write`, returns the last result. CANCELLED from `write` keeps the last
+  // result.
   absl::Status Try(const std::function<absl::Status()>& write);
 
  private:

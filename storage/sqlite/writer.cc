@@ -11,16 +11,16 @@
 namespace motiondb::storage {
 namespace {
 
-// Pieces of ordinary work that begin before a piece of background work that waits.
-constexpr int kMostPassedOver = 4;
-// Of one shared transaction: urgent work waits no longer for it than for other pieces.
-constexpr std::size_t kMostTogether = 32;
-constexpr std::int64_t kMostBytesTogether = 4 << 20;
+// Maximum number of pieces of ordinary work that begin while background work waits.
+constexpr int kMaxPassedOver = 4;
+// Limits of a shared transaction, so that urgent work does not wait longer for it than for others.
+constexpr std::size_t kMaxShared = 32;
+constexpr std::int64_t kMaxSharedBytes = 4 << 20;
 
 }  // namespace
 
 Writer::Writer(std::unique_ptr<Connection> connection) : connection_(std::move(connection)) {
-  taken_.reserve(kMostTogether);
+  taken_.reserve(kMaxShared);
   thread_ = std::thread([this] { Serve(); });
 }
 
@@ -45,9 +45,9 @@ absl::Status Writer::Submit(Priority priority, const core::Cancelled& cancelled,
   queue.push_back(&request);
   ++callers_;
   changed_.NotifyAll();
-  const bool wanted = request.is_over.WaitUnless(
+  const bool has_begun = request.is_over.WaitUnless(
       mutex_, cancelled, [&] { return request.state != Request::State::kQueued; });
-  if (wanted) {
+  if (has_begun) {
     request.is_over.Wait(mutex_, [&] { return request.state == Request::State::kOver; });
   } else {
     std::erase(queue, &request);
@@ -55,7 +55,7 @@ absl::Status Writer::Submit(Priority priority, const core::Cancelled& cancelled,
   --callers_;
   if (is_closing_) changed_.NotifyAll();
   if (request.thrown) std::rethrow_exception(request.thrown);
-  return wanted ? absl::OkStatus() : NotWanted();
+  return has_begun ? absl::OkStatus() : NotWanted();
 }
 
 void Writer::Serve() {
@@ -68,13 +68,13 @@ void Writer::Serve() {
     const MutexLock lock(mutex_);
     for (Request* const request : requests) {
       request->state = Request::State::kOver;
-      request->is_over.NotifyOne();  // under the mutex: after it the request is gone
+      request->is_over.NotifyOne();  // under the mutex: the caller destroys the request afterwards
     }
   }
 }
 
 void Writer::RunAlone(Request& request) {
-  // As for the thread that waits, to which goes what is thrown.
+  // The same scope as on the waiting thread, which rethrows the exception.
   std::optional<AllocationsMayFail> scope;
   if (request.may_fail) scope.emplace();
   try {
@@ -97,7 +97,7 @@ bool Writer::RunTogether(const std::vector<Request*>& requests) {
   try {
     return requests.front()->share->transact(*connection_, added_bytes, all).ok();
   } catch (const std::exception&) {
-    return false;  // each meets its own by itself
+    return false;  // each request then runs alone and gets its own exception
   }
 }
 
@@ -118,15 +118,15 @@ const std::vector<Writer::Request*>& Writer::Next() {
     taken_.push_back(request);
     if (request->share == nullptr) break;
     bytes += request->share->added_bytes;
-  } while (taken_.size() < kMostTogether && !queue->empty() && queue->front()->share != nullptr &&
-           bytes + queue->front()->share->added_bytes <= kMostBytesTogether);
+  } while (taken_.size() < kMaxShared && !queue->empty() && queue->front()->share != nullptr &&
+           bytes + queue->front()->share->added_bytes <= kMaxSharedBytes);
   return taken_;
 }
 
 Writer::Queue* Writer::NextQueue() {
   auto& [urgent, ordinary, background] = queues_;
   if (!urgent.empty()) return &urgent;
-  if (!ordinary.empty() && (background.empty() || passed_over_ < kMostPassedOver)) {
+  if (!ordinary.empty() && (background.empty() || passed_over_ < kMaxPassedOver)) {
     passed_over_ = background.empty() ? 0 : passed_over_ + 1;
     return &ordinary;
   }

@@ -1,5 +1,5 @@
-// The one connection that writes and checkpoints, and the one thread that uses it. Work for it
-// queues by priority; whoever submits it waits. Thread-safe.
+// The only connection that writes and checkpoints, and the only thread that uses it. Work is queued
+// by priority; the caller waits for its work. Thread-safe.
 #pragma once
 
 #include <array>
@@ -20,28 +20,29 @@
 
 namespace motiondb::storage {
 
-// Work that is queued begins in this order, and what has one priority in the order of submission. A
-// transaction that has begun is never interrupted. So that constant changes do not keep background
-// work waiting for ever, it has a turn after every four pieces of ordinary work.
+// Queued work begins in order of priority, and within a priority in order of submission. A running
+// transaction is never interrupted. To prevent starvation, one piece of background work runs after
+// every four pieces of ordinary work.
 enum class Priority {
-  kUrgent,      // what ends a danger: a token is revoked, a build is cancelled; its audit entry
-  kOrdinary,    // what a caller waits for
-  kBackground,  // one of many pieces: of a model, of what is freed
+  kUrgent,      // work that prevents harm: revoke a token, cancel a build; audit entries
+  kOrdinary,    // work that a caller waits for
+  kBackground,  // one of many pieces: store a model, free disk space
 };
 
 class Writer {
  public:
   // `connection` may write. Throws std::system_error if the thread cannot be started.
   explicit Writer(std::unique_ptr<Connection> connection);
-  // Runs what is queued, waits for its callers to leave, and closes the connection, which empties
-  // the log. REQUIRES: nothing is submitted any more.
+  // Runs the queued work, waits until its callers have returned, and closes the connection, which
+  // empties the log. REQUIRES: no further work is submitted.
   ~Writer();
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  // Runs work(Connection&), which returns a Status or StatusOr, on the thread and returns its
-  // result. Throws what it throws. CANCELLED, without running it, if `cancelled`, which must not
-  // throw, says so before it begins: asked on the calling thread. Not to be called from work.
+  // Runs work(Connection&), which returns a Status or StatusOr, on the writer thread. Returns its
+  // result or rethrows its exception. CANCELLED if `cancelled` returns true before the work begins;
+  // the work then does not run. `cancelled` is polled on the calling thread and must not throw. Do
+  // not call Run from work.
   template <typename Work>
   auto Run(Priority priority, const core::Cancelled& cancelled, const Work& work)
       -> std::invoke_result_t<Work, Connection&> {
@@ -53,14 +54,13 @@ class Writer {
   }
 
   using Body = std::function<absl::Status(Connection&)>;
-  // Runs a body that adds so many bytes in a transaction: all of it happens, or after an error
-  // none.
+  // Runs a body that adds `added_bytes` in a transaction, which is rolled back on an error.
   using Transact =
       std::function<absl::Status(Connection&, std::int64_t added_bytes, const Body& body)>;
 
-  // As Run, of ordinary work that returns a StatusOr and is to be done by `transact`. What is
-  // queued side by side shares one transaction, and so one sync of the disk; where that fails, each
-  // is done by itself. So work may be called twice.
+  // As Run with kOrdinary, for work that returns a StatusOr and that `transact` runs. Adjacent work
+  // in the queue shares one transaction and so one sync of the disk. If that transaction fails,
+  // each piece runs again in its own transaction: work may be called twice.
   template <typename Work>
   auto RunInShared(const Transact& transact, std::int64_t added_bytes,
                    const core::Cancelled& cancelled, const Work& work)
@@ -87,14 +87,14 @@ class Writer {
     Body body;
   };
 
-  // On the stack of its caller.
+  // Lives on the stack of its caller.
   struct Request {
     enum class State { kQueued, kRunning, kOver };
     const Piece* piece = nullptr;
-    const Share* share = nullptr;  // in place of the piece, beside others; null: it shares nothing
+    const Share* share = nullptr;  // used instead of `piece` in a shared transaction; may be null
     bool may_fail = false;         // AllocationsMayFail of the caller
     State state = State::kQueued;  // guarded by mutex_
-    std::exception_ptr thrown;     // by the piece
+    std::exception_ptr thrown;     // exception of the piece
     ConditionVariable is_over;
   };
   static constexpr std::size_t kPriorities = 3;
@@ -103,25 +103,25 @@ class Writer {
   absl::Status Submit(Priority priority, const core::Cancelled& cancelled, const Piece& piece,
                       const Share* share = nullptr);
   void Serve();
-  // Waits for the next requests, several only where they share a transaction. None: all have ended,
-  // and none may come.
+  // Waits for the next request, or for several that share a transaction. Empty: the writer is
+  // closing and all work is done.
   const std::vector<Request*>& Next();
   void RunAlone(Request& request);
-  // False, with nothing done, if one of them fails.
+  // Returns false, with nothing changed, if one of them fails.
   bool RunTogether(const std::vector<Request*>& requests);
-  // Where the next one is. Null if there is none.
+  // Returns the queue of the next request. Null if all are empty.
   Queue* NextQueue() ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
-  // For the thread alone.
+  // Used only by the writer thread.
   const std::unique_ptr<Connection> connection_;
   std::vector<Request*> taken_;
   Mutex mutex_;
   ConditionVariable changed_;
   std::array<Queue, kPriorities> queues_ ABSL_GUARDED_BY(mutex_);  // by Priority
-  int passed_over_ ABSL_GUARDED_BY(mutex_) = 0;  // ordinary work, while background work waited
+  int passed_over_ ABSL_GUARDED_BY(mutex_) = 0;  // ordinary work begun while background work waited
   int callers_ ABSL_GUARDED_BY(mutex_) = 0;
   bool is_closing_ ABSL_GUARDED_BY(mutex_) = false;
-  std::thread thread_;  // last: it uses the rest
+  std::thread thread_;  // last: it uses the other members
 };
 
 }  // namespace motiondb::storage

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Every C++ file stands as clang-format would write it.
+# Checks that every C++ file is formatted by clang-format.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 find text core storage server client tests \( -name '*.h' -o -name '*.cc' \) -print0 |
   xargs -0 clang-format --dry-run --Werror
-echo "format: as .clang-format says"
+echo "format: all files are formatted"

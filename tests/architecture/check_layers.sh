@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The house's one-way arrows: which folders each folder may include from. Prints every include that
-# goes another way and fails if there is one.
+# Checks which folders each folder may include from. Prints every include in another direction and
+# fails if there is one.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -33,7 +33,7 @@ declare -A may_include=(
 
 bad=0
 for folder in "${!may_include[@]}"; do
-  [ -d "$folder" ] || { echo "check_layers.sh names a folder that is gone: $folder"; bad=1; continue; }
+  [ -d "$folder" ] || { echo "check_layers.sh: missing folder: $folder"; bad=1; continue; }
   while IFS=: read -r file line include; do
     allowed=0
     for prefix in ${may_include[$folder]}; do
@@ -41,7 +41,7 @@ for folder in "${!may_include[@]}"; do
     done
     case "$include" in core/*|storage/*|server/*|client/*|tests/*|motiondb/*|text/*) ;; *) allowed=1 ;; esac
     if [ "$allowed" = 0 ]; then
-      echo "$file:$line: $folder may not include $include"
+      echo "$file:$line: $folder must not include $include"
       bad=1
     fi
   done < <(grep -rnoE --include='*.h' --include='*.cc' '#include [<"][^">]+' "$folder" |
@@ -50,15 +50,15 @@ done
 for folder in core/*/ server/*/; do
   folder=${folder%/}
   if [ -z "${may_include[$folder]:-}" ]; then
-    echo "$folder has no place in check_layers.sh"
+    echo "$folder is not listed in check_layers.sh"
     bad=1
   fi
 done
-# The mathematics has no clock, no threads of its own, no files and no unseeded randomness.
+# core has no clock, no threads, no files and no unseeded randomness.
 if grep -rnE --include='*.h' --include='*.cc' \
     '#include <(thread|chrono|fstream|iostream|filesystem|mutex)>|std::(thread|async|random_device)\b|\brand\(' core; then
-  echo "core/ may not use threads, clocks, files or randomness"
+  echo "core/ must not use threads, clocks, files or randomness"
   bad=1
 fi
-[ "$bad" = 0 ] && echo "layers: every include goes the right way"
+[ "$bad" = 0 ] && echo "layers: every include is allowed"
 exit "$bad"

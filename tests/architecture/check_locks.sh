@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Checks with clang that what a mutex guards is used only while it is held: every file of storage/,
-# server/ and client/ that holds a mutex of storage/mutex.h or of absl, or whose header has one. One of
-# the standard library has no annotations: none but std::timed_mutex, which guards work and no data.
+# Checks with clang that guarded data is used only while its mutex is held, in all files of
+# storage/, server/ and client/ that use a mutex of storage/mutex.h or absl, or whose header does.
+# Mutexes of the standard library have no annotations and are forbidden, except std::timed_mutex,
+# which guards work and no data.
 #   check_locks.sh BUILD     BUILD: a folder where motiondb_proto was built
 set -euo pipefail
 build=$(realpath "$1")
@@ -17,4 +18,4 @@ mapfile -t files < <(grep -rlE 'MutexLock|ReadLock|ABSL_GUARDED_BY' storage serv
 printf '%s\n' "${files[@]}" | xargs -P "$(nproc)" -n 4 clang++ -std=c++20 -fsyntax-only -w \
   -Wthread-safety -Werror=thread-safety -DMOTIONDB_VERSION='""' -DFMT_SHARED -DSPDLOG_FMT_EXTERNAL \
   -I. -Iclient/include -isystem /usr/include/eigen3 -isystem "$build/proto/generated"
-echo "locks: ${#files[@]} files hold what they use"
+echo "locks: ${#files[@]} files lock correctly"

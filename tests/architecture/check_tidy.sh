@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Runs clang-tidy (.clang-tidy) on the product's sources that changed last; all of them take an hour.
+# Runs clang-tidy (.clang-tidy) on the most recently changed sources; all sources take an hour.
 #   check_tidy.sh BUILD [--count N | FILE...]     BUILD: a folder where motiondb_proto was built
 set -euo pipefail
 build=$(realpath "$1")
@@ -13,7 +13,7 @@ if [ "${1:-}" = --count ]; then
 fi
 files=("$@")
 if [ ${#files[@]} = 0 ]; then
-  # By commit; not yet committed changes first.
+  # By commit; uncommitted changes first.
   mapfile -t files < <({ git diff --name-only HEAD; git log --name-only --pretty=format: ; } |
     awk '/^(core|storage|server|client|text)\/.*\.cc$/ && !seen[$0]++' |
     while read -r file; do [ ! -f "$file" ] || echo "$file"; done | awk -v most="$count" 'NR <= most')

@@ -13,7 +13,7 @@ namespace motiondb::tests {
 
 BenchProgram::BenchProgram(const std::string& description, const std::string& name)
     : app_(description, name) {
-  app_.add_option("--json", json_, "Write the table to this file too")->type_name("FILE");
+  app_.add_option("--json", json_, "Also write the table to this file")->type_name("FILE");
 }
 
 void BenchProgram::AddSize(VariedSize& size) {
@@ -38,7 +38,7 @@ int BenchProgram::Run(int argc, char** argv,
     if (const auto code = instead()) return *code;
   }
   if (!std::filesystem::exists(DataDir() / "index.tsv")) {
-    fmt::print("skipped: real motion is not at {}\n", DataDir().string());
+    fmt::print("skipped: no recorded motion in {}\n", DataDir().string());
     return 0;
   }
   const absl::StatusOr<BenchTable> table = measure();

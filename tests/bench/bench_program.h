@@ -1,5 +1,5 @@
-// What every benchmark program that writes a table does around its work: options, a look whether
-// the recorded motion is there, the table on standard output and in a file.
+// The frame of every benchmark program with a table: options, the check for recorded motion, and
+// the table on standard output and in a file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -18,17 +18,17 @@ class BenchProgram {
   BenchProgram(const std::string& description, const std::string& name);
 
   CLI::App& app() { return app_; }
-  // --clips and --frames.
+  // Adds --clips and --frames.
   void AddSize(VariedSize& size);
-  // --jobs: as many as the machine has processors, if nothing is said.
+  // Adds --jobs, by default the number of processors.
   void AddJobs(int& jobs, const std::string& what);
 
-  // Reads the command line, measures and reports; returns the exit code. `instead`, asked once the
-  // options are known, may return an exit code for something else that was to be done.
+  // Parses the command line, measures and reports. Returns the exit code. `instead` runs after
+  // parsing; if it returns an exit code, nothing is measured.
   int Run(int argc, char** argv, const std::function<absl::StatusOr<BenchTable>()>& measure,
           const std::function<std::optional<int>()>& instead = {});
 
-  // Says on standard error what went wrong, if something did; returns the exit code.
+  // Prints an error, if any, to standard error. Returns the exit code.
   int Report(const absl::Status& status) const;
 
  private:

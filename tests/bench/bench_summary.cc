@@ -1,4 +1,4 @@
-// motiondb_bench_summary: the tables of benchmark programs as one table and one JSON file.
+// motiondb_bench_summary joins the tables of benchmark programs into one table and one JSON file.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -17,13 +17,13 @@ namespace {
 
 absl::StatusOr<nlohmann::json> ReadJson(const std::string& path) {
   std::ifstream file(path);
-  if (!file) return core::NotFound("{}: cannot be read", path);
+  if (!file) return core::NotFound("{}: cannot read the file", path);
   nlohmann::json json = nlohmann::json::parse(file, nullptr, false);
-  if (json.is_discarded()) return core::InvalidArgument("{}: not JSON", path);
+  if (json.is_discarded()) return core::InvalidArgument("{}: expected JSON", path);
   return json;
 }
 
-// All rows in the order of the files; equal notes once.
+// Joins all rows in the order of the files; drops equal notes.
 absl::StatusOr<BenchTable> Join(const std::vector<std::string>& paths) {
   BenchTable joined{"Benchmarks", {}, {}};
   std::set<std::string> seen;
@@ -39,11 +39,11 @@ absl::StatusOr<BenchTable> Join(const std::vector<std::string>& paths) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Puts the tables of benchmark programs together.", "motiondb_bench_summary");
+  CLI::App app("Joins the tables of benchmark programs.", "motiondb_bench_summary");
   std::vector<std::string> paths;
   std::string json;
   app.add_option("tables", paths, "JSON files of benchmark programs")->required();
-  app.add_option("--json", json, "Write the table to this file too")->type_name("FILE");
+  app.add_option("--json", json, "Also write the table to this file")->type_name("FILE");
   CLI11_PARSE(app, argc, argv);
   const absl::StatusOr<BenchTable> table = Join(paths);
   if (table.ok()) return Finish(*table, json);

@@ -15,10 +15,10 @@ namespace motiondb::tests {
 namespace {
 
 constexpr int kColumns = 7;
-constexpr int kFirstNumber = 2;  // columns from here on stand at the right
+constexpr int kFirstNumber = 2;  // right-aligned from this column
 using Line = std::array<std::string, kColumns>;
 
-// Three digits that count, without an exponent where that can be avoided.
+// Returns the number with three significant digits, without an exponent if possible.
 std::string Figure(double value) {
   if (!std::isfinite(value)) return "-";
   const double size = std::abs(value);
@@ -156,7 +156,7 @@ absl::StatusOr<BenchTable> FromJson(const nlohmann::json& json) {
     }
     return table;
   } catch (const nlohmann::json::exception& error) {
-    return core::InvalidArgument("not a benchmark's table: {}", error.what());
+    return core::InvalidArgument("expected a benchmark table: {}", error.what());
   }
 }
 
@@ -166,7 +166,7 @@ int Finish(const BenchTable& table, const std::string& json_file) {
   std::ofstream file(json_file);
   file << ToJson(table).dump(2) << '\n';
   if (file.flush()) return 0;
-  fmt::print(stderr, "{}: cannot be written\n", json_file);
+  fmt::print(stderr, "{}: cannot write the file\n", json_file);
   return 1;
 }
 

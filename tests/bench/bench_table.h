@@ -1,6 +1,5 @@
-// What a benchmark found out: rows that set one of our figures beside a peer's or a limit's from
-// the same run, as a Markdown table for people and JSON for programs. All benchmark programs use
-// it, and motiondb_bench_summary puts their files together. Plain values.
+// The result of a benchmark: rows that compare a measurement with a peer or a limit of the same
+// run. Written as a Markdown table and as JSON; motiondb_bench_summary joins the JSON files.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,7 +11,7 @@
 
 namespace motiondb::tests {
 
-// What a row's ratio is to reach. Without a limit the row is only reported.
+// The required ratio of a row. Without a limit the row is only reported.
 struct Bar {
   enum class Kind { kNone, kAtLeast, kAtMost };
   Kind kind = Kind::kNone;
@@ -24,45 +23,46 @@ inline Bar AtMost(double limit) { return {Bar::Kind::kAtMost, limit}; }
 inline Bar Reported() { return {}; }
 
 struct BenchRow {
-  std::string name;     // what was measured: "recognize 0.4 s, 2000 clips"
+  std::string name;     // the measurement: "recognize 0.4 s, 2000 clips"
   double ours = 0;      // in `unit`
   std::string against;  // the peer or the limit: "FAISS exact windowed search"
   double theirs = 0;    // in `unit`
   std::string unit;     // of both: "ms", "MB/s"
-  double ratio = 0;     // what the bar is about, e.g. how many times faster
+  double ratio = 0;     // compared with the bar, e.g. how many times faster
   Bar bar;
-  std::string note;  // why a bar is missed, or what a reader must know; may be empty
+  std::string note;  // why a bar is missed, or other remarks; may be empty
 
-  // Whether the bar is met; none where there is no bar. A ratio that is not finite meets none.
+  // Returns whether the bar is met; nullopt without a bar. A non-finite ratio meets no bar.
   std::optional<bool> met() const;
 };
 
-// A row of times (less is better): the ratio is how many times ours goes into theirs.
+// Returns a row of times (less is better): ratio = theirs / ours.
 BenchRow TimesFaster(std::string name, double ours, std::string against, double theirs,
                      std::string unit, Bar bar);
-// A row of costs that may be some times the other's: the ratio is ours over theirs. Rates (more is
-// better) are such rows too, with a bar AtLeast.
+// Returns a row of costs, with ratio = ours / theirs. Rates (more is better) are such rows with a
+// bar AtLeast.
 BenchRow TimesTheirs(std::string name, double ours, std::string against, double theirs,
                      std::string unit, Bar bar);
 
 struct BenchTable {
-  std::string title;  // of the program: "parsing"
+  std::string title;  // of the benchmark: "parsing"
   std::vector<BenchRow> rows;
-  std::vector<std::string> notes;  // the data, the machine, what the peer does
+  std::vector<std::string> notes;  // the data, the machine, how the peer works
 };
 
-// Markdown: a table with aligned columns, then the notes, and the rows' notes under their names.
+// Returns Markdown: a table with aligned columns, the notes, and the notes of the rows with their
+// names.
 std::string ToMarkdown(const BenchTable& table);
 
-// {"title", "notes", "rows": [{"name", "ours", "unit", "against", "theirs", "ratio", "bar", "met",
-// "note"}]}; bar is {"at_least": x}, {"at_most": x} or null, met null without a bar.
+// Returns {"title", "notes", "rows": [{"name", "ours", "unit", "against", "theirs", "ratio", "bar",
+// "met", "note"}]}. bar is {"at_least": x}, {"at_most": x} or null; met is null without a bar.
 nlohmann::json ToJson(const BenchTable& table);
 
-// The way back. INVALID_ARGUMENT if the value is not of that form.
+// Parses the result of ToJson. INVALID_ARGUMENT if the value does not have that form.
 absl::StatusOr<BenchTable> FromJson(const nlohmann::json& json);
 
-// Prints the table and, where `json_file` is not empty, writes it there. The exit status of a
-// program that ends with this: 0, also where bars are missed; 1 if the file cannot be written.
+// Prints the table and, if `json_file` is not empty, writes it there. Returns the exit code: 0,
+// also if bars are missed; 1 if the file cannot be written.
 int Finish(const BenchTable& table, const std::string& json_file);
 
 }  // namespace motiondb::tests

@@ -28,7 +28,7 @@ TEST_CASE("Bench table: the ratio decides whether a bar is met", "[bench]") {
   CHECK(TimesTheirs("", std::nan(""), "", 1, "ms", AtMost(5)).met() == false);
 }
 
-TEST_CASE("Bench table: rows stand in columns, notes below", "[bench]") {
+TEST_CASE("Bench table: aligned columns, notes below", "[bench]") {
   CHECK(ToMarkdown(SomeTable()) == R"(### parsing
 
 | what | against |      ours |     theirs | ratio |         bar |        |
@@ -42,7 +42,7 @@ TEST_CASE("Bench table: rows stand in columns, notes below", "[bench]") {
 )");
 }
 
-TEST_CASE("Bench table: JSON and back", "[bench]") {
+TEST_CASE("Bench table: FromJson inverts ToJson", "[bench]") {
   const nlohmann::json json = ToJson(SomeTable());
   const auto back = FromJson(json);
   REQUIRE(back.ok());

@@ -59,7 +59,7 @@ absl::StatusOr<std::vector<Bone>> StandardBones(const core::MarkerSet& set) {
     }
   }
   if (!missing.empty()) {
-    return core::InvalidArgument("marker set '{}' has no marker '{}'", set.name, missing);
+    return core::InvalidArgument("marker set '{}': expected a marker '{}'", set.name, missing);
   }
   return bones;
 }
@@ -86,7 +86,7 @@ BodyVariation::BodyVariation(std::vector<Bone> bones, const Eigen::RowVectorXf& 
   const double posture = random.Between(0, 0.3);
   for (int l = 0; l < kLimbs; ++l) {
     Limb& limb = limbs_[l];
-    // Legs are what sizes are measured by: they hardly differ, or feet would leave the floor.
+    // Legs hardly vary: they define the subject's size, and feet must stay on the floor.
     const bool leg = l == kLeftLeg || l == kRightLeg;
     limb.size = static_cast<float>(leg ? random.Between(0.99, 1.01)
                                        : upper_body * random.Between(0.97, 1.03));

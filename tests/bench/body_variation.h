@@ -1,5 +1,5 @@
-// Another body and another manner for a recorded pose: the size of each limb, the posture, how far
-// movements reach, and a slow sway. Seeded.
+// Varies the body and the manner of a recorded pose: limb sizes, posture, reach of movements, and a
+// slow sway. Seeded.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace motiondb::tests {
 
-// A marker and the one that it hangs from; parents come first.
+// A marker and its parent marker; parents come first.
 struct Bone {
   int marker = 0;
   int parent = 0;
@@ -19,10 +19,10 @@ struct Bone {
 
 inline constexpr int kLimbs = 7;  // hips, trunk, head, arms, legs
 
-// How the standard markers hang together. INVALID_ARGUMENT if the set lacks one of them.
+// Returns the tree of the standard markers. INVALID_ARGUMENT if the set lacks one.
 absl::StatusOr<std::vector<Bone>> StandardBones(const core::MarkerSet& set);
 
-// A smooth value in [-1, 1] over time: three slow sinusoids.
+// A smooth function of time in [-1, 1]: three slow sinusoids.
 class Wave {
  public:
   explicit Wave(core::SeededSequence& random);
@@ -33,29 +33,28 @@ class Wave {
   double phase_[3];
 };
 
-// Immutable once made; safe to share between threads.
 class BodyVariation {
  public:
-  // `usual` and `other` are mean poses (1 x 3 N_v, reference frame): the clip's own and the one
+  // `usual` and `other` are mean poses (1 x 3 N_v, reference frame): that of the clip, and the one
   // whose posture is mixed in.
   BodyVariation(std::vector<Bone> bones, const Eigen::RowVectorXf& usual,
                 const Eigen::RowVectorXf& other, core::SeededSequence& random);
 
-  // Varies a pose (1 x 3 N_v, reference frame, leg lengths) in place. Bones keep their length,
-  // times their limb's factor. `scratch` is overwritten.
+  // Varies a pose (1 x 3 N_v, reference frame, leg lengths) in place. Bones keep their length times
+  // the factor of their limb. Overwrites `scratch`.
   void Apply(double seconds, Eigen::RowVectorXf& pose, Eigen::RowVectorXf& scratch) const;
 
  private:
   struct Limb {
     float size = 1;   // factor of the length of its bones
-    float reach = 1;  // factor of the bones' departure from their mean direction
+    float reach = 1;  // factor of the deviation of its bones from their mean direction
     float sway_rad = 0;
     std::vector<Wave> sway;  // about x, y and z
   };
 
   std::vector<Bone> bones_;
   std::vector<Limb> limbs_;
-  Eigen::Matrix3Xf lean_;  // for each bone what is added to it (leg lengths)
+  Eigen::Matrix3Xf lean_;  // offset of each bone (leg lengths)
 };
 
 }  // namespace motiondb::tests

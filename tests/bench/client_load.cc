@@ -21,7 +21,7 @@ using Clock = std::chrono::steady_clock;
 
 std::shared_ptr<grpc::Channel> NewChannel(const std::string& address) {
   grpc::ChannelArguments arguments;
-  // A connection of its own, not one that all channels to the address share.
+  // A connection of its own, not the shared one of the address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(address, grpc::InsecureChannelCredentials(), arguments);
 }

@@ -1,5 +1,5 @@
-// Clients that load a server: each asks again as soon as it has its answer, and notes how long that
-// took. Functions keep no state.
+// Clients that load a server. Each sends the next request when it has its answer, and records
+// latencies.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -18,49 +18,49 @@ namespace motiondb::tests {
 
 using Seconds = std::chrono::duration<double>;
 
-// What a load came to. Plain values.
+// The result of a load.
 struct Load {
-  std::vector<double> ms;  // from question to answer, each
-  double seconds = 0;      // that they were asked in
-  // Processor time of the whole process meanwhile: servers' and clients'.
+  std::vector<double> ms;  // latency of each request
+  double seconds = 0;      // duration of the load
+  // Processor time of the whole process meanwhile: servers and clients.
   double processor_seconds = 0;
 
   double rate() const { return static_cast<double>(ms.size()) / seconds; }
-  // Processor time of one answer, on both ends.
+  // Returns the processor time of one answer, on both ends.
   double processor_ms() const { return 1e3 * processor_seconds / static_cast<double>(ms.size()); }
-  // The time that this part (0 to 1) of the answers came within. NaN without answers.
+  // Returns the quantile `part` (0 to 1) of the latencies, ms. NaN without answers.
   double Within(double part) const;
   void Add(const Load& more);
 };
 
-// One client with a connection of its own. One thread at a time.
+// One client with its own connection. Used by one thread at a time.
 class LoadClient {
  public:
   virtual ~LoadClient() = default;
-  // A message out and its answer back.
+  // Sends a message and reads its answer.
   virtual absl::Status Ask() = 0;
-  // The last answer, serialized.
+  // Returns the last answer, serialized.
   virtual std::string Reply() const = 0;
 };
 
-// Recognizes each of the requests in turn, beginning with `first`. `requests` outlive it.
+// Recognizes the requests cyclically, starting with `first`. `requests` must outlive the client.
 std::unique_ptr<LoadClient> NewRecognizeClient(const std::string& address,
                                                const std::vector<v1::RecognizeRequest>& requests,
                                                std::size_t first);
 
-// Opens a stream, with `start` unless it is null, and sends each of the messages in turn, over and
-// over, with frames numbered on. Destroying it ends the stream.
+// Opens a stream, with `start` unless it is null, and sends the messages cyclically with continued
+// frame numbers. The destructor ends the stream.
 std::unique_ptr<LoadClient> NewObserveClient(const std::string& address,
                                              const v1::ObserveRequest* start,
                                              std::vector<v1::ObserveRequest> messages);
 
-// All clients at once, a thread each, for so long, after each has asked `warm_up` times.
-// The first error of any.
+// Runs all clients concurrently for `duration`, one thread each, after `warm_up` requests of each.
+// Returns the first error of any client.
 absl::StatusOr<Load> AskAll(const std::vector<std::unique_ptr<LoadClient>>& clients, int warm_up,
                             Seconds duration);
 
-// One client that has a question every `period`, while `going` says so. A question waits while the
-// one before it is not answered, and that counts: its time runs from when it was due.
+// Runs one client that sends a request every `period` while `going` returns true. A request waits
+// for the answer to the previous one; its latency counts from its scheduled time.
 absl::StatusOr<Load> AskEvery(LoadClient& client, Seconds period,
                               const std::function<bool()>& going);
 

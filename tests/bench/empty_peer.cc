@@ -11,7 +11,7 @@
 namespace motiondb::tests {
 namespace {
 
-// One call: a message in, the reply out; of a stream again and again until the client half-closes.
+// One call: a message in, the reply out. A stream repeats this until the client half-closes.
 class Call final : public grpc::ServerGenericBidiReactor {
  public:
   Call(EmptyPeer::Shape shape, const grpc::ByteBuffer& reply) : shape_(shape), reply_(reply) {
@@ -27,7 +27,7 @@ class Call final : public grpc::ServerGenericBidiReactor {
     }
   }
   void OnWriteDone(bool ok) override {
-    if (shape_ == EmptyPeer::Shape::kUnary) return;  // finishes by itself
+    if (shape_ == EmptyPeer::Shape::kUnary) return;  // finished by StartWriteAndFinish
     if (!ok) return Finish(grpc::Status::CANCELLED);
     StartRead(&request_);
   }
@@ -41,7 +41,7 @@ class Call final : public grpc::ServerGenericBidiReactor {
 
 class Unknown final : public grpc::ServerGenericBidiReactor {
  public:
-  Unknown() { Finish({grpc::StatusCode::UNIMPLEMENTED, "the empty peer has no such method"}); }
+  Unknown() { Finish({grpc::StatusCode::UNIMPLEMENTED, "unknown method of the empty peer"}); }
   void OnDone() override { delete this; }
 };
 

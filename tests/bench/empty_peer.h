@@ -1,8 +1,7 @@
-// A gRPC server that does nothing but answer: what any server on this machine pays for the same
-// messages. It takes the calls of motiondb's own clients, by method name, does not parse what they
-// send, and answers each message with the same bytes at once.
-//
-// Thread-safe. Owns its socket; streams must have ended before it is destroyed.
+// A gRPC server that only answers: the cost of the same messages on any server of this machine. It
+// accepts the calls of motiondb's clients by method name, does not parse requests, and answers each
+// message immediately with the same bytes. Thread-safe. Streams must have ended before it is
+// destroyed.
 #pragma once
 
 #include <map>
@@ -25,12 +24,12 @@ class EmptyPeer {
     std::string reply;  // a message, serialized
   };
 
-  // Listens on a free loopback port. Methods by path: "/motiondb.v1.QueryService/Recognize".
-  // UNAVAILABLE where it cannot.
+  // Listens on a free loopback port; UNAVAILABLE if it cannot. Methods by path:
+  // "/motiondb.v1.QueryService/Recognize".
   static absl::StatusOr<std::unique_ptr<EmptyPeer>> Start(std::map<std::string, Method> methods);
   ~EmptyPeer();
 
-  // HOST:PORT that clients reach it at.
+  // Returns HOST:PORT.
   const std::string& address() const { return address_; }
 
  private:

@@ -1,5 +1,5 @@
-// How soon a large database knows a clip that was ingested, without a build, and how far its model
-// then is from one that is built of the same clips.
+// Measures how soon a large database can use an ingested clip without a build, and how its model
+// then differs from a build of the same clips.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -43,7 +43,7 @@ struct Options {
   bool rebuild = false;
 };
 
-// The database of a store as a server has it after its start, with its model. Works on the calling
+// The database of a store as in a server after its start, with its model. Works on the calling
 // thread.
 class ServedDatabase {
  public:
@@ -72,7 +72,7 @@ class ServedDatabase {
   const std::shared_ptr<server::LiveDatabase> live_;
 };
 
-// Adds clips one after the other; the time from each one's way into the store until it is known.
+// Adds clips one by one. Returns the time of each from its storage until the model has it, ms.
 absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store, ServedDatabase& served,
                                                 const Options& options) {
   const VariedSize size{options.added, options.added * kFramesEach, options.size.frame_rate_hz};
@@ -89,15 +89,15 @@ absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store, Ser
     const std::chrono::duration<double, std::milli> took = std::chrono::steady_clock::now() - began;
     milliseconds.push_back(took.count());
     if (served.model().record.added_clip_count != std::ssize(milliseconds)) {
-      return absl::InternalError("a clip was added and is not known");
+      return absl::InternalError("the model lacks an added clip");
     }
   }
   return milliseconds;
 }
 
-// A model built of all clips, in the order that a server builds in.
-absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, ServedDatabase& served,
-                                      const core::ParallelFor& parallel) {
+// Builds a model of all clips in a server's order.
+absl::StatusOr<core::Model> BuildAllClips(storage::MotionStore& store, ServedDatabase& served,
+                                          const core::ParallelFor& parallel) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, served.live().name()));
   std::vector<std::string> ids;
   for (const auto& record : records) ids.push_back(record.id);
@@ -108,11 +108,9 @@ absl::StatusOr<core::Model> BuildAnew(storage::MotionStore& store, ServedDatabas
 
 std::string Describe(const core::ModelDifference& difference) {
   return fmt::format(
-      "extend: against a model built of the same clips: bottom nodes {} and {}, frames' rms "
-      "distance "
-      "from their node's mean {:.4f} and {:.4f}, the same label for {} of {} windows of added "
-      "clips, "
-      "each left out",
+      "extend: compared with a build of the same clips: bottom nodes {} and {}, rms distance of "
+      "frames from their node's mean {:.4f} and {:.4f}, the same label for {} of {} windows of "
+      "added clips, each clip left out",
       difference.bottom_nodes_before, difference.bottom_nodes_after, difference.spread_before,
       difference.spread_after, difference.same_label, difference.windows);
 }
@@ -132,7 +130,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   const int frames = served.model().model.frame_count();
   const auto clips = served.model().model.clips().size();
   MOTIONDB_ASSIGN_OR_RETURN(std::vector<double> times, AddOneByOne(*store, served, options));
-  // The first one moves the states to where there is room for more.
+  // The first addition moves the states to a larger buffer.
   const double first = times.front();
   std::sort(times.begin(), times.end());
 
@@ -142,14 +140,13 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
       times.back(), "a second", 1000, "ms", AtMost(1)));
   const auto& record = served.model().record;
   table.notes.push_back(fmt::format(
-      "extend: {}; {} clips added to {} one by one, each stored and then known without a build: "
-      "the first after {:.0f} ms, median {:.0f}; then {:.2f} % of the frames were added and {:.2f} "
-      "% "
-      "lie in nodes that a build would divide",
+      "extend: {}; {} clips added to {} one by one without a build: the first after {:.0f} ms, "
+      "median {:.0f}; afterwards {:.2f} % of the frames are additions and {:.2f} % are in nodes "
+      "that a build would split",
       kVariedMotion, options.added, clips, first, times[times.size() / 2],
       100.0 * record.added_frame_count / record.frame_count, 100 * record.drift_fraction));
   if (options.rebuild) {
-    MOTIONDB_ASSIGN_OR_RETURN(const core::Model built, BuildAnew(*store, served, parallel));
+    MOTIONDB_ASSIGN_OR_RETURN(const core::Model built, BuildAllClips(*store, served, parallel));
     table.notes.push_back(Describe(core::CompareModels(served.model().model, built, parallel)));
   }
   return table;
@@ -157,7 +154,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
 
 int Main(int argc, char** argv) {
   spdlog::set_level(spdlog::level::off);
-  BenchProgram program("Measures how soon a large database knows a new clip.",
+  BenchProgram program("Measures how soon a large database can use a new clip.",
                        "motiondb_bench_extend");
   Options options;
   program.AddSize(options.size);
@@ -165,12 +162,12 @@ int Main(int argc, char** argv) {
       .add_option("--store", options.store, "Work on a copy of this store of motiondb_bench_scale")
       ->type_name("FILE");
   program.app()
-      .add_option("--added", options.added, "Clips that are added")
+      .add_option("--added", options.added, "Number of added clips")
       ->check(CLI::Range(1, 100'000))
       ->capture_default_str();
   program.app().add_flag("--rebuild", options.rebuild,
-                         "Build a model of all clips, too, and compare");
-  program.AddJobs(options.jobs, "Threads that make the store");
+                         "Also build a model of all clips, and compare");
+  program.AddJobs(options.jobs, "Threads that create the store");
   return program.Run(argc, argv, [&] { return Run(options); });
 }
 

@@ -1,5 +1,5 @@
-// Frames a second of inverse kinematics on one core: the markers of recorded clips back to joint
-// angles on the CMU skeleton (62 degrees of freedom, 34 markers).
+// Measures inverse kinematics on one core, frames per second: from the markers of recorded clips to
+// joint angles of the CMU skeleton (62 degrees of freedom, 34 markers).
 #include <benchmark/benchmark.h>
 
 #include <cstdio>
@@ -21,7 +21,7 @@ struct Clip {
   core::MarkerMotion markers;
 };
 
-// A file that cannot be read ends the program.
+// Exits if a file cannot be read.
 Clip ReadClip(const std::filesystem::path& amc) {
   const std::string skeleton =
       ReadFile(amc.parent_path() / (amc.parent_path().filename().string() + ".asf"));
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
   using namespace motiondb;
   benchmark::Initialize(&argc, argv);
   if (!std::filesystem::exists(tests::DataDir() / "index.tsv")) {
-    std::printf("skipped: real motion is not at %s\n", tests::DataDir().c_str());
+    std::printf("skipped: no recorded motion in %s\n", tests::DataDir().c_str());
     return 0;
   }
   for (const std::string path : {"cmu/16/16_18.amc", "cmu/16/16_01.amc", "cmu/09/09_12.amc"}) {

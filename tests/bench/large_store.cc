@@ -26,11 +26,11 @@
 namespace motiondb::tests {
 namespace {
 
-// Times the stages that a build tells of. "tree, layer 7" is of the stage "tree".
+// Times the stages that a build reports. "tree, layer 7" belongs to the stage "tree".
 class StageLog {
  public:
-  void Enter(std::string_view told) {
-    const std::string_view name = told.substr(0, told.find(','));
+  void Enter(std::string_view stage) {
+    const std::string_view name = stage.substr(0, stage.find(','));
     if (!stages_.empty() && stages_.back().name == name) return;
     Leave();
     stages_.push_back({std::string(name)});
@@ -53,7 +53,7 @@ class StageLog {
   std::clock_t entered_processor_ = 0;
 };
 
-// Runs work where RunUntil is called, with the threads that are lent, in real time.
+// Runs work inside RunUntil, with the given threads, in real time.
 class LendingExecutor : public SimulatedExecutor {
  public:
   explicit LendingExecutor(core::ParallelFor parallel)

@@ -1,5 +1,4 @@
-// A store with one large database in it, as a server would make it: clips added, then a full
-// rebuild. Functions keep no state.
+// A store with one large database, created as by a server: clips are added, then a full rebuild.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +14,8 @@ namespace motiondb::tests {
 
 inline constexpr char kLargeDatabase[] = "large";
 
-// A stage of a rebuild: its name, its wall time, the processor time of all threads and the most
-// memory that the process had held when it ended.
+// A stage of a rebuild: name, wall time, processor time of all threads, and peak memory of the
+// process at its end.
 struct BuildStage {
   std::string name;
   double seconds = 0;
@@ -24,25 +23,25 @@ struct BuildStage {
   double peak_mb = 0;
 };
 
-// Makes the store at `path`, where nothing is, with these clips and no model. Their motion files
-// are a line each, so the store holds little that a start does not read.
+// Creates the store at `path`, which must not exist, with these clips and without a model. Each
+// motion file is one line, so almost all bytes of the store are read at a start.
 absl::Status MakeClipStore(const std::string& path, double frame_rate_hz,
                            std::vector<core::BuildInput> clips);
 
-// Builds and stores the model of the store's clips; returns the stages. The last stage's peak is
-// that of the whole build.
+// Builds and stores the model of the store's clips. Returns the stages; the last peak is that of
+// the whole build.
 absl::StatusOr<std::vector<BuildStage>> RebuildStore(const std::string& path,
                                                      const core::ParallelFor& parallel);
 
-// Both, of varied clips.
+// Calls both with varied clips.
 absl::StatusOr<std::vector<BuildStage>> MakeLargeStore(const std::string& path,
                                                        const VariedSize& size, std::uint64_t seed,
                                                        const core::ParallelFor& parallel);
 
-// Adds clips to the large database of a store, with a line for a file each.
+// Adds clips to the large database of a store, each with a file of one line.
 absl::Status AddClips(storage::MotionStore& store, std::vector<core::BuildInput> inputs);
 
-// Megabytes (10^6 bytes) of this process by a field of /proc/self/status: "VmRSS", "VmHWM".
+// Returns a field of /proc/self/status in megabytes (10^6 bytes): "VmRSS", "VmHWM".
 double ProcessMegabytes(const std::string& field);
 
 }  // namespace motiondb::tests

@@ -1,7 +1,7 @@
-// How fast motion files are read, beside assimp on the same BVH and a memory copy of the same
-// bytes. One thread; files are in memory before the clock starts. Ours reads all the way to metres
-// and radians: units and the up axis are worked out too. Processor time of the thread, the best of
-// some rounds in which all take turns.
+// Measures how fast motion files are read, compared with assimp on the same BVH files and with a
+// memory copy of the same bytes. One thread; the files are in memory. Our result is in metres and
+// radians, with units and up axis derived. Reports thread processor time: the best of some rounds
+// in which the readers alternate.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ std::vector<fs::path> FilesUnder(const fs::path& folder, const std::string& exte
   return paths;
 }
 
-// A subject's folder holds the skeleton under the folder's name.
+// The folder of a subject has a skeleton with the name of the folder.
 fs::path SkeletonBeside(const fs::path& amc) {
   const fs::path folder = amc.parent_path();
   return folder / (folder.filename().string() + ".asf");
@@ -56,7 +56,7 @@ bool ReadAssimp(const File& file) {
   return importer.ReadFileFromMemory(file.bytes.data(), file.bytes.size(), 0, "bvh") != nullptr;
 }
 
-// Files that all readers take. Ends the program where the folder has none.
+// Loads the files that all readers accept. Exits if there are none.
 std::vector<File> Load(const fs::path& folder, const std::string& extension) {
   const bool amc = extension == ".amc";
   std::vector<File> files;
@@ -68,7 +68,7 @@ std::vector<File> Load(const fs::path& folder, const std::string& extension) {
     files.push_back(std::move(file));
   }
   if (files.empty()) {
-    fmt::print(stderr, "{}: no readable *{}\n", folder.string(), extension);
+    fmt::print(stderr, "{}: expected readable files *{}\n", folder.string(), extension);
     std::exit(1);
   }
   return files;
@@ -80,7 +80,7 @@ double Megabytes(const std::vector<File>& files) {
   return bytes / 1e6;
 }
 
-// Megabytes a second of each reader over the files, the best of `rounds`.
+// Returns megabytes per second of each reader over the files, the best of `rounds`.
 std::vector<double> Rates(const std::vector<File>& files, int rounds,
                           const std::vector<std::function<void(const File&)>>& readers) {
   std::vector<double> best(readers.size(), INFINITY);

@@ -1,6 +1,6 @@
-// Plans to seeded random goals on database2, by the segment search and by the paper's random
-// sampling, side by side: how many arrive, how long the search takes on one thread, and how good
-// the motion is against the stored clips'. Goals are scored once; nothing is tuned on them.
+// Compares segment search and the paper's random sampling on plans to seeded random goals in
+// database2: success rate, search time on one thread, and quality of the motion relative to the
+// stored clips. Goals are scored once; nothing is tuned on them.
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -25,7 +25,7 @@ double Quantile(std::vector<double> values, double share) {
 
 struct Tally {
   int outcomes[4] = {};
-  int arrived = 0;  // as the search saw it
+  int arrived = 0;  // according to the search
   std::vector<double> search_ms, total_ms, duration_s, error_m, slide, penetration, jerk;
 };
 
@@ -76,14 +76,14 @@ void PrintTable(const Tally& search, const Tally& sampling, std::size_t goals) {
                 100.0 * search.outcomes[i] / static_cast<double>(goals),
                 100.0 * sampling.outcomes[i] / static_cast<double>(goals));
   }
-  std::printf("| %-36s | %15.1f | %15.1f |\n", "arrived as the search saw it, %",
+  std::printf("| %-36s | %15.1f | %15.1f |\n", "arrived according to the search, %",
               100.0 * search.arrived / static_cast<double>(goals),
               100.0 * sampling.arrived / static_cast<double>(goals));
   Print("search, ms, median", search, sampling, &Tally::search_ms, 0.5);
   Print("search, ms, 95th percentile", search, sampling, &Tally::search_ms, 0.95);
   Print("search, ms, largest", search, sampling, &Tally::search_ms, 1);
   Print("search, synthesis and IK, ms, median", search, sampling, &Tally::total_ms, 0.5);
-  Print("the same, 95th percentile", search, sampling, &Tally::total_ms, 0.95);
+  Print("search, synthesis and IK, ms, p95", search, sampling, &Tally::total_ms, 0.95);
   Print("distance from the goal, m, median", search, sampling, &Tally::error_m, 0.5);
   Print("distance from the goal, m, 95th pc.", search, sampling, &Tally::error_m, 0.95);
   Print("duration, s, median", search, sampling, &Tally::duration_s, 0.5);

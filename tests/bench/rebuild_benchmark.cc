@@ -1,6 +1,6 @@
-// How long a rebuild takes, from the stored clips to the calibrated and stored model, and how much
-// memory it takes: of all recorded clips, and of many varied ones. Each is built in a fresh process
-// that serves nothing else. Times of stages are of the clock, and of the processors in brackets.
+// Measures time and memory of a rebuild, from stored clips to the calibrated and stored model: of
+// all recorded clips, and of many varied ones. Each build runs alone in a new process. Stage times
+// are wall time, with processor time in brackets.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -29,19 +29,19 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 constexpr double kRecordedSeconds = 3;
 constexpr double kVariedSeconds = 15;
-constexpr double kMostMegabytes = 1600;
+constexpr double kMaxMegabytes = 1600;
 
 struct Options {
   VariedSize size;
   double recorded_rate_hz = 120;
   std::string stores;  // folder
-  std::string build;   // be the child that builds the model of this store
+  std::string build;   // set in the child that builds the model of this store
   int jobs = 1;
 };
 
-// The child: a line for each stage, then one for the whole.
+// Runs in the child. Prints a line for each stage, then one for the whole build.
 absl::Status Build(const std::string& path, int jobs) {
-  spdlog::set_level(spdlog::level::off);  // it would write where the parent listens
+  spdlog::set_level(spdlog::level::off);  // the parent reads standard output
   const auto began = std::chrono::steady_clock::now();
   MOTIONDB_ASSIGN_OR_RETURN(const auto stages, RebuildStore(path, OnThreads(jobs)));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
@@ -57,11 +57,11 @@ absl::Status Build(const std::string& path, int jobs) {
 
 struct Built {
   BuildStage whole;
-  std::string stages;  // for a person
+  std::string stages;  // readable summary
 };
 
 absl::StatusOr<Built> BuildInChild(const std::string& store, const Options& options) {
-  // The child's own model is not to be found by the next one.
+  // Copies the store, so that the next child does not find this child's model.
   const std::string copy = store + ".built";
   std::filesystem::copy_file(store, copy, std::filesystem::copy_options::overwrite_existing);
   ChildProcess child({std::filesystem::read_symlink("/proc/self/exe").string(), "--build", copy,
@@ -97,7 +97,7 @@ absl::StatusOr<std::vector<core::BuildInput>> RecordedClips(double rate_hz,
   return inputs;
 }
 
-// What a store is made from is made only where the store is not there yet.
+// Creates a store only if it does not exist yet.
 absl::Status Measure(const std::string& store, const std::string& what, double rate_hz,
                      double bar_seconds, const Options& options,
                      const std::function<absl::StatusOr<std::vector<core::BuildInput>>()>& clips,
@@ -114,7 +114,7 @@ absl::Status Measure(const std::string& store, const std::string& what, double r
                                    whole.processor_seconds, "two processors for the bar's time",
                                    2 * bar_seconds, "s", AtMost(1)));
   table.rows.push_back(TimesTheirs(fmt::format("its peak of memory, {}", what), whole.peak_mb,
-                                   "the bar", kMostMegabytes, "MB", AtMost(1)));
+                                   "the bar", kMaxMegabytes, "MB", AtMost(1)));
   table.notes.push_back(
       fmt::format("rebuild: {}, {} threads: {}", what, options.jobs, built.stages));
   return absl::OkStatus();
@@ -148,11 +148,11 @@ int Main(int argc, char** argv) {
   program.AddSize(options.size);
   program.AddJobs(options.jobs, "Threads of the build");
   program.app()
-      .add_option("--recorded-rate", options.recorded_rate_hz, "Frames a second of recorded clips")
+      .add_option("--recorded-rate", options.recorded_rate_hz, "Frame rate of recorded clips, Hz")
       ->check(CLI::Range(5.0, 1000.0))
       ->capture_default_str();
   program.app()
-      .add_option("--stores", options.stores, "Keep the stores in this folder and use them again")
+      .add_option("--stores", options.stores, "Keep the stores in this folder for later runs")
       ->check(CLI::ExistingDirectory)
       ->type_name("DIR");
   program.app().add_option("--build", options.build)->group("");

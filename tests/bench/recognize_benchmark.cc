@@ -1,8 +1,7 @@
-// How long it takes to recognize 0.4 s of motion in a large database, in process, beside FAISS's
-// exact windowed search over the same frames and recognition in 20 clips of the same kind. Windows
-// are from varied clips of another seed, which the database does not hold. All take turns, each on
-// one thread, and once more in vectors that every processor has; figures are medians of processor
-// time.
+// Measures the recognition of 0.4 s of motion in a large database, in process, compared with
+// FAISS's exact windowed search over the same frames and with recognition in 20 similar clips.
+// Windows are from varied clips of another seed, not in the database. The methods alternate, each
+// on one thread, with and without AVX2. Results are medians of processor time.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -34,11 +33,11 @@ constexpr std::uint64_t kObservedSeed = 2;
 struct Options {
   VariedSize size;
   int windows = 64;
-  int searches = 9;  // windows that FAISS searches, too
+  int searches = 9;  // windows also searched by FAISS
   int jobs = 1;
 };
 
-// Processor time of all threads: what others do on the machine does not count.
+// Returns the processor time of all threads, s: independent of other load on the machine.
 double ProcessorSeconds(const auto& work) {
   const std::clock_t begin = std::clock();
   work();
@@ -59,7 +58,7 @@ absl::StatusOr<core::Model> Build(const VariedSize& size, const core::ParallelFo
   auto model =
       core::BuildModel(settings, core::StandardScheme().set, *std::move(clips), parallel, {});
   if (!model.ok()) return model;
-  // As a server's models are: the familiarity of one that is not costs a look at every node.
+  // Calibrated as in a server: without calibration, familiarity visits every node.
   auto calibration = core::CalibrateRecognition(*model, parallel, {});
   if (!calibration.ok()) return calibration.status();
   model->set_recognition(*std::move(calibration));
@@ -90,7 +89,7 @@ absl::StatusOr<std::vector<Window>> Windows(const VariedSize& stored, int count,
   return windows;
 }
 
-// Milliseconds of each window's recognition, and how many labels were right.
+// Milliseconds of each window's recognition, and the number of correct labels.
 struct Answers {
   std::vector<double> ms;
   int right = 0;
@@ -130,7 +129,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   absl::StatusOr<core::Model> many;
   const double build_seconds = ProcessorSeconds([&] { many = Build(options.size, parallel); });
   if (!many.ok()) return many.status();
-  fmt::print(stderr, "{} clips, {} frames: generated and built in {:.1f} s of processor time\n",
+  fmt::print(stderr, "{} clips, {} frames: generated and built in {:.1f} s processor time\n",
              options.size.clips, options.size.frames, build_seconds);
   const auto windows = Windows(options.size, options.windows, parallel);
   if (!windows.ok()) return windows.status();

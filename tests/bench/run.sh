@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Installs what is missing, builds the release benchmarks and runs them: one table on stdout, each
-# row beside a peer or a limit of the same run, then what has no row yet as it comes. Bars that are
-# missed fail nothing. Run it on a machine that does nothing else.
+# Installs missing packages, builds the release benchmarks and runs them. Prints one table whose
+# rows compare with a peer or a limit of the same run, then the output of programs without rows.
+# Missed bars do not fail. Use a machine without other load.
 #   tests/bench/run.sh [--quick] [--json FILE]     --quick: small databases, few rounds
 set -euo pipefail
 cd "$(dirname "$0")/../.."
@@ -17,8 +17,8 @@ while [ $# -gt 0 ]; do
   shift
 done
 
-# Programs that write rows, in the table's order, with their options for --quick.
-quick_ones=()
+# Programs that write rows, in the order of the table, with their options for --quick.
+quick_flags=()
 declare -A quick_options=(
   [parse]="--rounds 3"
   [recognize]="--clips 200 --frames 100000"
@@ -38,7 +38,7 @@ programs=build/release/tests/bench
 
 results=$(mktemp -d)
 trap 'rm -rf "$results"' EXIT
-# One large store for those that need one: the first makes it.
+# One large store for several programs: the first creates it.
 declare -A options_always=(
   [scale]="--store $results/large.db"
   [extend]="--store $results/large.db --rebuild"
@@ -46,11 +46,11 @@ declare -A options_always=(
 tables=()
 for name in "${with_rows[@]}"; do
   read -ra options <<<"${options_always[$name]-}"
-  [ "$quick" = 0 ] || read -ra quick_ones <<<"${quick_options[$name]-}"
-  options+=("${quick_ones[@]}")
+  [ "$quick" = 0 ] || read -ra quick_flags <<<"${quick_options[$name]-}"
+  options+=("${quick_flags[@]}")
   echo "motiondb_bench_$name ${options[*]}" >&2
   "$programs/motiondb_bench_$name" "${options[@]}" --json "$results/$name.json" >&2
-  # A program without its data says so and writes nothing.
+  # A program without its data prints this and writes no file.
   [ ! -f "$results/$name.json" ] || tables+=("$results/$name.json")
 done
 if [ ${#tables[@]} -gt 0 ]; then

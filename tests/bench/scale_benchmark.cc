@@ -1,7 +1,7 @@
-// What a large database costs a server: how long a start takes to its first answer, beside reading
-// the file, and how much memory it takes to serve, beside the matrix of its states. Each is
-// measured in a fresh process, with the file in the system's cache; the reader's process is started
-// alike, and takes turns.
+// Measures the cost of a large database for a server: time from start to first answer, compared
+// with reading the file; and memory while serving, compared with the matrix of its states. Each is
+// measured in a new process, with the file in the page cache; the readers are processes too, in
+// turn.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -43,20 +43,20 @@ struct Options {
   VariedSize size;
   std::string store;
   int rounds = 5;
-  int queries = 400;  // before memory is looked at; half recognize, half predict
+  int queries = 400;  // before memory is measured; half recognize, half predict
   int jobs = 1;
-  std::string read;   // be the child that reads this file past its caches
-  std::string load;   // be the child that reads this file into memory
-  std::string serve;  // be the child that serves this store
+  std::string read;   // set in the child that reads this file without keeping it
+  std::string load;   // set in the child that reads this file into memory
+  std::string serve;  // set in the child that serves this store
 };
 
-// ---- The children: each prints a line when it is done with what is timed.
+// ---- The children. Each prints a line when its timed work is done.
 
-// Into memory of the file's size, or into one megabyte over and over, which never leaves the
-// caches.
+// Reads into memory of the file's size (`keep`), or repeatedly into one megabyte that stays in the
+// CPU caches.
 absl::Status ReadOnce(const std::string& path, bool keep) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) return core::NotFound("{}: cannot be read", path);
+  if (file < 0) return core::NotFound("{}: cannot read the file", path);
   constexpr std::size_t kAtOnce = std::size_t{1} << 20;
   const std::size_t room = keep ? std::filesystem::file_size(path) + kAtOnce : kAtOnce;
   const auto buffer = std::make_unique_for_overwrite<char[]>(room);
@@ -65,12 +65,12 @@ absl::Status ReadOnce(const std::string& path, bool keep) {
     if (keep) at += static_cast<std::size_t>(count);
   }
   close(file);
-  if (count < 0) return core::DataLoss("{}: cannot be read", path);
+  if (count < 0) return core::DataLoss("{}: cannot read the file", path);
   fmt::print("read\n");
   return absl::OkStatus();
 }
 
-// A stored moment, told as an observation would be.
+// Returns a stored moment as an observation.
 core::StateSequence StoredWindow(const core::Model& model, int i) {
   core::StateSequence motion =
       core::StoredMotion(model, static_cast<int>(i * 37 % model.clips().size()));
@@ -89,7 +89,7 @@ absl::Status Ask(const core::Model& model, int i) {
   return core::Recognize(model, window, options).status();
 }
 
-// All queries on the server's own threads, which have their own heaps.
+// Runs all queries on the server's own threads, which have their own heaps.
 absl::Status AskMany(server::Workers& workers, const core::Model& model, int queries) {
   std::vector<std::promise<absl::Status>> answers(queries);
   for (int i = 0; i < queries; ++i) {
@@ -101,7 +101,7 @@ absl::Status AskMany(server::Workers& workers, const core::Model& model, int que
 }
 
 absl::Status Serve(const std::string& path, int queries) {
-  spdlog::set_level(spdlog::level::off);  // it would write where the parent listens
+  spdlog::set_level(spdlog::level::off);  // the parent reads standard output
   MOTIONDB_ASSIGN_OR_RETURN(auto store, storage::SqliteMotionStore::Open(path));
   MOTIONDB_ASSIGN_OR_RETURN(const auto engine, server::Engine::Open(std::move(store), {}));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, engine->FindDatabase(kLargeDatabase));
@@ -123,14 +123,14 @@ struct Served {
   std::vector<double> load_ms;
   std::vector<double> read_ms;
   std::vector<double> start_ms;
-  double start_peak_mb = 0;  // the largest of all rounds
+  double start_peak_mb = 0;  // maximum over the rounds
   double serving_mb = 0;
   double frames = 0;
   int clips = 0;
   int dimensions = 0;
 };
 
-// Until the child says what it is expected to.
+// Returns the time until the child prints the expected line.
 absl::StatusOr<double> Milliseconds(ChildProcess& child, const std::string& expected,
                                     std::chrono::steady_clock::time_point began) {
   const std::string line = child.ReadLine();
@@ -177,7 +177,7 @@ std::string Describe(const std::vector<BuildStage>& stages) {
   for (const BuildStage& stage : stages) {
     text += fmt::format("{}{} {:.1f} s", text.empty() ? "" : ", ", stage.name, stage.seconds);
   }
-  return fmt::format("{}; at most {:.0f} MB", text, stages.back().peak_mb);
+  return fmt::format("{}; peak {:.0f} MB", text, stages.back().peak_mb);
 }
 
 double Median(std::vector<double> values) {
@@ -197,19 +197,17 @@ BenchTable Tabulate(const Served& served, std::uintmax_t file_bytes, const Optio
                                    "reading the file, keeping nothing", Median(served.read_ms),
                                    "ms", AtMost(2)));
   table.rows.back().note =
-      "what is read into one megabyte over and over never reaches the memory; a server keeps it";
+      "the reader reuses one megabyte and never writes to memory; a server keeps the data";
   table.rows.push_back(TimesTheirs("memory while serving, " + size, served.serving_mb,
                                    "the float32 matrix",
                                    4 * served.frames * served.dimensions / 1e6, "MB", AtMost(1.5)));
   table.notes.push_back(fmt::format(
-      "scale: {}, {} clips, a file of {:.0f} MB; medians of {} starts of a process, the file in "
-      "the "
-      "system's cache; an answer is to 0.4 s of motion; reading is by read(2), a megabyte at a "
-      "time",
+      "scale: {}, {} clips, a file of {:.0f} MB; medians of {} process starts, the file in the "
+      "page cache; a query has 0.4 s of motion; read(2) reads one megabyte at a time",
       kVariedMotion, served.clips, static_cast<double>(file_bytes) / 1e6, options.rounds));
   table.notes.push_back(fmt::format(
-      "scale: memory is what is resident after {} queries on the server's threads (the most of {} "
-      "starts), without the transport's; at most {:.0f} MB during the start",
+      "scale: memory is resident memory after {} queries on the server's threads (maximum of {} "
+      "starts), without the transport; peak {:.0f} MB during the start",
       options.queries, options.rounds, served.start_peak_mb));
   return table;
 }
@@ -219,38 +217,39 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   const std::string store = options.store.empty() ? directory / "large.db" : options.store;
   std::vector<BuildStage> stages;
   if (!std::filesystem::exists(store)) {
-    // Where it is at last only when it is whole.
+    // Renamed to its final path only when complete.
     const std::string making = store + ".making";
     MOTIONDB_ASSIGN_OR_RETURN(stages,
                               MakeLargeStore(making, options.size, kSeed, OnThreads(options.jobs)));
     std::filesystem::rename(making, store);
-    std::filesystem::remove(making + "-lock");  // what a store leaves beside its file
+    std::filesystem::remove(making + "-lock");  // left by the store
     fmt::print(stderr, "{}\n", Describe(stages));
   }
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").string();
   MOTIONDB_ASSIGN_OR_RETURN(const Served served, Measure(program, store, options));
   BenchTable table = Tabulate(served, std::filesystem::file_size(store), options);
   if (!stages.empty()) {
-    table.notes.push_back(fmt::format("scale: the store was made with {} threads: {}", options.jobs,
-                                      Describe(stages)));
+    table.notes.push_back(fmt::format("scale: the store was created with {} threads: {}",
+                                      options.jobs, Describe(stages)));
   }
   return table;
 }
 
 int Main(int argc, char** argv) {
-  BenchProgram program("Measures what a large database costs a server.", "motiondb_bench_scale");
+  BenchProgram program("Measures the cost of a large database for a server.",
+                       "motiondb_bench_scale");
   Options options;
   program.AddSize(options.size);
   CLI::App& app = program.app();
-  app.add_option("--store", options.store, "Use this store; make it where there is none")
+  app.add_option("--store", options.store, "Use this store; create it if it does not exist")
       ->type_name("FILE");
-  app.add_option("--rounds", options.rounds, "Starts")
+  app.add_option("--rounds", options.rounds, "Number of starts")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  app.add_option("--queries", options.queries, "Queries before memory is looked at")
+  app.add_option("--queries", options.queries, "Queries before memory is measured")
       ->check(CLI::Range(0, 1'000'000))
       ->capture_default_str();
-  program.AddJobs(options.jobs, "Threads that make the store");
+  program.AddJobs(options.jobs, "Threads that create the store");
   app.add_option("--read", options.read)->group("");
   app.add_option("--load", options.load)->group("");
   app.add_option("--serve", options.serve)->group("");

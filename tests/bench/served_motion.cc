@@ -96,7 +96,7 @@ absl::StatusOr<v1::MarkerObservation> ServedMotion::Represent(const std::string&
   const v1::MarkerObservation& all = represented.markers();
   const auto step = static_cast<int>(std::lround(all.frame_rate_hz() / frame_rate_hz));
   if (step < 1 || std::abs(all.frame_rate_hz() - step * frame_rate_hz) > 1e-3 * frame_rate_hz) {
-    return core::InvalidArgument("{}: {} frames a second, expected a multiple of {}",
+    return core::InvalidArgument("{}: frame rate is {} Hz; expected a multiple of {} Hz",
                                  clip.header.file_name(), all.frame_rate_hz(), frame_rate_hz);
   }
   v1::MarkerObservation markers;

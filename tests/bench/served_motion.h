@@ -1,5 +1,5 @@
-// A motiondb server in the benchmark's own process, with the recorded clips of database 1 in it,
-// and what its clients send. Not thread-safe, except through the client and the address.
+// A motiondb server in the benchmark's process with the recorded clips of database 1, and the
+// requests of its clients. Not thread-safe, except through the client and the address.
 #pragma once
 
 #include <memory>
@@ -16,39 +16,39 @@
 
 namespace motiondb::tests {
 
-// A motion file in memory, as it is ingested.
+// A motion file in memory, ready for ingestion.
 struct MotionBytes {
   v1::IngestClipHeader header;  // without its parent
   std::string file;
-  std::string skeleton;  // empty where it needs none
+  std::string skeleton;  // empty if not needed
 
   std::size_t size() const { return file.size() + skeleton.size(); }
 };
 
-// The clips of a list in the recorded data: "database1.train".
+// Reads the clips of a list in the recorded data: "database1.train".
 absl::StatusOr<std::vector<MotionBytes>> ReadClips(const std::string& list);
 
 class ServedMotion {
  public:
-  // A server with its default options and a store in a temporary directory.
+  // Starts a server with default options and a store in a temporary directory.
   static absl::StatusOr<std::unique_ptr<ServedMotion>> Start();
 
   const std::string& address() const { return server_->address(); }
-  // A file of this name in the directory of the store.
+  // Returns the path of a file in the store's directory.
   std::string File(const std::string& name) const { return directory_ / name; }
 
   absl::Status Create(const std::string& database);
   // Returns when the clip is acknowledged.
   absl::StatusOr<v1::IngestClipResponse> Ingest(const std::string& database,
                                                 const MotionBytes& clip);
-  // Ingests clips and waits for the model that knows them.
+  // Ingests clips and waits for the model that contains them.
   absl::Status Fill(const std::string& database, const std::vector<MotionBytes>& clips);
   // Waits until an operation has succeeded.
   absl::Status Await(const std::string& operation);
-  // Version of the current model.
+  // Returns the version of the current model.
   absl::StatusOr<int> ModelVersion(const std::string& database);
-  // A clip as frames of the database's markers at `frame_rate_hz`, which goes into the clip's own.
-  // Without names: the markers stand in the database's order.
+  // Returns a clip as frames of the database's markers at `frame_rate_hz`, a divisor of the clip's
+  // rate. Markers have no names and are in the database's order.
   absl::StatusOr<v1::MarkerObservation> Represent(const std::string& database,
                                                   const MotionBytes& clip, int frame_rate_hz);
 
@@ -60,7 +60,7 @@ class ServedMotion {
   std::optional<client::Client> client_;
 };
 
-// Frames [first, first + count) of markers.
+// Returns frames [first, first + count) of markers.
 v1::MarkerObservation Cut(const v1::MarkerObservation& markers, int first, int count);
 
 }  // namespace motiondb::tests

@@ -1,7 +1,7 @@
-// What a server makes of one machine that its clients load, too: questions and streams of frames
-// beside a gRPC server that answers the same bytes at once, ingestion beside SQLite, and how long
-// questions take while the model is built anew. Server, peer and clients are one process, so both
-// sides pay for the same clients; they take turns. Wall time.
+// Measures a server whose clients run on the same machine: queries and streams compared with a gRPC
+// server that answers the same bytes immediately, ingestion compared with SQLite, and query latency
+// during a rebuild. Server, peer and clients are one process, so both sides pay for the same
+// clients; they alternate. Wall time.
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
 
@@ -39,7 +39,7 @@ constexpr int kFramesAMessage = 4;
 constexpr int kWarmUp = kWindowFrames / kFramesAMessage + 2;
 constexpr int kIngestStreams = 4;
 constexpr Seconds kQuestionPeriod{0.005};
-// A little more than the rest that the server waits for before it builds.
+// Slightly more than the idle time before a build.
 constexpr Seconds kIngestPeriod{0.4};
 
 struct Options {
@@ -70,7 +70,7 @@ Clients Make(const NewClient& make, int count, const std::string& address, bool 
   return clients;
 }
 
-// The answer of median size of some.
+// Returns the answer of median size.
 absl::StatusOr<std::string> TypicalReply(LoadClient& client) {
   std::vector<std::string> replies;
   for (int i = 0; i < 10 * kWarmUp; ++i) {
@@ -88,7 +88,7 @@ struct Sides {
   std::size_t reply_bytes = 0;
 };
 
-// The same clients, `count` of them, on the server and on an empty peer, in turns.
+// Runs the same `count` clients on the server and on an empty peer, alternately.
 absl::StatusOr<Sides> BesidePeer(const Bench& bench, const std::string& method,
                                  EmptyPeer::Shape shape, int count, const NewClient& make) {
   const std::string& address = bench.served->address();
@@ -106,12 +106,11 @@ absl::StatusOr<Sides> BesidePeer(const Bench& bench, const std::string& method,
   return sides;
 }
 
-// "processor time an answer 1 ms, p50 1 ms, p99 2 ms (peer 1 ms, 1 ms, 2 ms)"
+// "processor time per answer 1 ms, p50 1 ms, p99 2 ms (peer 1 ms, 1 ms, 2 ms)"
 std::string Costs(const Sides& sides) {
   return fmt::format(
-      "processor time an answer {:.3f} ms, p50 {:.2f} ms, p99 {:.2f} ms (peer {:.3f} ms, {:.2f} "
-      "ms, "
-      "{:.2f} ms)",
+      "processor time per answer {:.3f} ms, p50 {:.2f} ms, p99 {:.2f} ms (peer {:.3f} ms, {:.2f} "
+      "ms, {:.2f} ms)",
       sides.ours.processor_ms(), sides.ours.Within(0.5), sides.ours.Within(0.99),
       sides.theirs.processor_ms(), sides.theirs.Within(0.5), sides.theirs.Within(0.99));
 }
@@ -143,7 +142,7 @@ absl::Status RecognizeRow(Bench& bench, v1::Method method, Bar bar) {
                              sides.ours.rate(), "empty handler, same sizes", sides.theirs.rate(),
                              "calls/s", bar);
   row.note = fmt::format(
-      "one window of 0.4 s a call ({} bytes), 5 clips and all labels back ({} bytes); {}",
+      "one window of 0.4 s per call ({} bytes), answer with 5 clips and all labels ({} bytes); {}",
       requests.front().ByteSizeLong(), sides.reply_bytes, Costs(sides));
   bench.table.rows.push_back(std::move(row));
   return absl::OkStatus();
@@ -183,9 +182,10 @@ absl::Status ObserveRows(Bench& bench, const std::vector<double>& horizons_s, Ba
                   kStreams, horizons_s.empty() ? "" : ", one horizon");
   BenchRow rate = TimesTheirs(name, sides.ours.rate(), "echo stream, same messages",
                               sides.theirs.rate(), "messages/s", rate_bar);
-  rate.note = fmt::format("answers of {} bytes; {}; at {} frames a second {:.0f} streams' worth",
-                          sides.reply_bytes, Costs(sides), kFrameRateHz,
-                          sides.ours.rate() * kFramesAMessage / kFrameRateHz);
+  rate.note =
+      fmt::format("answers of {} bytes; {}; at {} frames per second this equals {:.0f} streams",
+                  sides.reply_bytes, Costs(sides), kFrameRateHz,
+                  sides.ours.rate() * kFramesAMessage / kFrameRateHz);
   bench.table.rows.push_back(std::move(rate));
   bench.table.rows.push_back(TimesTheirs(name + ", p99", sides.ours.Within(0.99),
                                          "echo stream, same messages", sides.theirs.Within(0.99),
@@ -197,7 +197,7 @@ std::span<const std::byte> Bytes(const std::string& text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-// Inserts each clip's bytes as they are, durably before the next.
+// Inserts the raw bytes of each clip, each durable before the next.
 absl::Status InsertRaw(storage::Connection& connection, const std::vector<MotionBytes>& clips) {
   for (const MotionBytes& clip : clips) {
     MOTIONDB_ASSIGN_OR_RETURN(
@@ -218,8 +218,8 @@ absl::StatusOr<double> TimeOf(const std::function<absl::Status()>& work) {
   return Seconds(Clock::now() - begin).count();
 }
 
-// Ingests the clips, `streams` at a time; seconds until all were acknowledged. Then their model is
-// built, before the peer's turn.
+// Ingests the clips, `streams` concurrently. Returns the seconds until all are acknowledged. Their
+// model is then built before the peer runs.
 absl::StatusOr<double> IngestAll(ServedMotion& served, const std::string& database,
                                  const std::vector<MotionBytes>& clips, int streams) {
   std::vector<absl::StatusOr<v1::IngestClipResponse>> ingested(clips.size());
@@ -270,17 +270,16 @@ absl::Status IngestRow(Bench& bench, int streams, Bar bar) {
                   megabytes / ours, "the same bytes inserted raw into SQLite, same settings",
                   megabytes / theirs, "MB/s", bar);
   row.note = fmt::format(
-      "{} clips, each its motion file and its skeleton file, over one connection; parsed, brought "
-      "to the markers, stored as sent and as states; synced before each is acknowledged; the peer "
-      "inserts one after another, each in a transaction of its own; {:.1f} ms a clip (peer {:.1f} "
-      "ms)",
+      "{} clips, each a motion file and a skeleton file, over one connection; parsed, mapped to "
+      "the markers, stored as sent and as states, and synced before acknowledgement; the peer "
+      "inserts serially, one transaction per clip; {:.1f} ms per clip (peer {:.1f} ms)",
       clips.size(), 1e3 * ours / static_cast<double>(clips.size() * bench.options.rounds()),
       1e3 * theirs / static_cast<double>(clips.size() * bench.options.rounds()));
   bench.table.rows.push_back(std::move(row));
   return absl::OkStatus();
 }
 
-// Ingests the clips, one every period, and waits for the model that knows the last.
+// Ingests the clips, one per period, and waits for the model that contains the last.
 absl::Status IngestSlowly(ServedMotion& served, std::span<const MotionBytes> clips) {
   v1::IngestClipResponse last;
   const auto begin = Clock::now();
@@ -302,7 +301,7 @@ absl::Status RebuildRow(Bench& bench) {
     return AskEvery(*client, kQuestionPeriod, [end] { return Clock::now() < end; });
   };
   MOTIONDB_RETURN_IF_ERROR(ask_for(Seconds(0.5)).status());
-  // The database grows meanwhile: half of the idle time is before that, half after.
+  // The database grows meanwhile: half of the idle time is measured before, half after.
   const Seconds half = static_cast<double>(clips.size()) * kIngestPeriod / 2;
   MOTIONDB_ASSIGN_OR_RETURN(Load idle, ask_for(half));
   MOTIONDB_ASSIGN_OR_RETURN(const int first, served.ModelVersion(kDatabase));
@@ -322,9 +321,9 @@ absl::Status RebuildRow(Bench& bench) {
   BenchRow row = TimesTheirs("query p99 during rebuild and ingest", busy->Within(0.99), "idle p99",
                              idle.Within(0.99), "ms", AtMost(1.5));
   row.note = fmt::format(
-      "one client with a question every {:g} ms, its time from when it was due, for {:.1f} s in "
-      "which {} clips come in, one every {:g} s, and {} models are built; p50 {:.2f} ms, worst "
-      "{:.1f} ms (idle {:.2f} ms, {:.1f} ms)",
+      "one client with a query every {:g} ms, latency from its scheduled time, for {:.1f} s in "
+      "which {} clips are ingested, one every {:g} s, and {} models are built; p50 {:.2f} ms, "
+      "maximum {:.1f} ms (idle {:.2f} ms, {:.1f} ms)",
       1e3 * kQuestionPeriod.count(), busy->seconds, clips.size(), kIngestPeriod.count(),
       last - first, busy->Within(0.5), busy->Within(1), idle.Within(0.5), idle.Within(1));
   bench.table.rows.push_back(std::move(row));
@@ -342,14 +341,14 @@ absl::Status SetUp(Bench& bench) {
                               bench.served->Represent(kDatabase, clip, kFrameRateHz));
   }
   bench.table.notes.push_back(fmt::format(
-      "server: the {} clips of database 1, questions from {} others, default options, {} hardware "
-      "threads; server, peer and clients in one process, {} in turns of {:g} s; every client a "
-      "thread and a connection of its own, asking again when it has its answer",
+      "server: the {} clips of database 1, queries from {} others, default options, {} hardware "
+      "threads; server, peer and clients in one process, {} alternating rounds of {:g} s; every "
+      "client has its own thread and connection, and sends the next request when it has its answer",
       bench.train.size(), bench.test.size(), std::thread::hardware_concurrency(),
       bench.options.rounds(), bench.options.round().count()));
   bench.table.notes.push_back(
-      "observe: a frame's 34 markers are 102 floats on the wire; the server makes the 204 of a "
-      "state, positions and velocities, from them");
+      "observe: the 34 markers of a frame are 102 floats on the wire; the server computes the 204 "
+      "floats of a state, positions and velocities, from them");
   return absl::OkStatus();
 }
 
@@ -378,9 +377,9 @@ int Main(int argc, char** argv) {
   spdlog::set_level(spdlog::level::warn);
   BenchProgram program("Measures a server under load.", "motiondb_bench_server");
   Bench bench;
-  program.app().add_flag("--quick", bench.options.quick, "One short round of each");
+  program.app().add_flag("--quick", bench.options.quick, "One short round per measurement");
   program.app()
-      .add_option("--only", bench.options.only, "One measurement instead of all")
+      .add_option("--only", bench.options.only, "Run only this measurement")
       ->check(CLI::IsMember(
           {"recognize", "recognize-paper", "observe", "observe-predict", "ingest", "rebuild"}));
   return program.Run(argc, argv, [&] { return Run(bench); });

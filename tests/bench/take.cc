@@ -38,7 +38,7 @@ void SampleTake(const Take& take, double at, Eigen::RowVectorXf& pose, Eigen::Ro
   const Eigen::Index last = take.pose.rows() - 1;
   const auto before = std::min(static_cast<Eigen::Index>(at), last - 1);
   const auto u = static_cast<float>(at - static_cast<double>(before));
-  // Catmull-Rom, whose weights sum to 1; the ends repeat their frame.
+  // Catmull-Rom weights, which sum to 1; the end frames are repeated.
   const float u2 = u * u;
   const float u3 = u2 * u;
   pose.noalias() =

@@ -1,8 +1,7 @@
-// How long the tree of 10,000, 100,000 and 1,000,000 frames takes to build, beside what the memory
-// allows: one streaming read of every node that is tested for a split, at the bandwidth that all
-// threads together reach in the same run. And beside FAISS's k-means into as many clusters as the
-// tree has leaves. And beside the same in vectors that every processor has. Figures are wall time;
-// bandwidth is measured before and after each build.
+// Measures the build of a tree of 10,000, 100,000 and 1,000,000 frames, compared with: the memory
+// limit, one streaming read of every node tested for a split, at the bandwidth of all threads in
+// the same run; FAISS's k-means with as many clusters as the tree has leaves; and the same build
+// without AVX2. Wall time. Bandwidth is measured before and after each build.
 #include <faiss/Clustering.h>
 #include <faiss/IndexFlat.h>
 #include <fmt/format.h>
@@ -31,12 +30,12 @@ namespace {
 constexpr std::uint64_t kSeed = 1;
 constexpr int kFramesPerClip = 500;
 constexpr int kMinFrames = 16;
-constexpr double kStreamedBytes = 1 << 28;  // far more than any cache holds
+constexpr double kStreamedBytes = 1 << 28;  // far larger than any cache
 
 struct Options {
   std::vector<int> frames = {10'000, 100'000, 1'000'000};
-  int builds = 3;                  // of which the median counts
-  int most_clustered = 1'000'000;  // frames; k-means takes time with frames times clusters
+  int builds = 3;                 // the median is reported
+  int max_clustered = 1'000'000;  // frames; k-means costs frames times clusters
   int jobs = 1;
 };
 
@@ -51,7 +50,7 @@ double Median(std::vector<double> values) {
   return values[values.size() / 2];
 }
 
-// Bytes a second that all threads together read of a matrix, each its own part.
+// Measures the read bandwidth of all threads together, bytes per second; each reads its own part.
 class Bandwidth {
  public:
   Bandwidth(int jobs, const core::ParallelFor& parallel)
@@ -67,7 +66,7 @@ class Bandwidth {
     rates_.push_back(static_cast<double>(numbers_.size()) * sizeof(float) / seconds);
   }
   double median() const { return Median(rates_); }
-  // So that no compiler leaves the reading out.
+  // Used, so that the compiler cannot remove the reads.
   float sum() const { return *std::max_element(sums_.begin(), sums_.end()); }
 
  private:
@@ -106,10 +105,11 @@ Built Build(const core::FrameMatrix& states, int builds, Bandwidth& bandwidth,
   return built;
 }
 
-// FAISS's k-means with its own 25 iterations. All cost the same, so of a large one only a few run.
+// FAISS's k-means with its own 25 iterations. All cost the same, so only a few run for large
+// inputs.
 struct Clustered {
-  int timed = 0;       // iterations that ran
-  double seconds = 0;  // of all 25
+  int timed = 0;       // iterations that were run
+  double seconds = 0;  // extrapolated to all 25
 };
 
 Clustered Cluster(const core::FrameMatrix& states, int clusters) {
@@ -149,12 +149,12 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
                                      1e3 * bytes / bandwidth.median(), "ms", AtMost(15)));
     read_nanoseconds.push_back(1e9 * built.seconds / built.frames_read);
     table.notes.push_back(fmt::format(
-        "tree build, {}: {} layers, {} leaves; frames are tested {:.1f} times each, {:.0f} ns a "
+        "tree build, {}: {} layers, {} leaves; each frame is tested {:.1f} times, {:.0f} ns per "
         "frame and test; node statistics {:.0f} ms",
         Thousands(frames), built.tree.layer_count(), built.leaves, built.frames_read / frames,
         read_nanoseconds.back(), 1e3 * built.fit_seconds));
     fmt::print(stderr, "{}\n", table.notes.back());
-    if (frames > options.most_clustered) continue;
+    if (frames > options.max_clustered) continue;
     const Clustered clustered = Cluster(*states, built.leaves);
     table.rows.push_back(
         TimesFaster(fmt::format("tree build, {}", Thousands(frames)), 1e3 * built.seconds,
@@ -169,13 +169,13 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
                     "ns", options.frames[i] == 1'000'000 ? AtMost(1.3) : Reported()));
   }
   table.notes.push_back(fmt::format(
-      "tree build: {}, {} numbers a frame, at least {} frames a node; {} threads, median of {} "
+      "tree build: {}, {} numbers per frame, at least {} frames per node; {} threads, median of {} "
       "builds; streaming read: {:.1f} GB/s (median over the run, checksum {:.0f})",
       kVariedMotion, 204, kMinFrames, options.jobs, options.builds, bandwidth.median() / 1e9,
       bandwidth.sum()));
   table.notes.push_back(
-      "tree build: k-means is over all frames, with FAISS's own 25 iterations; they cost alike, so "
-      "where they would take long a few are timed and the rest reckoned from them");
+      "tree build: k-means over all frames, with FAISS's own 25 iterations; all cost the same, so "
+      "for large inputs a few are timed and the rest is extrapolated");
   return table;
 }
 
@@ -183,16 +183,16 @@ int Main(int argc, char** argv) {
   BenchProgram program("Measures the build of the tree.", "motiondb_bench_tree");
   Options options;
   program.app()
-      .add_option("--frames", options.frames, "Frames of the trees, ascending")
+      .add_option("--frames", options.frames, "Frames of each tree, ascending")
       ->delimiter(',')
       ->check(CLI::Range(1000, 100'000'000))
       ->capture_default_str();
   program.app()
-      .add_option("--builds", options.builds, "Builds of each tree")
+      .add_option("--builds", options.builds, "Builds per tree")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   program.app()
-      .add_option("--most-clustered", options.most_clustered, "Frames up to which k-means runs")
+      .add_option("--most-clustered", options.max_clustered, "Maximum frames for k-means")
       ->capture_default_str();
   program.AddJobs(options.jobs, "Threads");
   return program.Run(argc, argv, [&] { return Run(options); });

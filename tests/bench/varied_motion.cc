@@ -19,15 +19,15 @@ namespace motiondb::tests {
 namespace {
 
 constexpr int kMinFrames = 8;         // of a clip
-constexpr double kFadeSeconds = 0.4;  // from one take into the next
-constexpr double kTakeSeconds = 1.2;  // the shortest: room for a fade at either end
-constexpr int kFollowers = 8;         // takes of which the best follows
+constexpr double kFadeSeconds = 0.4;  // between takes
+constexpr double kTakeSeconds = 1.2;  // the shortest take: room for a fade at both ends
+constexpr int kFollowers = 8;         // candidates for the next take
 
 int Below(int count, core::SeededSequence& random) {
   return static_cast<int>(random.Next() * count);
 }
 
-// All that clips are varied from.
+// The source of all varied clips.
 struct Source {
   std::vector<Take> takes[2];  // as recorded, mirrored
   std::map<std::string, std::vector<int>> of_label;
@@ -51,12 +51,13 @@ absl::StatusOr<Source> LoadSource(const std::filesystem::path& data, double fram
     source.takes[0].push_back(std::move(take));
   }
   if (source.takes[0].empty()) {
-    return core::InvalidArgument("{}: no clip lasts {} s", data.string(), kTakeSeconds);
+    return core::InvalidArgument("{}: expected a clip of at least {} s", data.string(),
+                                 kTakeSeconds);
   }
   return source;
 }
 
-// Takes of one label, one after another, at a speed that changes smoothly.
+// Takes of one label in sequence, at a smoothly varying speed.
 class Performance {
  public:
   Performance(const std::vector<Take>& takes, const std::vector<int>& of_label, int first,
@@ -68,9 +69,9 @@ class Performance {
         speed_(random),
         now_(Enter(first)) {}
 
-  // The pose at the next frame and the step from it, as in Take.
+  // Returns the pose at the next frame and the step from it, as in Take.
   void Next(double seconds, Eigen::RowVectorXf& pose, Eigen::RowVector3f& step) {
-    // 0.7 to 1.4, evenly in the logarithm.
+    // 0.7 to 1.4, uniform in the logarithm.
     const double speed =
         std::exp(0.5 * std::log(0.7 * 1.4) + 0.5 * std::log(1.4 / 0.7) * speed_.At(seconds));
     if (now_.at >= takes_[now_.take].last_frame()) {
@@ -98,13 +99,13 @@ class Performance {
     double at = 0;  // frames
   };
 
-  // Early, so that the fade into a take is over before the fade out of it begins.
+  // Enters early: the fade in must end before the fade out begins.
   Place Enter(int take) {
     const double last = takes_[take].last_frame();
     return {take, random_.Between(0, std::min(0.3 * last, last - 2.5 * fade_))};
   }
 
-  // Of some places to enter takes of the label the one whose pose is the nearest.
+  // Returns the place with the nearest pose of some candidates of the label.
   Place Follow(const Eigen::RowVectorXf& pose) {
     Place best;
     float nearest = INFINITY;
@@ -132,7 +133,7 @@ class Performance {
   Eigen::RowVector3f other_step_;
 };
 
-// Takes are told in turn, so that each is the first of as many clips as any other.
+// Takes are used in turn, so that each begins the same number of clips.
 absl::Status VaryClip(const Source& source, int clip, int frames, double frame_rate_hz,
                       std::uint64_t seed, core::BuildInput& input) {
   core::SeededSequence random(core::Mix(seed) + static_cast<std::uint64_t>(clip));
@@ -172,7 +173,7 @@ absl::Status VaryClip(const Source& source, int clip, int frames, double frame_r
   return absl::OkStatus();
 }
 
-// Frames of each clip: half to one and a half times the mean, in sum what is asked for.
+// Returns the frames of each clip: 0.5 to 1.5 times the mean, with the requested sum.
 std::vector<int> Lengths(const VariedSize& size, std::uint64_t seed) {
   core::SeededSequence random(seed);
   std::vector<double> share(size.clips);
@@ -198,8 +199,9 @@ absl::StatusOr<std::vector<core::BuildInput>> VariedClips(const std::filesystem:
                                                           std::uint64_t seed,
                                                           const core::ParallelFor& parallel) {
   if (size.clips < 1 || size.frames / size.clips < kMinFrames) {
-    return core::InvalidArgument("expected a clip or more of {} frames or more, got {} in {} clips",
-                                 kMinFrames, size.frames, size.clips);
+    return core::InvalidArgument(
+        "expected at least one clip and at least {} frames per clip, got {} frames in {} clips",
+        kMinFrames, size.frames, size.clips);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const Source source, LoadSource(data, size.frame_rate_hz, parallel));
   const std::vector<int> lengths = Lengths(size, seed);

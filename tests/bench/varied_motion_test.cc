@@ -20,7 +20,7 @@ std::vector<core::BuildInput> Clips(const VariedSize& size, std::uint64_t seed, 
 
 }  // namespace
 
-TEST_CASE("Varied motion: as many clips and frames as asked for, all finite", "[bench]") {
+TEST_CASE("Varied motion: the requested number of clips and frames, all finite", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   const std::vector<core::BuildInput> clips = Clips(kSize, 1);
   REQUIRE(clips.size() == 700);
@@ -40,7 +40,7 @@ TEST_CASE("Varied motion: as many clips and frames as asked for, all finite", "[
   CHECK(labels.size() > 10);
 }
 
-TEST_CASE("Varied motion: the seed decides, threads do not", "[bench]") {
+TEST_CASE("Varied motion: depends on the seed, not on threads", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   const VariedSize size{.clips = 40, .frames = 4000};
   const std::vector<core::BuildInput> clips = Clips(size, 7, 1);
@@ -54,7 +54,7 @@ TEST_CASE("Varied motion: the seed decides, threads do not", "[bench]") {
   }
 }
 
-TEST_CASE("Varied motion: velocities are those of the positions", "[bench]") {
+TEST_CASE("Varied motion: velocities agree with positions", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   for (const core::BuildInput& clip : Clips({.clips = 20, .frames = 2000}, 3)) {
     const core::StateSequence& states = clip.states;
@@ -66,9 +66,9 @@ TEST_CASE("Varied motion: velocities are those of the positions", "[bench]") {
              states.frame_rate_hz / 2 / states.leg_length_m)
                 .transpose();
         velocity.head<2>() = Eigen::Rotation2Dd(-states.root_path(t, 2)) * velocity.head<2>();
-        const Eigen::Vector3d told =
+        const Eigen::Vector3d stored =
             states.states.row(t).segment<3>(6 * m + 3).cast<double>().transpose();
-        REQUIRE((told - velocity).norm() < 1e-3 * (1 + velocity.norm()));
+        REQUIRE((stored - velocity).norm() < 1e-3 * (1 + velocity.norm()));
       }
     }
   }
@@ -76,7 +76,7 @@ TEST_CASE("Varied motion: velocities are those of the positions", "[bench]") {
 
 TEST_CASE("Varied motion: joins are as smooth as the recordings", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
-  // Markers of recorded people stay below 40 leg lengths a second, varied speed included.
+  // Recorded markers stay below 40 leg lengths per second, varied speed included.
   for (const core::BuildInput& clip : Clips({.clips = 300, .frames = 60'000}, 5)) {
     INFO(clip.clip_id << " " << clip.label);
     for (int m = 0; m < 34; ++m) {
@@ -85,10 +85,10 @@ TEST_CASE("Varied motion: joins are as smooth as the recordings", "[bench]") {
   }
 }
 
-TEST_CASE("Varied motion: clips from one recording are apart, frame by frame", "[bench]") {
+TEST_CASE("Varied motion: clips from one recording differ in every frame", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   const std::vector<core::BuildInput> clips = Clips(kSize, 1);
-  // The first clip that starts from the same recording as clip 0: one round of them later.
+  // The next clip from the same recording as clip 0: one round of recordings later.
   std::size_t same = 1;
   const auto alike = [&](std::size_t c) {
     return clips[c].label == clips[0].label && clips[c].subject == clips[0].subject;
@@ -102,8 +102,7 @@ TEST_CASE("Varied motion: clips from one recording are apart, frame by frame", "
   }
 }
 
-TEST_CASE("Varied motion: states in one matrix have the spread that they are scaled to",
-          "[bench]") {
+TEST_CASE("Varied motion: states in one matrix are scaled to unit spread", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
   const auto states = VariedStates(DataDir(), {.clips = 20, .frames = 2000}, 3, OnThreads(2));
   REQUIRE(states.ok());

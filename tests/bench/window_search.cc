@@ -10,21 +10,21 @@
 namespace motiondb::tests {
 namespace {
 
-constexpr int kBlock = 4096;    // windows that begin in a block: their distances stay in the cache
-constexpr int kPartBlocks = 8;  // blocks that one thread takes at a time
+constexpr int kBlock = 4096;    // start frames of a block: their distances stay in the cache
+constexpr int kPartBlocks = 8;  // blocks per work item
 
-// The BLAS starts threads of its own unless it is told not to, each in its own way.
+// The BLAS libraries start their own threads unless disabled, each by its own call.
 void KeepBlasToOneThread() {
-  static const bool told = [] {
+  static const bool done = [] {
     using SetThreads = void (*)(int);
     const auto set = reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
     if (set != nullptr) set(1);
     return true;
   }();
-  static_cast<void>(told);
+  static_cast<void>(done);
 }
 
-// The nearest of the windows that begin in [begin, end).
+// Returns the nearest of the windows that begin in [begin, end).
 NearestWindow SearchPart(const core::FrameMatrix& frames, const std::vector<core::ModelClip>& clips,
                          const core::FrameMatrix& window, int begin, int end) {
   const auto length = static_cast<int>(window.rows());
@@ -40,20 +40,20 @@ NearestWindow SearchPart(const core::FrameMatrix& frames, const std::vector<core
                           frames.row(first).data(), distances.data(), -1, -1, distances.cols());
     sums.head(starts) = distances.row(0).head(starts);
     for (int k = 1; k < length; ++k) sums.head(starts) += distances.row(k).segment(k, starts);
-    // Each clip's share of the block.
+    // The part of each clip in the block.
     for (; clip != clips.end(); ++clip) {
       const int clip_end = clip->first_frame + clip->frame_count;
       const int from = std::max(clip->first_frame - first, 0);
       const int to = std::min(clip_end - length + 1 - first, starts);
       if (from < to) {
         Eigen::Index at = 0;
-        const float least = sums.segment(from, to - from).minCoeff(&at);
-        if (least < nearest.distance) {
+        const float minimum = sums.segment(from, to - from).minCoeff(&at);
+        if (minimum < nearest.distance) {
           nearest = {static_cast<int>(clip - clips.begin()), first + from + static_cast<int>(at),
-                     least};
+                     minimum};
         }
       }
-      if (clip_end > first + starts) break;  // it goes on in the next block
+      if (clip_end > first + starts) break;  // the clip continues in the next block
     }
   }
   return nearest;
@@ -70,7 +70,7 @@ NearestWindow FindNearestWindow(const core::FrameMatrix& frames,
   constexpr int kPart = kBlock * kPartBlocks;
   std::vector<NearestWindow> nearest(std::max(0, (starts + kPart - 1) / kPart));
   parallel(static_cast<int>(nearest.size()), [&](int part) {
-    omp_set_num_threads(1);  // of regions that this thread opens
+    omp_set_num_threads(1);  // applies to regions opened by this thread
     nearest[part] =
         SearchPart(frames, clips, window, part * kPart, std::min((part + 1) * kPart, starts));
   });

@@ -29,7 +29,7 @@ NearestWindow ByHand(const core::FrameMatrix& frames, const std::vector<core::Mo
 
 }  // namespace
 
-TEST_CASE("Window search: as every window compared by hand, in clips of any length", "[bench]") {
+TEST_CASE("Window search: agrees with brute force, for clips of any length", "[bench]") {
   // Clips that end within, at and across blocks and parts, some shorter than a window.
   std::vector<core::ModelClip> clips;
   int total = 0;
@@ -46,14 +46,14 @@ TEST_CASE("Window search: as every window compared by hand, in clips of any leng
     CHECK(found.first_frame == expected.first_frame);
     CHECK(found.distance == Approx(expected.distance).epsilon(1e-3));
   }
-  for (const int at : {4070, 4096, 4110, 4126, 32768, 69600}) {  // a window that is stored
+  for (const int at : {4070, 4096, 4110, 4126, 32768, 69600}) {  // a stored window
     const core::FrameMatrix window = frames.middleRows(at, 5);
     CHECK(FindNearestWindow(frames, clips, window, OnThreads(2)).first_frame ==
           ByHand(frames, clips, window).first_frame);
   }
 }
 
-TEST_CASE("Window search: nothing where all clips are shorter than the window", "[bench]") {
+TEST_CASE("Window search: finds nothing if all clips are shorter than the window", "[bench]") {
   const core::FrameMatrix frames = RandomFrames(8, 6, 1);
   const std::vector<core::ModelClip> clips{{"", "", 0, 4, 1, ""}, {"", "", 4, 4, 1, ""}};
   CHECK(FindNearestWindow(frames, clips, RandomFrames(5, 6, 2), core::Serially).clip == -1);

@@ -1,6 +1,5 @@
-// How fast a store takes changes: clips from one and from several clients, beside what the disk
-// needs to write and sync as many bytes, and a small change while nothing else is written and while
-// a large model is stored.
+// Measures write rates of a store: clips from one and from several clients, compared with writing
+// and syncing as many bytes; and a small change, alone and while a large model is stored.
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <spdlog/spdlog.h>
@@ -32,12 +31,12 @@ constexpr std::uint64_t kSeed = 1;
 struct Options {
   VariedSize size{300, 150'000};
   int jobs = 1;
-  int models = 10;  // times that the model is stored
+  int models = 10;  // number of times that the model is stored
 };
 
 double Seconds(Clock::duration time) { return std::chrono::duration<double>(time).count(); }
 
-// Clips a second that so many clients add, each one after the other, to a store of their own.
+// Returns the clips per second that the clients add concurrently to a new store.
 absl::StatusOr<double> AddedPerSecond(const std::string& path,
                                       const std::vector<core::BuildInput>& clips, int clients) {
   MOTIONDB_RETURN_IF_ERROR(MakeClipStore(path, clips.front().states.frame_rate_hz, {}));
@@ -57,7 +56,7 @@ absl::StatusOr<double> AddedPerSecond(const std::string& path,
   return static_cast<double>(clips.size()) / seconds;
 }
 
-// The same of a file that as many bytes are appended to, and synced after each clip.
+// Returns the rate of appending as many bytes to a file, synced after each clip.
 absl::StatusOr<double> SyncedPerSecond(const std::string& path,
                                        const std::vector<core::BuildInput>& clips) {
   const int file = open(path.c_str(), O_CREAT | O_WRONLY | O_CLOEXEC, 0600);
@@ -77,10 +76,10 @@ absl::StatusOr<double> SyncedPerSecond(const std::string& path,
 
 struct Times {
   double median = 0;  // milliseconds
-  double most = 0;    // all but a hundredth
+  double p99 = 0;     // 99th percentile
 };
 
-// How long small changes take, one after the other, until `enough`.
+// Measures small changes, one by one, until `enough`.
 absl::StatusOr<Times> TimeChanges(storage::AccessStore& store, const std::string& prefix,
                                   const std::function<bool(std::size_t)>& enough) {
   std::vector<double> times;
@@ -126,17 +125,17 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     put_seconds = Seconds(Clock::now() - began);
     stored = true;
   });
-  const auto beside = TimeChanges(store->access(), "beside",
+  const auto during = TimeChanges(store->access(), "during",
                                   [&](std::size_t count) { return stored && count > 0; });
   writer.join();
   MOTIONDB_RETURN_IF_ERROR(put);
-  MOTIONDB_RETURN_IF_ERROR(beside.status());
-  table.rows.push_back(TimesTheirs("a token added while a model is stored, median", beside->median,
+  MOTIONDB_RETURN_IF_ERROR(during.status());
+  table.rows.push_back(TimesTheirs("a token added while a model is stored, median", during->median,
                                    "nothing is stored", alone.median, "ms", Reported()));
-  table.rows.push_back(TimesTheirs("the same, 99 of 100", beside->most, "nothing is stored",
-                                   alone.most, "ms", Reported()));
+  table.rows.push_back(TimesTheirs("a token added while a model is stored, p99", during->p99,
+                                   "nothing is stored", alone.p99, "ms", Reported()));
   table.notes.push_back(fmt::format(
-      "writes: {}; {} clips of {} frames; the model of them was stored {} times, {:.2f} s each",
+      "writes: {}; {} clips of {} frames; their model was stored {} times, {:.2f} s each",
       kVariedMotion, options.size.clips, options.size.frames / options.size.clips, options.models,
       put_seconds / options.models));
   return table;
@@ -144,11 +143,11 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
 
 int Main(int argc, char** argv) {
   spdlog::set_level(spdlog::level::off);
-  BenchProgram program("Measures how fast a store takes changes.", "motiondb_bench_writes");
+  BenchProgram program("Measures the write rates of a store.", "motiondb_bench_writes");
   Options options;
   program.AddSize(options.size);
   program.app()
-      .add_option("--models", options.models, "Times that the model is stored")
+      .add_option("--models", options.models, "Number of times that the model is stored")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
   program.AddJobs(options.jobs, "Threads that make the clips and the model");

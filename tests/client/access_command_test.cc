@@ -1,4 +1,4 @@
-// motiondb token and motiondb audit, and where the command line takes its own token from.
+// motiondb token, motiondb audit, and the token of the command line itself.
 #include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/database.pb.h>
 
@@ -25,7 +25,7 @@ v1::Token Reader() {
   return token;
 }
 
-TEST_CASE("motiondb token create: sends what was asked for; the secret alone on its output",
+TEST_CASE("motiondb token create: sends the options; prints only the secret to standard output",
           "[client][cli]") {
   FakeServer server;
   v1::CreateTokenResponse response;
@@ -78,8 +78,7 @@ TEST_CASE("motiondb token list and revoke", "[client][cli]") {
   CHECK(server.Requests<v1::RevokeTokenRequest>("RevokeToken")[0].name() == "tokens/1f");
 }
 
-TEST_CASE("motiondb token revoke: of a token that was pasted whole, the id alone is sent",
-          "[client][cli]") {
+TEST_CASE("motiondb token revoke: sends only the id of a complete token", "[client][cli]") {
   FakeServer server;
   v1::RevokeTokenResponse revoked;
   *revoked.mutable_token() = Reader();
@@ -90,18 +89,18 @@ TEST_CASE("motiondb token revoke: of a token that was pasted whole, the id alone
   }
 }
 
-TEST_CASE("TokensText: which are good", "[client]") {
+TEST_CASE("TokensText: states of tokens", "[client]") {
   v1::Token revoked = Reader();
   revoked.mutable_revoke_time()->set_seconds(1'500);
   v1::Token forever = Reader();
   forever.clear_expire_time();
-  CHECK_THAT(client::TokensText({Reader()}, 1'999), Contains(" good "));
+  CHECK_THAT(client::TokensText({Reader()}, 1'999), Contains(" valid "));
   CHECK_THAT(client::TokensText({Reader()}, 2'000), Contains(" expired "));
   CHECK_THAT(client::TokensText({revoked}, 1'999), Contains(" revoked "));
-  CHECK_THAT(client::TokensText({forever}, 9'999), Contains(" good ") && Contains("never"));
+  CHECK_THAT(client::TokensText({forever}, 9'999), Contains(" valid ") && Contains("never"));
 }
 
-TEST_CASE("motiondb audit: as many as asked for, over pages", "[client][cli]") {
+TEST_CASE("motiondb audit: reads pages up to the requested number", "[client][cli]") {
   FakeServer server;
   v1::ListAuditEntriesResponse first, second;
   auto* entry = first.add_entries();
@@ -123,7 +122,7 @@ TEST_CASE("motiondb audit: as many as asked for, over pages", "[client][cli]") {
   CHECK(requests[1].page_token() == "more");
 }
 
-TEST_CASE("motiondb: takes its token from a file or a variable, never from a flag",
+TEST_CASE("motiondb: reads its token from a file or a variable, never from a flag",
           "[client][cli]") {
   FakeServer server;
   server.Answer("ListDatabases", v1::ListDatabasesResponse());
@@ -146,7 +145,7 @@ TEST_CASE("motiondb: takes its token from a file or a variable, never from a fla
   CHECK_THAT(
       RunMotiondb(server.address(), {"list", "--token-file", folder.Write("empty", "").string()})
           .err,
-      Contains("it is empty"));
+      Contains("the file is empty"));
   CHECK(RunMotiondb(server.address(), {"list", "--token", "x"}).exit_code == 2);
 }
 

@@ -1,4 +1,4 @@
-// Who the client says it is, and what it does not say to whom.
+// Tokens, TLS files and request ids of the client.
 #include <grpcpp/security/credentials.h>
 #include <motiondb/client.h>
 #include <motiondb/v1/access.pb.h>
@@ -25,7 +25,7 @@ std::string Refusal(const ClientOptions& options) {
   return std::string(status.message());
 }
 
-TEST_CASE("Client: every call has the token and an id of its own", "[client]") {
+TEST_CASE("Client: every call has the token and a unique request id", "[client]") {
   FakeServer server;
   server.Answer("ListDatabases", v1::ListDatabasesResponse());
   ClientOptions options;
@@ -44,7 +44,7 @@ TEST_CASE("Client: every call has the token and an id of its own", "[client]") {
   CHECK(!server.HeadersOf("ListDatabases")[2].contains("authorization"));
 }
 
-TEST_CASE("Client: a token does not leave the machine over plain text", "[client]") {
+TEST_CASE("Client: a token is not sent in plain text to another machine", "[client]") {
   ClientOptions options;
   options.token = "mdb_1f_00";
   for (const char* server : {"robot:50051", "10.0.0.1:50051", "127.0.0.1.example:1"}) {
@@ -60,7 +60,7 @@ TEST_CASE("Client: a token does not leave the machine over plain text", "[client
   CHECK_THAT(Refusal(options), Contains("credentials"));
 }
 
-TEST_CASE("Client: TLS files that cannot be used are named", "[client]") {
+TEST_CASE("Client: errors name invalid TLS files", "[client]") {
   const TemporaryFolder folder;
   ClientOptions options;
   options.tls = client::TlsOptions{.ca_file = "/nonexistent/ca.crt"};
@@ -71,7 +71,7 @@ TEST_CASE("Client: TLS files that cannot be used are named", "[client]") {
   CHECK_THAT(Refusal(options), Contains("together"));
 }
 
-// grpc-status-details-bin with a call's id, and a time to wait.
+// Returns grpc-status-details-bin with a request id and a retry delay.
 std::string Details(const std::string& request_id, int retry_seconds) {
   v1::Status status;
   v1::RequestInfo info;
@@ -93,7 +93,7 @@ constexpr int kAboutTheRequest[] = {3, 5, 6, 9, 11};
 // UNIMPLEMENTED, INTERNAL, DATA_LOSS, UNAUTHENTICATED.
 constexpr int kNotAboutIt[] = {1, 2, 4, 7, 8, 10, 12, 13, 15, 16};
 
-TEST_CASE("Client: an error carries the call's id, and names it unless it is about the request",
+TEST_CASE("Client: an error has the request id, in its message unless the request is wrong",
           "[client]") {
   FakeServer server;
   server.Fail("GetDatabase", 13, "a bug", Details("robot/1", 0));

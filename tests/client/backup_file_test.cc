@@ -19,7 +19,7 @@ namespace {
 using Catch::Contains;
 using client::BackupFile;
 
-// With the checksum that a backup ends with.
+// Appends the checksum of a backup.
 std::string Sealed(const std::string& bytes) {
   std::string digest(SHA256_DIGEST_LENGTH, '\0');
   SHA256(reinterpret_cast<const unsigned char*>(bytes.data()), bytes.size(),
@@ -27,7 +27,7 @@ std::string Sealed(const std::string& bytes) {
   return bytes + digest;
 }
 
-// As SQLite begins a file that has a store's application id.
+// The beginning of a store: SQLite's header with the application id.
 std::string StoreBytes() {
   std::string bytes("SQLite format 3\0", 16);
   bytes.resize(200);
@@ -50,30 +50,30 @@ unsigned Mode(const std::filesystem::path& path) {
   return status.st_mode & 0777U;
 }
 
-TEST_CASE("BackupFile: two to one file do not mix", "[client]") {
+TEST_CASE("BackupFile: two concurrent backups to one path do not mix", "[client]") {
   const TemporaryFolder folder;
   const std::string first = BackupOf(std::string(100'000, 'a'));
   const std::string second = BackupOf(std::string(70'000, 'b'));
   const bool overwrite = GENERATE(true, false);
   CAPTURE(overwrite);
   {
-    BackupFile one, other;
-    REQUIRE(one.Open(folder / "copy", overwrite).ok());
-    REQUIRE(one.Append(first.substr(0, 50'000)).ok());
-    REQUIRE(other.Open(folder / "copy", overwrite).ok());
-    REQUIRE(other.Append(second).ok());
-    REQUIRE(one.Append(first.substr(50'000)).ok());
-    REQUIRE(one.Complete().ok());
+    BackupFile backup_a, backup_b;
+    REQUIRE(backup_a.Open(folder / "copy", overwrite).ok());
+    REQUIRE(backup_a.Append(first.substr(0, 50'000)).ok());
+    REQUIRE(backup_b.Open(folder / "copy", overwrite).ok());
+    REQUIRE(backup_b.Append(second).ok());
+    REQUIRE(backup_a.Append(first.substr(50'000)).ok());
+    REQUIRE(backup_a.Complete().ok());
     CHECK(ReadFile(folder / "copy") == first);
-    // The later one takes its place only where it was told to.
-    CHECK(other.Complete().code() ==
+    // The second one replaces the file only with `overwrite`.
+    CHECK(backup_b.Complete().code() ==
           (overwrite ? absl::StatusCode::kOk : absl::StatusCode::kAlreadyExists));
   }
   CHECK(ReadFile(folder / "copy") == (overwrite ? second : first));
   CHECK(FileCount(folder) == 1);
 }
 
-TEST_CASE("BackupFile: is its owner's alone, whatever there was", "[client]") {
+TEST_CASE("BackupFile: only the owner can read it, whatever existed before", "[client]") {
   const TemporaryFolder folder;
   chmod(folder.Write("copy", "").c_str(), 0666);
   chmod(folder.Write("copy.part", "stale").c_str(), 0666);
@@ -85,7 +85,7 @@ TEST_CASE("BackupFile: is its owner's alone, whatever there was", "[client]") {
   CHECK(ReadFile(folder / "copy.part") == "stale");
 }
 
-TEST_CASE("BackupFile: one that is damaged or broken off leaves nothing", "[client]") {
+TEST_CASE("BackupFile: a corrupt or incomplete one leaves no file", "[client]") {
   const TemporaryFolder folder;
   {
     BackupFile file;
@@ -108,7 +108,7 @@ std::string Refusal(const std::filesystem::path& path) {
   return std::string(status.message());
 }
 
-TEST_CASE("BackupFile: what is no regular file is never replaced", "[client]") {
+TEST_CASE("BackupFile: replaces only regular files", "[client]") {
   const TemporaryFolder folder;
   REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
   CHECK_THAT(Refusal(folder / "fifo"), Contains("is a pipe"));
@@ -126,11 +126,11 @@ TEST_CASE("BackupFile: what is no regular file is never replaced", "[client]") {
   CHECK(FileCount(folder) == 4);
 }
 
-TEST_CASE("BackupFile: a backup is replaced, never a store or what is neither", "[client]") {
+TEST_CASE("BackupFile: replaces a backup, never a store or another file", "[client]") {
   const TemporaryFolder folder;
-  CHECK_THAT(Refusal(folder.Write("list", "a list of clips")), Contains("is no backup"));
+  CHECK_THAT(Refusal(folder.Write("list", "a list of clips")), Contains("is not a backup"));
   CHECK_THAT(Refusal(folder.Write("sealed", Sealed("a page and mtdbback"))),
-             Contains("is no backup"));
+             Contains("is not a backup"));
   CHECK_THAT(Refusal(folder.Write("store", StoreBytes())), Contains("is a motiondb store"));
   const std::string backup = BackupOf("");
   // A server was started on a backup.
@@ -151,7 +151,7 @@ TEST_CASE("BackupFile: a backup is replaced, never a store or what is neither", 
   }
 }
 
-TEST_CASE("BackupFile: a store that comes meanwhile is not replaced", "[client]") {
+TEST_CASE("BackupFile: does not replace a store that appears meanwhile", "[client]") {
   const TemporaryFolder folder;
   BackupFile file;
   REQUIRE(file.Open(folder / "copy", /*overwrite=*/true).ok());

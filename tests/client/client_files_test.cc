@@ -13,7 +13,7 @@ namespace {
 
 using client::Client;
 
-// All bytes values, in no simple period.
+// All byte values, without a short period.
 std::string Bytes(size_t count) {
   std::string bytes(count, '\0');
   for (size_t i = 0; i < count; ++i) bytes[i] = static_cast<char>((i * 31 + i / 257) & 0xFF);
@@ -39,7 +39,7 @@ v1::ExportClipResponse SkeletonBlock(const std::string& bytes) {
   return message;
 }
 
-TEST_CASE("Ingest: a file goes as a header and blocks of at most 1 MiB", "[client]") {
+TEST_CASE("Ingest: a file is sent as a header and blocks of at most 1 MiB", "[client]") {
   FakeServer server;
   v1::IngestClipResponse answer;
   answer.mutable_clip()->set_name("databases/walks/clips/07_01");
@@ -72,7 +72,7 @@ TEST_CASE("Ingest: a file goes as a header and blocks of at most 1 MiB", "[clien
   CHECK(skeleton_received == skeleton);
 }
 
-TEST_CASE("Ingest: bytes in memory go the same way", "[client]") {
+TEST_CASE("Ingest: bytes in memory are sent as a header and blocks", "[client]") {
   FakeServer server;
   server.Answer("IngestClip", v1::IngestClipResponse());
   v1::IngestClipHeader header;
@@ -85,7 +85,7 @@ TEST_CASE("Ingest: bytes in memory go the same way", "[client]") {
   CHECK(messages[1].file_block() == "HIERARCHY");
 }
 
-TEST_CASE("Ingest: a file that is not there sends nothing", "[client]") {
+TEST_CASE("Ingest: a missing file sends nothing", "[client]") {
   FakeServer server;
   const TemporaryFolder folder;
   const Client client = ConnectTo(server.address());
@@ -96,7 +96,7 @@ TEST_CASE("Ingest: a file that is not there sends nothing", "[client]") {
   CHECK(server.Requests<v1::IngestClipRequest>("IngestClip").empty());
 }
 
-TEST_CASE("Ingest: the server's refusal comes back", "[client]") {
+TEST_CASE("Ingest: returns the error of the server", "[client]") {
   FakeServer server;
   server.Fail("IngestClip", 3, "bad.bvh:7: expected CHANNELS");
   const Client client = ConnectTo(server.address());
@@ -105,7 +105,7 @@ TEST_CASE("Ingest: the server's refusal comes back", "[client]") {
   CHECK(std::string(status.message()) == "bad.bvh:7: expected CHANNELS");
 }
 
-TEST_CASE("Export: blocks become the files that were ingested", "[client]") {
+TEST_CASE("Export: blocks are written to the ingested files", "[client]") {
   FakeServer server;
   server.Answer("ExportClip", Header("07_01.amc", "07.asf"), FileBlock("ab"), FileBlock("cd"),
                 SkeletonBlock("xyz"));
@@ -124,7 +124,7 @@ TEST_CASE("Export: blocks become the files that were ingested", "[client]") {
   CHECK(ReadFile(out / "07.asf") == "xyz");
 }
 
-TEST_CASE("Export: other contents are not replaced, unless asked; the same do no harm",
+TEST_CASE("Export: replaces different contents only with overwrite; accepts the same contents",
           "[client]") {
   FakeServer server;
   server.Answer("ExportClip", Header("07_01.amc", "07.asf"), FileBlock("new"),
@@ -141,7 +141,7 @@ TEST_CASE("Export: other contents are not replaced, unless asked; the same do no
   CHECK(ReadFile(folder / "07_01.amc") == "new");
 }
 
-TEST_CASE("Export: a name from the server never leaves the folder", "[client]") {
+TEST_CASE("Export: rejects file names of the server that leave the folder", "[client]") {
   const TemporaryFolder folder;
   for (const char* name : {"", ".", "..", "../evil.bvh", "/tmp/evil.bvh", "a/b.bvh", ".bashrc",
                            "-rf.bvh", "a\x1b.bvh"}) {
@@ -175,7 +175,7 @@ TEST_CASE("Export: a link in the folder is not followed", "[client]") {
   CHECK(ReadFile(victim) == "precious");
 }
 
-TEST_CASE("Export: two files of one name are refused", "[client]") {
+TEST_CASE("Export: two files with the same name are refused", "[client]") {
   FakeServer server;
   server.Answer("ExportClip", Header("a.bvh", "a.bvh"), FileBlock("x"), SkeletonBlock("y"));
   const TemporaryFolder folder;

@@ -19,7 +19,7 @@ using client::CallOptions;
 using client::Client;
 using client::ClientOptions;
 
-// grpc-status-details-bin as a server writes it.
+// Returns grpc-status-details-bin with a field violation.
 std::string Details(const std::string& field, const std::string& description) {
   v1::BadRequest bad_request;
   auto* violation = bad_request.add_field_violations();
@@ -33,7 +33,7 @@ std::string Details(const std::string& field, const std::string& description) {
   return status.SerializeAsString();
 }
 
-TEST_CASE("Client: a unary call carries its request there and its answer back", "[client]") {
+TEST_CASE("Client: a unary call sends its request and returns the response", "[client]") {
   FakeServer server;
   v1::RecognizeResponse answer;
   answer.add_windows()->set_familiarity(0.5);
@@ -50,7 +50,7 @@ TEST_CASE("Client: a unary call carries its request there and its answer back", 
   CHECK(seen[0].SerializeAsString() == request.SerializeAsString());
 }
 
-TEST_CASE("Client: an error keeps its code and message, and names the wrong fields", "[client]") {
+TEST_CASE("Client: an error has the code, the message and the wrong fields", "[client]") {
   FakeServer server;
   server.Fail("Estimate", 3, "the observation cannot be used",
               Details("observation.markers.frame_rate_hz", "must be positive"));
@@ -65,7 +65,7 @@ TEST_CASE("Client: an error keeps its code and message, and names the wrong fiel
   CHECK(violations[0].description == "must be positive");
 }
 
-TEST_CASE("Client: a field that the message names already is not named twice", "[client]") {
+TEST_CASE("Client: a field in the message is not repeated", "[client]") {
   FakeServer server;
   server.Fail("Estimate", 3, "layer: must be at most 16", Details("layer", "must be at most 16"));
   const Client client = ConnectTo(server.address());
@@ -74,7 +74,7 @@ TEST_CASE("Client: a field that the message names already is not named twice", "
   CHECK(client::FieldViolations(status).size() == 1);
 }
 
-TEST_CASE("Client: an error without details, or with broken ones, stays an error", "[client]") {
+TEST_CASE("Client: an error without details or with invalid details", "[client]") {
   FakeServer server;
   server.Fail("Predict", 9, "the database has no model yet; ingest a clip");
   server.Fail("Predict", 5, "no such database", "\xFF\xFF not a message");
@@ -88,7 +88,7 @@ TEST_CASE("Client: an error without details, or with broken ones, stays an error
   CHECK(std::string(second.message()) == "no such database");
 }
 
-TEST_CASE("Client: no server is UNAVAILABLE within the connect timeout, and names the address",
+TEST_CASE("Client: without a server, UNAVAILABLE with the address within the connect timeout",
           "[client]") {
   ClientOptions options;
   options.server = "127.0.0.1:1";
@@ -99,7 +99,7 @@ TEST_CASE("Client: no server is UNAVAILABLE within the connect timeout, and name
              Catch::Contains("127.0.0.1:1") && Catch::Contains("motiondbd"));
 }
 
-TEST_CASE("Client: a server that goes away is UNAVAILABLE, at once", "[client]") {
+TEST_CASE("Client: a stopped server is UNAVAILABLE immediately", "[client]") {
   auto server = std::make_unique<FakeServer>();
   const std::string address = server->address();
   const Client client = ConnectTo(address);
@@ -110,16 +110,16 @@ TEST_CASE("Client: a server that goes away is UNAVAILABLE, at once", "[client]")
   CHECK(!client::RequestId(status).empty());
 }
 
-TEST_CASE("Client: a call that is broken off may be tried again", "[client]") {
+TEST_CASE("Client: a call that the server cancels is UNAVAILABLE", "[client]") {
   FakeServer server;
   server.Fail("GetDatabase", 1, "CANCELLED");
   const Client client = ConnectTo(server.address());
   const absl::Status status = client.GetDatabase({}).status();
   CHECK(status.code() == absl::StatusCode::kUnavailable);
-  CHECK_THAT(std::string(status.message()), Catch::Contains("broken off"));
+  CHECK_THAT(std::string(status.message()), Catch::Contains("was cancelled"));
 }
 
-TEST_CASE("Client: options that make no sense are refused", "[client]") {
+TEST_CASE("Client: invalid options are refused", "[client]") {
   ClientOptions options;
   options.server = "";
   CHECK(Client::Connect(options).status().code() == absl::StatusCode::kInvalidArgument);
@@ -137,7 +137,7 @@ TEST_CASE("Client: a call ends at its deadline", "[client]") {
   CHECK(status.code() == absl::StatusCode::kDeadlineExceeded);
   CHECK_THAT(std::string(status.message()),
              Catch::Contains(server.address()) && Catch::Contains("0.1 s"));
-  // The server has the call in its log under this id, though its answer came too late.
+  // The server logs the call with this id, although its response was too late.
   const std::string sent = server.HeadersOf("GetModel").at(0).at("x-request-id");
   CHECK(client::RequestId(status) == sent);
   CHECK_THAT(std::string(status.message()), Catch::Contains("(request " + sent + ")"));
@@ -163,7 +163,7 @@ TEST_CASE("Client: whole lists follow the page tokens", "[client]") {
   CHECK(requests[1].page_token() == "more");
 }
 
-TEST_CASE("Client: a page token that comes again does not go on for ever", "[client]") {
+TEST_CASE("Client: a repeated page token is an error", "[client]") {
   FakeServer server;
   v1::ListNodesResponse page;
   page.add_nodes();
@@ -208,7 +208,7 @@ TEST_CASE("Client: waiting ends at its timeout", "[client]") {
   CHECK(done.status().code() == absl::StatusCode::kDeadlineExceeded);
 }
 
-TEST_CASE("Client: an operation's end is a status", "[client]") {
+TEST_CASE("Client: OperationStatus of each state", "[client]") {
   v1::Operation operation;
   operation.set_name("operations/7");
   operation.set_state(v1::OPERATION_STATE_RUNNING);
@@ -217,13 +217,13 @@ TEST_CASE("Client: an operation's end is a status", "[client]") {
   CHECK(client::OperationStatus(operation).code() == absl::StatusCode::kCancelled);
   operation.set_state(v1::OPERATION_STATE_FAILED);
   operation.mutable_error()->set_code(15);
-  operation.mutable_error()->set_message("a chunk is damaged");
+  operation.mutable_error()->set_message("a chunk is corrupt");
   const absl::Status status = client::OperationStatus(operation);
   CHECK(status.code() == absl::StatusCode::kDataLoss);
-  CHECK_THAT(std::string(status.message()), Catch::Contains("a chunk is damaged"));
+  CHECK_THAT(std::string(status.message()), Catch::Contains("a chunk is corrupt"));
 }
 
-TEST_CASE("Client: a series calls back for each message, until it is told to stop", "[client]") {
+TEST_CASE("Client: a series calls back for each message until the callback fails", "[client]") {
   FakeServer server;
   v1::PredictSeriesResponse first, second, third;
   first.mutable_prediction()->set_at_seconds(0.4);
@@ -243,7 +243,7 @@ TEST_CASE("Client: a series calls back for each message, until it is told to sto
   CHECK(moments.size() == 5);
 }
 
-TEST_CASE("Client: a plan comes whole, however large", "[client]") {
+TEST_CASE("Client: receives a plan of 100 MB", "[client]") {
   FakeServer server;
   v1::PlanResponse answer;
   answer.set_outcome(v1::EXACT);
@@ -263,7 +263,7 @@ TEST_CASE("Client: a plan comes whole, however large", "[client]") {
   CHECK(seen[0].goal().x_m() == 2);
 }
 
-TEST_CASE("Client: many threads may ask at once", "[client]") {
+TEST_CASE("Client: calls of many threads at the same time", "[client]") {
   FakeServer server;
   v1::GetDatabaseResponse answer;
   answer.mutable_database()->set_name("databases/walks");

@@ -11,7 +11,7 @@ std::string ErrorOf(const std::string& text) {
   return std::string(ParseClipList("sets/a.tsv", text).status().message());
 }
 
-TEST_CASE("ClipList: columns may stand in any order, among others", "[client][cli]") {
+TEST_CASE("ClipList: columns in any order, with unknown columns", "[client][cli]") {
   const auto clips = ParseClipList(
       "sets/a.tsv", "label\tframes\tsubject\tpath\tskeleton\nwalk\t12\tbk\t../w.amc\t../bk.asf\n");
   REQUIRE(clips.ok());
@@ -22,8 +22,7 @@ TEST_CASE("ClipList: columns may stand in any order, among others", "[client][cl
   CHECK((*clips)[0].skeleton == "sets/../bk.asf");
 }
 
-TEST_CASE("ClipList: line ends, blank lines, remarks and a byte-order mark do no harm",
-          "[client][cli]") {
+TEST_CASE("ClipList: accepts CRLF, blank lines, comments and a byte-order mark", "[client][cli]") {
   const auto clips = ParseClipList(
       "a.tsv", "\xEF\xBB\xBFpath\tlabel\r\n\r\n# held back\r\n/data/one.bvh\twalk\r\ntwo.bvh\t");
   REQUIRE(clips.ok());

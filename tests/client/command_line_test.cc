@@ -48,11 +48,10 @@ TEST_CASE("motiondb: wrong usage fails on standard error", "[client][cli]") {
     CHECK(result.out == "");
     CHECK_THAT(result.err, StartsWith("motiondb: "));
   }
-  CHECK_THAT(RunMotiondb("", {"nonsense"}).err, Contains("no such command: nonsense"));
+  CHECK_THAT(RunMotiondb("", {"nonsense"}).err, Contains("unknown command: nonsense"));
 }
 
-TEST_CASE("motiondb: a timeout that makes no sense is refused, a long one is taken",
-          "[client][cli]") {
+TEST_CASE("motiondb: refuses an invalid timeout, accepts a long one", "[client][cli]") {
   for (const char* seconds :
        {"1e-9", "0.0009", "0", "-0", "-1", "nan", "inf", "-inf", "soon", ""}) {
     const auto result = RunMotiondb("", {"list", std::string("--timeout=") + seconds});
@@ -61,13 +60,13 @@ TEST_CASE("motiondb: a timeout that makes no sense is refused, a long one is tak
     CHECK_THAT(result.err, Contains("--timeout"));
   }
   CHECK_THAT(RunMotiondb("", {"list", "--timeout", "1e-9"}).err,
-             Contains("--timeout: expected a number of seconds from 0.001, got 1e-9"));
+             Contains("--timeout: expected a number of at least 0.001 seconds, got 1e-9"));
   FakeServer server;
   server.Answer("ListDatabases", v1::ListDatabasesResponse());
   CHECK(RunMotiondb(server.address(), {"list", "--timeout", "1e300"}).exit_code == 0);
 }
 
-TEST_CASE("motiondb: a file that has no end is not read for ever", "[client][cli]") {
+TEST_CASE("motiondb: endless files are refused", "[client][cli]") {
   FakeServer server;
   const std::vector<std::vector<std::string>> endless = {
       {"create", "walks", "--marker-set", "/dev/zero"},
@@ -82,12 +81,13 @@ TEST_CASE("motiondb: a file that has no end is not read for ever", "[client][cli
     const auto result = RunMotiondb(server.address(), arguments);
     CAPTURE(arguments, result.err);
     CHECK(result.exit_code == 1);
-    CHECK_THAT(result.err,
-               Contains("/dev/zero: is larger than ") || Contains("/dev/zero: is no regular file"));
+    CHECK_THAT(result.err, Contains("/dev/zero: is larger than ") ||
+                               Contains("/dev/zero: is not a regular file"));
   }
 }
 
-TEST_CASE("motiondb: without a server it says where it looked and what to do", "[client][cli]") {
+TEST_CASE("motiondb: without a server, the error names the address and what to do",
+          "[client][cli]") {
   const auto result = RunMotiondb("127.0.0.1:1", {"list"});
   CHECK(result.exit_code == 1);
   CHECK(result.out == "");
@@ -95,7 +95,7 @@ TEST_CASE("motiondb: without a server it says where it looked and what to do", "
                              Contains("--server") && Contains("MOTIONDB_SERVER"));
 }
 
-TEST_CASE("motiondb: global options stand before or after the command", "[client][cli]") {
+TEST_CASE("motiondb: global options before or after the command", "[client][cli]") {
   FakeServer server;
   v1::ListDatabasesResponse databases;
   databases.add_databases()->set_name("databases/a");
@@ -137,7 +137,7 @@ TEST_CASE("motiondb create: settings and the text of a marker-set file are sent"
              StartsWith("motiondb: --marker-set: ") && Contains("none.txt"));
 }
 
-TEST_CASE("motiondb list: tables for a person, a message a line for a program", "[client][cli]") {
+TEST_CASE("motiondb list: a table, or one JSON message per line", "[client][cli]") {
   FakeServer server;
   v1::ListClipsResponse first, second;
   first.add_clips()->set_name("databases/walks/clips/a");
@@ -154,7 +154,7 @@ TEST_CASE("motiondb list: tables for a person, a message a line for a program", 
   CHECK_THAT(text.out, StartsWith("CLIP"));
 }
 
-TEST_CASE("motiondb describe: the response as JSON keeps its field names", "[client][cli]") {
+TEST_CASE("motiondb describe: JSON has the field names of the proto", "[client][cli]") {
   FakeServer server;
   v1::DescribeDatabaseResponse description;
   description.set_name("databases/walks");
@@ -171,7 +171,7 @@ TEST_CASE("motiondb describe: the response as JSON keeps its field names", "[cli
   CHECK_THAT(RunMotiondb(server.address(), {"describe", "walks"}).out, Contains("100"));
 }
 
-TEST_CASE("motiondb: the server's error is the program's", "[client][cli]") {
+TEST_CASE("motiondb: prints the error of the server", "[client][cli]") {
   FakeServer server;
   server.Fail("DescribeDatabase", 5, "there is no database \"walks\"");
   const auto result = RunMotiondb(server.address(), {"describe", "walks", "--json"});
@@ -180,7 +180,7 @@ TEST_CASE("motiondb: the server's error is the program's", "[client][cli]") {
   CHECK(result.err == "motiondb: there is no database \"walks\"\n");
 }
 
-TEST_CASE("motiondb: an answer that cannot be written is a failure", "[client][cli]") {
+TEST_CASE("motiondb: fails if the answer cannot be written", "[client][cli]") {
   FakeServer server;
   v1::DescribeDatabaseResponse description;
   server.Answer("DescribeDatabase", description);
@@ -193,7 +193,7 @@ TEST_CASE("motiondb: an answer that cannot be written is a failure", "[client][c
   }
 }
 
-TEST_CASE("motiondb recognize: options become the request", "[client][cli]") {
+TEST_CASE("motiondb recognize: options are sent in the request", "[client][cli]") {
   FakeServer server;
   v1::RecognizeResponse answer;
   auto* window = answer.add_windows();
@@ -226,7 +226,7 @@ TEST_CASE("motiondb recognize: options become the request", "[client][cli]") {
   CHECK(requests[1].path_count() == 5);
 }
 
-TEST_CASE("motiondb estimate: options become the request", "[client][cli]") {
+TEST_CASE("motiondb estimate: options are sent in the request", "[client][cli]") {
   FakeServer server;
   v1::EstimateResponse answer;
   answer.add_paths()->add_node_ids(4);
@@ -243,7 +243,7 @@ TEST_CASE("motiondb estimate: options become the request", "[client][cli]") {
   CHECK(requests[0].max_candidates() == 0);
 }
 
-TEST_CASE("motiondb predict: one moment, or one line for each", "[client][cli]") {
+TEST_CASE("motiondb predict: one time, or one line for each", "[client][cli]") {
   FakeServer server;
   v1::PredictResponse one;
   one.set_at_seconds(1.5);
@@ -292,7 +292,7 @@ TEST_CASE("motiondb export: writes the files and prints their paths", "[client][
         "databases/walks/clips/a");
 }
 
-TEST_CASE("motiondb delete: asks before a whole database, on a terminal", "[client][cli]") {
+TEST_CASE("motiondb delete: on a terminal, asks before deleting a database", "[client][cli]") {
   FakeServer server;
   server.Answer("DeleteDatabase", v1::DeleteDatabaseResponse());
   const auto deleted = [&] {
@@ -312,14 +312,14 @@ TEST_CASE("motiondb delete: asks before a whole database, on a terminal", "[clie
   CHECK(deleted() == 3);
 }
 
-TEST_CASE("motiondb delete: says that it does not ask a script", "[client][cli]") {
-  // Broken into lines by the help.
+TEST_CASE("motiondb delete: the help states that scripts are not asked", "[client][cli]") {
+  // The help wraps lines.
   const auto help = RunProgram({"sh", "-c", MOTIONDB_CLI " delete --help | tr -s ' \n' ' '"});
-  CHECK_THAT(help.out, Contains("where standard input is no terminal, as in a script, nothing is "
-                                "asked"));
+  CHECK_THAT(help.out, Contains("If standard input is not a terminal, as in a script, it never "
+                                "asks"));
 }
 
-TEST_CASE("motiondb delete: of a clip waits for the model without it", "[client][cli]") {
+TEST_CASE("motiondb delete: after deleting a clip, waits for the new model", "[client][cli]") {
   FakeServer server;
   v1::DeleteClipResponse started;
   started.mutable_operation()->set_name("operations/9");
@@ -336,7 +336,7 @@ TEST_CASE("motiondb delete: of a clip waits for the model without it", "[client]
              Contains("OPERATION_STATE_SUCCEEDED"));
 }
 
-TEST_CASE("motiondb reprocess: waits, and names the clips that stay as they are", "[client][cli]") {
+TEST_CASE("motiondb reprocess: waits, and lists the clips that were not derived", "[client][cli]") {
   FakeServer server;
   v1::ReprocessDatabaseResponse started;
   started.mutable_operation()->set_name("operations/9");
@@ -351,7 +351,7 @@ TEST_CASE("motiondb reprocess: waits, and names the clips that stay as they are"
   v1::DescribeDatabaseResponse description;
   description.set_underived_clip_count(1);
   description.add_underived_clips()->set_name("databases/walks/clips/a");
-  description.mutable_underived_clips(0)->set_reason("chunk 0 is damaged");
+  description.mutable_underived_clips(0)->set_reason("chunk 0 is corrupt");
   server.Answer("DescribeDatabase", description);
   const auto text = RunMotiondb(server.address(), {"reprocess", "walks"});
   CHECK(text.exit_code == 0);
@@ -359,7 +359,7 @@ TEST_CASE("motiondb reprocess: waits, and names the clips that stay as they are"
       text.out ==
       "reprocessed walks: done, clips derived again: 2; no clip is left, so there is no model now\n"
       "1 clip could not be derived again from its file:\n"
-      "  a: chunk 0 is damaged\n");
+      "  a: chunk 0 is corrupt\n");
   CHECK_THAT(RunMotiondb(server.address(), {"reprocess", "walks", "--json"}).out,
              Contains("OPERATION_KIND_REPROCESS"));
   FakeServer other;

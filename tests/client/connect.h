@@ -1,4 +1,4 @@
-// A client of a fake server.
+// Connects a client to a fake server.
 #pragma once
 
 #include <motiondb/client.h>

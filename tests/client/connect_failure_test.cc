@@ -1,4 +1,4 @@
-// What is said where no server answers, against sockets that are none.
+// Error messages if there is no motiondb server, tested with other sockets.
 #include <arpa/inet.h>
 #include <motiondb/client.h>
 #include <sys/socket.h>
@@ -18,8 +18,8 @@ using Catch::Contains;
 using Catch::StartsWith;
 using client::ConnectFailure;
 
-// A port that takes connections, says `greeting` and closes them; without a greeting it never says
-// anything.
+// A port that accepts connections, sends `greeting` and closes them. Without a greeting it never
+// responds.
 class OtherProgram {
  public:
   explicit OtherProgram(std::string greeting) : greeting_(std::move(greeting)) {
@@ -64,8 +64,8 @@ class OtherProgram {
 
 constexpr char kHttp[] = "HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n";
 
-// What the program says of an address: one line, and nothing of gRPC's.
-std::string Said(const std::string& address, const std::vector<std::string>& options = {}) {
+// Returns the program's error for an address: one line, without gRPC's log lines.
+std::string ErrorOf(const std::string& address, const std::vector<std::string>& options = {}) {
   std::vector<std::string> arguments = {"list"};
   arguments.insert(arguments.end(), options.begin(), options.end());
   const auto result = RunMotiondb(address, arguments);
@@ -76,35 +76,36 @@ std::string Said(const std::string& address, const std::vector<std::string>& opt
   return result.err;
 }
 
-TEST_CASE("motiondb: nothing listens, or no such host", "[client][cli]") {
-  CHECK_THAT(Said("127.0.0.1:1"), Contains("nothing listens there: start one with `motiondbd "
-                                           "--listen 127.0.0.1:1`") &&
-                                      Contains("--server or MOTIONDB_SERVER"));
-  CHECK_THAT(Said("unix:/nonexistent/socket"), Contains("nothing listens there"));
-  // Too long for a name, so that no name server is asked.
-  CHECK_THAT(Said(std::string(64, 'a') + ".invalid:50051"),
-             Contains("no address is found for that host: Misformatted domain name; ") &&
+TEST_CASE("motiondb: nothing listens, or an unknown host", "[client][cli]") {
+  CHECK_THAT(ErrorOf("127.0.0.1:1"),
+             Contains("nothing listens there; start a server with `motiondbd "
+                      "--listen 127.0.0.1:1`") &&
+                 Contains("--server or MOTIONDB_SERVER"));
+  CHECK_THAT(ErrorOf("unix:/nonexistent/socket"), Contains("nothing listens there"));
+  // Too long for a host name, so that no name server is queried.
+  CHECK_THAT(ErrorOf(std::string(64, 'a') + ".invalid:50051"),
+             Contains("the host name cannot be resolved: Misformatted domain name; ") &&
                  Contains("--server"));
 }
 
-TEST_CASE("motiondb: another program's port", "[client][cli]") {
+TEST_CASE("motiondb: the port of another program", "[client][cli]") {
   const OtherProgram web(kHttp);
-  CHECK_THAT(Said(web.address()),
-             Contains("does not speak gRPC in plain text") && Contains("--tls"));
-  CHECK_THAT(Said(web.address(), {"--tls"}), Contains("does not speak TLS; leave out --tls"));
+  CHECK_THAT(ErrorOf(web.address()),
+             Contains("does not use gRPC in plain text") && Contains("--tls"));
+  CHECK_THAT(ErrorOf(web.address(), {"--tls"}), Contains("does not use TLS; omit --tls"));
   const OtherProgram silent("");
-  CHECK_THAT(Said(silent.address()), Contains("nothing came back"));
-  CHECK_THAT(Said(silent.address(), {"--tls"}), Contains("nothing came back"));
+  CHECK_THAT(ErrorOf(silent.address()), Contains("no response; "));
+  CHECK_THAT(ErrorOf(silent.address(), {"--tls"}), Contains("no response; "));
 }
 
-TEST_CASE("motiondb: gRPC's own lines come where its variable asks for them", "[client][cli]") {
+TEST_CASE("motiondb: GRPC_VERBOSITY enables the log of gRPC", "[client][cli]") {
   const OtherProgram web(kHttp);
   const auto result = RunProgram(
       {"env", "GRPC_VERBOSITY=ERROR", MOTIONDB_CLI, "--server", web.address(), "--tls", "list"});
   CHECK_THAT(result.err, Contains("ssl_transport_security.cc"));
 }
 
-TEST_CASE("ConnectError: the failure is attached, unknown words are passed on", "[client]") {
+TEST_CASE("ConnectError: attaches the failure, passes unknown messages on", "[client]") {
   client::ClientOptions options;
   options.server = "robot:1";
   const absl::Status other = client::ConnectError(

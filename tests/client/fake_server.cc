@@ -170,7 +170,7 @@ struct FakeServer::Services {
 #undef MOTIONDB_FAKE_STREAM
 
 FakeServer::FakeServer() {
-  // A port that was free when gRPC bound it may be another's when it listens: then try the next.
+  // gRPC may lose its port to another program between bind and listen; then try again.
   for (int tries = 0; tries < 5 && (services_ == nullptr || services_->server == nullptr);
        ++tries) {
     services_ = std::make_unique<Services>(*this);

@@ -1,5 +1,5 @@
-// A gRPC server on a loopback socket that gives canned answers to every call of the wire contract
-// and keeps the requests. Calls come on gRPC's threads; all functions here may be used meanwhile.
+// A gRPC server on loopback that returns canned responses to every call of the wire contract and
+// records the requests. Thread-safe: calls run on gRPC's threads.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@ namespace motiondb::tests {
 
 class FakeServer {
  public:
-  // How one call ends: with an error, or with these messages (one, unless it streams).
+  // The result of a call: an error, or messages (one, unless it streams).
   struct Reply {
     int code = 0;
     std::string message;
@@ -27,8 +27,8 @@ class FakeServer {
   // HOST:PORT.
   const std::string& address() const { return address_; }
 
-  // What the next call of `rpc` gets. Replies are used in order; the last one again and again. A
-  // call without any reply is UNIMPLEMENTED.
+  // Adds a reply for `rpc`. Replies are used in order; the last one is repeated. A call without a
+  // reply fails with UNIMPLEMENTED.
   void Push(const std::string& rpc, Reply reply);
 
   template <typename... Messages>
@@ -41,7 +41,7 @@ class FakeServer {
     Push(rpc, {code, message, details, {}});
   }
 
-  // The requests that came, in order; of an ingest, every message of the stream.
+  // Returns the requests in order; for an ingest, every message of the stream.
   template <typename Request>
   std::vector<Request> Requests(const std::string& rpc) const {
     const std::lock_guard lock(mutex_);
@@ -52,7 +52,7 @@ class FakeServer {
     return requests;
   }
 
-  // The headers of the unary calls that came, in order.
+  // Returns the headers of the unary calls in order.
   using Headers = std::map<std::string, std::string>;
   std::vector<Headers> HeadersOf(const std::string& rpc) const;
 

@@ -20,16 +20,16 @@ TEST_CASE("FloorPlanSvg: the path, with a pose every 1/6 s", "[client][cli]") {
   const std::string svg = FloorPlanSvg(QuarterCircleRequest(), QuarterCirclePlan());
   auto floor = ElementsInGroups(svg);
   CHECK(floor["polyline.path"] == 1);
-  CHECK(floor["circle.pose"] == 13);   // 2 s and the first
-  CHECK(floor["line.heading"] == 14);  // the end has one, too
+  CHECK(floor["circle.pose"] == 13);   // 2 s, and the first frame
+  CHECK(floor["line.heading"] == 14);  // 13 poses and the end
   CHECK(floor["circle.end"] == 1);
   CHECK(floor["circle.tolerance"] == 1);
   CHECK(floor["path.wedge"] == 1);
   CHECK(floor["circle.start"] == 1);
   CHECK(floor.count("polyline.other") == 0);
   CHECK_THAT(svg, Contains("EXACT: from here to 1.00, 1.00, heading 1.57 rad") &&
-                      Contains("2.00 s, 1.57 m, ends 0.021 m and 0.012 rad from the goal, 0.42 m "
-                               "clear"));
+                      Contains("2.00 s, 1.57 m, ends 0.021 m and 0.012 rad from the goal, "
+                               "clearance 0.42 m"));
   CHECK_THAT(svg, !Contains("nan") && !Contains("inf") && !Contains("-0.00"));
   CHECK(svg == FloorPlanSvg(QuarterCircleRequest(), QuarterCirclePlan()));
 }
@@ -60,7 +60,7 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
   CHECK(ElementsInGroups(FloorPlanSvg(request, response)).count("circle.clearance") == 0);
 }
 
-TEST_CASE("FloorPlanSvg: without a motion there is still a floor", "[client][cli]") {
+TEST_CASE("FloorPlanSvg: draws the floor without a motion", "[client][cli]") {
   v1::PlanResponse response;
   response.set_outcome(v1::UNREACHABLE);
   response.set_missing("<too far> & \"behind\" the \x01 wall");
@@ -73,7 +73,7 @@ TEST_CASE("FloorPlanSvg: without a motion there is still a floor", "[client][cli
   CHECK_THAT(svg, Contains("&lt;too far&gt; &amp; &quot;behind&quot; the \xEF\xBF\xBD wall"));
 }
 
-TEST_CASE("FloorPlanSvg: what is far away or not a number does no harm", "[client][cli]") {
+TEST_CASE("FloorPlanSvg: distant obstacles, NaN and long texts are harmless", "[client][cli]") {
   v1::PlanRequest request = QuarterCircleRequest();
   v1::Disc& disc = *request.mutable_obstacles()->add_discs();
   disc.mutable_centre()->set_x_m(5000);
@@ -90,7 +90,7 @@ TEST_CASE("FloorPlanSvg: what is far away or not a number does no harm", "[clien
   CHECK(document.RootElement()->DoubleAttribute("height") < 1000);
 }
 
-TEST_CASE("FloorView: one scale, within its limits", "[client][cli]") {
+TEST_CASE("FloorView: one scale, within the limits", "[client][cli]") {
   for (const auto& bounds : {FloorBounds{0, 4, 0, 1}, FloorBounds{0, 0, 0, 0},
                              FloorBounds{-1, 0, -900, 100}, FloorBounds{0, 1000, 0, 1}}) {
     const FloorView view(bounds, 70, 80, {});
@@ -109,7 +109,7 @@ TEST_CASE("FloorView: one scale, within its limits", "[client][cli]") {
   CHECK(Ticks(-0.25, 0.31, 0.1).size() == 6);
 }
 
-TEST_CASE("Svg: numbers are written alike, text is escaped", "[client][cli]") {
+TEST_CASE("Svg: number format and escaped text", "[client][cli]") {
   CHECK(SvgNumber(-0.0001) == "0.00");
   CHECK(SvgNumber(1.005e3) == "1005.00");
   CHECK(SvgNumber(std::numeric_limits<double>::infinity()) == "0.00");

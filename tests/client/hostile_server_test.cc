@@ -1,4 +1,4 @@
-// What a hostile server or an older store may say, and what of it reaches a terminal or a picture.
+// Control characters in strings of a server must not reach a terminal or a picture.
 #include <motiondb/v1/access.pb.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
@@ -22,31 +22,31 @@ namespace {
 
 using Catch::Contains;
 
-// A line feed, an escape of 7 and of 8 bits, a change of direction and a line separator.
+// A line feed, escape sequences of 7 and 8 bits, a bidirectional override and a line separator.
 const std::string kHostile =
     "A\n\x1b[31m\xC2\x9B"
     "2J\xE2\x80\xAE\xE2\x80\xA8\xE2\x81\xA6Z";
 
-// Only line feeds of the program's own.
+// Checks that there are no control characters except the line feeds of the program.
 void CheckHarmless(const std::string& output) {
   CAPTURE(output);
   CHECK(output == text::DisplayLines(output));
   CHECK_THAT(output, !Contains("A\n"));
 }
 
-TEST_CASE("DisplayText: pictures and progress lines have it", "[client][cli]") {
+TEST_CASE("DisplayText: used by pictures and progress lines", "[client][cli]") {
   CheckHarmless(client::SvgText(kHostile));
   CheckHarmless(client::SvgLabel("title", 0, 0, kHostile, ""));
   CheckHarmless(client::ProgressLine(0.5, kHostile, 80));
-  // Cut between characters.
+  // Text is cut between characters.
   for (int columns = 35; columns < 50; ++columns) {
     CHECK(text::IsUtf8(
         client::ProgressLine(0.5, "\xC3\xA4\xE2\x82\xAC\xC3\xA4\xE2\x82\xAC", columns)));
   }
 }
 
-// Every command whose tables and lines hold strings of the server, over one that is hostile.
-TEST_CASE("motiondb: no string of the server acts on the terminal", "[client][cli]") {
+// Runs every command that prints strings of the server.
+TEST_CASE("motiondb: strings of the server cannot control the terminal", "[client][cli]") {
   FakeServer server;
   v1::Clip clip;
   clip.set_name("databases/d/clips/" + kHostile);
@@ -132,7 +132,7 @@ TEST_CASE("motiondb: no string of the server acts on the terminal", "[client][cl
     CHECK(result.out.size() + result.err.size() > 0);
   }
 
-  // JSON loses nothing.
+  // JSON keeps the complete strings.
   const auto json = RunMotiondb(server.address(), {"--json", "list", "d"});
   CheckHarmless(json.out);
   CHECK(nlohmann::json::parse(json.out)["label"] == kHostile);
@@ -140,7 +140,7 @@ TEST_CASE("motiondb: no string of the server acts on the terminal", "[client][cl
         kHostile);
 }
 
-TEST_CASE("motiondb: a token given in the place of a name is not printed", "[client][cli]") {
+TEST_CASE("motiondb: a token in the place of a name is not printed", "[client][cli]") {
   FakeServer server;
   server.Fail("DescribeDatabase", 5, "there is no database '" + AnyToken() + "'");
   const TemporaryFolder folder;

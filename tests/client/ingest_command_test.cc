@@ -24,7 +24,7 @@ v1::IngestClipResponse Stored(const std::string& clip, const std::string& operat
   return response;
 }
 
-// A database that takes clips and builds model 3 of them.
+// Serves a database that accepts clips and builds model 3.
 void ServeDatabase(FakeServer& server) {
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
   v1::WaitOperationResponse running, done;
@@ -51,7 +51,7 @@ std::vector<v1::IngestClipHeader> Headers(const FakeServer& server) {
   return headers;
 }
 
-TEST_CASE("motiondb ingest: files and a list go in; the new model is awaited", "[client][cli]") {
+TEST_CASE("motiondb ingest: sends files and a list, and waits for the new model", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
   server.Answer("IngestClip", Stored("a", "operations/1"));
@@ -81,7 +81,7 @@ TEST_CASE("motiondb ingest: files and a list go in; the new model is awaited", "
   CHECK(headers[1].skeleton_file_name() == "07.asf");
   CHECK(headers[1].label() == "walk");
   CHECK(headers[1].subject() == "bk");
-  // The last rebuild knows all clips.
+  // The last rebuild includes all clips.
   for (const auto& wait : server.Requests<v1::WaitOperationRequest>("WaitOperation")) {
     CHECK(wait.name() == "operations/2");
   }
@@ -107,7 +107,7 @@ TEST_CASE("motiondb ingest: a bad file does not stop the others, and is reported
   CHECK(server.Requests<v1::WaitOperationRequest>("WaitOperation").size() == 2);
 }
 
-TEST_CASE("motiondb ingest: a server that goes away ends it at once", "[client][cli]") {
+TEST_CASE("motiondb ingest: stops immediately if the server is unavailable", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
   server.Fail("IngestClip", 14, "shutting down");
@@ -121,7 +121,7 @@ TEST_CASE("motiondb ingest: a server that goes away ends it at once", "[client][
                              Contains("0 clips are stored"));
 }
 
-TEST_CASE("motiondb ingest: a server that goes away before the model is built keeps the clips",
+TEST_CASE("motiondb ingest: reports stored clips if the server stops before the model is built",
           "[client][cli]") {
   FakeServer server;
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
@@ -132,11 +132,11 @@ TEST_CASE("motiondb ingest: a server that goes away before the model is built ke
       RunMotiondb(server.address(), {"ingest", "walks", folder.Write("a.bvh", "a").string()});
   CHECK(result.exit_code == 1);
   CHECK_THAT(result.err, Contains("the server is stopping") &&
-                             Contains("; 1 clip is stored, and the server builds the model when it "
-                                      "runs again\n"));
+                             Contains("; 1 clip is stored, and the server builds the model after "
+                                      "its next start\n"));
 }
 
-TEST_CASE("motiondb ingest: a database that is not there is one error", "[client][cli]") {
+TEST_CASE("motiondb ingest: a missing database is one error", "[client][cli]") {
   FakeServer server;
   server.Fail("GetDatabase", 5, "there is no database \"walks\"");
   const TemporaryFolder folder;
@@ -146,7 +146,7 @@ TEST_CASE("motiondb ingest: a database that is not there is one error", "[client
   CHECK(result.err == "motiondb: there is no database \"walks\"\n");
 }
 
-TEST_CASE("motiondb ingest: a rebuild that fails is an error", "[client][cli]") {
+TEST_CASE("motiondb ingest: a failed rebuild is an error", "[client][cli]") {
   FakeServer server;
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
   server.Answer("IngestClip", Stored("a", "operations/1"));
@@ -164,7 +164,8 @@ TEST_CASE("motiondb ingest: a rebuild that fails is an error", "[client][cli]") 
              StartsWith("motiondb: the new model was not built") && Contains("out of disk"));
 }
 
-TEST_CASE("motiondb ingest: nothing to ingest, or a broken list, asks no server", "[client][cli]") {
+TEST_CASE("motiondb ingest: without files or with an invalid list, it calls no server",
+          "[client][cli]") {
   const TemporaryFolder folder;
   const std::string list = folder.Write("list.tsv", "path\tlabel\nonly-a-path\n").string();
   CHECK_THAT(RunMotiondb("127.0.0.1:1", {"ingest", "walks"}).err, Contains("nothing to ingest"));
@@ -173,18 +174,18 @@ TEST_CASE("motiondb ingest: nothing to ingest, or a broken list, asks no server"
   CHECK_THAT(result.err, StartsWith("motiondb: " + list + ":2: expected 2 cells"));
 }
 
-TEST_CASE("motiondb ingest: a label that is not UTF-8 is that file's error", "[client][cli]") {
+TEST_CASE("motiondb ingest: a label that is not UTF-8 is an error of the file", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
   const TemporaryFolder folder;
   const std::string file = folder.Write("a.bvh", "a").string();
   const auto result = RunMotiondb(server.address(), {"ingest", "walks", file, "--label", "Gr\xFC"});
   CHECK(result.exit_code == 1);
-  CHECK_THAT(result.err, StartsWith("motiondb: " + file + ": its label is not UTF-8 text\n"));
+  CHECK_THAT(result.err, StartsWith("motiondb: " + file + ": the label is not UTF-8 text\n"));
   CHECK(Headers(server).empty());
 }
 
-TEST_CASE("motiondb ingest: progress is drawn on a terminal only", "[client][cli]") {
+TEST_CASE("motiondb ingest: shows progress only on a terminal", "[client][cli]") {
   FakeServer server;
   ServeDatabase(server);
   server.Answer("IngestClip", Stored("a", "operations/1"));

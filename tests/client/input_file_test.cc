@@ -16,7 +16,7 @@ using Catch::Contains;
 using client::InputFile;
 using client::ReadWholeFile;
 
-TEST_CASE("ReadWholeFile: all bytes, up to the limit and no further", "[client]") {
+TEST_CASE("ReadWholeFile: reads all bytes up to the limit", "[client]") {
   const TemporaryFolder folder;
   const std::string bytes((2 << 20) + 17, 'x');
   const auto path = folder.Write("file", bytes);
@@ -25,13 +25,13 @@ TEST_CASE("ReadWholeFile: all bytes, up to the limit and no further", "[client]"
   const absl::Status too_large = ReadWholeFile(path, 2 << 20).status();
   CHECK(too_large.code() == absl::StatusCode::kInvalidArgument);
   CHECK_THAT(std::string(too_large.message()), Contains(path.string() + ": is larger than 2 MiB"));
-  // What tells no size: by the bytes that come.
+  // Files without a size are limited by the bytes that were read.
   CHECK(ReadWholeFile("/proc/self/status", 1 << 20)->rfind("Name:", 0) == 0);
   CHECK_THAT(std::string(ReadWholeFile("/dev/zero", 64 << 10).status().message()),
              Contains("/dev/zero: is larger than 64 KiB"));
 }
 
-TEST_CASE("InputFile: says why it cannot be read", "[client]") {
+TEST_CASE("InputFile: errors contain the reason", "[client]") {
   const TemporaryFolder folder;
   const auto message = [](const std::filesystem::path& path) {
     return std::string(InputFile::Open(path).status().message());
@@ -47,7 +47,7 @@ TEST_CASE("InputFile: says why it cannot be read", "[client]") {
     chmod(plain.c_str(), 0);
     CHECK_THAT(message(plain), Contains("plain: cannot be read: Permission denied"));
   }
-  // One that opens and cannot be read.
+  // A file that can be opened but not read.
   auto memory = InputFile::Open("/proc/self/mem");
   REQUIRE(memory.ok());
   std::string block;

@@ -17,7 +17,7 @@ namespace {
 using client::NpyHeader;
 using client::NpyType;
 
-// Little-endian on every machine that the tests run on.
+// REQUIRES: the machine is little-endian.
 template <typename Number>
 std::string Packed(std::initializer_list<Number> numbers) {
   std::string bytes;
@@ -53,7 +53,7 @@ v1::ListTransitionsResponse Transitions(int from, int to, int count) {
   return page;
 }
 
-// Five frames of two dimensions in two clips; layers of 1, 2 and 3 nodes.
+// A model with five frames of two dimensions in two clips, and layers of 1, 2 and 3 nodes.
 v1::Model SmallModel() {
   v1::Model model;
   model.set_name("databases/walks/models/3");
@@ -94,7 +94,7 @@ void ServeSmallModel(FakeServer& server, const v1::Model& model) {
   server.Answer("ListTransitions", Transitions(0, 0, 5));
 }
 
-TEST_CASE("Dump: every file has its shape and numbers", "[client][cli]") {
+TEST_CASE("Dump: shapes and values of all files", "[client][cli]") {
   FakeServer server;
   ServeSmallModel(server, SmallModel());
   const TemporaryFolder folder;
@@ -126,7 +126,7 @@ TEST_CASE("Dump: every file has its shape and numbers", "[client][cli]") {
   const std::string json = ReadFile(out / "model.json");
   CHECK_THAT(json, Catch::Contains("\"dimension_count\": 2") && Catch::Contains("states.npy") &&
                        Catch::Contains(R"("marker_names": ["the \"root\""])"));
-  // Asked of the version that is current at the start, layer by layer from the bottom.
+  // All calls use the version that is current at the start, layer by layer from the bottom.
   const auto requests = server.Requests<v1::ListNodesRequest>("ListNodes");
   REQUIRE(requests.size() == 3);
   CHECK(requests[0].parent() == "databases/walks/models/3");
@@ -134,7 +134,7 @@ TEST_CASE("Dump: every file has its shape and numbers", "[client][cli]") {
   CHECK(requests[2].layer() == 1);
 }
 
-TEST_CASE("Dump: NumPy reads it", "[client][cli]") {
+TEST_CASE("Dump: NumPy reads the files", "[client][cli]") {
   if (RunProgram({"/usr/bin/python3", "-c", "import numpy"}).exit_code != 0) {
     WARN("skipped: /usr/bin/python3 has no numpy (Debian: python3-numpy)");
     return;
@@ -161,7 +161,7 @@ TEST_CASE("Dump: NumPy reads it", "[client][cli]") {
   CHECK(result.exit_code == 0);
 }
 
-TEST_CASE("Dump: a folder that is not empty is refused; --force replaces a dump and nothing else",
+TEST_CASE("Dump: a folder that is not empty is refused; --force replaces only a dump",
           "[client][cli]") {
   FakeServer server;
   ServeSmallModel(server, SmallModel());
@@ -180,7 +180,7 @@ TEST_CASE("Dump: a folder that is not empty is refused; --force replaces a dump 
   CHECK(std::filesystem::exists(folder / "layers/03/mean.npy"));
 }
 
-TEST_CASE("Dump: states that do not fit the model are DATA_LOSS and leave no model.json",
+TEST_CASE("Dump: states that do not match the model are DATA_LOSS, without model.json",
           "[client][cli]") {
   FakeServer server;
   v1::Model model = SmallModel();

@@ -13,7 +13,8 @@ using client::FindSkeletonBeside;
 using client::ObservationFromFile;
 using client::SkeletonFor;
 
-TEST_CASE("MotionFile: an AMC takes the longest ASF name that begins its own", "[client][cli]") {
+TEST_CASE("MotionFile: the skeleton of an AMC is the ASF with the longest matching prefix",
+          "[client][cli]") {
   const TemporaryFolder folder;
   for (const char* name : {"1.asf", "13.asf", "13_2.asf", "135.asf", "13_2.bvh", "HDM_bk.ASF"}) {
     folder.Write(name, "");
@@ -28,7 +29,7 @@ TEST_CASE("MotionFile: an AMC takes the longest ASF name that begins its own", "
              Catch::Contains("07_01.amc") && Catch::Contains("--skeleton"));
 }
 
-TEST_CASE("MotionFile: only an AMC has a skeleton file", "[client][cli]") {
+TEST_CASE("MotionFile: only AMC files need a skeleton file", "[client][cli]") {
   const TemporaryFolder folder;
   folder.Write("walk.asf", "");
   CHECK(SkeletonFor(folder / "walk.bvh", "given.asf").value().empty());
@@ -36,7 +37,7 @@ TEST_CASE("MotionFile: only an AMC has a skeleton file", "[client][cli]") {
   CHECK(SkeletonFor(folder / "walk.amc", "").value() == folder / "walk.asf");
 }
 
-TEST_CASE("MotionFile: an observation carries both files and the conventions", "[client][cli]") {
+TEST_CASE("MotionFile: an observation contains both files and the conventions", "[client][cli]") {
   const TemporaryFolder folder;
   folder.Write("07.asf", "bones");
   const auto amc = folder.Write("07_01.amc", std::string("frames\0\xFF", 8));

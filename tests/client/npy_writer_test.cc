@@ -39,7 +39,7 @@ TEST_CASE("NpyWriter: integers are little-endian after the header", "[client][cl
         NpyHeader(NpyType::kInt32, {2}) + std::string("\xFE\xFF\xFF\xFF\x04\x03\x02\x01", 8));
 }
 
-TEST_CASE("NpyWriter: too few or too many elements leave no file", "[client][cli]") {
+TEST_CASE("NpyWriter: a wrong number of elements leaves no file", "[client][cli]") {
   const TemporaryFolder folder;
   for (const int count : {1, 3}) {
     NpyWriter writer(folder / "a.npy", NpyType::kInt32, {2});
@@ -49,7 +49,7 @@ TEST_CASE("NpyWriter: too few or too many elements leave no file", "[client][cli
   CHECK(std::filesystem::is_empty(folder.path()));
 }
 
-TEST_CASE("NpyWriter: a folder that is not there is an error", "[client][cli]") {
+TEST_CASE("NpyWriter: a missing folder is an error", "[client][cli]") {
   const TemporaryFolder folder;
   NpyWriter writer(folder / "none/a.npy", NpyType::kInt32, {0});
   const absl::Status status = writer.Finish();

@@ -6,7 +6,7 @@ namespace motiondb::tests::observe_text_test {
 
 using namespace client;  // NOLINT: the functions under test
 
-TEST_CASE("ObservedLine: what the frames so far say", "[client][cli]") {
+TEST_CASE("ObservedLine: labels, state, prediction and a new model", "[client][cli]") {
   v1::ObserveResponse answer;
   CHECK(ObservedLine(answer, 0.1) == "   0.10 s  no frame with both hips yet");
   answer.mutable_state()->set_node_id(37);
@@ -28,27 +28,26 @@ TEST_CASE("ObservedLine: what the frames so far say", "[client][cli]") {
   answer.set_model_replaced(true);
   answer.set_model_version(2);
   CHECK_THAT(ObservedLine(answer, 1),
-             Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(model 2 now)"));
+             Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_OWN);
-  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(model 2 now)"));
+  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(a newer model now, not calibrated yet)"));
+  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(now a newer model, not calibrated yet)"));
 }
 
-TEST_CASE("ReplayText: rates, and how long answers took where messages had a pace",
+TEST_CASE("ReplayText: rate, and latencies if messages were sent at a fixed rate",
           "[client][cli]") {
   v1::ObserveResponse last;
   last.set_model_version(3);
   ReplayFigures figures{.frames = 200, .seconds = 2, .latencies_ms = {}};
   for (int i = 100; i > 0; --i) figures.latencies_ms.push_back(i);
-  CHECK(ReplayText(figures, last, false) == "200 frames in 2.00 s, 100 a second; model 3\n");
+  CHECK(ReplayText(figures, last, false) == "200 frames in 2.00 s, 100 per second; model 3\n");
   CHECK_THAT(
       ReplayText(figures, last, true),
       Catch::EndsWith("100 answers after 50.00 ms (median), 99.00 (99 %), 100.00 (longest)\n"));
   last.set_late_frames(1);
   last.set_missing_frames(2);
-  CHECK_THAT(ReplayText(figures, last, false),
-             Catch::EndsWith("1 frame came late, 2 never came\n"));
+  CHECK_THAT(ReplayText(figures, last, false), Catch::EndsWith("1 frame late, 2 missing\n"));
 }
 
 }  // namespace motiondb::tests::observe_text_test

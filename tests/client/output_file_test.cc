@@ -24,7 +24,7 @@ std::set<std::string> Names(const TemporaryFolder& folder) {
   return names;
 }
 
-TEST_CASE("OutputFile: has its name when it is complete, and no other before", "[client]") {
+TEST_CASE("OutputFile: gets its name when it is complete", "[client]") {
   const TemporaryFolder folder;
   const std::string bytes(300'000, 'x');
   {
@@ -46,7 +46,7 @@ TEST_CASE("OutputFile: has its name when it is complete, and no other before", "
   CHECK((status.st_mode & 0777U & ~0640U) == 0);
 }
 
-TEST_CASE("OutputFile: replaces a file or a link, never what a link leads to", "[client]") {
+TEST_CASE("OutputFile: replaces a file or a link, never the target of a link", "[client]") {
   const TemporaryFolder folder;
   folder.Write("victim", "precious");
   folder.Write("plain", "old");
@@ -71,8 +71,7 @@ TEST_CASE("OutputFile: replaces a file or a link, never what a link leads to", "
         std::set<std::string>{"plain", "link", "dangling", "victim", "sub", "fifo"});
 }
 
-TEST_CASE("OutputFile: a file that waits under the name of an earlier version is left alone",
-          "[client]") {
+TEST_CASE("OutputFile: ignores temporary file names of earlier versions", "[client]") {
   const TemporaryFolder folder;
   folder.Write("victim", "precious");
   for (const char* const name : {"plan.bvh.partial", "a.npy.partial"}) {
@@ -85,7 +84,7 @@ TEST_CASE("OutputFile: a file that waits under the name of an earlier version is
   CHECK(ReadFile(folder / "victim") == "precious");
 }
 
-TEST_CASE("OutputFile: knows the same bytes", "[client]") {
+TEST_CASE("OutputFile: detects the same contents", "[client]") {
   const TemporaryFolder folder;
   const std::string bytes(200'000, 'x');
   folder.Write("same", bytes + "y");
@@ -101,14 +100,14 @@ TEST_CASE("OutputFile: knows the same bytes", "[client]") {
   for (const char* const name : {"other", "short", "link", "none"}) CHECK_FALSE(is_there(name));
 }
 
-TEST_CASE("OutputFile: what cannot be written is told and leaves nothing", "[client]") {
+TEST_CASE("OutputFile: reports write errors and leaves no file", "[client]") {
   const TemporaryFolder folder;
   CHECK(absl::IsUnknown(OutputFile::Create(folder / "none" / "a").status()));
   CHECK(absl::IsUnknown(client::WriteWholeFile(folder / std::string(300, 'x'), "bytes")));
   CHECK(Names(folder).empty());
 }
 
-TEST_CASE("OutputFile: names that a server may not choose", "[client]") {
+TEST_CASE("OutputFile: file names that a server must not send", "[client]") {
   for (const char* const name : {"walk.bvh", "07_01.amc", "M\xC3\xBCller 2.c3d", "a..b", "a-b"}) {
     CHECK(client::CheckFileNameFromServer(name).ok());
   }

@@ -1,7 +1,7 @@
 #!/bin/sh
-# Installs the client into a folder of its own, builds the example against it with find_package, and
-# runs what came out. Arguments: cmake, the build folder, the example, generator, compiler, compiler
-# launcher, sanitizers (the last two may be empty).
+# Installs the client into a new folder, builds the example with find_package, and runs it.
+# Arguments: cmake, build folder, example folder, generator, compiler, compiler launcher, sanitizers
+# (the last two may be empty).
 set -eu
 cmake=$1 build=$2 example=$3 generator=$4 compiler=$5 launcher=${6:-} sanitize=${7:-}
 
@@ -16,10 +16,10 @@ fail() {
 
 "$cmake" --install "$build" --component client --prefix "$work/prefix" > "$work/install.log"
 "$work/prefix/bin/motiondb" --version | grep -q '^motiondb [0-9]' || fail "motiondb --version"
-find "$work/prefix" -name query.proto | grep -q . || fail "the contract is not installed"
+find "$work/prefix" -name query.proto | grep -q . || fail "the .proto files are not installed"
 if grep -rn "client/connection.h\|core/" "$work/prefix/include" --include='*.h' |
     grep '#include'; then
-  fail "an installed header includes one that is not installed"
+  fail "an installed header includes a header that is not installed"
 fi
 
 flags=
@@ -32,7 +32,7 @@ if [ -n "$sanitize" ]; then flags=-fsanitize=$sanitize; fi
   fail "the example does not build"
 }
 
-# Nobody listens on port 1: the example must say so.
+# Nothing listens on port 1: the example must report it.
 if "$work/example/recognize_motion" 127.0.0.1:1 walks walk a.bvh b.bvh 2> "$work/error.txt"; then
   fail "the example succeeded without a server"
 fi

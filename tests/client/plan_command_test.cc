@@ -31,7 +31,7 @@ v1::PlanRequest Sent(FakeServer& server) {
   return requests.back();
 }
 
-TEST_CASE("motiondb plan: a goal is all that it needs", "[client][cli]") {
+TEST_CASE("motiondb plan: needs only a goal", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());
   const auto result = RunMotiondb(server.address(), {"plan", "walks", "--goal", "-2,1,-0.5"});
@@ -53,7 +53,7 @@ TEST_CASE("motiondb plan: a goal is all that it needs", "[client][cli]") {
   CHECK(!request.include_files());
 }
 
-TEST_CASE("motiondb plan: options become the request", "[client][cli]") {
+TEST_CASE("motiondb plan: options are sent in the request", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());
   const auto result = RunMotiondb(server.address(), {"plan",
@@ -122,7 +122,7 @@ TEST_CASE("motiondb plan: options become the request", "[client][cli]") {
   CHECK(request.method() == v1::PLAN_METHOD_RANDOM_SAMPLING);
 }
 
-TEST_CASE("motiondb plan: files go with the request", "[client][cli]") {
+TEST_CASE("motiondb plan: files are sent in the request", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());
   const TemporaryFolder folder;
@@ -138,7 +138,7 @@ TEST_CASE("motiondb plan: files go with the request", "[client][cli]") {
   CHECK(request.robot().urdf() == "<robot/>");
 }
 
-TEST_CASE("motiondb plan: motions and the picture are written", "[client][cli]") {
+TEST_CASE("motiondb plan: writes motions and the picture", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", WithFiles(2));
   const TemporaryFolder folder;
@@ -155,10 +155,10 @@ TEST_CASE("motiondb plan: motions and the picture are written", "[client][cli]")
   CHECK_THAT(result.out, Contains("wrote " + (folder / "to-3.bvh").string() + "\n"));
   const auto files = std::distance(std::filesystem::directory_iterator(folder.path()),
                                    std::filesystem::directory_iterator());
-  CHECK(files == 4);  // nothing half-written is left
+  CHECK(files == 4);  // no temporary file is left
 }
 
-TEST_CASE("motiondb plan: without a motion there is nothing to write", "[client][cli]") {
+TEST_CASE("motiondb plan: without a motion, writes only the picture", "[client][cli]") {
   FakeServer server;
   v1::PlanResponse nowhere;
   nowhere.set_outcome(v1::UNREACHABLE);
@@ -182,8 +182,7 @@ TEST_CASE("motiondb plan: without a motion there is nothing to write", "[client]
   CHECK(std::filesystem::exists(folder / "to.svg"));
 }
 
-TEST_CASE("motiondb plan: a part of the way is written, and is a failure all the same",
-          "[client][cli]") {
+TEST_CASE("motiondb plan: writes a partial motion, and fails", "[client][cli]") {
   FakeServer server;
   v1::PlanResponse part = WithFiles(0);
   part.set_outcome(v1::UNREACHABLE);
@@ -193,18 +192,18 @@ TEST_CASE("motiondb plan: a part of the way is written, and is a failure all the
                                                      (folder / "to.bvh").string()});
   CHECK(result.exit_code == 3);
   CHECK(ReadFile(folder / "to.bvh") == "best");
-  // That the disk is full is another matter.
+  // A write error has another exit code.
   CHECK(RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--out",
                                        (folder / "none/to.bvh").string()})
             .exit_code == 1);
-  // Out of time is not out of reach.
+  // An expired deadline is not UNREACHABLE.
   FakeServer slow;
   part.set_outcome(v1::DEADLINE);
   slow.Answer("Plan", part);
   CHECK(RunMotiondb(slow.address(), {"plan", "walks", "--goal", "1,1,0"}).exit_code == 0);
 }
 
-TEST_CASE("motiondb plan: a file that cannot be written is a failure", "[client][cli]") {
+TEST_CASE("motiondb plan: fails if a file cannot be written", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", WithFiles(0));
   const TemporaryFolder folder;
@@ -214,12 +213,12 @@ TEST_CASE("motiondb plan: a file that cannot be written is a failure", "[client]
   CHECK_THAT(result.err, Contains("none/to.bvh"));
 }
 
-TEST_CASE("motiondb plan: what makes no sense is refused before the call", "[client][cli]") {
+TEST_CASE("motiondb plan: refuses invalid options before the call", "[client][cli]") {
   FakeServer server;
   server.Answer("Plan", QuarterCirclePlan());
   const TemporaryFolder folder;
   const std::string robot = folder.Write("h1.urdf", "<robot/>").string();
-  const auto refused = [&](int exit_code, const std::string& said,
+  const auto refused = [&](int exit_code, const std::string& expected,
                            const std::vector<std::string>& options) {
     std::vector<std::string> arguments = {"plan", "walks"};
     arguments.insert(arguments.end(), options.begin(), options.end());
@@ -227,7 +226,7 @@ TEST_CASE("motiondb plan: what makes no sense is refused before the call", "[cli
     CAPTURE(result.err);
     CHECK(result.exit_code == exit_code);
     CHECK(result.out == "");
-    CHECK_THAT(result.err, StartsWith("motiondb: ") && Contains(said));
+    CHECK_THAT(result.err, StartsWith("motiondb: ") && Contains(expected));
   };
   refused(2, "--goal", {});
   refused(2, "--goal", {"--goal", "2,1"});

@@ -10,29 +10,29 @@ using namespace client;  // NOLINT: the functions under test
 using Catch::Contains;
 using Catch::StartsWith;
 
-TEST_CASE("PlanText: outcome, what is played, figures and effort", "[client][cli]") {
+TEST_CASE("PlanText: outcome, segments, quality and effort", "[client][cli]") {
   CHECK(PlanText(QuarterCirclePlan()) ==
         R"(EXACT
 plays 07_01 0.50-2.50 s
-  end to goal              m        0.021
-  end's heading to goal's  rad      0.012
-  duration                 s         2.00
-  length                   m         1.57
-  path corrected by        m        0.000
-  path turned by           rad      0.000
-  foot slide               cm/s      1.50
-  floor penetration        cm        0.00
-  peak marker jerk         m/s^3        0
-  peak joint speed         rad/s     0.00
-  peak joint jerk          rad/s^3      0
-  joint limits exceeded                 0
-  joints' markers off by   m        0.000
-  smallest clearance       m         0.42
-searched 1234 states in 0.046 s, 1 improvement; 0.300 s with the motion made; for a leg of 0.850 m
+  distance from goal      m        0.021
+  heading error           rad      0.012
+  duration                s         2.00
+  length                  m         1.57
+  path correction         m        0.000
+  path rotation           rad      0.000
+  foot slide              cm/s      1.50
+  floor penetration       cm        0.00
+  peak marker jerk        m/s^3        0
+  peak joint speed        rad/s     0.00
+  peak joint jerk         rad/s^3      0
+  joint limits exceeded                0
+  marker fit error (rms)  m        0.000
+  smallest clearance      m         0.42
+searched 1234 states in 0.046 s, 1 improvement; 0.300 s including the motion; leg length 0.850 m
 )");
 }
 
-TEST_CASE("PlanText: alternatives stand beside the best", "[client][cli]") {
+TEST_CASE("PlanText: alternatives are columns beside the best", "[client][cli]") {
   v1::PlanResponse response = QuarterCirclePlan();
   v1::PlannedMotion& other = *response.add_alternatives();
   other = QuarterCircle(2);
@@ -40,11 +40,11 @@ TEST_CASE("PlanText: alternatives stand beside the best", "[client][cli]") {
   other.mutable_quality()->clear_smallest_clearance_m();
   const std::string text = PlanText(response);
   CHECK_THAT(text, Contains("BEST            2\n"));
-  CHECK_THAT(text, Contains("outcome                           EXACT  APPROXIMATE\n"));
+  CHECK_THAT(text, Contains("outcome                          EXACT  APPROXIMATE\n"));
   CHECK_THAT(text, Contains("0.42            -\n"));
 }
 
-TEST_CASE("PlanText: a goal that is not reached says why", "[client][cli]") {
+TEST_CASE("PlanText: reports why a goal is unreachable", "[client][cli]") {
   v1::PlanResponse response;
   response.set_outcome(v1::UNREACHABLE);
   response.set_missing("too far");
@@ -52,7 +52,7 @@ TEST_CASE("PlanText: a goal that is not reached says why", "[client][cli]") {
   CHECK(OutcomeText(static_cast<v1::PlanOutcome>(77)) == "outcome 77");
 }
 
-TEST_CASE("PlanText: a motion of many pieces names the first", "[client][cli]") {
+TEST_CASE("PlanText: lists only the first of many segments", "[client][cli]") {
   v1::PlanResponse response = QuarterCirclePlan();
   for (int i = 0; i < 9; ++i) {
     response.mutable_motion()->add_segments()->set_clip("databases/walks/clips/b");

@@ -1,4 +1,4 @@
-// A plan as a server might answer it: a quarter of a circle to the left.
+// A plan as a server returns it: a quarter of a circle to the left.
 #pragma once
 
 #include <motiondb/v1/plan.pb.h>
@@ -8,7 +8,7 @@
 
 namespace motiondb::tests {
 
-// Of 61 frames at 30 Hz to (radius, radius), heading to the left.
+// Returns 61 frames at 30 Hz from the origin to (radius, radius), with a final heading of pi / 2.
 inline v1::PlannedMotion QuarterCircle(double radius) {
   v1::PlannedMotion motion;
   motion.set_outcome(v1::EXACT);

@@ -24,7 +24,7 @@ using Catch::StartsWith;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-// Windows of 0.4 s every 0.1 s; the clip of a label scores `log_probability(clip, window)`.
+// Windows of 0.4 s every 0.1 s. `log_probability(clip, window)` is the score of a clip.
 template <typename LogProbability>
 v1::RecognizeResponse Answer(int layer, int windows, const std::vector<std::string>& clip_labels,
                              const LogProbability& log_probability) {
@@ -56,7 +56,7 @@ v1::RecognizeRequest Request() {
   return request;
 }
 
-// Clips 0 and 1 walk, clip 2 jogs; from window 5 on it jogs.
+// Clips 0 and 1 are walk, clip 2 is jog. The observation is jog from window 5.
 v1::RecognizeResponse WalkThenJog(int layer, int windows = 10) {
   return Answer(layer, windows, {"walk", "walk", "jog"}, [](int clip, int window) {
     return (clip == 2) == (window >= 5) ? -3.0 - clip : -1000.0 * (clip + 1);
@@ -100,7 +100,7 @@ TEST_CASE("RecognitionPlot: a line for each clip and layer, a strip of winners",
              !Contains("bottom of the tree") && Contains("best 5 paths"));
 }
 
-TEST_CASE("RecognitionPlot: which layers", "[client][cli]") {
+TEST_CASE("RecognitionPlot: chosen layers", "[client][cli]") {
   CHECK(LayersAbove(16) == std::vector<int>{8, 4});
   CHECK(LayersAbove(15) == std::vector<int>{8, 3});
   CHECK(LayersAbove(5) == std::vector<int>{3, 2});
@@ -133,8 +133,8 @@ TEST_CASE("RecognitionPlot: no windows, no answer, no clips", "[client][cli]") {
   CHECK_THAT(svg, Contains(">no clips<"));
 }
 
-TEST_CASE("RecognitionPlot: what is not finite is left out and counted", "[client][cli]") {
-  // Clip 0 has a gap, clip 1 stands alone in window 4, clip 2 is nowhere.
+TEST_CASE("RecognitionPlot: values that are not finite are omitted and counted", "[client][cli]") {
+  // Clip 0 has a gap, clip 1 has only window 4, clip 2 has no value.
   const auto layer = Answer(9, 8, {"walk", "walk", "jog"}, [](int clip, int window) {
     if (clip == 0) return window == 2 ? -kInfinity : window == 3 ? std::nan("") : -5.0 - window;
     return clip == 1 && window == 4 ? -70.0 : clip == 1 ? kInfinity : -kInfinity;
@@ -157,7 +157,7 @@ TEST_CASE("RecognitionPlot: what is not finite is left out and counted", "[clien
                           Contains("16 of 16 values are -Infinity"));
 }
 
-TEST_CASE("RecognitionPlot: far below is cut off and counted", "[client][cli]") {
+TEST_CASE("RecognitionPlot: values below the axis are clipped and counted", "[client][cli]") {
   const std::string svg =
       RecognitionPlotSvg(Request(), {Answer(9, 4, {"walk", "jog"}, [](int clip, int window) {
                            return clip == 0 ? -2.0 : window == 1 ? -1e300 : -2e6;
@@ -167,7 +167,7 @@ TEST_CASE("RecognitionPlot: far below is cut off and counted", "[client][cli]") 
   CHECK(svg.size() < 20000);
 }
 
-TEST_CASE("RecognitionPlot: windows whose times make no sense are left out", "[client][cli]") {
+TEST_CASE("RecognitionPlot: windows with invalid times are omitted", "[client][cli]") {
   v1::RecognizeResponse layer = WalkThenJog(9);
   layer.mutable_windows(1)->set_start_seconds(std::nan(""));
   layer.mutable_windows(2)->set_end_seconds(kInfinity);
@@ -190,7 +190,7 @@ TEST_CASE("RecognitionPlot: names are escaped and shortened", "[client][cli]") {
                       Contains("fff... in walks<"));
 }
 
-TEST_CASE("RecognitionPlot: hundreds of labels share colours, and the legend ends",
+TEST_CASE("RecognitionPlot: hundreds of labels share colours, and the legend is limited",
           "[client][cli]") {
   std::vector<std::string> labels;
   for (int i = 0; i < 300; ++i) labels.push_back(fmt::format("label {:03}", i));
@@ -204,19 +204,19 @@ TEST_CASE("RecognitionPlot: hundreds of labels share colours, and the legend end
   CHECK(lines == 300);
   CHECK(elements["path.clip best c0"] == 1);
   CHECK(elements["path.clip best c1"] == 1);
-  CHECK(elements["path.clip c3"] == 13);  // of 38; the others are dashed
+  CHECK(elements["path.clip c3"] == 13);  // of 38; the rest is dashed
   CHECK(elements["path.clip c3 d1"] == 13);
   CHECK(elements["path.clip c3 d2"] == 12);
   CHECK(Count(svg, "class=\"sample ") == 24);
   CHECK_THAT(svg, Contains(">and 276 more<"));
-  // Those that win come first, so that they differ.
+  // Winning labels come first, so that their colours differ.
   const auto ranked = PlotLabels({ProfileOf(layer)});
   CHECK(ranked[0].name == "label 289");
   CHECK(ranked[1].name == "label 290");
   CHECK(ranked[2].name == "label 000");
 }
 
-TEST_CASE("RecognitionPlot: a long motion costs no more than its pixels", "[client][cli]") {
+TEST_CASE("RecognitionPlot: the size for a long motion is limited by the pixels", "[client][cli]") {
   const auto layer = Answer(9, 20000, {"walk"}, [](int, int window) {
     return window == 7000 ? -900.0 : -5.0 - window % 7;
   });
@@ -228,7 +228,7 @@ TEST_CASE("RecognitionPlot: a long motion costs no more than its pixels", "[clie
   CHECK(svg == RecognitionPlotSvg(Request(), {layer}));
 }
 
-TEST_CASE("RecognitionPlot: a winner is named where its name has room", "[client][cli]") {
+TEST_CASE("RecognitionPlot: a winner is named if its name fits", "[client][cli]") {
   const auto layer = Answer(9, 400, {"walk", "jog"}, [](int clip, int window) {
     return clip == 1 && (window % 2 == 0 || window < 100) ? -1.0 : -2.0 - clip;
   });
@@ -239,7 +239,7 @@ TEST_CASE("RecognitionPlot: a winner is named where its name has room", "[client
   CHECK(elements.count("text.winner-name t1") == 0);
 }
 
-TEST_CASE("LogProbabilityAxis: all values have a place, in order", "[client][cli]") {
+TEST_CASE("LogProbabilityAxis: positions are monotonic for all values", "[client][cli]") {
   LogProbabilityAxis axis;
   CHECK(axis.Ticks(0.1) == std::vector<double>{0, -1, -10});
   for (const double value : {-3.0, -47000.0, -kInfinity, std::nan("")}) axis.Add(value);
@@ -262,7 +262,7 @@ TEST_CASE("LogProbabilityAxis: all values have a place, in order", "[client][cli
   CHECK(LogProbabilityAxis::TickText(-1e5) == "-1e5");
 }
 
-TEST_CASE("motiondb recognize --plot: the answer, then three layers by the graphs alone",
+TEST_CASE("motiondb recognize --plot: one query for the answer, three for the layers",
           "[client][cli]") {
   FakeServer server;
   server.Answer("Recognize", WalkThenJog(16));

@@ -14,12 +14,12 @@ extern char** environ;
 namespace motiondb::tests {
 namespace {
 
-// A terminal with a process at one end and a test at the other.
+// A terminal between a process and a test.
 class PseudoTerminal {
  public:
   PseudoTerminal() : master_(posix_openpt(O_RDWR | O_NOCTTY)) {
     if (master_ >= 0 && grantpt(master_) == 0 && unlockpt(master_) == 0) name_ = ptsname(master_);
-    // Held open, so that what was written can still be read when the process has gone.
+    // Keeps the slave open, so that the output can be read after the process has ended.
     slave_ = open(name_.c_str(), O_RDWR | O_NOCTTY);
   }
   PseudoTerminal(const PseudoTerminal&) = delete;
@@ -35,7 +35,7 @@ class PseudoTerminal {
     if (write(master_, text.data(), text.size()) != static_cast<ssize_t>(text.size())) abort();
   }
 
-  // What the process has written.
+  // Returns the output of the process.
   std::string Read() {
     fcntl(master_, F_SETFL, O_NONBLOCK);
     std::string text;

@@ -1,4 +1,4 @@
-// Runs the command line as a process of its own.
+// Runs programs in a child process.
 #pragma once
 
 #include <string>
@@ -12,18 +12,18 @@ struct ProgramResult {
   std::string err;
 };
 
-// What stands at the process's ends.
+// Which standard streams of the process are terminals.
 struct ProgramTerminal {
-  bool input = false;  // standard input is a terminal, at which `typed` is typed
+  bool input = false;  // standard input is a terminal, and `typed` its input
   bool error = false;  // standard error is a terminal
   std::string typed;
 };
 
-// Runs any program found on the path or by name.
+// Runs a program by path or by a name in PATH.
 ProgramResult RunProgram(const std::vector<std::string>& command,
                          const ProgramTerminal& terminal = {});
 
-// `motiondb ARGUMENTS...` against `server`, as MOTIONDB_SERVER names it.
+// Runs `motiondb ARGUMENTS...` with MOTIONDB_SERVER=`server`.
 ProgramResult RunMotiondb(const std::string& server, const std::vector<std::string>& arguments,
                           const ProgramTerminal& terminal = {});
 

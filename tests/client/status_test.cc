@@ -33,7 +33,7 @@ v1::GetServerStatusResponse SomeStatus() {
   status.set_open_file_count(40);
   status.set_open_file_limit(1024);
   status.set_store_bytes(2048);
-  status.set_disk_bytes(std::int64_t{4} << 30);  // and it is full
+  status.set_disk_bytes(std::int64_t{4} << 30);  // full
   auto* walks = status.add_databases();
   walks->set_name("databases/walks");
   walks->set_clip_count(7);
@@ -63,7 +63,7 @@ TEST_CASE("DurationText: two units at most", "[client][cli]") {
   CHECK(DurationText(50 * 3600) == "2 d 2 h");
 }
 
-TEST_CASE("BytesText: in a unit that a person reads", "[client][cli]") {
+TEST_CASE("BytesText: uses the largest unit", "[client][cli]") {
   CHECK(BytesText(0) == "0 B");
   CHECK(BytesText(1023) == "1023 B");
   CHECK(BytesText(1536) == "1.5 KiB");
@@ -71,7 +71,7 @@ TEST_CASE("BytesText: in a unit that a person reads", "[client][cli]") {
   CHECK(BytesText(std::int64_t{3} << 52) == "12288.0 TiB");
 }
 
-TEST_CASE("LatencyText: three figures", "[client][cli]") {
+TEST_CASE("LatencyText: three digits", "[client][cli]") {
   CHECK(LatencyText(0) == "0.00 ms");
   CHECK(LatencyText(0.00042) == "0.42 ms");
   CHECK(LatencyText(0.0125) == "12.5 ms");
@@ -89,7 +89,7 @@ void AddMethod(const std::string& name, std::int64_t calls, v1::GetServerStatusR
   method->mutable_p99_time()->set_seconds(3);
 }
 
-TEST_CASE("StatusText: how long calls take and how they fail, the busiest first", "[client][cli]") {
+TEST_CASE("StatusText: latencies and errors of methods, most calls first", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   AddMethod("ClipService.IngestClip", 7, status);
   AddMethod("QueryService.Recognize", 1200, status);
@@ -105,19 +105,19 @@ TEST_CASE("StatusText: how long calls take and how they fail, the busiest first"
       Contains("CALLS OF                ENDED      P50      P95     P99  ERRORS\n"
                "QueryService.Recognize   1200  2.50 ms  75.0 ms  3.00 s  NOT_FOUND 3, INTERNAL 1\n"
                "ClipService.IngestClip      7  2.50 ms  75.0 ms  3.00 s\n"));
-  CHECK_THAT(text, !Contains("methods more"));
+  CHECK_THAT(text, !Contains("more methods"));
   for (int i = 0; i < 12; ++i) AddMethod("Some.Method" + std::to_string(i), i, status);
   const std::string more = StatusText(status, 0);
-  CHECK_THAT(more, Contains("Some.Method4 ") && Contains("and 4 methods more\n"));
+  CHECK_THAT(more, Contains("Some.Method4 ") && Contains("and 4 more methods\n"));
   CHECK_THAT(more, !Contains("Some.Method3 "));
 }
 
-TEST_CASE("StatusText: of many databases, those where most is going on", "[client][cli]") {
+TEST_CASE("StatusText: shows the most active of many databases", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();  // with two
   for (int i = 0; i < 10; ++i) {
     status.add_databases()->set_name("databases/some" + std::to_string(i));
   }
-  CHECK_THAT(StatusText(status, 0), Contains("\nempty ") && !Contains("databases more"));
+  CHECK_THAT(StatusText(status, 0), Contains("\nempty ") && !Contains("more databases"));
   status.add_databases()->set_name("databases/large");
   status.mutable_databases(12)->set_stored_frame_count(99'999);
   status.add_databases()->set_name("databases/streams");
@@ -126,23 +126,23 @@ TEST_CASE("StatusText: of many databases, those where most is going on", "[clien
   status.mutable_databases(14)->set_operation("operations/10");
   const std::string text = StatusText(status, 0);
   CAPTURE(text);
-  CHECK_THAT(text, Contains("and 3 databases more: `motiondb list`\n"));
+  CHECK_THAT(text, Contains("and 3 more databases: `motiondb list`\n"));
   for (const char* const name : {"\nlarge ", "\nstreams ", "\nwork ", "\nwalks "}) {
     CHECK_THAT(text, Contains(name));
   }
 }
 
-TEST_CASE("StatusText: until when the certificate holds", "[client][cli]") {
+TEST_CASE("StatusText: expiry of the certificate", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.set_encrypted(true);
   status.mutable_certificate_end_time()->set_seconds(1'800'000'000);
   CHECK_THAT(
       StatusText(status, 0),
-      Contains("connections           encrypted by a certificate until 2027-01-15 08:00 UTC, "
-               "anybody"));
+      Contains("connections           encrypted, certificate valid until 2027-01-15 08:00 UTC, "
+               "authentication: DISABLED"));
 }
 
-TEST_CASE("StatusText: writes that fail, and heavy calls", "[client][cli]") {
+TEST_CASE("StatusText: failed writes and heavy calls", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.set_not_ready_reason("queries are answered, but nothing is stored: the disk is full");
   status.set_failed_write_count(1);
@@ -151,24 +151,24 @@ TEST_CASE("StatusText: writes that fail, and heavy calls", "[client][cli]") {
   CHECK_THAT(text, Contains("0.1.0, serving, but not ready: queries are answered, but nothing is "
                             "stored: the disk is full\n"));
   CHECK_THAT(text, Contains("log 0 B, 1 failed write; "));
-  CHECK_THAT(text, Contains("4, of 2 threads; 2 heavy calls running\n"));
+  CHECK_THAT(text, Contains("4; 2 threads; 2 heavy calls running\n"));
 }
 
-TEST_CASE("StatusText: a disk of which nothing is known is not mentioned", "[client][cli]") {
+TEST_CASE("StatusText: an unknown disk size is omitted", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_disk_bytes();
   CHECK_THAT(StatusText(status, 0), Contains("store                 2.0 KiB, log 0 B\n"));
 }
 
-TEST_CASE("StatusText: the server, then its databases and what is being rebuilt", "[client][cli]") {
+TEST_CASE("StatusText: the server, then its databases and their builds", "[client][cli]") {
   const std::string text = StatusText(SomeStatus(), 1'065'000'000);
   CAPTURE(text);
   CHECK_THAT(text, StartsWith("motiondbd             0.1.0, serving\n"));
   CHECK_THAT(text, Contains("up                    1 min 5 s\n"));
-  CHECK_THAT(text, Contains("not encrypted, anybody who reaches it may do anything\n"));
-  CHECK_THAT(text, Contains("1200 ended, 3 of them failed by the server's fault; 2 under way\n"));
-  CHECK_THAT(text, Contains("waiting for a thread  4, of 2 threads\n"));
-  CHECK_THAT(text, Contains("without a good token  9 calls\n"));
+  CHECK_THAT(text, Contains("not encrypted, authentication: DISABLED\n"));
+  CHECK_THAT(text, Contains("1200 ended, 3 of them with a server error; 2 in flight\n"));
+  CHECK_THAT(text, Contains("waiting for a thread  4; 2 threads\n"));
+  CHECK_THAT(text, Contains("unauthenticated       9 calls\n"));
   CHECK_THAT(text, Contains("process               300.0 MiB of memory, 1 min 1 s of CPU time, "
                             "23 threads, 40 of 1024 files open\n"));
   CHECK_THAT(text, Contains("store                 2.0 KiB, log 0 B; 0 B of 4.0 GiB free on its "
@@ -182,10 +182,10 @@ TEST_CASE("StatusText: the server, then its databases and what is being rebuilt"
                             "2 cancelled in 5.00 s  [####......] 42 %  tree\n"
                             "empty         0       0      0 B        0   none                      "
                             "             0\n"));
-  CHECK_THAT(text, !Contains("damaged"));
+  CHECK_THAT(text, !Contains("corrupt"));
 }
 
-TEST_CASE("StatusText: damages are named, but do not fill the screen", "[client][cli]") {
+TEST_CASE("StatusText: lists at most five corrupt items", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_databases();
   for (int i = 0; i < 8; ++i) {
@@ -195,13 +195,13 @@ TEST_CASE("StatusText: damages are named, but do not fill the screen", "[client]
   }
   const std::string text = StatusText(status, 0);
   CAPTURE(text);
-  CHECK_THAT(text, Contains("no databases yet"));
-  CHECK_THAT(text, Contains("damaged: 8") && Contains("databases/walks/clips/c4: checksum\n") &&
+  CHECK_THAT(text, Contains("no databases; create one"));
+  CHECK_THAT(text, Contains("corrupt: 8") && Contains("databases/walks/clips/c4: checksum\n") &&
                        Contains("and 3 more\n"));
   CHECK_THAT(text, !Contains("clips/c5"));
 }
 
-TEST_CASE("motiondb status: as text and as JSON, and again and again", "[client][cli]") {
+TEST_CASE("motiondb status: text, JSON and --watch", "[client][cli]") {
   FakeServer server;
   server.Answer("GetServerStatus", SomeStatus());
   const auto text = RunMotiondb(server.address(), {"status"});

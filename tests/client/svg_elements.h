@@ -1,4 +1,4 @@
-// What an SVG file holds, as tests ask for it.
+// Counts the elements of an SVG file.
 #pragma once
 
 #include <tinyxml2.h>
@@ -18,8 +18,8 @@ inline void CountElements(const tinyxml2::XMLElement* element, std::map<std::str
   }
 }
 
-// How many elements of each kind and class there are in the file's groups. Fails on what is not
-// XML.
+// Returns the number of elements of each type and class in the groups of the file. Fails if it is
+// not XML.
 inline std::map<std::string, int> ElementsInGroups(const std::string& svg) {
   tinyxml2::XMLDocument document;
   REQUIRE(document.Parse(svg.c_str()) == tinyxml2::XML_SUCCESS);

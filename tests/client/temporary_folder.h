@@ -1,4 +1,4 @@
-// A folder for one test, removed with all that is in it.
+// A temporary folder, removed with its contents.
 #pragma once
 
 #include <cstdlib>
@@ -24,7 +24,7 @@ class TemporaryFolder {
   const std::filesystem::path& path() const { return path_; }
   std::filesystem::path operator/(const std::string& name) const { return path_ / name; }
 
-  // Writes a file, making its folders, and returns its path.
+  // Writes a file, creates its folders, and returns its path.
   std::filesystem::path Write(const std::string& name, const std::string& text) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

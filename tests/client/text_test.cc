@@ -15,7 +15,7 @@ namespace {
 
 using namespace client;  // NOLINT: the functions under test
 
-TEST_CASE("Table: columns are aligned, also around letters of two bytes", "[client][cli]") {
+TEST_CASE("Table: columns are aligned, also with two-byte characters", "[client][cli]") {
   Table table({{"NAME"}, {"SIZE", Align::kRight}, {"NOTE"}});
   table.AddRow({"Müller", "7", ""});
   table.AddRow({"Li", "1234", "x"});
@@ -25,7 +25,7 @@ TEST_CASE("Table: columns are aligned, also around letters of two bytes", "[clie
         "Li      1234  x\n");
 }
 
-TEST_CASE("ResourceName: short and full names mean the same", "[client][cli]") {
+TEST_CASE("ResourceName: short and full names are equivalent", "[client][cli]") {
   CHECK(DatabaseName("walks") == "databases/walks");
   CHECK(DatabaseName("databases/walks") == "databases/walks");
   CHECK(ClipName("walks", "07_01") == "databases/walks/clips/07_01");
@@ -36,7 +36,7 @@ TEST_CASE("ResourceName: short and full names mean the same", "[client][cli]") {
   CHECK(ShortName("07_01") == "07_01");
 }
 
-TEST_CASE("CountText: one has no s", "[client][cli]") {
+TEST_CASE("CountText: singular and plural", "[client][cli]") {
   CHECK(CountText(0, "clip") == "0 clips");
   CHECK(CountText(1, "clip") == "1 clip");
   CHECK(CountText(2, "clip") == "2 clips");
@@ -65,7 +65,7 @@ TEST_CASE("RecognitionText: a line for each window, then the share of each label
         "walk 67 % (2 of 3 windows), jog 33 % (1 of 3 windows)\n");
 }
 
-TEST_CASE("RecognitionText: nothing recognized is said so", "[client][cli]") {
+TEST_CASE("RecognitionText: reports that nothing was recognized", "[client][cli]") {
   v1::RecognizeResponse response;
   CHECK(RecognitionText(response) == "nothing recognized\n");
   response.add_windows();
@@ -87,7 +87,7 @@ TEST_CASE("EstimationText: paths are runs of node x frames", "[client][cli]") {
   CHECK_THAT(text, Catch::EndsWith("  12x3 13x1 12x1 13x2\n"));
 }
 
-TEST_CASE("EstimationText: missing markers with where they are and how far off", "[client][cli]") {
+TEST_CASE("EstimationText: positions and expected errors of missing markers", "[client][cli]") {
   v1::EstimateResponse response;
   auto& frame = *response.add_filled_frames();
   frame.set_seconds(1.2);
@@ -101,7 +101,7 @@ TEST_CASE("EstimationText: missing markers with where they are and how far off",
   CHECK_THAT(text, !Catch::Contains("Pelvis"));
 }
 
-TEST_CASE("EstimationText: a long path is broken into lines", "[client][cli]") {
+TEST_CASE("EstimationText: a long path is wrapped", "[client][cli]") {
   v1::EstimateResponse response;
   auto* path = response.add_paths();
   for (int i = 0; i < 200; ++i) path->add_node_ids(i);
@@ -115,8 +115,7 @@ TEST_CASE("EstimationText: a long path is broken into lines", "[client][cli]") {
   CHECK_THAT(text, Catch::Contains(" 199x1\n"));
 }
 
-TEST_CASE("PredictionText: where the body and the first marker go, not every number",
-          "[client][cli]") {
+TEST_CASE("PredictionText: positions of the body and the first marker only", "[client][cli]") {
   v1::PredictResponse response;
   response.set_at_seconds(1.2);
   auto* next = response.add_next_nodes();
@@ -135,7 +134,7 @@ TEST_CASE("PredictionText: where the body and the first marker go, not every num
                        Catch::Contains("1.000   2.000   3.000"));
 }
 
-TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer", "[client][cli]") {
+TEST_CASE("DescriptionText: statistics of Table I and nodes of each layer", "[client][cli]") {
   v1::DescribeDatabaseResponse description;
   description.set_name("databases/walks");
   description.set_frame_count(11969);
@@ -147,23 +146,24 @@ TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer",
   const std::string text = DescriptionText(description);
   CHECK_THAT(text, Catch::Contains("frames                11969\n"));
   CHECK_THAT(text, Catch::Contains("model version          none\n"));
-  CHECK_THAT(text, Catch::Contains("7 clips are stored; the model knows 6 of them\n"));
+  CHECK_THAT(text, Catch::Contains("7 clips are stored; 6 of them in the model\n"));
   CHECK_THAT(text, Catch::Contains("LAYER  NODES\n    1      1\n    2      2\n"));
   CHECK_THAT(text, !Catch::Contains("calibration"));
 }
 
-TEST_CASE("DescriptionText, RecognitionText, PredictionText: whose calibration it is",
+TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration",
           "[client][cli]") {
   v1::DescribeDatabaseResponse description;
   description.set_calibration(v1::CALIBRATION_OWN);
   CHECK_THAT(DescriptionText(description),
-             Catch::Contains("calibration             own\n") && !Catch::Contains("new model"));
+             Catch::Contains("calibration             own\n") && !Catch::Contains("is new"));
   description.set_calibration(v1::CALIBRATION_TYPICAL);
   CHECK_THAT(DescriptionText(description),
              Catch::Contains("calibration          typical\n") &&
-                 Catch::Contains("a new model answers, with a typical calibration"));
+                 Catch::Contains("the model is new: it uses a typical calibration"));
   const std::string previous =
-      "a new model answers, with the previous model's calibration until its own is known; it is "
+      "the model is new: it uses the previous model's calibration until its own is complete, and "
+      "is "
       "stored then\n";
   v1::RecognizeResponse recognition;
   CHECK_THAT(RecognitionText(recognition), !Catch::Contains("calibration"));
@@ -174,8 +174,7 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: whose calibration i
   CHECK_THAT(PredictionText(prediction, {}), Catch::EndsWith(previous));
 }
 
-TEST_CASE("DescriptionText, ClipsText: what becomes of glitches, and which there were",
-          "[client][cli]") {
+TEST_CASE("DescriptionText, ClipsText: glitch policy and found glitches", "[client][cli]") {
   v1::DescribeDatabaseResponse description;
   description.set_glitches(v1::GLITCHES_KEEP);
   CHECK_THAT(DescriptionText(description), Catch::Contains("glitches               keep\n"));
@@ -190,9 +189,9 @@ TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "
   v1::DescribeDatabaseResponse description;
   CHECK_THAT(DescriptionText(description), !Catch::Contains("derived"));
   description.set_underived_clip_count(2);
-  auto* const one = description.add_underived_clips();
-  one->set_name("databases/walks/clips/a");
-  one->set_reason("a.bvh:12: expected a number\x1b[2J");
+  auto* const clip_a = description.add_underived_clips();
+  clip_a->set_name("databases/walks/clips/a");
+  clip_a->set_reason("a.bvh:12: expected a number\x1b[2J");
   const std::string text = DescriptionText(description);
   CHECK_THAT(text, Catch::Contains("2 clips could not be derived again from their files:\n"
                                    "  a: a.bvh:12: expected a number") &&
@@ -201,11 +200,11 @@ TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "
   v1::Clip clip;
   clip.set_name("databases/walks/clips/a");
   CHECK_THAT(ClipsText({clip}), !Catch::Contains("derived"));
-  clip.set_derive_error("chunk 0 is damaged");
-  CHECK_THAT(ClipsText({clip}), Catch::EndsWith("\nnot derived again:\n  a: chunk 0 is damaged\n"));
+  clip.set_derive_error("chunk 0 is corrupt");
+  CHECK_THAT(ClipsText({clip}), Catch::EndsWith("\nnot derived again:\n  a: chunk 0 is corrupt\n"));
 }
 
-TEST_CASE("IngestedClipText: the reader's report stands under its clip", "[client][cli]") {
+TEST_CASE("IngestedClipText: the report of the reader is below its clip", "[client][cli]") {
   v1::Clip clip;
   clip.set_name("databases/walks/clips/07_01");
   clip.set_source_report("unit: 1/0.45 inch\nup: y");
@@ -214,7 +213,7 @@ TEST_CASE("IngestedClipText: the reader's report stands under its clip", "[clien
   CHECK_THAT(text, Catch::EndsWith("\n    unit: 1/0.45 inch\n    up: y\n"));
 }
 
-TEST_CASE("Json: the proto's field names, zeros included, on one line", "[client][cli]") {
+TEST_CASE("Json: proto field names and default values, on one line", "[client][cli]") {
   v1::RecognitionWindow window;
   window.add_clips()->set_log_probability(-std::numeric_limits<double>::infinity());
   const std::string json = JsonLine(window);
@@ -224,7 +223,7 @@ TEST_CASE("Json: the proto's field names, zeros included, on one line", "[client
   CHECK(JsonString("a\"b\n") == R"("a\"b\n")");
 }
 
-TEST_CASE("ProgressLine: fits its terminal and its range", "[client][cli]") {
+TEST_CASE("ProgressLine: fits the width of the terminal", "[client][cli]") {
   CHECK(ProgressLine(0.5, "tree", 80) == "[############............]  50 %  tree");
   CHECK(ProgressLine(7, "", 80) == "[########################] 100 %  ");
   CHECK(ProgressLine(0.5, "a long name of a file", 40).size() == 39);

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Image, compose file and Kubernetes manifests agree with each other and with motiondbd's settings.
+"""Tests that image, compose file, manifests and settings of motiondbd agree.
 
     containers_test.py MOTIONDBD
 """
@@ -21,14 +21,14 @@ except ImportError:
 MOTIONDBD = sys.argv[1]
 DEPLOY = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../deploy")
 
-# Of docs/benchmarks.md: a million frames of 34 markers take 3.3 GB at the peak of a full build.
+# From docs/benchmarks.md: a million frames of 34 markers need 3.3 GB at the peak of a full build.
 BYTES_OF_A_FRAME_BEING_BUILT = 3300
 
-# What a server is given that serves others.
+# Secrets of a server that other machines can reach.
 SECRETS = ("server.crt", "server.key", "admin-token")
 
-# What each object of the manifests may hold: {} is anything, a list stands for each of its members. A field
-# that is misspelt would be ignored, or refused, by a cluster that no test has.
+# Allowed fields of the manifests. {}: any value; a list: the schema of each element. Kubernetes
+# would ignore or refuse a misspelt field, but no test has a cluster.
 METADATA = {"name": {}, "labels": {}, "annotations": {}}
 PROBE = {"httpGet": {"path": {}, "port": {}}, "periodSeconds": {}, "timeoutSeconds": {},
          "failureThreshold": {}, "initialDelaySeconds": {}}
@@ -71,14 +71,14 @@ def read(*path):
 
 
 def unknown_fields(value, schema, where):
-    """Paths of `value` that `schema` does not have."""
+    """Returns the paths of `value` that are not in `schema`."""
     if schema == {}:
         return []
     if isinstance(schema, list):
-        assert isinstance(value, list), f"{where} is no list"
+        assert isinstance(value, list), f"{where} is not a list"
         return [bad for i, member in enumerate(value)
                 for bad in unknown_fields(member, schema[0], f"{where}[{i}]")]
-    assert isinstance(value, dict), f"{where} is no object"
+    assert isinstance(value, dict), f"{where} is not an object"
     return [bad for name, member in value.items()
             for bad in ([f"{where}.{name}"] if name not in schema
                         else unknown_fields(member, schema[name], f"{where}.{name}"))]
@@ -94,7 +94,7 @@ def variable_of(setting):
 
 
 def write_secrets(folder):
-    """A certificate with its key, and an administrator's token, with the mode that docs/operations.md gives them."""
+    """Writes a certificate, its key and an admin token, with the modes in docs/operations.md."""
     certificate, key, token = [os.path.join(folder, name) for name in SECRETS]
     subprocess.run(["openssl", "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1",
                     "-nodes", "-days", "2", "-subj", "/CN=motiondb", "-keyout", key, "-out", certificate],
@@ -128,7 +128,7 @@ IMAGE = Image()
 
 
 class DockerfileTest(unittest.TestCase):
-    def test_has_what_an_operator_relies_on(self):
+    def test_signals_user_and_stages(self):
         self.assertEqual(IMAGE.of("STOPSIGNAL"), ["SIGTERM"])
         self.assertEqual(len(IMAGE.of("HEALTHCHECK")), 1)
         self.assertEqual(IMAGE.of("ENTRYPOINT"), ['["motiondbd"]'])
@@ -145,12 +145,12 @@ class DockerfileTest(unittest.TestCase):
         known = {variable_of(name) for name in settings()}
         self.assertLessEqual(set(IMAGE.variables), known)
 
-    def test_ports_are_those_listened_on(self):
+    def test_exposed_ports_are_the_listeners(self):
         listened = {int(IMAGE.variables[name].rsplit(":", 1)[1])
                     for name in ("MOTIONDBD_LISTEN", "MOTIONDBD_HTTP_LISTEN")}
         self.assertEqual(IMAGE.ports, listened)
 
-    def test_the_volume_is_where_the_store_is(self):
+    def test_the_volume_contains_the_store(self):
         store = re.search(r'^store = "(.*)"', read("motiondbd.conf"), re.MULTILINE).group(1)
         self.assertEqual(os.path.dirname(store), IMAGE.volume)
 
@@ -175,13 +175,13 @@ class ComposeTest(unittest.TestCase):
         self.assertGreater(seconds(server["stop_grace_period"]), 10)
 
     def serving_others(self):
-        """The server as somebody leaves it who follows the words at the file's top."""
+        """Returns the server after the steps in the comment at the top of the file."""
         text = re.sub(r"^( *)#(?=\S)", r"\1", read("compose.yml"), flags=re.MULTILINE)
         server = yaml.safe_load(text)["services"]["motiondb"]
         mount, = [mount.split(":")[:2] for mount in server["volumes"] if mount.endswith(":ro")]
         return server["environment"], *mount
 
-    def test_what_is_commented_out_serves_others(self):
+    def test_commented_settings_serve_other_machines(self):
         environment, _, mounted = self.serving_others()
         with tempfile.TemporaryDirectory() as folder:
             write_secrets(folder)
@@ -204,7 +204,7 @@ class ComposeTest(unittest.TestCase):
                     self.assertEqual(checked.returncode, 2)
                     self.assertIn(f"{secret}: ", checked.stderr)
 
-    def test_the_readme_serves_others_in_the_same_way(self):
+    def test_operations_md_has_the_same_settings(self):
         environment, source, mounted = self.serving_others()
         readme = read("../docs/operations.md")
         command, = re.findall(r"^\$ (docker run -d .*(?:\n    .*)*)", readme, re.MULTILINE)
@@ -225,7 +225,7 @@ class ComposeTest(unittest.TestCase):
                 else:
                     self.assertIn(source, self.compose["volumes"])
 
-    def test_prometheus_asks_the_server(self):
+    def test_prometheus_scrapes_the_server(self):
         configuration = yaml.safe_load(read("prometheus/prometheus.yml"))
         targets = [target for job in configuration["scrape_configs"]
                    for group in job["static_configs"] for target in group["targets"]]
@@ -234,7 +234,7 @@ class ComposeTest(unittest.TestCase):
         for rules in configuration["rule_files"]:
             yaml.safe_load(read("prometheus", rules))
 
-    def test_grafana_asks_prometheus(self):
+    def test_grafana_uses_prometheus(self):
         source = yaml.safe_load(read("grafana/provisioning/datasources/prometheus.yml"))
         self.assertEqual([s["url"] for s in source["datasources"]], ["http://prometheus:9090"])
         provider = yaml.safe_load(read("grafana/provisioning/dashboards/motiondb.yml"))
@@ -245,9 +245,9 @@ class ComposeTest(unittest.TestCase):
 
 
 class AlertsTest(unittest.TestCase):
-    """promtool runs the cases where there is one (tests/e2e/observability_test.py); none is missing."""
+    """Tests that every alert has a test case. tests/e2e/observability_test.py runs them with promtool."""
 
-    def test_every_alert_has_a_case_where_it_rings(self):
+    def test_every_alert_fires_in_a_test_case(self):
         groups = yaml.safe_load(read("prometheus/motiondb.rules.yml"))["groups"]
         alerts = {rule["alert"] for group in groups for rule in group["rules"]}
         cases = [case for test in yaml.safe_load(read("prometheus/motiondb.rules.test.yml"))["tests"]
@@ -293,12 +293,12 @@ class KubernetesTest(unittest.TestCase):
         self.assertEqual(headless, [self.set["serviceName"]])
         self.assertEqual(self.set["replicas"], 1)
 
-    def test_the_readme_upgrades_what_there_is(self):
+    def test_operations_md_upgrades_this_container(self):
         name, container = re.search(r"set image statefulset/(\S+) (\w+)=", read("../docs/operations.md")).groups()
         self.assertEqual((name, container),
                          (self.one("StatefulSet")["metadata"]["name"], self.container["name"]))
 
-    def test_ports_are_the_images(self):
+    def test_ports_match_the_image(self):
         ports = {port["name"]: port["containerPort"] for port in self.container["ports"]}
         self.assertEqual(set(ports.values()), IMAGE.ports)
         for service in self.all("Service"):
@@ -311,9 +311,9 @@ class KubernetesTest(unittest.TestCase):
         for probe in ("startupProbe", "livenessProbe", "readinessProbe"):
             self.assertEqual(self.container[probe]["httpGet"]["port"], "http")
 
-    def test_no_setting_is_overruled_by_the_image(self):
-        overruled = {name for name in self.configured() if variable_of(name) in IMAGE.variables}
-        self.assertEqual(overruled, set())
+    def test_the_image_overrides_no_setting(self):
+        overridden = {name for name in self.configured() if variable_of(name) in IMAGE.variables}
+        self.assertEqual(overridden, set())
 
     def test_paths_are_pages_of_the_server(self):
         with open(os.path.join(DEPLOY, "../server/observability/health_server.cc"),
@@ -337,7 +337,7 @@ class KubernetesTest(unittest.TestCase):
         self.assertGreater(self.pod["terminationGracePeriodSeconds"],
                            int(configured["grace-seconds"]))
 
-    def test_the_largest_database_fits_into_the_memory(self):
+    def test_the_largest_database_fits_the_memory_limit(self):
         limit = re.fullmatch(r"(\d+)Gi", self.container["resources"]["limits"]["memory"])
         frames = int(self.configured()["max-database-frames"])
         built = frames * BYTES_OF_A_FRAME_BEING_BUILT
@@ -354,7 +354,7 @@ class KubernetesTest(unittest.TestCase):
             if "secret" in volume:
                 self.assertEqual(volume["secret"]["defaultMode"] & 0o007, 0)
 
-    def test_the_pod_has_no_rights(self):
+    def test_the_pod_is_unprivileged(self):
         user, group = map(int, IMAGE.user.split(":"))
         context = self.pod["securityContext"]
         self.assertTrue(context["runAsNonRoot"])

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""nginx, with deploy/nginx/motiondb.conf, before motiondbd: every query through TLS, with a token.
+"""Tests deploy/nginx/motiondb.conf: every query through nginx with TLS and a token.
 
     front_test.py MOTIONDBD MOTIONDB
 """
@@ -86,7 +86,7 @@ class WithNginx(unittest.TestCase):
                        check=True, capture_output=True)
         with open(FRONT, encoding="utf-8") as file:
             text = file.read()
-        # The file as it is, but for this test's ports and certificate.
+        # The file with the ports and the certificate of this test.
         text = replace(text, "server 127.0.0.1:50051;", f"server {cls.server};")
         text = replace(text, "listen 443 ssl http2;",
                        f"listen 127.0.0.1:{cls.front_port} ssl http2;")
@@ -121,7 +121,7 @@ class Front(WithNginx):
         with open(os.open(cls.path("token"), os.O_CREAT | os.O_WRONLY, 0o600), "w",
                   encoding="utf-8") as file:
             file.write(TOKEN)
-        # To the server, who comes through the front comes from loopback.
+        # For the server, all calls through nginx come from loopback.
         server = cls.start(MOTIONDBD, "--store", cls.path("a.db"), "--listen", "127.0.0.1:0",
                            "--authentication", "token", "--admin-token-file", cls.path("token"),
                            "--http-listen", "none", "--log-level", "error",
@@ -155,34 +155,34 @@ class Front(WithNginx):
                                  "--horizon", "0.1,0.5"))
 
     def test_plan(self):
-        # As far as the walk goes.
+        # A goal that the short walk can reach.
         plan, = self.ask("plan", "demo", "--start", "walk@1", "--goal", "0.4,0,0",
                          "--search-seconds", "1")
         self.assertGreater(plan["motion"]["frame_count"], 1)
 
     def test_observe(self):
-        # A stream of many messages each way.
+        # A stream with many messages in both directions.
         answers = self.ask("observe", "demo", self.path("run.bvh"))
         self.assertGreater(len(answers), 20)
 
     def test_a_large_file(self):
-        # Beyond nginx's own limit of 1 MiB.
+        # Larger than the default limit of nginx, 1 MiB.
         with open(self.path("long.bvh"), "w", encoding="utf-8") as file:
             subprocess.run([os.path.join(HERE, "walk.py"), "240", "1.3"], stdout=file, check=True)
         self.assertGreater(os.path.getsize(self.path("long.bvh")), 1 << 20)
         self.assertTrue(self.ask("recognize", "demo", self.path("long.bvh"), "--window", "all"))
 
-    def test_errors_come_through(self):
+    def test_errors_are_forwarded(self):
         result = self.run_motiondb("describe", "absent")
         self.assertEqual(result.returncode, 1)
         self.assertIn("absent", result.stderr)
 
-    def test_tokens_go_through_and_are_asked_for(self):
+    def test_a_wrong_token_is_refused(self):
         result = self.run_motiondb("list", token="mdb_none_of_this")
         self.assertEqual(result.returncode, 1)
         self.assertIn("token", result.stderr)
 
-    def test_it_is_tls_and_h2(self):
+    def test_tls_and_http2(self):
         context = ssl.create_default_context(cafile=self.path("motiondb.crt"))
         context.set_alpn_protocols(["h2"])
         with socket.create_connection(("127.0.0.1", self.front_port)) as plain, \
@@ -193,7 +193,7 @@ class Front(WithNginx):
             calls = re.findall(r'"POST (/motiondb\.v1\.\S+) HTTP/2\.0" 200', file.read())
         self.assertGreaterEqual(calls.count("/motiondb.v1.ClipService/IngestClip"), 2)
 
-    def test_other_paths_are_no_service(self):
+    def test_other_paths_are_unimplemented(self):
         result = subprocess.run(
             ["curl", "-s", "-D-", "--http2", "--cacert", self.path("motiondb.crt"), "--resolve",
              f"motion.example.org:{self.front_port}:127.0.0.1",
@@ -202,18 +202,18 @@ class Front(WithNginx):
         self.assertIn("grpc-status: 12", result.stdout)
 
 
-class Patience(unittest.TestCase):
-    def test_who_is_silent_or_slow_is_motiondbds_to_judge(self):
-        # Each is a minute where nothing is said, and a stream may rest for longer.
+class Timeouts(unittest.TestCase):
+    def test_timeouts_are_longer_than_the_idle_timeout(self):
+        # The defaults of nginx, 60 s, would close idle streams that motiondbd allows.
         with open(FRONT, encoding="utf-8") as file:
             front = file.read()
         with open(os.path.join(HERE, "../../deploy/motiondbd.conf"), encoding="utf-8") as file:
             limit = int(re.search(r"^#silence-limit = (\d+)$", file.read(), re.MULTILINE).group(1))
         for setting in ("client_body_timeout", "send_timeout", "grpc_read_timeout",
                         "grpc_send_timeout", "keepalive_timeout"):
-            given = re.search(rf"^  {setting} (\d+)h;$", front, re.MULTILINE)
-            self.assertTrue(given, setting)
-            self.assertGreater(3600 * int(given.group(1)), limit, setting)
+            hours = re.search(rf"^  {setting} (\d+)h;$", front, re.MULTILINE)
+            self.assertTrue(hours, setting)
+            self.assertGreater(3600 * int(hours.group(1)), limit, setting)
 
 
 class WithoutServer(WithNginx):
@@ -221,10 +221,10 @@ class WithoutServer(WithNginx):
     def start_server(cls):
         return f"127.0.0.1:{free_port()}"
 
-    def test_the_front_says_so_in_grpc(self):
+    def test_nginx_returns_a_grpc_error(self):
         result = self.run_motiondb("list")
         self.assertEqual(result.returncode, 1)
-        self.assertIn("motiondbd does not answer", result.stderr)
+        self.assertIn("motiondbd does not respond", result.stderr)
 
 
 for program in ("nginx", "openssl", "curl"):

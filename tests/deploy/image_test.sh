@@ -1,8 +1,8 @@
 #!/usr/bin/env bash
-# Builds the image as deploy/docker/Dockerfile says, on a base made by debootstrap, without a container
-# engine; runs containers of it, asks their servers from outside, and checks that they are healthy, without
-# rights, and that the store outlives them. It compiles the project: not among what ctest runs.
-#   tests/deploy/image_test.sh MOTIONDB        the client to ask with
+# Builds the image of deploy/docker/Dockerfile on a base from debootstrap, without a container
+# engine. Runs containers, sends queries from outside, and checks that they are healthy and
+# unprivileged and that the store survives them. It compiles the project, so ctest does not run it.
+#   tests/deploy/image_test.sh MOTIONDB        path of the client
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 motiondb=$(realpath "$1")
@@ -23,7 +23,7 @@ fail() {
   [ ! -s "$work/log" ] || tail -n 20 "$work/log" >&2
   exit 1
 }
-# Images of this test alone.
+# The image storage of this test.
 driver=$(grep -qw overlay /proc/filesystems && echo overlay || echo vfs)
 in_storage() {
   buildah --root "$cache/containers" --runroot "$work/run" --storage-driver "$driver" "$@"
@@ -46,7 +46,7 @@ if ! in_storage inspect localhost/bookworm >/dev/null 2>&1; then
 fi
 
 echo "== the image, built by the Dockerfile"
-# A compiler's cache, if there is one, serves here, too.
+# Uses the compiler cache of this machine, if any.
 mounts=()
 compiled=${CCACHE_DIR:-$HOME/.cache/ccache}
 [ ! -d "$compiled" ] || mounts=(--volume "$compiled:/root/.cache/ccache")
@@ -57,22 +57,23 @@ grep -o "STEP .*" "$work/log"
 in_storage inspect --type image --format \
   'user {{.OCIv1.Config.User}}  volumes {{.OCIv1.Config.Volumes}}  ports {{.OCIv1.Config.ExposedPorts}}  stop {{.OCIv1.Config.StopSignal}}{{"\n"}}' \
   localhost/motiondb | tee "$work/config"
-grep -q "user 65051:65051" "$work/config" || fail "the image's user has rights"
-grep -q "/var/lib/motiondb" "$work/config" || fail "the store is in no volume"
-# OCI's own format has no place for it: there buildah leaves it out, with a warning.
+grep -q "user 65051:65051" "$work/config" || fail "the user of the image is not 65051:65051"
+grep -q "/var/lib/motiondb" "$work/config" || fail "the store is not on a volume"
+# The Docker format has the health check; in the OCI format buildah would omit it with a warning.
 in_storage inspect --type image --format '{{.Docker.Config.Healthcheck.Test}}' localhost/motiondb |
   tee "$work/config" | grep -q /usr/lib/motiondb/health_check || fail "the image has no health check"
 
 store=$work/volume
 install -d -o 65051 -g 65051 "$store"
-# Containers of chroot share this machine's network: a free port for gRPC, and one for HTTP.
+# With chroot isolation containers share the network of this machine, so they need free ports for
+# gRPC and HTTP.
 free_port() {
   python3 -c 'import socket; s = socket.socket(); s.bind(("127.0.0.1", 0)); print(s.getsockname()[1])'
 }
 port=$(free_port)
 http=$(free_port)
 
-# The image's own program, user and variables, on this machine's network.
+# Starts a container with the program, user and variables of the image.
 start_container() {
   local i
   container=$(in_storage from localhost/motiondb)
@@ -81,17 +82,17 @@ start_container() {
   run=$!
   for i in $(seq 300); do
     if grep -q listening "$work/address"; then
-      server=$(pgrep -u 65051 -f "^/usr/bin/motiondbd --listen 127.0.0.1:$port") || fail "no server of the image's user"
+      server=$(pgrep -u 65051 -f "^/usr/bin/motiondbd --listen 127.0.0.1:$port") || fail "no server runs as the user of the image"
       return
     fi
     kill -0 "$run" 2>/dev/null || fail "the container ended"
     sleep 0.1
   done
-  fail "the container's server does not answer"
+  fail "the server in the container did not start within 30 s"
 }
 stop_container() {
-  [ -z "$server" ] || kill -TERM "$server" || true  # the image's stop signal
-  [ -z "$run" ] || wait "$run" || fail "the server did not end in order"
+  [ -z "$server" ] || kill -TERM "$server" || true  # STOPSIGNAL of the image
+  [ -z "$run" ] || wait "$run" || fail "the server did not shut down cleanly"
   server= run=
   [ -z "$container" ] || in_storage rm "$container" >/dev/null
   container=
@@ -106,16 +107,16 @@ ask() {
 
 echo "== a container"
 start_container
-[ "$(ps -o uid= -p "$server" | tr -d ' ')" = 65051 ] || fail "the server has rights"
+[ "$(ps -o uid= -p "$server" | tr -d ' ')" = 65051 ] || fail "the server does not run as user 65051"
 grep -q '^CapEff:.0*$' "/proc/$server/status" || fail "the server has capabilities"
-healthy || fail "the health check says no"
+healthy || fail "the health check failed"
 "$here/walk.py" 6 1 >"$work/walk.bvh"
 "$here/walk.py" 6 2 >"$work/run.bvh"
 ask create demo --marker-set source --min-frames 4 >/dev/null
 ask ingest demo "$work/walk.bvh" --label walk | tail -n 1
 ask ingest demo "$work/run.bvh" --label run | tail -n 1
 ask recognize demo "$work/run.bvh" --window all | tee "$work/answer"
-grep -q run "$work/answer" || fail "did not recognise what was stored"
+grep -q run "$work/answer" || fail "recognize did not find the stored motion"
 for program in gcc g++ cmake; do
   ! in_storage run --isolation chroot "$container" -- which "$program" || fail "the image has $program"
 done
@@ -125,4 +126,4 @@ stop_container
 start_container
 ask recognize demo "$work/run.bvh" --window all | diff "$work/answer" - || fail "the store did not survive"
 stop_container
-echo "image_test: built, run, asked, unprivileged, healthy; the store outlives its container"
+echo "image_test: passed"

@@ -1,16 +1,16 @@
 #!/usr/bin/env bash
-# No command and no option is missing from the manual pages or the completions. What there is, is asked of
-# the programs here, without the reader that the pages are made with.
-# Arguments: motiondbd, motiondb, the folder of pages and completions.
+# Checks that the manual pages and completions have all commands and options. Reads --help of the
+# programs with its own parser, independent of program_help.py. Arguments: motiondbd, motiondb, the
+# folder of pages and completions.
 set -euo pipefail
 motiondbd=$1 motiondb=$2 written=$3
 command -v man >/dev/null || { echo "skipped: no man; deploy/install_packages.sh deploy-test"; exit 77; }
 
 missing=0
 count=0
-check() {  # WHERE WORD: that the text on standard input has the word
+check() {  # WHERE WORD: checks that standard input contains the word
   count=$((count + 1))
-  # Not grep -q: it would end the reader of a pipe early.
+  # Not grep -q: it would close the pipe early.
   grep -Fe "$2" | grep -Ee "(^|[^-a-z])$2([^-a-z]|$)" >/dev/null || { echo "$1: no $2" >&2; missing=1; }
 }
 
@@ -19,7 +19,7 @@ page() {
   [ ! -s "$work/warnings" ] || { cat "$work/warnings" >&2; missing=1; }
 }
 
-# complete PROGRAM WORD...: what a Tab after these words offers.
+# complete_words PROGRAM WORD...: prints the completions after these words.
 complete_words() {
   bash -c '. "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); "_$1"; printf "%s\n" "${COMPREPLY[@]}"' \
     - "$written/completions/$1" "$@"
@@ -33,7 +33,7 @@ commands_of() {  # PROGRAM COMMAND...
   "$@" --help | sed -n '/^Subcommands:/,/^$/s/^  \([a-z]*\) .*/\1/p'
 }
 
-check_values() {  # PROGRAM COMMAND... OPTION: that a Tab after the option offers what the help says it takes
+check_values() {  # PROGRAM COMMAND... OPTION: checks that the completions of the option are its values in the help
   local program=$1 option=${!#} value word offered=0
   set -- "${@:2:$#-2}"
   value=$("${!program}" "$@" --help | sed -nE "s/^ +(-[a-z],)?$option ([^ ]+).*/\2/p")
@@ -47,7 +47,7 @@ check_values() {  # PROGRAM COMMAND... OPTION: that a Tab after the option offer
     offered=$((offered + 1))
     [[ $word =~ ^[A-Za-z0-9_.-]+$ ]] || { echo "$program $* $option: offers '$word'" >&2; missing=1; }
   done <"$work/offered"
-  # Words where it is one of a few, and else files, which are bash's to offer.
+  # An option with a fixed set of values completes these; for others bash completes files.
   [[ ($value == *{*}* && $offered -gt 1) || ($value != *{*}* && $offered = 0) ]] ||
     { echo "$program $* $option $value: offers $(tr '\n' ' ' <"$work/offered")" >&2; missing=1; }
 }
@@ -66,7 +66,7 @@ for option in $(options_of "$motiondbd"); do
   check "motiondbd.conf(5)" "${option#--}" <"$work/conf"
 done
 
-walk() {  # COMMAND...: this one, and those under it
+walk() {  # COMMAND...: checks this command and all commands below it
   local command option
   for option in $(options_of "$motiondb" "$@"); do
     check "motiondb(1), $*" "$option" <"$work/motiondb"
@@ -80,7 +80,8 @@ walk() {  # COMMAND...: this one, and those under it
   done
 }
 walk
-[ "$count" -gt 150 ] || { echo "only $count words were found to check" >&2; missing=1; }
-[ "$(complete_words motiondb plan --method ran)" = random ] || { echo "no values" >&2; missing=1; }
-[ "$missing" = 0 ] && echo "manual_test: $count words, each in its page and completion"
+[ "$count" -gt 150 ] || { echo "expected more than 150 words to check, found $count" >&2; missing=1; }
+[ "$(complete_words motiondb plan --method ran)" = random ] ||
+  { echo "expected the completion random of plan --method ran" >&2; missing=1; }
+[ "$missing" = 0 ] && echo "manual_test: checked $count words"
 exit "$missing"

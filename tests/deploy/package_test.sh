@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the Debian package, installs it in a Debian of its own, and uses it: server, client, manual
-# pages, unit, completion; then removes and purges it; and once more where systemd seems to run, for what
-# the package asks of it. Arguments: the build folder.
+# Builds the Debian package, installs it in a new Debian system, and tests server, client, manual
+# pages, unit and completion. Then it purges the package. With a fake systemctl it tests the calls
+# to systemd. Argument: build folder.
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
 build=$(cd "$1" && pwd)
@@ -54,8 +54,8 @@ enter_root "$root" grep -q "^Files: \*" /usr/share/doc/motiondb/copyright || fai
 enter_root "$root" zcat /usr/share/doc/motiondb/changelog.gz |
   grep -q "^motiondb ($(dpkg-deb --field "$package" Version))" || fail "changelog of another version"
 
-echo "== serves and answers, as the user of the service"
-# Each of these becomes the next: the server has this process's number.
+echo "== server and queries, as the user of the service"
+# Each command replaces itself by the next, so $! is the process id of the server.
 chroot "$root" setpriv --reuid motiondb --regid motiondb --clear-groups \
   motiondbd --config /etc/motiondb/motiondbd.conf --listen 127.0.0.1:0 \
   --log-level error >"$work/address" &
@@ -75,9 +75,9 @@ ask create demo --marker-set source --min-frames 4 >/dev/null
 ask ingest demo /tmp/walk.bvh --label walk | tail -n 1
 ask ingest demo /tmp/run.bvh --label run | tail -n 1
 ask recognize demo /tmp/run.bvh --window all | tee "$work/answer"
-grep -q run "$work/answer" || fail "did not recognise what was stored"
+grep -q run "$work/answer" || fail "recognize did not find the stored motion"
 kill "$server"
-wait "$server" || fail "motiondbd did not end in order"
+wait "$server" || fail "motiondbd did not shut down cleanly"
 server=
 
 echo "== documentation, manual pages, completion, unit"
@@ -90,7 +90,7 @@ for page in motiondb.1 motiondbd.8 motiondbd.conf.5; do
   [ "$(wc -l <"$work/$page")" -gt 40 ] || fail "manual page $page is short"
 done
 for program in motiondb motiondbd; do
-  # As a shell loads it: bash-completion finds it by the program's name.
+  # Load it like a shell: bash-completion finds the file by the name of the program.
   enter_root "$root" bash -c ". /usr/share/bash-completion/bash_completion &&
     _completion_loader $program; complete -p $program" | grep -q "_$program" ||
     fail "no completion for $program"
@@ -101,20 +101,20 @@ if grep -q motiondbd "$work/unit"; then
   fail "systemd-analyze verify"
 fi
 
-echo "== installed again: what was changed stays"
+echo "== installed again: keeps the changed configuration"
 echo 'max-frames = 4321' >>"$root/etc/motiondb/motiondbd.conf"
 enter_root "$root" apt-get install -y -qq --reinstall "/tmp/$(basename "$package")" >"$work/apt.log" 2>&1 ||
   { tail "$work/apt.log" >&2; fail "apt install --reinstall"; }
 as_service motiondbd --config /etc/motiondb/motiondbd.conf --check-config | grep "^max-frames = 4321"
 
-echo "== upgraded to one with another sample, with nobody at the terminal: it stays, too"
+echo "== upgraded without a terminal to a package with another configuration: keeps the changed one"
 dpkg-deb --raw-extract "$package" "$work/next"
-echo '# a setting that is new' >>"$work/next/etc/motiondb/motiondbd.conf"
+echo '# a new setting' >>"$work/next/etc/motiondb/motiondbd.conf"
 sed -i 's/^Version: .*/&.1/' "$work/next/DEBIAN/control"
 dpkg-deb --root-owner-group --build "$work/next" "$root/tmp/next.deb" >"$work/dpkg.log"
-# The options of docs/operations.md, for either way.
+# The options in docs/operations.md, for upgrade and downgrade.
 options=$(sed -n 's|^\$ sudo apt install \(.*\) ./motiondb_NEW_amd64.deb.*|\1|p' "$here/../../docs/operations.md")
-[ -n "$options" ] || fail "docs/operations.md does not say how to upgrade"
+[ -n "$options" ] || fail "docs/operations.md has no command for an upgrade"
 for deb in next.deb "$(basename "$package")"; do
   # shellcheck disable=SC2086
   enter_root "$root" apt-get install -y -qq --allow-downgrades $options "/tmp/$deb" </dev/null >"$work/apt.log" 2>&1 ||
@@ -124,18 +124,18 @@ for deb in next.deb "$(basename "$package")"; do
     fail "$deb changed the configuration"
 done
 
-echo "== removed and purged: the store is left"
+echo "== removed and purged: keeps the store"
 enter_root "$root" apt-get purge -y -qq motiondb >"$work/apt.log" 2>&1 ||
   { cat "$work/apt.log" >&2; fail "purge"; }
 grep "is left" "$work/apt.log"
 [ -s "$root/var/lib/motiondb/motion.db" ] || fail "purging removed the store"
 [ ! -e "$root/etc/motiondb/motiondbd.conf" ] || fail "purging left the configuration"
 [ ! -e "$root/usr/bin/motiondbd" ] || fail "purging left the server"
-echo "== what systemd is asked, where it runs"
+echo "== calls to systemd"
 rm "$root/usr/sbin/policy-rc.d"
 mv "$root/usr/bin/systemctl" "$root/usr/bin/systemctl.real"
 mkdir -p "$root/run/systemd/system"
-# Links are the real one's to make and read; what it would tell systemd is written down, and believed.
+# A fake systemctl: the real one makes and reads links; calls to systemd are only logged.
 cat >"$root/usr/bin/systemctl" <<'SYSTEMCTL'
 #!/bin/sh
 case " $* " in
@@ -147,7 +147,7 @@ esac
 echo "$*" >>/run/systemctl.calls
 SYSTEMCTL
 chmod +x "$root/usr/bin/systemctl"
-after() {  # WHAT CALL STATE DPKG-ARGUMENT...: the one call about the service, and whether it then runs
+after() {  # NAME CALL STATE DPKG-ARGUMENT...: runs dpkg, checks its call for the service and the resulting state
   local what=$1 expected=$2 state=$3 calls runs=stopped
   shift 3
   : >"$root/run/systemctl.calls"
@@ -156,7 +156,7 @@ after() {  # WHAT CALL STATE DPKG-ARGUMENT...: the one call about the service, a
   [ ! -e "$root/run/motiondbd.runs" ] || runs=running
   echo "  $what: ${calls:-nothing }-> $runs"
   [ "$calls" = "${expected:+$expected }" ] && [ "$runs" = "$state" ] || fail "$what: expected $expected, $state"
-  grep -q daemon-reload "$root/run/systemctl.calls" || fail "$what: systemd does not read its units again"
+  grep -q daemon-reload "$root/run/systemctl.calls" || fail "$what: no daemon-reload"
 }
 deb=/tmp/$(basename "$package")
 wanted=$root/etc/systemd/system/multi-user.target.wants/motiondbd.service
@@ -166,7 +166,7 @@ after removed stop stopped --remove motiondb
 after "installed again" restart running --install "$deb"
 rm "$wanted" "$root/run/motiondbd.runs"  # systemctl disable --now
 after "upgraded, disabled" "" stopped --install "$deb"
-[ ! -e "$wanted" ] || fail "an upgrade enabled what was disabled"
+[ ! -e "$wanted" ] || fail "an upgrade enabled the disabled service"
 after purged stop stopped --purge motiondb
 ! find "$root/etc/systemd/system" -name 'motiondbd.service' | grep . || fail "purging left links to the unit"
-echo "package_test: built, installed, used, purged, asked of systemd what it should"
+echo "package_test: passed"

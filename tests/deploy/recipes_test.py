@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The commands that build and test do not get into each other's way.
+"""Tests the scripts and documented commands that build, test and back up.
 
     recipes_test.py
 """
@@ -14,7 +14,7 @@ import unittest
 
 ROOT = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../..")
 
-# Says what it was called as and with; succeeds.
+# Records its name and arguments; succeeds.
 RECORDER = """\
 #!/bin/sh
 echo "${0##*/} $*" >>"$RECORD"
@@ -27,7 +27,7 @@ def read(*path):
 
 
 class RunTest(unittest.TestCase):
-    """tests/run.sh, with programs in the place of CMake's that only say what they are asked."""
+    """tests/run.sh with fake cmake and ctest that record their arguments."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -53,8 +53,8 @@ class RunTest(unittest.TestCase):
         with open(self.path("record"), encoding="utf-8") as file:
             return file.read().splitlines()
 
-    def test_it_cannot_pass_without_tests(self):
-        # The folder may have been configured without them; ctest on its own is content with none.
+    def test_it_fails_without_tests(self):
+        # The folder may be configured without tests; by default ctest succeeds with no tests.
         for preset in ("release", "asan", "tsan"):
             with self.subTest(preset):
                 calls = self.calls(preset)
@@ -65,7 +65,7 @@ class RunTest(unittest.TestCase):
                 os.remove(self.path("record"))
 
 
-# Of ctest: a test that passed without two of its cases, and one that says twice what it left out.
+# Log of ctest: one test with two skipped cases, and one test with a duplicate skip line.
 CTEST_LOG = """\
 1/2 Test: plan
 test_a (x) ... skipped 'no data'
@@ -82,7 +82,7 @@ Test Passed.
 
 
 class DecidingRunTest(unittest.TestCase):
-    """.ci/run, with programs in the place of its steps."""
+    """.ci/run with fake steps."""
 
     def run_it(self, package, image):
         with tempfile.TemporaryDirectory() as folder:
@@ -102,7 +102,7 @@ class DecidingRunTest(unittest.TestCase):
                 os.chmod(path, 0o755)
             return subprocess.run([os.path.join(folder, ".ci/run")], capture_output=True, text=True)
 
-    def test_it_says_what_was_skipped(self):
+    def test_it_lists_skipped_tests(self):
         ran = self.run_it("echo skipped: needs root\nexit 77\n", "exit 0\n")
         self.assertEqual((ran.returncode, ran.stderr), (0, ""))
         self.assertEqual(ran.stdout.partition("== skipped: ")[2].splitlines(),
@@ -110,20 +110,20 @@ class DecidingRunTest(unittest.TestCase):
                           "release: plan: test_b (x) ... skipped 'no data'",
                           "release: storage: skipped: no tmpfs", "package: skipped: needs root"])
 
-    def test_it_says_where_time_went(self):
+    def test_it_lists_durations(self):
         table = self.run_it("exit 0\n", "exit 0\n").stdout.partition("== minutes")[2].splitlines()
         steps = ["packages", "release", "asan", "tsan", "fuzz", "locks", "tidy", "package", "image", "all"]
         self.assertEqual([line.split()[0] for line in table[1:11]], steps)
         self.assertEqual(table[11:13], ["release plan 12 s", "release storage 3 s"])
 
-    def test_a_step_that_fails_ends_it(self):
+    def test_a_failed_step_fails_the_run(self):
         for steps in (("exit 3\n", "exit 0\n"), ("exit 0\n", "exit 3\n")):
             self.assertEqual(self.run_it(*steps).returncode, 3)
 
 
 class PackageRecipeTest(unittest.TestCase):
-    def test_it_has_a_folder_of_its_own(self):
-        # Not the one that tests are built in: it is configured without them.
+    def test_it_has_its_own_build_folder(self):
+        # A folder of tests would be configured without tests.
         configured = re.findall(r"^\$ (cmake .*-DMOTIONDB_BUILD_TESTS=OFF.*)$",
                                 read("docs/operations.md"), re.MULTILINE)
         self.assertTrue(configured)
@@ -133,7 +133,7 @@ class PackageRecipeTest(unittest.TestCase):
             self.assertIn(f"--build {folder} ", line)
 
 
-# A motiondb that makes the file of a backup.
+# A fake motiondb that creates the file of a backup.
 BACKS_UP = """\
 for last; do :; done
 #
@@ -143,7 +143,7 @@ echo "$@"
 
 
 class NightlyBackupTest(unittest.TestCase):
-    """The line for cron of docs/operations.md, with a program in the place of motiondb."""
+    """The cron line of docs/operations.md with a fake motiondb."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
@@ -164,7 +164,7 @@ class NightlyBackupTest(unittest.TestCase):
         os.utime(self.path(name), (then, then))
 
     def kept(self, motiondb):
-        """What is in the folder after the line was run with such a motiondb, and the exit code."""
+        """Runs the line with the script `motiondb`; returns the files in the folder and the exit code."""
         with open(self.path("bin/motiondb"), "w", encoding="utf-8") as file:
             file.write("#!/bin/sh\n" + motiondb)
         os.chmod(self.path("bin/motiondb"), 0o755)
@@ -176,18 +176,18 @@ class NightlyBackupTest(unittest.TestCase):
         self.assertEqual((ran.stdout, ran.stderr), ("", ""))
         return sorted(os.listdir(self.path("backups"))), ran.returncode
 
-    def test_it_is_named_after_the_day_and_replaces_what_is_a_month_old(self):
+    def test_it_is_named_by_date_and_deletes_old_backups(self):
         kept, code = self.kept(BACKS_UP)
         self.assertEqual(code, 0)
         self.assertEqual(len(kept), 2)
         self.assertRegex(kept[0], r"^20\d\d-\d\d-\d\d\.motiondb$")
         self.assertEqual(kept[1], "29.motiondb")
 
-    def test_nothing_is_removed_where_the_store_is_damaged(self):
+    def test_a_corrupt_store_deletes_no_backups(self):
         kept, code = self.kept('[ "$last" != verify ] || exit 1\n'.join(BACKS_UP.split("#\n")))
         self.assertEqual((len(kept), kept[1:], code), (3, ["29.motiondb", "32.motiondb"], 1))
 
-    def test_nothing_is_removed_where_it_fails(self):
+    def test_a_failed_backup_deletes_no_backups(self):
         kept, code = self.kept("exit 1\n")
         self.assertEqual((kept, code), (["29.motiondb", "32.motiondb"], 1))
 

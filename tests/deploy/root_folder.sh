@@ -1,12 +1,12 @@
-# Sourced: Debian systems of a test's own, in folders. What they download is kept beside `cache`.
+# Debian systems in folders, for tests; source this file. Downloads are kept in `cache`.
 #
-#   need_root            ends the test, skipped, where chroot is not allowed
-#   need PROGRAM...      ends the test, skipped, where one is not installed
-#   make_root FOLDER     a fresh Debian 12 in FOLDER, with this machine's package sources
-#   enter_root FOLDER COMMAND...
+#   need_root            skips the test if chroot is not allowed
+#   need PROGRAM...      skips the test if a program is not installed
+#   make_root FOLDER     makes a new Debian 12 in FOLDER, with the package sources of this machine
+#   enter_root FOLDER COMMAND...    runs a command in it
 #   drop_root FOLDER     unmounts and removes it
 
-skipped=77  # what ctest takes for "not run"
+skipped=77  # SKIP_RETURN_CODE of ctest
 cache=${MOTIONDB_DEPLOY_CACHE:-$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)/build/deploy}
 
 need_root() {
@@ -21,19 +21,19 @@ need() {
   done
 }
 
-# A minimal Debian that every test copies, made once.
+# Makes a minimal Debian once; every test copies it.
 base_root() {
   local base=$cache/bookworm source
   [ ! -e "$base" ] || return 0
   source=$(apt-get indextargets --format '$(RELEASE) $(REPO_URI)' 'Created-By: Packages' |
     awk '$1 == "bookworm" { print $2; exit }')
   [ -n "$source" ] || { echo "skipped: no package source of bookworm"; exit "$skipped"; }
-  echo "making a Debian in $base (once, minutes)"
+  echo "making a Debian in $base (once, takes minutes)"
   mkdir -p "$cache"
   rm -rf "$base.new"
   debootstrap --variant=minbase bookworm "$base.new" "$source" >"$cache/debootstrap.log" ||
     { tail -n 20 "$cache/debootstrap.log" >&2; exit 1; }
-  # No synchronisation of every file of every package: these systems are thrown away.
+  # No fsync by dpkg: these systems are temporary.
   echo force-unsafe-io >"$base.new/etc/dpkg/dpkg.cfg.d/unsafe-io"
   printf '#!/bin/sh\nexit 101\n' >"$base.new/usr/sbin/policy-rc.d"  # no services in a chroot
   chmod +x "$base.new/usr/sbin/policy-rc.d"
@@ -44,10 +44,10 @@ make_root() {
   base_root
   mkdir -p "$cache/archives" "$1"
   cp -a "$cache/bookworm/." "$1"
-  # The machine's own way to packages, whatever it is; not kept in the cache.
+  # Package sources and network settings of this machine; not in the cached copy.
   rm -f "$1/etc/apt/sources.list"
   cp -rL /etc/apt/. "$1/etc/apt"
-  rm -f "$1"/etc/apt/apt.conf.d/docker-*  # keeps what was downloaded, and man pages
+  rm -f "$1"/etc/apt/apt.conf.d/docker-*  # they delete downloads and manual pages
   cp -L /etc/resolv.conf "$1/etc/resolv.conf"
   cp -rL /usr/share/keyrings/. "$1/usr/share/keyrings"
   mkdir -p "$1/var/cache/apt/archives/partial" "$1/dev" "$1/proc"
@@ -67,9 +67,9 @@ enter_root() {
 
 drop_root() {
   umount -lR "$1/dev" "$1/proc" "$1/var/cache/apt/archives" 2>/dev/null || true
-  # Never into what is still mounted.
+  # Never delete files of a mounted file system.
   if grep -q " $1/" /proc/mounts; then
-    echo "$1 is left: something is mounted in it" >&2
+    echo "cannot remove $1: a file system is still mounted in it" >&2
     return
   fi
   rm -rf "$1"

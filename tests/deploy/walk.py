@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Writes a BVH file of a figure that walks on the spot: walk.py SECONDS SPEED > walk.bvh"""
+"""Writes a BVH file of a walking figure: walk.py SECONDS SPEED > walk.bvh"""
 
 import math
 import sys

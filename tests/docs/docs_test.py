@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""README.md and docs/ are true: commands give what is printed, code is the code, links and names exist.
+"""Checks README.md and docs/: output of commands, code, links and names.
 
     docs_test.py MOTIONDBD MOTIONDB
 """
@@ -19,7 +19,7 @@ MODELS = "/usr/share/assimp/models/BVH"
 PAGES = ["README.md"] + sorted(os.path.relpath(path, ROOT) for path in glob.glob(f"{ROOT}/docs/*.md"))
 GENERATED = "docs/command_line.md"
 SOURCES = ("core", "storage", "server", "client", "text", "tests", "proto", "deploy")
-# A block of code, with the comment before it that says why it is not run.
+# A block of code, with an optional comment before it that states why it is not run.
 BLOCK = re.compile(r"(?:^<!-- not run: (?P<reason>[^\n]+) -->\n)?^```(?P<language>\w*)\n(?P<text>.*?)^```$",
                    re.MULTILINE | re.DOTALL)
 NUMBER = re.compile(r"[-+]*\d+(\.\d+)?")
@@ -35,13 +35,13 @@ def blocks(page):
 
 
 def shell_blocks(page):
-    """Those with commands that are to be run."""
+    """Blocks with commands to run."""
     return [block["text"] for block in blocks(page) if block["reason"] is None
             and (block["language"] == "sh" or re.search(r"^\$ ", block["text"], re.MULTILINE))]
 
 
 def commands(text):
-    """[(command, the lines that it prints)]. A command goes on after a backslash."""
+    """Returns [(command, expected output lines)]. A backslash continues a command."""
     result = []
     for line in text.splitlines():
         if line.startswith("$ "):
@@ -51,20 +51,20 @@ def commands(text):
         elif result:
             result[-1][1].append(line)
         else:
-            result.append((line, []))  # a block marked as shell
+            result.append((line, []))  # in a block marked as shell
     return result
 
 
 def stable(line):
-    """The line without numbers, which may vary, and without the width of columns."""
+    """Returns the line with numbers and column widths normalised, because they vary."""
     return " ".join(NUMBER.sub("N", line).split())
 
 
 def matches(shown, printed):
-    """How many of the shown lines can be matched, all printed ones being used; len(shown): all. "..."
-    stands for any lines, and at the end of a line for the rest of it."""
+    """Returns the number of shown lines that match the printed ones; len(shown) if all lines match.
+    "..." matches any lines, and at the end of a line the rest of the line."""
     printed = [stable(line) for line in printed]
-    ends = {0}  # how many of the printed lines those shown so far may stand for
+    ends = {0}  # possible numbers of printed lines that the shown lines so far match
     for count, line in enumerate(shown):
         wanted = stable(line)
         if wanted == "...":
@@ -80,13 +80,13 @@ def matches(shown, printed):
 
 
 def difference(shown, printed):
-    """The first shown line that is not printed where it should be; nothing if all are."""
+    """Returns the first shown line that does not match, or None."""
     count = matches(shown, printed)
     return None if count == len(shown) else shown[count]
 
 
 class Session:
-    """A shell in a temporary folder, in which the commands of one page run, and a server."""
+    """A server, and a shell in a temporary folder for the commands of a page."""
 
     def __init__(self):
         self.folder = tempfile.TemporaryDirectory()
@@ -97,14 +97,14 @@ class Session:
             del self.environment[name]
 
     def run(self, command):
-        """The exit code and what is printed; variables stay for the next command."""
+        """Returns exit code and output lines. Variables persist for the next command."""
         script = f'[ ! -e .state ] || . ./.state\n{command}\ncode=$?\ndeclare -p B >.state 2>/dev/null\nexit $code\n'
         ran = subprocess.run(["bash", "-c", script], cwd=self.folder.name, env=self.environment, text=True,
                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, timeout=300)
         return ran.returncode, ran.stdout.splitlines()
 
     def serve(self, command="motiondbd --store motion.db --listen 127.0.0.1:50051"):
-        """Starts the server at a free port in place of the one that the command names."""
+        """Starts the server at a free port instead of the port in the command."""
         command = re.sub(r"--listen 127\.0\.0\.1:\d+", "--listen 127.0.0.1:0", command)
         self.server = subprocess.Popen(["bash", "-c", f"exec {command} --http-listen none --log-level error"],
                                        cwd=self.folder.name, env=self.environment, text=True,
@@ -122,7 +122,7 @@ class Session:
 
 
 class CommandsTest(unittest.TestCase):
-    """What a page shows after a command is what the command prints."""
+    """The shown output of each command is its real output."""
 
     def check(self, page):
         session = Session()
@@ -190,7 +190,7 @@ class CodeTest(unittest.TestCase):
         self.assertEqual([stable(line) for line in printed],
                          ["label boxing", "horizons N", "metres from the goal N", "frame N boxing"])
 
-    def test_the_command_line_is_what_the_programs_say(self):
+    def test_the_command_line_page_is_up_to_date(self):
         script = "deploy/manual/write_command_line.py"
         written = subprocess.run(["/usr/bin/python3", "-B", os.path.join(ROOT, script), MOTIONDB, MOTIONDBD],
                                  capture_output=True, text=True, check=True).stdout
@@ -199,13 +199,13 @@ class CodeTest(unittest.TestCase):
 
 
 def anchors(page):
-    """Of headings, as web pages of repositories have them."""
+    """Returns the anchors of headings, as on repository web pages."""
     return {re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
             for heading in re.findall(r"^#+ (.*)$", read(page), re.MULTILINE)}
 
 
 class NamesTest(unittest.TestCase):
-    """Links, files and names that pages mention."""
+    """Links, files and names in pages exist."""
 
     def test_links_lead_somewhere(self):
         for page in PAGES:

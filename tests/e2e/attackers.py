@@ -1,5 +1,5 @@
-"""Processes that attack a server: each plays the scripts of an attack (floods.py) on connections of its
-own, which it opens again when the server ends them."""
+"""Attacker processes. Each plays the script of an attack (floods.py) on its own connections, and
+reopens a connection that the server has closed."""
 
 import dataclasses
 import multiprocessing
@@ -11,32 +11,32 @@ import typing
 
 from http2 import WINDOW_UPDATE
 
-# Another address than that of the well-behaved client: limits of one address are not to meet both.
+# Not the address of the well-behaved client: the limits of one address must not affect both.
 SOURCE = "127.0.0.2"
-PIECE = 1 << 16
+CHUNK_BYTES = 1 << 16
 ENDED = select.POLLHUP | select.POLLERR | select.POLLRDHUP | select.POLLNVAL
-CONNECTIONS, BYTES, ENDED_BY_SERVER, REFUSED = range(4)  # what is counted
+CONNECTIONS, BYTES, ENDED_BY_SERVER, REFUSED = range(4)  # indices of the counters
 
 
 @dataclasses.dataclass(frozen=True)
 class Attack:
-    # script(connection, aim) yields what is sent: bytes, or seconds to pause. It may wait for
-    # connection.window. At its end the connection is closed and opened again.
+    # script(connection, aim) yields bytes to send or seconds to pause. It may wait for
+    # connection.window. At its end the connection is closed and reopened.
     script: typing.Callable
-    reads: bool = True  # takes what the server sends; else never
-    sockets: int = 1  # for each of the attackers
-    http: bool = False  # goes to the HTTP port
-    tls: bool = True  # shakes hands on a port with TLS; else writes to the bare socket
-    most_attackers: int = 1000
+    reads: bool = True  # reads the server's bytes
+    sockets: int = 1  # per attacker
+    http: bool = False  # attacks the HTTP port
+    tls: bool = True  # does a TLS handshake if the port uses TLS; otherwise writes to the bare socket
+    max_attackers: int = 1000
     allowed: bool = False  # the server must not end these connections
 
 
 @dataclasses.dataclass(frozen=True)
 class Aim:
-    """What is attacked."""
+    """Target of an attack."""
     address: tuple  # host, port
     tls: typing.Optional[ssl.SSLContext]
-    token: str  # a valid one; empty: none is needed
+    token: str  # a valid token; empty if none is needed
     database: str
 
 
@@ -55,7 +55,7 @@ class Connection:
 
     def open(self):
         self.chunk, self.received = memoryview(b""), b""
-        self.window = 65535  # of the connection, as far as WINDOW_UPDATE frames were read
+        self.window = 65535  # of the connection, updated by WINDOW_UPDATE frames
         try:
             self.socket = socket.create_connection(self.aim.address, 3, (SOURCE, 0))
             if self.aim.tls and self.attack.tls:
@@ -85,7 +85,7 @@ class Connection:
         return (select.POLLRDHUP | (select.POLLIN if self.attack.reads else 0) |
                 (0 if paused else select.POLLOUT))
 
-    def go_on(self, events):
+    def handle(self, events):
         try:
             if events & select.POLLIN:
                 self.receive()
@@ -109,7 +109,7 @@ class Connection:
                     self.pause_until = time.monotonic() + step
                     return
                 self.chunk = memoryview(step)
-            sent = self.socket.send(self.chunk[:PIECE])
+            sent = self.socket.send(self.chunk[:CHUNK_BYTES])
             self.counts[BYTES] += sent
             self.chunk = self.chunk[sent:]
 
@@ -130,11 +130,11 @@ class Connection:
             if self.received[3] == WINDOW_UPDATE and self.received[5:9] == bytes(4):
                 self.window += int.from_bytes(self.received[9:13], "big")
             self.received = self.received[end:]
-        self.received = self.received[-(1 << 16):]  # where it is not HTTP/2
+        self.received = self.received[-(1 << 16):]  # bounds the buffer if the peer does not send HTTP/2
 
 
 def _attack(attack, aim, counts, seconds, group, share):
-    """One attacker. Without a group it takes `share` of a core by its own account."""
+    """Runs one attacker. Without a cgroup it limits itself to `share` of a core."""
     if group:
         group.join()
     poller = select.poll()
@@ -151,17 +151,17 @@ def _attack(attack, aim, counts, seconds, group, share):
         events = dict(poller.poll(20))
         for connection in connections:
             if connection.socket is not None and (happened := events.get(connection.socket.fileno())):
-                connection.go_on(happened)
+                connection.handle(happened)
         ahead = time.process_time() - worked_before - share * elapsed
         if not group and ahead > 0:
             time.sleep(ahead / share)
 
 
 class Attackers:
-    """So many processes from construction on, for so many seconds."""
+    """Starts `count` attacker processes that run for `seconds`."""
 
     def __init__(self, attack, aim, count, seconds, cores, group):
-        count = min(count, attack.most_attackers)
+        count = min(count, attack.max_attackers)
         processes = multiprocessing.get_context("fork")
         self.counts = [processes.RawArray("Q", 4) for _ in range(count)]
         self.processes = [
@@ -172,7 +172,8 @@ class Attackers:
             process.start()
 
     def stop(self):
-        """Of all: connections, bytes, connections that the server ended, and that it refused."""
+        """Returns totals: connections, bytes sent, connections closed by the server, connections
+        refused."""
         for process in self.processes:
             process.terminate()
         for process in self.processes:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""backup, restore and verify with the real programs.
+"""Tests backup, restore and verify with the real programs.
 
     backup_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -31,11 +31,11 @@ class Backup(WithServer):
         server.ask("ingest", "d", *paths, "--label", "moves")
 
     def answers(self, server):
-        """What a server says about an observation, but for how long it took."""
+        """Returns answers of a server without durations."""
         described = server.ask_one("describe", "d")
         described.pop("build_seconds")
         plan = server.ask_one("plan", "d", "--start", "clip0@0.1", "--goal", "0.8,0,0", "--seed", "3")
-        self.assertEqual(plan["outcome"], "EXACT")  # no end of time ended the search
+        self.assertEqual(plan["outcome"], "EXACT")  # not cut short by the time limit
         del plan["effort"]["search_seconds"], plan["effort"]["total_seconds"]
         return [described, server.ask("list", "d"), plan,
                 server.ask_one("recognize", "d", self.path("seen.bvh")),
@@ -58,15 +58,15 @@ class Backup(WithServer):
             self.assertGreaterEqual(os.path.getsize(self.path("moved.db")), size)
             backup = self.path("copy.mdb")
             for _ in range(2):
-                other.ask("backup", "--force", backup)  # a backup may be replaced
+                other.ask("backup", "--force", backup)  # a backup may be overwritten
             self.assertEqual(glob.glob(self.path("*.part*")), [])
         finally:
             other.stop()
 
     def test_a_restored_server_gives_the_same_answers(self):
         backup = self.path("copy.mdb")
-        said = self.server.ask_one("backup", backup)
-        self.assertEqual(said["total_bytes"], os.path.getsize(backup))
+        saved = self.server.ask_one("backup", backup)
+        self.assertEqual(saved["total_bytes"], os.path.getsize(backup))
         self.assertEqual(glob.glob(backup + ".part*"), [])
         other = Server(self.path("other.db"))
         try:
@@ -76,8 +76,8 @@ class Backup(WithServer):
             verified = other.run("verify")
             self.assertEqual(verified.returncode, 0)
             self.assertIn("verified 1 database, 6 clips, 1 model, 1 skeleton, ", verified.stdout)
-            # The model was read, and not built again: its version is the same. It goes on from there, by an
-            # extension first where a build takes long.
+            # The stored model is read, not rebuilt: its version is unchanged. The next version is a
+            # build, or an extension followed by a build if builds are slow.
             version = other.ask_one("describe", "d")["model_version"]
             self.ingest(other, 50)
             self.assertIn(other.ask_one("describe", "d")["model_version"], (version + 1, version + 2))
@@ -87,11 +87,11 @@ class Backup(WithServer):
         finally:
             other.stop()
 
-    def test_backups_are_taken_while_clips_come(self):
+    def test_backups_during_ingest(self):
         stop = threading.Event()
         failures = []
 
-        def press_on():
+        def add_load():
             seed = 100
             while not stop.is_set():
                 try:
@@ -101,7 +101,7 @@ class Backup(WithServer):
                     failures.append(error)
                 seed += 1
 
-        thread = threading.Thread(target=press_on)
+        thread = threading.Thread(target=add_load)
         thread.start()
         for number in range(3):
             self.server.ask_one("backup", self.path(f"copy{number}.mdb"))
@@ -116,7 +116,7 @@ class Backup(WithServer):
         finally:
             other.stop()
 
-    def test_a_store_that_cannot_be_served_says_what_can_be_done(self):
+    def test_an_unreadable_store_is_reported_with_advice(self):
         self.server.stop()
         with open(self.store, "r+b") as file:
             file.seek(100)  # the list of tables
@@ -128,7 +128,7 @@ class Backup(WithServer):
         self.assertIn("malformed", result.stderr)
         self.assertIn("restore a backup into a new one", result.stderr)
 
-    def test_a_damaged_backup_is_refused(self):
+    def test_a_corrupt_backup_is_refused(self):
         backup = self.path("copy.mdb")
         self.server.ask_one("backup", backup)
         with open(backup, "rb") as file:
@@ -151,7 +151,7 @@ class Backup(WithServer):
                 self.assertIn(expected, refused.stderr)
                 self.assertEqual(other.ask("list"), [])
             other.ask_one("restore", backup)
-            # It is no error of the server's.
+            # It is not a server error.
             log.seek(0)
             self.assertEqual(log.read(), "")
         finally:
@@ -161,12 +161,12 @@ class Backup(WithServer):
     def test_files_are_not_replaced(self):
         backup = self.path("copy.mdb")
         self.server.ask_one("backup", backup)
-        self.assertIn("exists already", self.server.run("backup", backup).stderr)
+        self.assertIn("already exists", self.server.run("backup", backup).stderr)
         self.assertEqual(self.server.run("backup", backup, "--force").returncode, 0)
         self.assertNotEqual(self.server.run("backup", self.path("no/folder/x")).returncode, 0)
         self.assertNotEqual(self.server.run("restore", self.path("missing")).returncode, 0)
 
-    def test_verify_names_damage_which_costs_the_clip_alone(self):
+    def test_verify_names_a_corrupt_clip_and_others_stay_usable(self):
         summary = json.loads(self.server.run("--json", "verify").stdout.splitlines()[-1])
         self.assertEqual(summary["summary"]["clip_count"], 6)
         self.server.stop()
@@ -178,8 +178,8 @@ class Backup(WithServer):
         self.server = Server(self.store)
         verified = self.server.run("verify")
         self.assertNotEqual(verified.returncode, 0)
-        self.assertIn("damaged: databases/d/clips/clip3: states: chunk 0", verified.stdout)
-        # The others are built into a model, and the clip can be replaced.
+        self.assertIn("corrupt: databases/d/clips/clip3: states: chunk 0", verified.stdout)
+        # The other clips are built into a model, and the clip can be replaced.
         self.ingest(self.server, 60)
         self.assertEqual(self.server.ask_one("describe", "d")["clip_count"], 6)
         self.assertEqual(self.server.run("delete", "d", "clip3").returncode, 0)

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What motiondb says where it does not come through to a server that has TLS, or has none.
+"""Tests the errors of motiondb when TLS settings of client and server do not match.
 
     connection_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -34,8 +34,9 @@ class ConnectionTest(unittest.TestCase):
         cls.addClassCleanup(server.stop)
         return server
 
-    def said(self, server, *flags):
-        """One line, in time, that names the address; without what is the same in all."""
+    def error_of(self, server, *flags):
+        """Returns the error: one line, within the time limit, with the address. The common
+        beginning is removed."""
         began = time.monotonic()
         result = server.run("list", flags=flags)
         self.assertLess(time.monotonic() - began, 2 + 3 * programs.SLOWNESS)
@@ -45,7 +46,7 @@ class ConnectionTest(unittest.TestCase):
         self.assertEqual(result.stderr.count("\n"), 1, result.stderr)
         return result.stderr.removeprefix(begin)
 
-    def test_who_should_be_answered_is(self):
+    def test_valid_clients_are_answered(self):
         for server, flags in ((self.plain, []), (self.tls, self.trust),
                               (self.mutual, [*self.trust, "--tls-certificate", self.certificate,
                                              "--tls-key", self.key])):
@@ -53,48 +54,48 @@ class ConnectionTest(unittest.TestCase):
             self.assertEqual((result.returncode, result.stderr), (0, ""))
 
     def test_plain_text_to_a_server_with_tls(self):
-        said = self.said(self.tls)
-        self.assertIn("closes connections in plain text", said)
-        self.assertIn("--tls-ca FILE", said)
+        error = self.error_of(self.tls)
+        self.assertIn("closes connections in plain text", error)
+        self.assertIn("--tls-ca FILE", error)
 
     def test_tls_to_a_server_without(self):
-        said = self.said(self.plain, *self.trust)
-        self.assertIn("does not speak TLS", said)
-        self.assertIn("leave out --tls", said)
+        error = self.error_of(self.plain, *self.trust)
+        self.assertIn("does not use TLS", error)
+        self.assertIn("omit --tls", error)
 
-    def test_a_certificate_of_another_authority(self):
-        said = self.said(self.tls, "--tls-ca", self.other.certificate)
-        self.assertIn("its certificate is not signed by " + self.other.certificate, said)
-        self.assertIn("--tls-ca", said)
-        self.assertIn("an authority that this system trusts", self.said(self.tls, "--tls"))
+    def test_a_certificate_from_another_authority(self):
+        error = self.error_of(self.tls, "--tls-ca", self.other.certificate)
+        self.assertIn("its certificate is not signed by " + self.other.certificate, error)
+        self.assertIn("--tls-ca", error)
+        self.assertIn("an authority that this system trusts", self.error_of(self.tls, "--tls"))
 
     def test_a_certificate_for_another_name(self):
-        said = self.said(self.tls, *self.trust, "--tls-server-name", "robots.example")
-        self.assertIn("is not made out to robots.example", said)
-        self.assertIn("--tls-server-name", said)
+        error = self.error_of(self.tls, *self.trust, "--tls-server-name", "robots.example")
+        self.assertIn("is not for robots.example", error)
+        self.assertIn("--tls-server-name", error)
 
     def test_a_clients_certificate(self):
-        said = self.said(self.mutual, *self.trust)
-        self.assertIn("asks for a client's certificate", said)
-        self.assertIn("--tls-certificate FILE and --tls-key FILE", said)
+        error = self.error_of(self.mutual, *self.trust)
+        self.assertIn("requires a client certificate", error)
+        self.assertIn("--tls-certificate FILE and --tls-key FILE", error)
         stranger, key = self.other.issue("stranger", "robot-7")
-        said = self.said(self.mutual, *self.trust, "--tls-certificate", stranger, "--tls-key", key)
-        self.assertIn("does not trust who signed " + stranger, said)
-        said = self.said(self.tls, *self.trust, "--tls-certificate", self.certificate, "--tls-key",
-                         key)
-        self.assertIn(f"{key} is not the key of {self.certificate}", said)
+        error = self.error_of(self.mutual, *self.trust, "--tls-certificate", stranger, "--tls-key", key)
+        self.assertIn("does not trust the authority that signed " + stranger, error)
+        error = self.error_of(self.tls, *self.trust, "--tls-certificate", self.certificate, "--tls-key",
+                              key)
+        self.assertIn(f"{key} is not the key of {self.certificate}", error)
 
     def test_a_file_without_a_certificate(self):
         broken = os.path.join(self.folder.name, "broken.crt")
         with open(broken, "w") as file:
             file.write("-----BEGIN CERTIFICATE-----\nbroken\n-----END CERTIFICATE-----\n")
-        said = self.said(self.tls, "--tls-ca", broken)
-        self.assertIn(broken + ": holds no certificate of use", said)
-        self.assertIn("--tls-ca", said)
+        error = self.error_of(self.tls, "--tls-ca", broken)
+        self.assertIn(broken + ": contains no valid certificate", error)
+        self.assertIn("--tls-ca", error)
 
 
 class DescriptorsTest(unittest.TestCase):
-    def test_connections_beyond_are_refused_and_taken_again(self):
+    def test_excess_connections_are_refused_and_later_accepted(self):
         with tempfile.TemporaryDirectory() as folder, open(folder + "/log", "w+") as log:
             server = programs.Server(folder + "/motion.db", "--http-listen", "none",
                                      "--log-level", "warning", log=log, descriptors=128)
@@ -108,8 +109,8 @@ class DescriptorsTest(unittest.TestCase):
             for connection in silent:
                 connection.close()
             while server.run("list").returncode != 0:
-                self.assertLess(time.monotonic(), deadline, "it takes no connections any more")
-            # It could write all the while.
+                self.assertLess(time.monotonic(), deadline, "it accepts no connections")
+            # The store was writable all the time.
             server.ask_one("create", "runs")
             self.assertEqual(server.stop(), 0)
 

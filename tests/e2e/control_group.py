@@ -1,4 +1,4 @@
-"""Limits of processor and memory for processes, by cgroups of version 1 or 2."""
+"""CPU and memory limits for processes, with cgroups version 1 or 2."""
 
 import os
 
@@ -6,7 +6,8 @@ ROOT = "/sys/fs/cgroup"
 
 
 def _own_path(controller):
-    """Mount, path in it and version of this process' cgroup that has the controller; None if there is none."""
+    """Returns mount, path in it and version of this process's cgroup with the controller; None if
+    there is none."""
     with open("/proc/self/cgroup", encoding="ascii") as file:
         lines = [line.rstrip("\n").split(":", 2) for line in file]
     for number, controllers, path in lines:
@@ -18,9 +19,9 @@ def _own_path(controller):
 
 
 class ControlGroup:
-    """A cgroup below `parent`, or below the root if this process is in it. A process in another cgroup
-    was put there by a service or a container: it must not leave it, and the cgroup is not ours to divide.
-    OSError: it cannot be made; says why."""
+    """A cgroup below `parent`, or below the root if this process is in the root. A service or a
+    container owns any other cgroup, so this process must not leave or split it. Raises OSError with
+    the reason if the cgroup cannot be created."""
 
     def __init__(self, controller, limits, parent=None):
         own = _own_path(controller)
@@ -50,7 +51,7 @@ class ControlGroup:
 
 
 def processor_group(cores):
-    period = 20_000  # microseconds: short, so that the share comes evenly
+    period = 20_000  # microseconds: short, so that the share is even
     return ControlGroup("cpu", {
         1: [("cpu.cfs_period_us", period), ("cpu.cfs_quota_us", int(cores * period))],
         2: [("cpu.max", f"{int(cores * period)} {period}")]})

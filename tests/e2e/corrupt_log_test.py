@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""A bit that is flipped in the log of a killed server is logged at the next start, and status and verify report it.
+"""A flipped bit in the WAL of a killed server is logged at the next start and reported by status
+and verify.
 
     corrupt_log_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -53,7 +54,7 @@ class CorruptLog(WithServer):
         verified = self.server.run("verify")
         self.assertEqual(verified.returncode, 1)
         self.assertIn(expected, verified.stdout)
-        # Also after a further start, until somebody has taken notice.
+        # Still reported after another start, until the saved copy of the log is deleted.
         self.server.stop()
         self.start()
         verified = self.server.run("verify")
@@ -72,7 +73,7 @@ class CorruptLog(WithServer):
         self.assertEqual(self.server.run("verify").returncode, 0)
         self.assertEqual(self.logged(), "")
 
-    def test_without_its_log_nothing_more_is_acknowledged(self):
+    def test_changes_fail_if_the_wal_is_missing(self):
         self.server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4")
         write_bvh(self.path("before.bvh"), 1)
         self.server.ask("ingest", "d", self.path("before.bvh"))

@@ -1,10 +1,10 @@
-"""Small synthetic motion files: a figure of seven joints that steps, or sits down."""
+"""Small synthetic motion files: a figure of seven joints that steps or sits down."""
 
 import math
 
 
 def write_bvh(path, seed, frames=48):
-    """Writes a BVH file that no other seed gives."""
+    """Writes a BVH file; each seed gives another file."""
     lines = ["HIERARCHY", "ROOT Hips", "{", "OFFSET 0 0 0",
              "CHANNELS 6 Xposition Yposition Zposition Zrotation Yrotation Xrotation"]
     for side, x in (("Left", 10), ("Right", -10)):

@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""Attacks on every TCP port of motiondbd (floods.py), while a well-behaved client measures it.
+"""Attacks every TCP port of motiondbd (floods.py) while a well-behaved client measures latency.
 
     flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER STEADY_CLIENT [--short] [--attack NAME]...
 
-The server has TLS and tokens, or neither with --plain, and 512 MiB. The attackers together have half a
-core. Each attack meets a server that just started. One line for each attack; exit code 1 if a bar is
-missed.
+The server uses TLS and tokens, or neither with --plain, and has 512 MiB. All attackers together have
+half a core. Each attack starts with a new server. Prints one line per attack. Exit code 1 if a bar
+is missed.
 """
 
 import argparse
@@ -26,12 +26,13 @@ PEAK_MB = 300  # resident memory of the server
 SERVER_BYTES = 512 << 20
 ATTACKER_CORES = 0.5
 P99_MS = {"health": 250, "livez": 250, "recognize": 1000}
-MOST_MS = 3000  # of any call, and of a new connection with a health check
+MAX_MS = 3000  # of any call, and of a new connection with a health check
 ROW = "{:<24}{:>7}{:>9}{:>8}{:>8}{:>7}{:>6}{:>13}{:>13}{:>13}{:>13}{:>6}  {}"
 
 
 def watch(measured, seconds):
-    """The server's peak of so long. Where no cgroup limits it, this ends the server beyond its memory."""
+    """Returns the server's peak memory within `seconds`. Kills the server above SERVER_BYTES if no
+    cgroup limits it."""
     until, peak = time.monotonic() + seconds, 0
     while time.monotonic() < until and measured.runs():
         peak = max(peak, measured.memory("VmHWM"))
@@ -45,24 +46,24 @@ def problems(attack, peak, totals, latencies, ran):
     found = [] if ran else ["the server ended"]
     if peak > PEAK_MB and programs.SLOWNESS == 1:
         found.append(f"{peak:.0f} MB")
-    for kind, figures in latencies.items():
-        if figures["failures"]:
-            found.append(f"{figures['failures']} of {kind} failed ({figures['error']})")
-        if figures["count"] == 0:
+    for kind, statistics in latencies.items():
+        if statistics["failures"]:
+            found.append(f"{statistics['failures']} of {kind} failed ({statistics['error']})")
+        if statistics["count"] == 0:
             found.append(f"no {kind}")
-        if (figures["p99_ms"] > P99_MS.get(kind, MOST_MS) * programs.SLOWNESS or
-                figures["max_ms"] > MOST_MS * programs.SLOWNESS):
+        if (statistics["p99_ms"] > P99_MS.get(kind, MAX_MS) * programs.SLOWNESS or
+                statistics["max_ms"] > MAX_MS * programs.SLOWNESS):
             found.append(f"{kind} is late")
     connections, sent, ended, _ = totals
     if not connections or not sent and not attack.sockets > 1:
-        found.append("nothing was tried")
+        found.append("the attack sent nothing")
     if attack.allowed and ended:
-        found.append("ended what is allowed")
+        found.append("the server closed an allowed connection")
     return found
 
 
 def measure(name, measured, options, group):
-    """Prints the line of one attack; whether all bars were kept."""
+    """Prints the line of one attack. Returns whether all bars were kept."""
     attack = ATTACKS[name]
     seconds = max(options.seconds, 6.5) if attack.allowed else options.seconds
     measured.start()
@@ -80,12 +81,12 @@ def measure(name, measured, options, group):
     after, ran = measured.memory("VmRSS"), measured.runs()
     found = problems(attack, peak, totals, latencies, ran)
     if not measured.stop(kill=bool(found)) and not found:
-        found = ["it did not end as it should on SIGTERM"]
+        found = ["it did not exit with 0 on SIGTERM"]
     pairs = [f"{latencies[kind]['p99_ms']:.0f}/{latencies[kind]['max_ms']:.0f}"
              for kind in ("health", "recognize", "connect", "livez")]
     print(ROW.format(name, totals[0], f"{totals[1] / MB:.1f}", totals[2], totals[3],
                      f"{peak:.0f}", f"{after:.0f}", *pairs,
-                     sum(figures["failures"] for figures in latencies.values()),
+                     sum(statistics["failures"] for statistics in latencies.values()),
                      "FAILED: " + "; ".join(found) if found else "ok"), flush=True)
     return not found
 
@@ -96,16 +97,16 @@ def parse_options():
     parser.add_argument("--plain", action="store_true", help="no TLS, no tokens")
     parser.add_argument("--tls", action="store_false", dest="plain", help="the default")
     parser.add_argument("--attack", action="append", choices=["all", *ATTACKS], metavar="NAME")
-    parser.add_argument("--short", action="store_true", help="the most important, 2.5 s each")
-    parser.add_argument("--seconds", type=float, help="of each attack; 60")
-    parser.add_argument("--connections", type=int, default=8, help="attackers")
+    parser.add_argument("--short", action="store_true", help="only the most important attacks, 2.5 s each")
+    parser.add_argument("--seconds", type=float, help="duration of each attack; default 60")
+    parser.add_argument("--connections", type=int, default=8, help="number of attackers")
     parser.add_argument("--memory-parent", metavar="FOLDER",
-                        help="cgroup that the server's is made in; absent: the root, if this "
+                        help="parent of the server's cgroup; default: the root, if this "
                              "process is in it")
     parser.add_argument("--server-options", type=shlex.split, default=[],
-                        help="further options of motiondbd, in one argument")
+                        help="more options of motiondbd, as one argument")
     options = parser.parse_args(sys.argv[4:])
-    short = 2.5 if programs.SLOWNESS == 1 else 1  # a sanitizer looks for faults, not at the bars
+    short = 2.5 if programs.SLOWNESS == 1 else 1  # a sanitizer run looks for faults, not at the bars
     options.seconds = options.seconds or (short if options.short else 60)
     names = options.attack or (MOST_IMPORTANT if options.short else ["all"])
     options.names = list(ATTACKS) if "all" in names else names
@@ -116,7 +117,7 @@ def parse_options():
 
 @contextlib.contextmanager
 def limit(make, *arguments, instead):
-    """The cgroup while the context lasts; None, and a line that says so, where it cannot be had."""
+    """Yields a cgroup; yields None and prints the reason if it cannot be created."""
     group = None
     try:
         group = make(*arguments)
@@ -131,15 +132,15 @@ def limit(make, *arguments, instead):
 
 def server_group(options):
     if programs.SLOWNESS > 1:
-        raise OSError("bars of memory are not for sanitizers")
+        raise OSError("memory bars do not apply to sanitizers")
     return control_group.memory_group(SERVER_BYTES, options.memory_parent)
 
 
 def run(options):
     with (tempfile.TemporaryDirectory() as folder,
           limit(control_group.processor_group, ATTACKER_CORES,
-                instead="attackers count their own processor time") as attackers_group,
-          limit(server_group, options, instead="a release build is killed beyond 512 MiB") as group):
+                instead="attackers limit their own processor time") as attackers_group,
+          limit(server_group, options, instead="a release build is killed above 512 MiB") as group):
         measured = Measured(folder, options.plain, group, options.server_options)
         print(ROW.format("attack", "conns", "MB sent", "ended", "refused", "peak", "after",
                          "health", "recognize", "connect", "livez", "fail",

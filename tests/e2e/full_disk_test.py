@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A real server on a real small disk that others fill: what it says, and that it recovers by itself.
+"""A real server on a small disk that others fill: it reports the full disk and recovers by itself.
 
     full_disk_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """

@@ -1,11 +1,11 @@
-"""What HTTP/2 is made of, for clients that no library would play."""
+"""HTTP/2 frames and headers, for clients that no library implements."""
 
 import struct
 
 DATA, HEADERS, PRIORITY, RESET, SETTINGS, PING, WINDOW_UPDATE, CONTINUATION = 0, 1, 2, 3, 4, 6, 8, 9
 END_STREAM, END_HEADERS, ACK = 1, 4, 1  # flags
 INITIAL_WINDOW_SIZE = 4  # a setting
-START = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"  # of a connection
+START = b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n"  # connection preface
 
 
 def frame(kind, flags, stream, payload):
@@ -14,7 +14,7 @@ def frame(kind, flags, stream, payload):
 
 
 def text(value):
-    """A string literal of HPACK, without Huffman code."""
+    """Returns an HPACK string literal without Huffman code."""
     length, prefix = len(value), bytes([min(len(value), 127)])
     if length >= 127:  # the rest in groups of 7 bits
         length -= 127
@@ -25,33 +25,33 @@ def text(value):
 
 
 def header(name, value):
-    """A header field that HPACK leaves as it is."""
+    """Returns a header field that is not added to the dynamic table."""
     return b"\0" + text(name) + text(value)
 
 
 def indexed_header(name, value):
-    """A header field that also enters the dynamic table."""
+    """Returns a header field that is added to the dynamic table."""
     return b"\x40" + text(name) + text(value)
 
 
-NEWEST_ENTRY = b"\xbe"  # the field that entered the dynamic table last: index 62
+NEWEST_ENTRY = b"\xbe"  # the newest field of the dynamic table: index 62
 
 
 def call_headers(path, *pairs):
-    """The block of headers of a call, with further fields."""
+    """Returns the header block of a call, with extra fields."""
     return b"".join(header(*pair) for pair in [
         (":method", "POST"), (":scheme", "http"), (":authority", "localhost"), (":path", path),
         ("content-type", "application/grpc"), ("te", "trailers"), *pairs])
 
 
 def request_headers(method, *pairs):
-    """The block of headers of a call of motiondb: "DatabaseService/ListDatabases"."""
+    """Returns the header block of a motiondb call, such as "DatabaseService/ListDatabases"."""
     return call_headers("/motiondb.v1." + method, *pairs)
 
 
-def header_frames(flags, stream, block, most=16384):
-    """A whole block of headers as HEADERS and as many CONTINUATION frames as it needs."""
-    parts = [block[i:i + most] for i in range(0, len(block), most)]
+def header_frames(flags, stream, block, max_bytes=16384):
+    """Returns a header block as one HEADERS frame and the CONTINUATION frames that it needs."""
+    parts = [block[i:i + max_bytes] for i in range(0, len(block), max_bytes)]
     last = len(parts) - 1
     return b"".join(
         frame(CONTINUATION if i else HEADERS,
@@ -60,5 +60,5 @@ def header_frames(flags, stream, block, most=16384):
 
 
 def message(payload):
-    """A message of a call, as gRPC frames it."""
+    """Returns a message with gRPC's length prefix."""
     return b"\0" + struct.pack(">I", len(payload)) + payload

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The HTTP port while eight clients try to keep others out: probes are answered, and memory stays small.
+"""Eight clients flood the HTTP port: probes must be answered, and memory must stay small.
 
     http_flood_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -19,7 +19,7 @@ from programs import Server
 MIB = 1 << 20
 ATTACKER, PROBE = "127.0.0.2", "127.0.0.3"
 SECONDS = 3.0
-LONGEST_ANSWER = 0.25 if programs.SLOWNESS == 1 else 5
+MAX_ANSWER_SECONDS = 0.25 if programs.SLOWNESS == 1 else 5
 GET = b"GET /metrics HTTP/1.1\r\nHost: test\r\n\r\n"
 
 
@@ -28,27 +28,27 @@ def connect(port):
 
 
 def slow_headers(port):
-    """Holds as many connections as it gets, and sends each a few bytes at a time."""
+    """Keeps up to 100 connections open and sends a few bytes at a time on each."""
     held = []
     while True:
         if len(held) < 100:
             held.append(connect(port))
             held[-1].sendall(b"GET /readyz HTTP/1.1\r\n")
-        for one in held[:]:
+        for connection in held[:]:
             try:
-                one.sendall(b"X: y\r\n")
+                connection.sendall(b"X: y\r\n")
             except OSError:
-                one.close()
-                held.remove(one)
+                connection.close()
+                held.remove(connection)
         time.sleep(0.01)
 
 
 def large_headers(port):
     while True:
-        with connect(port) as one:
-            one.sendall(b"GET /readyz HTTP/1.1\r\n")
+        with connect(port) as connection:
+            connection.sendall(b"GET /readyz HTTP/1.1\r\n")
             for _ in range(1000):
-                one.sendall(b"X: " + b"x" * 1000 + b"\r\n")
+                connection.sendall(b"X: " + b"x" * 1000 + b"\r\n")
 
 
 def many_connections(port):
@@ -60,44 +60,44 @@ def many_connections(port):
 
 
 def pipelined(port):
-    """Requests without end, whose answers it never reads."""
+    """Sends requests without end and never reads the answers."""
     while True:
-        with connect(port) as one:
+        with connect(port) as connection:
             while True:
-                one.sendall(50 * GET)
+                connection.sendall(50 * GET)
 
 
 def fast(port):
-    """Requests and answers as fast as they go."""
+    """Sends requests and reads answers as fast as possible."""
     while True:
-        with connect(port) as one:
+        with connect(port) as connection:
             while True:
-                one.sendall(GET)
-                if not one.recv(1 << 20):
+                connection.sendall(GET)
+                if not connection.recv(1 << 20):
                     break
 
 
-def many_askers(port):
-    """Many connections that always wait for a page."""
-    asking = selectors.DefaultSelector()
+def many_readers(port):
+    """Keeps many connections that always wait for a page."""
+    waiting = selectors.DefaultSelector()
     while True:
-        while len(asking.get_map()) < 64:
-            one = connect(port)
-            one.sendall(GET)
-            asking.register(one, selectors.EVENT_READ)
-        for key, _ in asking.select():
+        while len(waiting.get_map()) < 64:
+            connection = connect(port)
+            connection.sendall(GET)
+            waiting.register(connection, selectors.EVENT_READ)
+        for key, _ in waiting.select():
             try:
                 if key.fileobj.recv(1 << 20):
                     key.fileobj.sendall(GET)
                     continue
             except OSError:
                 pass
-            asking.unregister(key.fileobj)
+            waiting.unregister(key.fileobj)
             key.fileobj.close()
 
 
 def attack(kind, port):
-    os.nice(10)  # what others do elsewhere takes no processor time of the server's machine
+    os.nice(10)  # the attackers must not take the server's processor time
     while True:
         try:
             kind(port)
@@ -118,14 +118,14 @@ class HttpFlood(unittest.TestCase):
             port = int(server.http.rsplit(":", 1)[1])
             before = resident(server.process.pid)
             kinds = [slow_headers, large_headers, many_connections, many_connections, pipelined,
-                     many_askers, many_askers, fast]
+                     many_readers, many_readers, fast]
             attackers = [multiprocessing.Process(target=attack, args=(kind, port), daemon=True)
                          for kind in kinds]
             for attacker in attackers:
                 attacker.start()
             try:
-                time.sleep(0.5)  # until all work
-                times, most = [], 0.0
+                time.sleep(0.5)  # all attackers run
+                times, peak = [], 0.0
                 begin = time.monotonic()
                 while time.monotonic() - begin < SECONDS:
                     page = ("/livez", "/readyz", "/metrics")[len(times) % 3]
@@ -137,7 +137,7 @@ class HttpFlood(unittest.TestCase):
                     probe.close()
                     times.append(time.monotonic() - asked)
                     self.assertEqual(status, 200, page)
-                    most = max(most, resident(server.process.pid))
+                    peak = max(peak, resident(server.process.pid))
                     time.sleep(0.01)
             finally:
                 for attacker in attackers:
@@ -146,10 +146,10 @@ class HttpFlood(unittest.TestCase):
                     attacker.join()
             times.sort()
             print(f"\n{len(times)} probes: half within {1000 * times[len(times) // 2]:.0f} ms, all within "
-                  f"{1000 * times[-1]:.0f} ms; memory {before:.0f} -> {most:.0f} MiB")
-            self.assertLess(times[-1], LONGEST_ANSWER)
-            if programs.SLOWNESS == 1:  # a sanitizer keeps what was freed
-                self.assertLess(most - before, 32)
+                  f"{1000 * times[-1]:.0f} ms; memory {before:.0f} -> {peak:.0f} MiB")
+            self.assertLess(times[-1], MAX_ANSWER_SECONDS)
+            if programs.SLOWNESS == 1:  # sanitizers delay the return of freed memory
+                self.assertLess(peak - before, 32)
             self.assertEqual(server.stop(), 0)
 
 

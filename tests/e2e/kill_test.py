@@ -1,11 +1,11 @@
 #!/usr/bin/python3
-"""A server that is killed at any moment keeps what it acknowledged, and nothing is damaged.
+"""A server that is killed at any moment keeps all acknowledged changes, and nothing is corrupt.
 
     kill_test.py MOTIONDBD MOTIONDB DATA_FOLDER [--kills N] [--seed S]
 
-Ingest, deletion of clips and of databases, rebuilds and queries go on while SIGKILL comes, N times (10 if not told). After
-each, a new server on the same store must verify it and have all whose making was acknowledged, nothing whose deletion was,
-and nothing that nobody made.
+Clients ingest, delete clips and databases, and query while SIGKILL is sent N times (default 10). After each kill a new
+server on the same store must verify it. It must have everything whose creation was acknowledged, nothing whose deletion
+was acknowledged, and nothing unknown.
 """
 
 import json
@@ -20,12 +20,12 @@ import time
 from figure import write_bvh
 from programs import Server
 
-# Who deletes waits for the model without the clip: models are built at once.
+# A deletion waits for the model without the clip, so models are built immediately.
 OPTIONS = ["--rebuild-delay", "0"]
 
 
 def ask(server, *arguments):
-    """Asks a server that should be well, again where the machine is so busy that it is not reached in time."""
+    """Runs a command on a healthy server. Retries if a busy machine does not connect in time."""
     for _ in range(20):
         result = server.run(*arguments)
         assert server.process.poll() is None, f"the server ended: {server.process.returncode}"
@@ -35,20 +35,20 @@ def ask(server, *arguments):
     return result
 
 
-class Things:
-    """Clips of a database, or databases: which are to be there, and which not."""
+class NameTracker:
+    """Names of clips or databases that must exist, and of those that must not."""
 
     def __init__(self):
         self.lock = threading.Lock()
         self.tried = 0
-        self.stored = set()    # acknowledged, and no deletion was begun
-        self.doubtful = set()  # begun to be deleted, and not acknowledged
-        self.deleted = set()   # its deletion was acknowledged
-        self.made = 0          # acknowledgements
-        self.cut_off = [0, 0]  # deletions that a kill cut off: that came to nothing, and that were done
+        self.stored = set()    # acknowledged; no deletion begun
+        self.doubtful = set()  # deletion begun, not acknowledged
+        self.deleted = set()   # deletion acknowledged
+        self.created = 0       # number of acknowledged creations
+        self.interrupted = [0, 0]  # interrupted deletions: not done, done
 
     def new(self, count):
-        """Names that nobody has."""
+        """Returns unused names."""
         with self.lock:
             self.tried += count
             return [f"c{number}" for number in range(self.tried - count, self.tried)]
@@ -56,10 +56,10 @@ class Things:
     def keep(self, name):
         with self.lock:
             self.stored.add(name)
-            self.made += 1
+            self.created += 1
 
     def begin_deletion(self, choice):
-        """One that is there, from now on perhaps; None if there are few."""
+        """Picks a stored name and marks it doubtful; None if few are left."""
         with self.lock:
             if len(self.stored) < 3:
                 return None
@@ -73,30 +73,30 @@ class Things:
             self.doubtful.remove(name)
             self.deleted.add(name)
 
-    def check(self, there):
-        """Takes what is `there` after a kill for the truth, if it can be that."""
-        assert self.stored <= there, f"lost: {sorted(self.stored - there)}"
-        assert not self.deleted & there, f"came back: {sorted(self.deleted & there)}"
-        strangers = there - {f"c{number}" for number in range(self.tried)}
-        assert not strangers, f"nobody made: {sorted(strangers)}"
+    def check(self, existing):
+        """Checks the names that exist after a kill, and takes them as the new state."""
+        assert self.stored <= existing, f"lost: {sorted(self.stored - existing)}"
+        assert not self.deleted & existing, f"came back: {sorted(self.deleted & existing)}"
+        strangers = existing - {f"c{number}" for number in range(self.tried)}
+        assert not strangers, f"unknown: {sorted(strangers)}"
         for name in self.doubtful:
-            self.cut_off[name not in there] += 1
-        self.deleted |= self.doubtful - there
+            self.interrupted[name not in existing] += 1
+        self.deleted |= self.doubtful - existing
         self.doubtful = set()
-        self.stored = set(there)
+        self.stored = set(existing)
 
     def __str__(self):
-        return (f"{self.made} made, {len(self.deleted) - self.cut_off[1]} deleted (of those cut off "
-                f"{self.cut_off[1]} were done, {self.cut_off[0]} not)")
+        return (f"{self.created} created, {len(self.deleted) - self.interrupted[1]} deleted (interrupted: "
+                f"{self.interrupted[1]} done, {self.interrupted[0]} not done)")
 
 
 class Load:
-    """What clients do to one server until it is gone, and what it acknowledged."""
+    """The load of clients on one server until it is killed, and the acknowledged changes."""
 
     def __init__(self, folder):
         self.folder = folder
-        self.clips = Things()
-        self.databases = Things()
+        self.clips = NameTracker()
+        self.databases = NameTracker()
         self.queries = 0
         write_bvh(f"{folder}/query.bvh", seed=4, frames=40)
 
@@ -105,7 +105,7 @@ class Load:
         paths = [f"{self.folder}/{clip}.bvh" for clip in clips]
         for path, clip in zip(paths, clips):
             write_bvh(path, int(clip[1:]))
-        # Each clip is printed as it is acknowledged.
+        # The client prints each clip when it is acknowledged.
         printed = server.run("--json", "ingest", "d", *paths).stdout
         for clip in clips:
             if f"/clips/{clip}\"" in printed:
@@ -114,34 +114,34 @@ class Load:
             os.remove(path)
 
     def create(self, server):
-        """A database with the clips of a query."""
+        """Creates a database with the clip of a query."""
         [name] = self.databases.new(1)
         if server.run("create", name, "--marker-set", "source", "--min-frames", "4").returncode == 0:
             self.databases.keep(name)
             server.run("ingest", name, f"{self.folder}/query.bvh")
 
-    def delete(self, server, things, choice, *where):
-        name = things.begin_deletion(choice)
+    def delete(self, server, names, choice, *where):
+        name = names.begin_deletion(choice)
         if name is None:
             time.sleep(0.01)
         elif server.run("delete", "--yes", *where, name).returncode == 0:
-            things.end_deletion(name)
+            names.end_deletion(name)
 
     def query(self, server):
         if server.run("recognize", "d", f"{self.folder}/query.bvh").returncode == 0:
             self.queries += 1
 
     def run(self, server, seed, gone):
-        """Threads that press on until `gone` is set."""
-        def loop(what):
+        """Starts threads that run until `gone` is set."""
+        def loop(action):
             while not gone.is_set():
-                what()
+                action()
         choice = random.Random(seed).choice
-        whats = [lambda: self.ingest(server), lambda: self.ingest(server), lambda: self.create(server),
-                 lambda: self.delete(server, self.clips, choice, "d"),
-                 lambda: self.delete(server, self.clips, choice, "d"),
-                 lambda: self.delete(server, self.databases, choice), lambda: self.query(server)]
-        threads = [threading.Thread(target=loop, args=(what,)) for what in whats]
+        actions = [lambda: self.ingest(server), lambda: self.ingest(server), lambda: self.create(server),
+                   lambda: self.delete(server, self.clips, choice, "d"),
+                   lambda: self.delete(server, self.clips, choice, "d"),
+                   lambda: self.delete(server, self.databases, choice), lambda: self.query(server)]
+        threads = [threading.Thread(target=loop, args=(action,)) for action in actions]
         for thread in threads:
             thread.start()
         return threads
@@ -173,7 +173,7 @@ def main():
             gone = threading.Event()
             deleted = len(load.clips.deleted)
             threads = load.run(server, seed * 1000 + kill, gone)
-            if kill % 2:  # not before a deletion was acknowledged, however slow the machine
+            if kill % 2:  # waits for an acknowledged deletion, however slow the machine is
                 latest = time.monotonic() + 20
                 while len(load.clips.deleted) == deleted and time.monotonic() < latest:
                     time.sleep(0.01)
@@ -191,7 +191,7 @@ def main():
             assert not left, left
         assert server.stop() == 0
     print(f"{kills} kills in {time.monotonic() - began:.0f} s; clips: {load.clips}; databases: "
-          f"{load.databases}; {load.queries} queries; nothing lost, nothing damaged")
+          f"{load.databases}; {load.queries} queries; nothing lost, nothing corrupt")
 
 
 main()

@@ -1,4 +1,5 @@
-"""motiondbd as it is served, with TLS and tokens, and what the kernel says of its process."""
+"""motiondbd as in production, with TLS and tokens, and statistics of its process from the
+kernel."""
 
 import contextlib
 import os
@@ -11,7 +12,7 @@ MB = 1e6
 
 
 class Measured:
-    """motiondbd with a database, and what the kernel says of it."""
+    """motiondbd with a database, measured through /proc."""
 
     def __init__(self, folder, plain, group, options):
         self.folder, self.group = folder, group
@@ -28,7 +29,7 @@ class Measured:
             self.token = self.stranger
 
     def fill(self):
-        """The database and two tokens, with a server that asks for none."""
+        """Creates the database and two tokens, on a server without authentication."""
         server = programs.Server(self.store, "--http-listen", "none")
         files = f"{programs.DATA}/sets/database1.train.tsv"
         if os.path.exists(files):
@@ -36,18 +37,18 @@ class Measured:
             server.ask_one("create", "motion")
             server.ask("ingest", "motion", "--list", files)
         else:
-            figures = [os.path.join(self.folder, f"figure{seed}.bvh") for seed in range(6)]
-            for seed, figure in enumerate(figures):
-                write_bvh(figure, seed, frames=600)
-            self.motion = figures[0]
+            files = [os.path.join(self.folder, f"figure{seed}.bvh") for seed in range(6)]
+            for seed, file in enumerate(files):
+                write_bvh(file, seed, frames=600)
+            self.motion = files[0]
             server.ask_one("create", "motion", "--marker-set", "source", "--min-frames", "4")
-            server.ask("ingest", "motion", *figures)
+            server.ask("ingest", "motion", *files)
         self.reader, self.stranger = [
             server.run("token", "create", "--role", "reader").stdout.strip() for _ in range(2)]
         server.stop()
 
     def start(self):
-        """AssertionError if it listens on a port that it does not announce."""
+        """AssertionError if it listens on a port that it did not announce."""
         self.server = programs.Server(self.store, *self.options, group=self.group)
         self.pid = self.server.process.pid
         announced = {host_and_port(address)[1] for address in (self.server.address, self.server.http)}
@@ -57,7 +58,7 @@ class Measured:
         return self.server.process.poll() is None
 
     def stop(self, kill=False):
-        """Whether it ended as it should."""
+        """Stops the server. Returns whether it exited with 0."""
         if self.runs() and not kill:
             return self.server.stop() == 0
         self.server.process.kill()
@@ -65,12 +66,12 @@ class Measured:
         self.server.process.stdout.close()
         return False
 
-    def memory(self, figure):
-        """VmRSS, or VmHWM: the most since forget_peak. In MB; 0 when the server is gone."""
+    def memory(self, field):
+        """Returns VmRSS, or VmHWM: the peak since forget_peak. In MB; 0 if the server has ended."""
         try:
             with open(f"/proc/{self.pid}/status", encoding="ascii") as status:
                 return next((int(line.split()[1]) * 1024 / MB for line in status
-                             if line.startswith(figure)), 0)
+                             if line.startswith(field)), 0)
         except OSError:
             return 0
 

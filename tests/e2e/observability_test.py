@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""What a real server tells about itself: metrics, health, log, status, and the files that use them.
+"""Tests the metrics, health, log and status of a real server, and the files that use them.
 
     observability_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -69,7 +69,7 @@ Frame Time: 0.0166667
 
 
 def write_walk(path, frames=90):
-    """A figure whose legs swing."""
+    """Writes a figure whose legs swing."""
     with open(path, "w") as file:
         file.write(BVH % frames)
         for i in range(frames):
@@ -78,7 +78,7 @@ def write_walk(path, frames=90):
 
 
 def get(address, path, method="GET"):
-    """Status and body."""
+    """Returns status and body."""
     connection = http.client.HTTPConnection(address.removeprefix("http://"), timeout=30)
     connection.request(method, path)
     answer = connection.getresponse()
@@ -88,7 +88,7 @@ def get(address, path, method="GET"):
 
 
 def scrape(server):
-    """(families by name, value of each sample by name and labels)."""
+    """Returns (families by name, value of each sample by name and labels)."""
     status, text = get(server.http, "/metrics")
     assert status == 200, text
     families = {family.name: family for family in text_string_to_metric_families(text)}
@@ -160,7 +160,7 @@ class Observability(unittest.TestCase):
         _, deleted = scrape(self.server)
         self.assertFalse([key for key in deleted if ("database", "walks") in key[1]])
 
-    def test_status_says_the_same_as_the_metrics(self):
+    def test_status_agrees_with_the_metrics(self):
         self.make_database()
         status = self.server.ask_one("status")
         _, values = scrape(self.server)
@@ -183,7 +183,7 @@ class Observability(unittest.TestCase):
             self.assertEqual(int(method["call_count"]), shown)
         ended = sum(count for (name, _), count in values.items()
                     if name == "motiondb_requests_total")
-        self.assertEqual(int(status["call_count"]) + 1, ended)  # the status call itself
+        self.assertEqual(int(status["call_count"]) + 1, ended)  # plus the status call itself
         self.assertTrue(status["serving"])
         self.assertEqual(int(status["disk_bytes"]), value(values, "motiondb_disk_bytes"))
         self.assertGreater(int(status["disk_free_bytes"]), 0)
@@ -250,7 +250,7 @@ class Observability(unittest.TestCase):
             self.assertGreaterEqual(line["milliseconds"], 0)
         identities = [line["request_id"] for line in calls]
         self.assertEqual(len(set(identities)), len(identities))
-        stored = [line for line in lines if "stored, 90 frames" in line["message"]]
+        stored = [line for line in lines if "stored: frames=90;" in line["message"]]
         self.assertEqual(len(stored), 1)
         self.assertIn(stored[0]["request_id"], identities)
 
@@ -259,12 +259,12 @@ class Observability(unittest.TestCase):
         with gzip.open(os.path.join(OLD_STORES, "version1.db.gz")) as old, open(store, "wb") as new:
             new.write(old.read())
         with open(self.path("upgrade.log"), "w") as log:
-            for how in (signal.SIGKILL, signal.SIGTERM, signal.SIGTERM):
-                Server(store, "--http-listen", "none", "--log-level", "info", log=log).stop(how)
+            for end in (signal.SIGKILL, signal.SIGTERM, signal.SIGTERM):
+                Server(store, "--http-listen", "none", "--log-level", "info", log=log).stop(end)
         with open(self.path("upgrade.log")) as log:
-            told = [line for line in log if "upgraded" in line]
-        self.assertEqual(len(told), 1, told)
-        self.assertRegex(told[0], r"info .*old\.db upgraded from version 1 to \d+: older servers")
+            logged = [line for line in log if "upgraded" in line]
+        self.assertEqual(len(logged), 1, logged)
+        self.assertRegex(logged[0], r"info .*old\.db upgraded from version 1 to \d+: older servers")
 
     def test_a_failed_start_is_json_too(self):
         failed = subprocess.run(
@@ -276,16 +276,16 @@ class Observability(unittest.TestCase):
         self.assertEqual(line["level"], "critical")
         self.assertIn("motion.db", line["message"])
 
-    def test_pages_that_others_reach_are_told_of_whatever_the_level(self):
-        for listen, told in (("0.0.0.0:0", True), ("127.0.0.1:0", False)):
+    def test_unauthenticated_pages_are_logged_at_every_level(self):
+        for listen, logged in (("0.0.0.0:0", True), ("127.0.0.1:0", False)):
             with open(self.path("open.log"), "w+") as log:
                 server = Server(self.path("open.db"), "--http-listen", listen,
                                 "--log-level", "off", log=log)
                 self.assertEqual(server.stop(), 0)
                 log.seek(0)
-                self.assertEqual("without authentication" in log.read(), told, listen)
+                self.assertEqual("without authentication" in log.read(), logged, listen)
 
-    def test_a_log_that_nobody_reads_any_more_does_not_end_it(self):
+    def test_a_closed_log_pipe_does_not_end_the_server(self):
         reader, writer = os.pipe()
         with os.fdopen(writer, "w") as log:
             server = Server(self.path("unread.db"), "--http-listen", "none",
@@ -306,14 +306,14 @@ class Observability(unittest.TestCase):
         self.assertRegex(text, r"warning slow call request_id=\S+ "
                                r"method=DatabaseService\.CreateDatabase code=OK milliseconds=")
 
-    def test_dashboard_rules_and_readme_are_about_what_is_exported(self):
+    def test_dashboard_rules_and_page_match_exported_metrics(self):
         self.make_database()
         families, values = scrape(self.server)
         series = {}
         for name, labels in values:
-            of_name = series.setdefault(name, {})
-            for label, one in labels:
-                of_name.setdefault(label, set()).add(one)
+            values_by_label = series.setdefault(name, {})
+            for label, label_value in labels:
+                values_by_label.setdefault(label, set()).add(label_value)
         expressions = dashboard_expressions() + rule_expressions()
         self.assertGreater(len(expressions), 40)
         wrong = [f"{expression}: {problem}" for expression in expressions
@@ -371,7 +371,7 @@ def dashboard_expressions():
 
 
 def rule_expressions():
-    """Of the keys `expr`, on one line or in a block that is set in further."""
+    """Returns the values of the keys `expr`, on one line or as an indented block."""
     with open(RULES) as file:
         text = file.read()
     found = re.findall(r"^( *)expr: (\|\n(?:\1 +.*\n)+|.*\n)", text, re.MULTILINE)

@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""Plans of the real programs on real motion: the paper's goals, obstacles, robots and mistakes.
+"""Tests plans of the real programs on recorded motion: the paper's goals, obstacles, robots and
+mistakes.
 
     plan_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 
-Passes over what needs the data folder where that is absent.
+Skips tests that need the data folder if it is missing.
 """
 
 import csv
@@ -20,11 +21,11 @@ import numpy
 from programs import DATA, SLOWNESS, Server, main, needs_data
 
 SVG = "{http://www.w3.org/2000/svg}"
-FOOT_SLIDE_LIMIT_CM_PER_S = 20  # of a motion that nobody would call skating
+FOOT_SLIDE_LIMIT_CM_PER_S = 20  # visible foot skating is faster
 
 
 class PaperDatabase(unittest.TestCase):
-    """Asks about database 2, which is ingested once."""
+    """Queries database 2, which is ingested once."""
 
     @classmethod
     def setUpClass(cls):
@@ -74,7 +75,7 @@ class PaperDatabase(unittest.TestCase):
                 poses = drawn.findall(f".//{SVG}circle[@class='pose']")
                 self.assertGreaterEqual(len(poses), int(6 * quality["duration_seconds"]))
 
-    def test_a_plan_is_recognized_for_what_it_plays(self):
+    def test_a_plan_is_recognized_as_its_label(self):
         bvh = self.path("walk.bvh")
         self.assert_exact(self.plan("2,1,0", "--label", "walk", "--out", bvh))
         windows = self.server.ask_one("recognize", "two", bvh)["windows"]
@@ -86,8 +87,8 @@ class PaperDatabase(unittest.TestCase):
         plan = self.plan("2,1,0", "--out", bvh)
         self.server.ask_one("create", "back")
         self.server.ask("ingest", "back", bvh, "--label", "walk")
-        figures = self.server.ask_one("describe", "back")
-        self.assertEqual(figures["frame_count"], plan["motion"]["frame_count"])
+        described = self.server.ask_one("describe", "back")
+        self.assertEqual(described["frame_count"], plan["motion"]["frame_count"])
 
     def test_the_same_request_gives_the_same_plan(self):
         first, second = (self.plan("1.5,-0.5,-1", "--seed", "3") for _ in range(2))
@@ -130,7 +131,7 @@ class PaperDatabase(unittest.TestCase):
         self.assertGreaterEqual(clearance, 0.3 - 1e-6)
         self.assertGreaterEqual(nearest - 0.2, clearance - 1e-6)
 
-    def test_what_cannot_be_reached(self):
+    def test_unreachable_goals(self):
         for options in (("100,0,0", "--max-duration", "5"), ("2,0,0", "--disc", "2,0.1,0.5")):
             with self.subTest(options=options):
                 began = time.monotonic()
@@ -147,8 +148,8 @@ class PaperDatabase(unittest.TestCase):
         self.assertTrue(result.stderr.startswith("motiondb: the goal cannot be reached: "))
         xml.etree.ElementTree.parse(self.path("inside.svg"))
 
-    def test_a_deadline_gives_the_best_so_far(self):
-        # Nobody ends within a micrometre: without a deadline this search would go on.
+    def test_a_deadline_returns_the_best_plan_so_far(self):
+        # No search ends within a micrometre: without a deadline this one would continue.
         deadline = 4 * SLOWNESS
         began = time.monotonic()
         plan = self.plan("6,3,2", "--tolerance", "0.000001,0.000001", "--search-seconds", "60",
@@ -176,7 +177,7 @@ class PaperDatabase(unittest.TestCase):
                 numpy.testing.assert_allclose(numpy.diff(values[:, 0]), 1 / 50, atol=1e-6)
                 self.assertEqual(plan["motion"]["quality"]["joint_limit_violations"], 0)
 
-    def test_bad_requests_name_what_is_wrong(self):
+    def test_errors_name_the_wrong_field(self):
         wrong = {
             "goal": ("--goal", "nan,0,0"),
             "tolerance": ("--tolerance", "-1,0.1"),

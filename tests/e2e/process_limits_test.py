@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""motiondbd with too few descriptors, threads or too little memory: it says what it needs, or refuses calls.
+"""motiondbd with too few descriptors or threads or too little memory reports what it needs, or
+refuses calls.
 
     process_limits_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -19,10 +20,10 @@ from observability_test import OLD_STORES, write_walk
 from programs import MOTIONDBD, Server
 
 MIB = 1 << 20
-LONE_USER = 61234  # a user of whom no process runs
+LONE_USER = 61234  # a user without processes
 
 needs_address_space = unittest.skipIf(
-    programs.SLOWNESS > 1, "a sanitizer takes more address space than these limits leave")
+    programs.SLOWNESS > 1, "a sanitizer needs more address space than these limits allow")
 
 
 class Starting(unittest.TestCase):
@@ -33,10 +34,11 @@ class Starting(unittest.TestCase):
         os.mkdir(self.folder_of_store)
 
     def start(self, limits, user=None):
-        """(exit code, standard error) of a server that ends by itself; ("serves", "") of one that does not."""
+        """Returns (exit code, standard error) of a server that ends by itself; ("serves", "")
+        otherwise."""
         def limit():
-            for what, most in limits.items():
-                resource.setrlimit(what, (most, most))
+            for resource_id, value in limits.items():
+                resource.setrlimit(resource_id, (value, value))
             if user is not None:
                 os.setgid(user)
                 os.setuid(user)
@@ -64,14 +66,14 @@ class Starting(unittest.TestCase):
             for descriptors in (8, 16, 32, 64, 127):
                 code, errors = self.start({resource.RLIMIT_NOFILE: descriptors})
                 self.assertEqual(code, 1, f"{descriptors}: {errors}")
-                self.assertIn(f"may open {descriptors} files, and at least 128 are needed", errors)
+                self.assertIn(f"may open {descriptors} files, expected at least 128", errors)
                 self.assertEqual(errors.count("\n"), 1, errors)
                 self.assertEqual(os.listdir(self.folder_of_store), ["motion.db"] if has_store else [])
         with open(old, "rb") as file:
             self.assertEqual(file.read(), version1)
         self.assertEqual(self.start({resource.RLIMIT_NOFILE: 128})[0], "serves")
 
-    def test_too_few_threads_are_refused_before_the_store_is_made(self):
+    def test_too_few_threads_are_refused_before_the_store_is_created(self):
         if os.getuid() != 0:
             self.skipTest("needs root, to run the server as a user without other processes")
         os.chown(self.folder_of_store, LONE_USER, LONE_USER)
@@ -81,13 +83,13 @@ class Starting(unittest.TestCase):
         for threads in (2, 8, 20):
             code, errors = self.start({resource.RLIMIT_NPROC: threads}, LONE_USER)
             self.assertEqual(code, 1, errors)
-            self.assertRegex(errors, r"cannot start: \d+ threads can be started, and \d+ are needed")
+            self.assertRegex(errors, r"cannot start: the process may start \d+ threads, expected \d+")
             self.assertIn("ulimit -u", errors)
             self.assertEqual(os.listdir(self.folder_of_store), [])
         self.assertEqual(self.start({resource.RLIMIT_NPROC: 200}, LONE_USER)[0], "serves")
 
     @needs_address_space
-    def test_with_any_memory_it_serves_or_says_why_not(self):
+    def test_with_any_memory_it_serves_or_reports_why_not(self):
         ended = {}
         for mebibytes in range(250, 1001, 125):
             code, errors = self.start({resource.RLIMIT_AS: mebibytes * MIB})
@@ -99,14 +101,14 @@ class Starting(unittest.TestCase):
             self.assertEqual(code, 1, f"{mebibytes} MiB: {errors}")
             self.assertIn("ulimit -v", errors)
             self.assertEqual(os.listdir(self.folder_of_store), [])
-        print(f"\naddress space in MiB, and how it ended: {ended}")
+        print(f"\naddress space in MiB, and result: {ended}")
         self.assertIn("serves", ended.values())
         self.assertIn(1, ended.values())
 
 
 class Running(unittest.TestCase):
     @needs_address_space
-    def test_calls_fail_for_lack_of_memory_and_the_server_goes_on(self):
+    def test_calls_fail_without_memory_and_the_server_continues(self):
         failed = []
         with tempfile.TemporaryDirectory() as folder:
             walk, small = folder + "/walk.bvh", folder + "/small.bvh"
@@ -114,7 +116,7 @@ class Running(unittest.TestCase):
             write_walk(walk, frames=400_000)
             with open(walk, "rb") as file:
                 text = file.read()
-            # The same content is stored once only: their first frames differ.
+            # Equal contents are stored once, so the first frames differ.
             large = [f"{folder}/large{i}.bvh" for i in range(8)]
             for i, name in enumerate(large):
                 with open(name, "wb") as file:
@@ -128,7 +130,7 @@ class Running(unittest.TestCase):
                 failed += self.ingest_together(server, large)
                 self.assertIsNone(server.process.poll(), "the server has ended")
                 latest = time.monotonic() + 30 * programs.SLOWNESS
-                # A database of its own: that of the large clips may stay too large to be built.
+                # Uses another database: that of the large clips may stay too large to build.
                 number = 0
                 while not self.serves(server, f"small{number}", small):
                     number += 1
@@ -145,7 +147,7 @@ class Running(unittest.TestCase):
             create, ["ingest", database, file], ["recognize", database, file]))
 
     def ingest_together(self, server, files):
-        """The errors of those ingests that failed."""
+        """Returns the errors of the ingests that failed."""
         server.ask_one("create", "walks", "--marker-set", "source", "--min-frames", "4")
         results = []
         threads = [threading.Thread(target=lambda file=file: results.append(

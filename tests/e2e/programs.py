@@ -1,6 +1,6 @@
-"""motiondbd and motiondb as processes of their own, for the tests of this folder.
+"""Runs motiondbd and motiondb as processes.
 
-Every test takes the same arguments: MOTIONDBD MOTIONDB DATA_FOLDER
+Arguments of every test: MOTIONDBD MOTIONDB DATA_FOLDER
 """
 
 import json
@@ -13,14 +13,15 @@ import tempfile
 import unittest
 
 MOTIONDBD, MOTIONDB, DATA = sys.argv[1:4]
-# How many times slower than a release build the programs may be; tests/run.sh says so of sanitizers.
+# Factor by which the programs may be slower than a release build; tests/run.sh sets it for
+# sanitizers.
 SLOWNESS = float(os.environ.get("MOTIONDB_TEST_SLOWNESS", "1"))
 MODELS = "/usr/share/assimp/models/BVH"
 
 
 class Server:
-    """motiondbd on a store file of its own, with further options, a place for its log, the most descriptors and bytes
-    of address space that it may have, and a cgroup (control_group.py) that it starts in."""
+    """motiondbd on its own store file. Optional: more options, a log file, limits of descriptors
+    and address space (bytes), and a cgroup (control_group.py) to start in."""
 
     def __init__(self, store, *options, log=None, descriptors=None, address_space=None, group=None):
         def limit():
@@ -36,7 +37,7 @@ class Server:
             [MOTIONDBD, "--store", store, "--listen", "127.0.0.1:0", *level, *options],
             stdout=subprocess.PIPE, stderr=log, text=True,
             preexec_fn=limit if descriptors or address_space or group else None)
-        self.http = None  # address of its metrics, where an option asks for them
+        self.http = None  # address of its metrics, if enabled
         for line in self.process.stdout:
             self.address = line.strip().rsplit(" ", 1)[-1]
             if line.startswith("motiondbd: listening on "):
@@ -54,7 +55,7 @@ class Server:
                               capture_output=True, text=True)
 
     def ask(self, *arguments):
-        """The command's JSON objects, one a line."""
+        """Returns the command's JSON objects, one per line."""
         result = self.run("--json", *arguments)
         assert result.returncode == 0, f"motiondb {' '.join(arguments)}: {result.stderr}"
         return [json.loads(line) for line in result.stdout.splitlines() if line.strip()]
@@ -81,9 +82,9 @@ class WithServer(unittest.TestCase):
 
 
 def needs_data():
-    """Skips the test, or all tests of a class whose setUpClass calls it, without the data."""
+    """Skips the test, or all tests of a class whose setUpClass calls it, if the data is missing."""
     if not os.path.exists(os.path.join(DATA, "index.tsv")):
-        raise unittest.SkipTest(f"real motion is not at {DATA}")
+        raise unittest.SkipTest(f"no recorded motion in {DATA}")
 
 
 def main():

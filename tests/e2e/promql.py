@@ -1,14 +1,14 @@
-"""What a PromQL expression uses: enough of its grammar for the dashboard and the alert rules."""
+"""Parses PromQL expressions: enough of the grammar for the dashboard and the alert rules."""
 
 import re
 
-SCRAPE_LABELS = {"job", "instance"}  # Prometheus adds these itself
+SCRAPE_LABELS = {"job", "instance"}  # added by Prometheus
 WORDS = {"and", "or", "unless", "by", "without", "on", "ignoring", "offset", "bool"}
 NAME = r"[a-zA-Z_:][a-zA-Z0-9_:]*"
 
 
 def selectors(expression):
-    """(metric, [(label, operator, value)]) of each selector in it."""
+    """Returns (metric, [(label, operator, value)]) of each selector."""
     values = re.findall(r'"([^"]*)"', expression)
     number = iter(range(len(values)))
     bare = re.sub(r'"[^"]*"', lambda _: f'"{next(number)}"', expression)
@@ -25,33 +25,34 @@ def selectors(expression):
 
 
 def alternatives(value):
-    """A|B and X(A|B) as the words that they stand for."""
+    """Returns the alternatives of A|B and X(A|B)."""
     inner = re.search(r"\(([^()]*)\)", value)
     if inner is None:
         return value.split("|")
-    return [word for one in inner.group(1).split("|")
-            for word in alternatives(value[:inner.start()] + one + value[inner.end():])]
+    return [word for label_value in inner.group(1).split("|")
+            for word in alternatives(value[:inner.start()] + label_value + value[inner.end():])]
 
 
 def unknown_values(matcher, exported):
-    """Those of a matcher that no series has: nobody would ever see them match."""
+    """Returns the values of a matcher that no series has."""
     label, operator, value = matcher
-    if label in SCRAPE_LABELS or "$" in value:  # a choice that the dashboard offers
+    if label in SCRAPE_LABELS or "$" in value:  # a variable of the dashboard
         return []
     words = alternatives(value) if operator in ("=~", "!~") else [value]
     return [word for word in words
-            if not any(re.fullmatch(word, one) if operator in ("=~", "!~") else word == one
-                       for one in exported)]
+            if not any(re.fullmatch(word, label_value) if operator in ("=~", "!~") else word == label_value
+                       for label_value in exported)]
 
 
 def grouping_labels(expression):
-    """The labels that it sums by."""
+    """Returns the labels that the expression groups by."""
     groups = re.findall(r"\b(?:by|on)\s*\(([^)]*)\)", expression)
     return {label.strip() for group in groups for label in group.split(",")}
 
 
 def problems(expression, series):
-    """What of it `series`, the values by label of each metric that is exported, does not have."""
+    """Returns the parts of the expression that are not in `series`: the exported metrics, with
+    values by label."""
     wrong = []
     known = set(SCRAPE_LABELS)
     for metric, matchers in selectors(expression):

@@ -61,7 +61,7 @@ class ReadOnly(WithServer):
         try:
             for suffix in ("", "-wal"):
                 shutil.copy(self.store + suffix, os.path.join(disk, "motion.db" + suffix))
-            # Without its log, as after an orderly stop.
+            # Without its WAL, as after an orderly stop.
             Server(self.store).stop()
             shutil.copy(self.store, os.path.join(disk, "alone.db"))
             subprocess.run(["mount", "-o", "remount,ro", disk], check=True)

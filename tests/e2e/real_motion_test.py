@@ -1,9 +1,10 @@
 #!/usr/bin/python3
-"""The real programs on real motion: server process, socket, SQLite file, command line, NumPy.
+"""Tests the real programs on recorded motion: server process, socket, SQLite file, command line,
+NumPy.
 
     real_motion_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 
-Without the data folder only the motion of Debian's assimp-testmodels is used.
+Without the data folder it uses only the motion of Debian's assimp-testmodels.
 """
 
 import csv
@@ -21,27 +22,27 @@ SVG = "{http://www.w3.org/2000/svg}"
 
 
 class AnyMachine(WithServer):
-    """With motion that every machine can install."""
+    """Uses motion that can be installed on every machine."""
 
     def setUp(self):
         if not os.path.isdir(MODELS):
             self.skipTest(f"assimp-testmodels is not installed: {MODELS} is missing")
-        super().setUp()  # last: a skipped test is not torn down
+        super().setUp()  # last: tearDown does not run for a skipped test
         self.server.ask_one("create", "demo")
 
     def ingest(self, *names):
         return self.server.ask("ingest", "demo", *[f"{MODELS}/{name}.bvh" for name in names])
 
-    def test_the_whole_path(self):
+    def test_all_queries(self):
         self.ingest("01_01", "01_03", "Boxing_Toes")
-        figures = self.server.ask_one("describe", "demo")
-        self.assertEqual(figures["clip_count"], 3)
-        self.assertEqual(figures["nodes_per_layer"][0], 1)
-        self.assertEqual(sum(figures["nodes_per_layer"]), figures["node_count"])
-        self.assertEqual(figures["nodes_per_layer"][-1], figures["bottom_node_count"])
-        self.assertEqual(len(figures["nodes_per_layer"]), figures["layer_count"])
-        self.assertEqual(figures["model_version"], 1, "a burst of ingests costs one rebuild")
-        self.assertGreater(figures["build_seconds"], 0)
+        described = self.server.ask_one("describe", "demo")
+        self.assertEqual(described["clip_count"], 3)
+        self.assertEqual(described["nodes_per_layer"][0], 1)
+        self.assertEqual(sum(described["nodes_per_layer"]), described["node_count"])
+        self.assertEqual(described["nodes_per_layer"][-1], described["bottom_node_count"])
+        self.assertEqual(len(described["nodes_per_layer"]), described["layer_count"])
+        self.assertEqual(described["model_version"], 1, "a burst of ingests costs one rebuild")
+        self.assertGreater(described["build_seconds"], 0)
 
         windows = self.server.ask_one("recognize", "demo", f"{MODELS}/01_01.bvh")["windows"]
         self.assertGreater(len(windows), 100)
@@ -84,11 +85,11 @@ class AnyMachine(WithServer):
             self.assertEqual(len(answer["horizons"][0]["marker_positions"]), 3 * 34)
 
         began = time.monotonic()
-        said = self.server.run("observe", "demo", boxing, "--realtime", "--rate-multiplier", "20")
+        replayed = self.server.run("observe", "demo", boxing, "--realtime", "--rate-multiplier", "20")
         took = time.monotonic() - began
-        self.assertEqual(said.returncode, 0, said.stderr)
+        self.assertEqual(replayed.returncode, 0, replayed.stderr)
         self.assertGreater(took, frames[-1] / 100 / 20, "twenty times its own rate")
-        self.assertIn("(longest)", said.stdout)
+        self.assertIn("(longest)", replayed.stdout)
 
     def test_a_restart_reads_the_stored_model(self):
         self.ingest("01_01", "Boxing_Toes")
@@ -98,20 +99,20 @@ class AnyMachine(WithServer):
         self.assertEqual(self.server.ask_one("describe", "demo")["model_version"], 1)
         self.assertEqual(self.server.ask_one("recognize", "demo", f"{MODELS}/01_03.bvh"), before)
 
-    def test_acknowledged_survives_sigkill(self):
+    def test_acknowledged_changes_survive_sigkill(self):
         self.ingest("01_01")
         self.server.stop(signal.SIGKILL)
         self.server = Server(self.store)
         clips = self.server.ask("list", "demo")
         self.assertEqual([clip["name"] for clip in clips], ["databases/demo/clips/01_01"])
 
-    def test_export_gives_the_file_back(self):
+    def test_export_returns_the_original_file(self):
         self.ingest("01_01")
         self.server.ask("export", "demo", "01_01", "--out", self.folder.name)
         with open(f"{MODELS}/01_01.bvh", "rb") as original, open(self.path("01_01.bvh"), "rb") as back:
             self.assertEqual(original.read(), back.read())
 
-    def test_a_bad_file_is_named_and_the_others_go_in(self):
+    def test_a_bad_file_is_named_and_the_others_are_stored(self):
         with open(f"{MODELS}/01_03.bvh", "rb") as file:
             whole = file.read()
         with open(self.path("cut.bvh"), "wb") as file:
@@ -124,8 +125,8 @@ class AnyMachine(WithServer):
     def test_deleting_rebuilds(self):
         self.ingest("01_01", "Boxing_Toes")
         self.server.ask("delete", "demo", "01_01")
-        figures = self.server.ask_one("describe", "demo")
-        self.assertEqual((figures["clip_count"], figures["model_version"]), (1, 2))
+        described = self.server.ask_one("describe", "demo")
+        self.assertEqual((described["clip_count"], described["model_version"]), (1, 2))
         self.server.ask("delete", "demo", "Boxing_Toes")
         result = self.server.run("estimate", "demo", f"{MODELS}/01_01.bvh")
         self.assertNotEqual(result.returncode, 0)
@@ -134,12 +135,12 @@ class AnyMachine(WithServer):
     def test_source_markers(self):
         self.server.ask_one("create", "own", "--marker-set", "source")
         self.server.ask("ingest", "own", f"{MODELS}/01_01.bvh")
-        figures = self.server.ask_one("describe", "own")
-        self.assertEqual(figures["dimension_count"], 6 * 31)
+        described = self.server.ask_one("describe", "own")
+        self.assertEqual(described["dimension_count"], 6 * 31)
         result = self.server.run("ingest", "own", f"{MODELS}/Boxing_Toes.bvh")
         self.assertNotEqual(result.returncode, 0, "another skeleton lacks the first one's joints")
 
-    def test_a_marker_set_of_ones_own(self):
+    def test_a_custom_marker_set(self):
         with open(self.path("legs.markers"), "w", encoding="utf-8") as file:
             file.write("""motiondb-marker-set 1
 name legs
@@ -168,17 +169,17 @@ RFoot = RightFoot offset RightFoot 0 0 0.1
         self.ingest("01_01", "Boxing_Toes")
         self.server.ask("dump", "demo", self.path("dump"))
         load = lambda name: numpy.load(self.path("dump/" + name))
-        figures = self.server.ask_one("describe", "demo")
+        described = self.server.ask_one("describe", "demo")
         states = load("states.npy")
         self.assertEqual(states.dtype, numpy.float32)
-        self.assertEqual(states.shape, (figures["frame_count"], 204))
+        self.assertEqual(states.shape, (described["frame_count"], 204))
         clip_of_frame = load("clip_of_frame.npy")
         above = numpy.zeros(len(states), int)
-        for layer in range(1, figures["layer_count"] + 1):
+        for layer in range(1, described["layer_count"] + 1):
             folder = f"layers/{layer:02d}/"
             node_of_frame = load(folder + "node_of_frame.npy")
             mean = load(folder + "mean.npy")
-            count = figures["nodes_per_layer"][layer - 1]
+            count = described["nodes_per_layer"][layer - 1]
             self.assertEqual(mean.shape, (count, 204))
             self.assertEqual(load(folder + "variance.npy").shape, (count, 204))
             self.assertEqual(sorted(set(node_of_frame)), list(range(count)))
@@ -199,11 +200,11 @@ RFoot = RightFoot offset RightFoot 0 0 0.1
 
 
 class PaperDatabases(WithServer):
-    """On the recorded motion beside the project."""
+    """Uses the recorded motion beside the project."""
 
     def setUp(self):
         needs_data()
-        super().setUp()  # last: a skipped test is not torn down
+        super().setUp()  # last: tearDown does not run for a skipped test
 
     def test_database_1_windows(self):
         self.server.ask_one("create", "one")
@@ -216,7 +217,7 @@ class PaperDatabases(WithServer):
             for window in self.server.ask_one("recognize", "one", path, "--top", "1")["windows"]:
                 right += window["labels"][0]["label"] == row["label"]
                 total += 1
-        print(f"database 1: {right} of {total} windows named right ({100 * right / total:.1f} %)")
+        print(f"database 1: {right} of {total} windows recognized correctly ({100 * right / total:.1f} %)")
         self.assertGreaterEqual(right, 0.93 * total)
 
     def test_database_1_plot(self):
@@ -248,13 +249,13 @@ class PaperDatabases(WithServer):
     def test_database_2_table_1(self):
         self.server.ask_one("create", "two", "--frame-rate", "120")
         self.server.ask("ingest", "two", "--list", f"{DATA}/sets/database2.tsv")
-        figures = self.server.ask_one("describe", "two")
+        described = self.server.ask_one("describe", "two")
         print("Table I, database 2       ours   paper")
         for name, paper in (("frame_count", 11456), ("layer_count", 16), ("node_count", 1527),
                             ("bottom_node_count", 205)):
-            print(f"  {name:20} {figures[name]:7} {paper:7}")
-        self.assertEqual(figures["frame_count"], 11969)
-        self.assertEqual(figures["clip_count"], 27)
+            print(f"  {name:20} {described[name]:7} {paper:7}")
+        self.assertEqual(described["frame_count"], 11969)
+        self.assertEqual(described["clip_count"], 27)
 
 
 if __name__ == "__main__":

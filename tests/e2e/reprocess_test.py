@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Stores of former versions: their clips are derived again, also where the server is killed meanwhile.
+"""Stores of earlier versions: their clips are derived again, also if the server is killed
+meanwhile.
 
     reprocess_test.py MOTIONDBD MOTIONDB DATA_FOLDER
 """
@@ -19,14 +20,14 @@ from figure import write_bvh
 from programs import Server, WithServer, main
 
 OLD_STORES = os.path.join(os.path.dirname(__file__), "../storage/old_stores")
-CLIPS = 600  # more than are stored in two changes
+CLIPS = 600  # more than two transactions of derived clips
 ADDED_COLUMNS = ("representation_version", "tried_version", "tried_time_us", "derive_error", "given_metres_per_unit",
                  "given_up_axis", "given_frame_rate_hz", "given_leg_length_m")
 KINDS = {int: b"\1", float: b"\2", str: b"\3", bytes: b"\4", type(None): b"\5"}
 
 
 def row_crc(*values):
-    """The store's checksum of a row (storage/sqlite/row_checksum.h)."""
+    """Returns the store's checksum of a row (storage/sqlite/row_checksum.h)."""
     crc = 0
     for value in values:
         crc = zlib.crc32(KINDS[type(value)], crc)
@@ -40,8 +41,8 @@ def row_crc(*values):
     return crc
 
 
-def turn_back(store):
-    """Makes a store of version 8 one of version 7, whose database repairs glitches."""
+def downgrade(store):
+    """Downgrades a store from version 8 to version 7, with a database that repairs glitches."""
     database = sqlite3.connect(store)
     database.create_function("row_crc", -1, row_crc)
     for column in ADDED_COLUMNS:
@@ -57,7 +58,7 @@ def turn_back(store):
 
 
 def write_clip(path, seed):
-    """A clip; of each third the hips are elsewhere in three frames."""
+    """Writes a clip. In every third clip, three frames have displaced hips."""
     write_bvh(path, seed)
     if seed % 3:
         return
@@ -71,13 +72,13 @@ def write_clip(path, seed):
 
 
 def await_operations(server, database):
-    """Waits until nothing is left to do; the newest operation."""
+    """Waits until no operation is left. Returns the newest operation."""
     for _ in range(1000):
         operations = server.ask("operations", "list", database)
-        left = [operation["name"] for operation in operations if not operation["done"]]
-        if not left:
+        pending = [operation["name"] for operation in operations if not operation["done"]]
+        if not pending:
             return operations[0]
-        server.run("operations", "wait", left[-1].rsplit("/", 1)[-1])
+        server.run("operations", "wait", pending[-1].rsplit("/", 1)[-1])
     raise AssertionError("operations do not end")
 
 
@@ -101,7 +102,7 @@ class Reprocess(WithServer):
         self.assertEqual(verified.returncode, 0, verified.stdout + verified.stderr)
         return clips
 
-    def test_stores_of_former_versions(self):
+    def test_stores_of_earlier_versions(self):
         paths = sorted(glob.glob(f"{OLD_STORES}/version*.db.gz"))
         self.assertGreaterEqual(len(paths), 7)
         for path in paths:
@@ -115,7 +116,7 @@ class Reprocess(WithServer):
                 self.check_is_new("walks", 2)
                 reprocessed = self.server.ask_one("reprocess", "walks")["operation"]
                 self.assertEqual(reprocessed["kind"], "OPERATION_KIND_REPROCESS")
-                self.assertIn("clips derived again: 2, with other states: 0", reprocessed["stage"])
+                self.assertIn("clips derived again: 2, changed: 0", reprocessed["stage"])
 
     def test_kills(self):
         self.server.ask_one("create", "d", "--marker-set", "source", "--min-frames", "4", "--glitches", "keep")
@@ -128,10 +129,10 @@ class Reprocess(WithServer):
         self.assertEqual(len(kept), CLIPS // 3)
         model = self.server.ask_one("describe", "d")["model_version"]
         self.server.stop()
-        turn_back(self.store)
+        downgrade(self.store)
 
         moments = random.Random(1)
-        seen = set()  # how many clips were derived when the server was killed
+        seen = set()  # numbers of derived clips when the server was killed
         answers = 0
         for _ in range(60):
             self.restart(self.store)
@@ -140,7 +141,7 @@ class Reprocess(WithServer):
                 described = self.server.ask_one("describe", "d")
                 if described["model_version"] != model:
                     break
-                # The former model answers, with all of its clips.
+                # The earlier model, with all its clips, answers.
                 self.assertEqual(described["clip_count"], CLIPS)
                 answers += self.server.run("recognize", "d", paths[1]).returncode == 0
             derived = sum(clip["representation_version"] == 2 for clip in self.server.ask("list", "d"))
@@ -154,11 +155,11 @@ class Reprocess(WithServer):
         self.assertEqual(await_operations(self.server, "d")["state"], "OPERATION_STATE_SUCCEEDED")
         clips = self.check_is_new("d", CLIPS)
         for clip in clips:
-            wanted = "repaired (1)" if clip["name"] in kept else ""
-            self.assertTrue(clip["glitches"].startswith(wanted) and bool(clip["glitches"]) == bool(wanted),
+            expected = "repaired (1)" if clip["name"] in kept else ""
+            self.assertTrue(clip["glitches"].startswith(expected) and bool(clip["glitches"]) == bool(expected),
                             clip["glitches"])
         self.assertEqual(self.server.stop(), 0)
-        # The states that the former model had are gone.
+        # The states of the earlier model are deleted.
         database = sqlite3.connect(self.store)
         self.assertEqual(database.execute("SELECT count(*) FROM clip").fetchone(), (CLIPS,))
         database.close()

@@ -1,4 +1,4 @@
-"""Certificates, and motiondbd with flags of a test's own, for tests that are about who may call it."""
+"""Certificates, and motiondbd with any flags, for security tests."""
 
 import os
 import subprocess
@@ -14,7 +14,7 @@ NEW_KEY = ["-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:prime256v1", "-nodes"
 
 
 class Authority:
-    """Signs certificates; its files lie in a folder."""
+    """A certificate authority; its files are in a folder."""
 
     def __init__(self, folder, name):
         self.folder = folder
@@ -26,7 +26,7 @@ class Authority:
         return os.path.join(self.folder, name)
 
     def issue(self, file, common_name, names="DNS:localhost,IP:127.0.0.1"):
-        """Writes file.crt and file.key, each in one step, as who replaces them should."""
+        """Writes file.crt and file.key, each atomically, as a replacement should be."""
         with open(self.path("names"), "w") as names_file:
             names_file.write("subjectAltName = " + names + "\n")
         openssl("req", *NEW_KEY, "-subj", "/CN=" + common_name,
@@ -40,7 +40,7 @@ class Authority:
 
 
 class SecureServer:
-    """motiondbd with flags of the test's own, its log in a file."""
+    """motiondbd with any flags; its log is in a file."""
 
     def __init__(self, store, *flags, listen="127.0.0.1:0"):
         self.log_path = store + ".log"
@@ -53,7 +53,7 @@ class SecureServer:
             self.address = line.strip().rsplit(" ", 1)[-1]
             if line.startswith("motiondbd: listening on "):
                 break
-            self.metrics = self.address  # where an option asks for them
+            self.metrics = self.address  # the metrics address, if enabled
 
     def stop(self):
         self.process.terminate()

@@ -1,4 +1,5 @@
-"""motiondbd with TLS and tokens, as an operator sets it up, and motiondb as its users call it."""
+"""Tests motiondbd with TLS and tokens, as set up by an operator, and motiondb as its users call
+it."""
 
 import json
 import os
@@ -50,12 +51,13 @@ class SecurityTest(unittest.TestCase):
         result = subprocess.run(
             [programs.MOTIONDBD, "--store", self.store, "--listen", listen, *flags],
             capture_output=True, text=True, timeout=60)
-        self.assertEqual(result.returncode, 2)  # a wrong setting: not to be tried again
+        self.assertEqual(result.returncode, 2)  # a wrong setting: a supervisor must not retry
         self.assertEqual(result.stdout, "")
         return result.stderr
 
     def make_store(self):
-        """On loopback anybody is an administrator: makes the database and the first tokens."""
+        """On loopback every caller is an administrator: creates the database and the first
+        tokens."""
         self.start()
         self.ok("create", "swings", "--marker-set", "source", "--min-frames", "4")
         self.ok("ingest", "swings", self.path("swing.bvh"), "--label", "swing")
@@ -79,14 +81,14 @@ class SecurityTest(unittest.TestCase):
         self.assertIn("a token is needed", self.refused(*recognize, flags=by_tls))
         self.assertIn("not one of this server's",
                       self.refused(*recognize, token=self.reader[:-1] + "x", flags=by_tls))
-        self.assertIn("good for databases/others alone",
+        self.assertIn("valid for databases/others only",
                       self.refused(*recognize, token=self.stranger, flags=by_tls))
         self.assertIn("needs the role admin",
                       self.refused("delete", "swings", "--yes", token=self.reader, flags=by_tls))
-        # The command line shows databases that the token is good for.
+        # `list` shows only the databases that the token is valid for.
         self.assertIn("swings", self.ok("list", token=self.reader, flags=by_tls))
         self.assertNotIn("swings", self.ok("list", token=self.stranger, flags=by_tls))
-        # Plain text gets no answer, and no token.
+        # Plain text is not answered, and no token is sent.
         self.assertIn("no motiondb server answered",
                       self.refused("list", address="127.0.0.1:" + port))
         self.assertIn("plain text", self.refused("list", token=self.reader,
@@ -95,7 +97,7 @@ class SecurityTest(unittest.TestCase):
         listed = [json.loads(line) for line in
                   self.ok("token", "list", "--json", token=self.admin, flags=by_tls).splitlines()]
         self.assertEqual(len(listed), 3)
-        # Also by the whole of it, pasted: its secret goes no further than the command line.
+        # A whole token is accepted too: its secret stays in the command line program.
         revoked = self.ok("token", "revoke", self.reader, token=self.admin, flags=by_tls)
         self.assertEqual(revoked, "revoked " + listed[0]["name"] + "\n")
         self.assertIn("was revoked", self.refused(*recognize, token=self.reader, flags=by_tls))
@@ -105,7 +107,7 @@ class SecurityTest(unittest.TestCase):
                      "PERMISSION_DENIED", "127.0.0.1", "ClipService.IngestClip", "anonymous"):
             self.assertIn(part, audit)
 
-        # No secret is in the log, nor in the store's files.
+        # No secret is in the log or in the store's files.
         self.stop()
         secrets = [token.rsplit("_", 1)[1]
                    for token in (self.reader, self.stranger, self.admin)]
@@ -125,7 +127,7 @@ class SecurityTest(unittest.TestCase):
         self.ok("list", flags=["--tls-ca", first.certificate])
         self.assertIn("second.crt", self.refused("list", flags=["--tls-ca", second.certificate]))
 
-        # A pair that does not match: the server says so and keeps what it has.
+        # A pair that does not match: the server logs this and keeps the old pair.
         with open(key) as file:
             good_key = file.read()
         with open(key, "w") as file, open(second.key) as other:
@@ -136,7 +138,7 @@ class SecurityTest(unittest.TestCase):
             file.write(good_key)
 
         second.issue("server", "localhost")
-        self.wait_for_log("new certificates")
+        self.wait_for_log("reloaded certificates")
         deadline = time.time() + 20
         while self.server.run("list", flags=["--tls-ca", second.certificate]).returncode != 0:
             self.assertLess(time.time(), deadline)
@@ -158,14 +160,14 @@ class SecurityTest(unittest.TestCase):
                    "--tls-client-ca", clients.certificate, "--authentication", "token",
                    "--certificate-role", "admin")
         trust = ["--tls-ca", authority.certificate, "--tls-server-name", "storage-7"]
-        shown = [*trust, "--tls-certificate", robot, "--tls-key", robot_key]
-        self.ok("create", "swings", flags=shown)
-        self.assertIn("certificate:robot-7", self.ok("audit", flags=shown))
+        client_flags = [*trust, "--tls-certificate", robot, "--tls-key", robot_key]
+        self.ok("create", "swings", flags=client_flags)
+        self.assertIn("certificate:robot-7", self.ok("audit", flags=client_flags))
         self.refused("list", flags=trust)
         self.refused("list", flags=[*trust, "--tls-certificate", stranger, "--tls-key",
                                     stranger_key])
-        # The name in the server's certificate is looked at.
-        self.assertIn("made out to", self.refused("list", flags=shown[:2] + shown[4:]))
+        # The name in the server's certificate is checked.
+        self.assertIn("certificate is not for ", self.refused("list", flags=client_flags[:2] + client_flags[4:]))
 
     def test_an_administrators_token_from_a_file(self):
         path = self.path("admin-token")
@@ -181,11 +183,12 @@ class SecurityTest(unittest.TestCase):
         self.ok("create", "swings", flags=flags)
         self.assertIn("tokens/admin-token-file", self.ok("audit", flags=flags))
 
-        # Another token in the file takes its place; a file that is gone or holds none changes nothing.
+        # Another token in the file replaces the first; a missing file or one without a token
+        # changes nothing.
         first, second = "a-secret-that-an-orchestrator-made", "another-that-it-made-a-month-later"
         with open(path, "w") as file:
             file.write(second)
-        self.wait_for_log("new administrator's token")
+        self.wait_for_log("reloaded admin")
         self.ok("list", token=second)
         self.assertIn("not one of this server's", self.refused("list", token=first))
         os.truncate(path, 0)
@@ -205,32 +208,32 @@ class SecurityTest(unittest.TestCase):
         for _ in range(3):
             self.assertIn("not one of this server's", self.refused("list", token="mdb_0_0"))
         self.assertIn("too many wrong tokens from 127.0.0.1", self.refused("list", token="mdb_0_0"))
-        self.ok("list", token=self.reader)  # who is known goes on
-        self.ok("list", token=self.stranger)  # also who was not seen before
+        self.ok("list", token=self.reader)  # a known caller is still served
+        self.ok("list", token=self.stranger)  # also a token that was not used before
         self.assertIn("a wrong token from 127.0.0.1", self.server.log())
         self.assertIn("too many wrong tokens from 127.0.0.1", self.server.log())
-        # What is refused unseen counts, so that an alert sees one guesser.
+        # Attempts refused without a check count too, so that an alert sees the guesser.
         with urllib.request.urlopen(self.server.metrics, timeout=30) as answer:
             self.assertIn("motiondb_authentication_failures_total 4\n", answer.read().decode())
 
-    def test_it_does_not_start_in_the_open(self):
-        said = self.start_fails(listen="0.0.0.0:0")
-        self.assertIn("there is no TLS", said)
-        self.assertIn("--insecure", said)
+    def test_it_does_not_start_unprotected(self):
+        message = self.start_fails(listen="0.0.0.0:0")
+        self.assertIn("without TLS", message)
+        self.assertIn("--insecure", message)
         self.start("--insecure", listen="0.0.0.0:0")
         self.assertIn("INSECURE: 0.0.0.0:0", self.server.log())
         self.ok("list")
 
-    def test_a_server_that_nobody_can_administer_says_so(self):
-        said = "no token of an administrator holds"
+    def test_a_missing_admin_token_is_logged(self):
+        message = "no valid admin token exists"
         self.start("--authentication", "token")
-        self.assertIn(said, self.server.log())
+        self.assertIn(message, self.server.log())
         os.remove(self.server.log_path)
         self.make_store()
         self.start("--authentication", "token")
-        self.assertNotIn(said, self.server.log())
+        self.assertNotIn(message, self.server.log())
 
-    def test_the_check_warns_as_a_start_does(self):
+    def test_check_config_warns_like_a_start(self):
         authority = Authority(self.folder.name, "authority")
         certificate, key = authority.issue("server", "localhost")
         os.chmod(key, 0o644)

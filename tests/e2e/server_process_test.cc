@@ -1,4 +1,4 @@
-// motiondbd as a process: what it acknowledged survives SIGKILL, and SIGTERM drains it.
+// motiondbd as a process: acknowledged changes survive SIGKILL, and SIGTERM drains it.
 #include <grpcpp/create_channel.h>
 #include <sys/stat.h>
 
@@ -20,7 +20,7 @@
 namespace motiondb::tests::server_process_test {
 namespace {
 
-// A motiondbd that answers, on a port of its own.
+// A running motiondbd on a free port.
 class ServerProcess {
  public:
   explicit ServerProcess(const std::string& store)
@@ -125,9 +125,9 @@ TEST_CASE("ServerProcess: SIGTERM, SIGINT and SIGHUP drain it", "[e2e]") {
   CHECK(server.ClipCount() == 3);
 }
 
-TEST_CASE("ServerProcess: where a hangup is ignored, it is", "[e2e]") {
+TEST_CASE("ServerProcess: an ignored SIGHUP stays ignored", "[e2e]") {
   TemporaryDirectory directory;
-  const auto former = std::signal(SIGHUP, SIG_IGN);  // as nohup has it
+  const auto former = std::signal(SIGHUP, SIG_IGN);  // as set by nohup
   ServerProcess server(directory / "store.db");
   std::signal(SIGHUP, former);
   server.process().Signal(SIGHUP);
@@ -136,7 +136,7 @@ TEST_CASE("ServerProcess: where a hangup is ignored, it is", "[e2e]") {
   CHECK(server.process().Wait() == 0);
 }
 
-TEST_CASE("ServerProcess: what it makes is its owner's alone", "[e2e]") {
+TEST_CASE("ServerProcess: only the owner can read its files", "[e2e]") {
   TemporaryDirectory directory;
   const mode_t former = umask(0);
   ServerProcess server(directory / "store.db");
@@ -149,15 +149,15 @@ TEST_CASE("ServerProcess: what it makes is its owner's alone", "[e2e]") {
           std::filesystem::perms::none);
     ++count;
   }
-  CHECK(count >= 3);  // the store, its log and its lock
+  CHECK(count >= 3);  // store, WAL and lock file
 }
 
-TEST_CASE("ServerProcess: a call under way ends before the server does", "[e2e]") {
+TEST_CASE("ServerProcess: a running call ends before the server", "[e2e]") {
   TemporaryDirectory directory;
   ServerProcess server(directory / "store.db");
   server.CreateDatabase();
   const std::string operation = server.Ingest({.frame_count = 6000}).operation().name();
-  // A wait may last longer than the server: it is answered as things stand.
+  // A wait may outlive the server: it is answered with the current state.
   v1::Operation seen;
   std::thread waiting([&] { seen = server.Wait(operation); });
   std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -169,7 +169,7 @@ TEST_CASE("ServerProcess: a call under way ends before the server does", "[e2e]"
   CHECK(std::chrono::steady_clock::now() - asked < std::chrono::seconds(5));
 }
 
-TEST_CASE("ServerProcess: mistakes end it with a message and a code", "[e2e]") {
+TEST_CASE("ServerProcess: mistakes end it with a message and an exit code", "[e2e]") {
   TemporaryDirectory directory;
   CHECK(ChildProcess({MOTIONDBD}).Wait() != 0);
   CHECK(ChildProcess({MOTIONDBD, "--store", directory / "a.db", "--threads", "-3"}).Wait() != 0);
@@ -181,7 +181,7 @@ TEST_CASE("ServerProcess: mistakes end it with a message and a code", "[e2e]") {
   ChildProcess second({MOTIONDBD, "--store", directory / "other.db", "--listen", server.address(),
                        "--log-level", "off"});
   CHECK(second.Wait() == 1);
-  // It did not make, or upgrade, a store that it cannot serve.
+  // It did not create or upgrade a store that it cannot serve.
   CHECK(!std::filesystem::exists(directory / "other.db"));
   ChildProcess same_store({MOTIONDBD, "--store", directory / "store.db", "--listen", "127.0.0.1:0",
                            "--log-level", "off"});

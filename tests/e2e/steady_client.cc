@@ -1,8 +1,8 @@
-// A well-behaved client that measures a server while others attack it. It sends a health check
-// every 50 ms and a Recognize of 0.4 s of motion every 100 ms, each on time even if earlier calls
-// have no answer yet. Every second it also opens a new channel and sends a health check on it.
-// It prints "ready", runs until its standard input ends, and prints one line of JSON: for each kind
-// of call the count, the failures, p50, p99 and the maximum in milliseconds, and the first error.
+// A well-behaved client that measures a server under attack. It sends a health check every 50 ms
+// and a Recognize of 0.4 s of motion every 100 ms, on time even if earlier calls are unanswered.
+// Every second it also sends a health check on a new channel. It prints "ready", runs until its
+// standard input ends, and prints one line of JSON. The line has for each kind of call: count,
+// failures, p50, p99 and maximum in milliseconds, and the first error.
 #include <fmt/format.h>
 #include <grpcpp/create_channel.h>
 #include <grpcpp/generic/generic_stub.h>
@@ -40,7 +40,7 @@ constexpr int kTicksPerConnect = 20;
 constexpr milliseconds kTimeout{5000};
 constexpr double kWindowSeconds = 0.4;
 
-// The calls of one kind. Thread-safe.
+// Latencies of one kind of call. Thread-safe.
 class Latencies {
  public:
   void Begin() {
@@ -85,14 +85,14 @@ std::shared_ptr<grpc::Channel> NewChannel(const client::ClientOptions& options) 
   const auto credentials = client::CredentialsFor(options);
   if (!credentials.ok()) throw std::runtime_error(credentials.status().ToString());
   grpc::ChannelArguments arguments;
-  // A connection of its own, not the one that all channels to the address share.
+  // A connection of its own, not the shared one of the address.
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(options.server, *credentials, arguments);
 }
 
-// One call that is under way, with all that has to live until it ends. Its callback releases it
-// before it counts: gRPC 1.51 waits for its own thread forever, or frees twice, if the last channel
-// of the process is released on one of gRPC's threads.
+// A running call with everything that must live until it ends. Its callback releases it before it
+// counts it: gRPC 1.51 waits for its own thread forever, or frees twice, if one of its threads
+// releases the last channel of the process.
 template <typename Stub, typename Request, typename Response>
 struct Call {
   Call(std::shared_ptr<Stub> its_stub, Request its_request)
@@ -108,7 +108,7 @@ struct Call {
 void CheckHealth(const std::shared_ptr<grpc::GenericStub>& stub, bool wait_for_ready,
                  Latencies& latencies) {
   using HealthCall = Call<grpc::GenericStub, grpc::ByteBuffer, grpc::ByteBuffer>;
-  const grpc::Slice empty;  // asks for the server as a whole
+  const grpc::Slice empty;  // checks the server as a whole
   auto call = std::make_shared<HealthCall>(stub, grpc::ByteBuffer(&empty, 1));
   call->context.set_wait_for_ready(wait_for_ready);
   latencies.Begin();
@@ -135,7 +135,7 @@ void Recognize(const std::shared_ptr<v1::QueryService::Stub>& stub,
                            });
 }
 
-// Requests with the windows of the motion in turn.
+// Requests with successive windows of the motion.
 std::vector<v1::RecognizeRequest> Windows(const client::Client& client, const std::string& database,
                                           const std::string& file) {
   v1::RepresentRequest represent;
@@ -163,7 +163,7 @@ std::vector<v1::RecognizeRequest> Windows(const client::Client& client, const st
   return requests;
 }
 
-// Whether standard input ended before `time`.
+// Returns whether standard input ended before `time`.
 bool InputEndedBy(Clock::time_point time) {
   const auto left = std::chrono::ceil<milliseconds>(time - Clock::now());
   pollfd input{.fd = 0, .events = POLLIN, .revents = 0};
@@ -211,12 +211,12 @@ int main(int argc, char** argv) {
   motiondb::client::ClientOptions options;
   motiondb::client::TlsOptions tls;
   std::string database, motion;
-  CLI::App app("steady_client: measures a server while others attack it");
+  CLI::App app("steady_client: measures a server under attack");
   app.add_option("--server", options.server, "HOST:PORT")->required();
   app.add_option("--tls-ca", tls.ca_file, "Authority of the server's certificate (PEM)");
   app.add_option("--token", options.token, "Token, with TLS or on loopback");
   app.add_option("--database", database, "Database to query")->required();
-  app.add_option("--motion", motion, "BVH file to recognize windows of")->required();
+  app.add_option("--motion", motion, "BVH file whose windows are recognized")->required();
   CLI11_PARSE(app, argc, argv);
   if (!tls.ca_file.empty()) options.tls = tls;
   try {

@@ -1,4 +1,4 @@
-"""Well-behaved clients, which measure how long a server takes to answer them."""
+"""Well-behaved clients that measure the latency of a server."""
 
 import http.client
 import json
@@ -10,16 +10,16 @@ LIVEZ_PERIOD = 0.25  # seconds
 
 
 class Livez:
-    """Asks the HTTP port whether the process lives, on a new connection each time."""
+    """Requests /livez on the HTTP port, on a new connection each time."""
 
     def __init__(self, address):
-        self.address, self.over = address, threading.Event()
+        self.address, self.stopped = address, threading.Event()
         self.ms, self.failures = [], 0
         self.thread = threading.Thread(target=self.run, daemon=True)
         self.thread.start()
 
     def run(self):
-        while not self.over.wait(LIVEZ_PERIOD):
+        while not self.stopped.wait(LIVEZ_PERIOD):
             began = time.monotonic()
             connection = http.client.HTTPConnection(*self.address, timeout=5)
             try:
@@ -31,10 +31,10 @@ class Livez:
             self.ms.append(1e3 * (time.monotonic() - began))
 
     def stop(self):
-        self.over.set()
+        self.stopped.set()
         self.thread.join()
         ms = sorted(self.ms) or [0]
-        return {"count": len(self.ms), "failures": self.failures, "error": "no answer of 200",
+        return {"count": len(self.ms), "failures": self.failures, "error": "expected status 200",
                 "p99_ms": ms[-(len(ms) // 100) - 1], "max_ms": ms[-1]}
 
 

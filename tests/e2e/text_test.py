@@ -1,4 +1,4 @@
-"""Text that should act on nobody's terminal, tokens in wrong places, and files that a server names."""
+"""Texts that must not act on a terminal, tokens in wrong places, and file names from a server."""
 
 import json
 import os
@@ -13,36 +13,38 @@ import xml.dom.minidom
 import programs
 from figure import write_bvh
 
-# Line feed, escapes of 7 and 8 bits, changes of the writing direction, separators, a byte order mark.
+# Line feed, escapes of 7 and 8 bits, changes of the writing direction, separators, a byte order
+# mark.
 HOSTILE = "A\n\x1b[31m\x9b2J\u202e\u2066\u2028\u2029\u061c\u200f\ufeff\x7fZ"
 CONTROLS = re.compile("[\x00-\x09\x0b-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u206f\ufeff]")
 TOKEN = "mdb_0123456789ab_" + "c" * 64
 
 
 class StallingRelay:
-    """Between one client and the server: passes on so many bytes of the server, and then nothing."""
+    """A relay between one client and the server: passes a limited number of the server's bytes,
+    then stalls."""
 
-    def __init__(self, server, most_bytes):
+    def __init__(self, server, max_bytes):
         self.stalled = threading.Event()
         self.listener = socket.create_server(("127.0.0.1", 0))
         self.address = f"127.0.0.1:{self.listener.getsockname()[1]}"
         host, port = server.rsplit(":", 1)
         self.server = socket.create_connection((host, int(port)))
         self.client = None
-        threading.Thread(target=self.accept, args=(most_bytes,), daemon=True).start()
+        threading.Thread(target=self.accept, args=(max_bytes,), daemon=True).start()
 
-    def accept(self, most_bytes):
+    def accept(self, max_bytes):
         self.client, _ = self.listener.accept()
         threading.Thread(target=self.relay, args=(self.client, self.server, None),
                          daemon=True).start()
-        self.relay(self.server, self.client, most_bytes)
+        self.relay(self.server, self.client, max_bytes)
         self.stalled.set()
 
     @staticmethod
-    def relay(source, target, most_bytes):
+    def relay(source, target, max_bytes):
         passed = 0
         try:
-            while most_bytes is None or passed < most_bytes:
+            while max_bytes is None or passed < max_bytes:
                 data = source.recv(4096)
                 if not data:
                     return
@@ -74,7 +76,8 @@ class TextTest(programs.WithServer):
             self.assertEqual(result.returncode, 0, result.stderr)
 
     def store_in_clip(self, **columns):
-        """Writes into the store what an earlier version took, or a hostile server would send."""
+        """Writes into the store what an earlier version accepted, or a hostile server would
+        send."""
         self.assertEqual(self.server.stop(), 0)
         with sqlite3.connect(self.store) as database:
             for column, value in columns.items():
@@ -152,7 +155,7 @@ class TextTest(programs.WithServer):
         with open(self.store, "rb") as store:
             self.assertNotIn(b"c" * 8, store.read())
 
-    def test_export_writes_no_other_file(self):
+    def test_export_writes_only_its_own_file(self):
         self.make_database()
         out = self.path("out")
         os.mkdir(out)
@@ -205,7 +208,7 @@ class TextTest(programs.WithServer):
         for number in (signal.SIGINT, signal.SIGTERM, signal.SIGKILL):
             out = self.path(f"out{number}")
             os.mkdir(out)
-            relay = StallingRelay(self.server.address, most_bytes=50_000)
+            relay = StallingRelay(self.server.address, max_bytes=50_000)
             client = subprocess.Popen(
                 [programs.MOTIONDB, "--server", relay.address, "backup", os.path.join(out, "copy.db")],
                 stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
@@ -215,9 +218,9 @@ class TextTest(programs.WithServer):
             relay.close()
             self.assertEqual(os.listdir(out), [])
 
-    def test_a_drain_during_an_ingest_says_what_is_stored(self):
+    def test_a_drain_during_an_ingest_reports_the_stored_clips(self):
         self.make_database()
-        # Many clips, so that the build is still at work when the server is told to stop.
+        # Many clips, so that the build still runs when the server is stopped.
         files = []
         for seed in range(10, 40):
             files.append(self.path(f"clip{seed}.bvh"))

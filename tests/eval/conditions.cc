@@ -18,11 +18,11 @@ using States = std::vector<core::StateSequence>;
 
 constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
 
-// Limbs of standard34, from where they leave the trunk.
+// Limbs of standard34 below the trunk.
 const std::vector<std::string> kRightArm = {"RUpperArm", "RElbow", "RForearm", "RWrist", "RHand"};
 const std::vector<std::string> kLeftLeg = {"LThigh", "LKnee", "LShin", "LAnkle", "LHeel", "LToe"};
 
-// FNV-1a: the same on every machine.
+// Seeded by FNV-1a: equal on every machine.
 std::mt19937 RandomFor(const EvalClip& clip, int part = 0) {
   std::uint32_t hash = 2166136261U;
   for (const char c : clip.name + "#" + std::to_string(part)) {
@@ -35,7 +35,7 @@ bool Happens(double probability, std::mt19937& random) {
   return static_cast<double>(random()) < probability * 4294967296.0;
 }
 
-// The change, whole and cut into windows afterwards.
+// Applies the change, whole or cut into windows afterwards.
 Condition Changed(std::string name, const Change& change) {
   const auto in_parts = [change](Extent extent) {
     return [change, extent](const EvalClip& clip) -> absl::StatusOr<States> {
@@ -59,7 +59,7 @@ Condition ChangedMarkers(std::string name, const core::MarkerSet& set,
 }
 
 Condition MissingFrames(const core::MarkerSet& set, int percent) {
-  return ChangedMarkers(fmt::format("{} % of markers missing, each frame anew", percent), set,
+  return ChangedMarkers(fmt::format("{} % of markers missing, drawn for each frame", percent), set,
                         [percent](const EvalClip& clip, core::FrameMatrix& positions) {
                           std::mt19937 random = RandomFor(clip);
                           for (Eigen::Index t = 0; t < positions.rows(); ++t) {
@@ -72,8 +72,8 @@ Condition MissingFrames(const core::MarkerSet& set, int percent) {
                         });
 }
 
-// Without hips to stand on, and without neighbours that are seen, masking positions before states
-// are computed is the same as masking the states.
+// Masking states is equal to masking positions before the states are computed, unless hips or
+// neighbouring frames of the marker are involved.
 void Mask(int marker, core::StateSequence& states) {
   states.states.middleCols<6>(6 * marker).setConstant(kMissing);
 }
@@ -90,7 +90,7 @@ Condition MissingThroughout(const core::MarkerSet& set, int percent) {
       States parts = PartsOf(clip.states, extent);
       for (std::size_t p = 0; p < parts.size(); ++p) {
         std::mt19937 random = RandomFor(clip, static_cast<int>(p) + 1);
-        for (std::size_t i = 0; i < missing; ++i) {  // the first steps of a shuffle
+        for (std::size_t i = 0; i < missing; ++i) {  // a partial shuffle
           std::swap(markers[i], markers[i + random() % (markers.size() - i)]);
           Mask(markers[i], parts[p]);
         }
@@ -109,7 +109,8 @@ Condition MissingLimb(std::string name, const core::MarkerSet& set,
                    core::StateSequence states = clip.states;
                    for (const std::string& marker : limb) {
                      const auto at = std::find(set.markers.begin(), set.markers.end(), marker);
-                     if (at == set.markers.end()) return core::NotFound("no marker {}", marker);
+                     if (at == set.markers.end())
+                       return core::NotFound("marker set has no marker {}", marker);
                      Mask(static_cast<int>(at - set.markers.begin()), states);
                    }
                    return states;
@@ -127,11 +128,12 @@ Condition Noise(const core::MarkerSet& set, int centimetres) {
 }
 
 Condition FrameRate(const core::MarkerSet& set, int rate_hz) {
-  return Changed(fmt::format("told at {} Hz", rate_hz),
+  return Changed(fmt::format("resampled to {} Hz", rate_hz),
                  [set, rate_hz](const EvalClip& clip) -> absl::StatusOr<core::StateSequence> {
-                   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerMotion told,
+                   MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerMotion resampled,
                                              core::Resample(clip.markers, rate_hz));
-                   return StatesOf(set, told, clip.states.frame_rate_hz, clip.states.leg_length_m);
+                   return StatesOf(set, resampled, clip.states.frame_rate_hz,
+                                   clip.states.leg_length_m);
                  });
 }
 

@@ -1,5 +1,5 @@
-// What can go wrong with an observation: the same motion as a worse sensor or another source would
-// tell it. Everything random is seeded by the clip's name, so every run and method sees the same.
+// Degraded observations: the same motion from a worse sensor or another source. Random choices are
+// seeded by the clip's name, so every run and method gets the same observations.
 #pragma once
 
 #include <string>
@@ -17,9 +17,9 @@ struct Condition {
   bool markers_missing = false;
 };
 
-// The first is the clean one. Beyond it: markers missing at random, a limb missing, noise, other
-// frame rates. `set` names its limbs as standard34 does. The hips stay where a marker is missing
-// from a whole observation: without them there is no reference frame. The body's size is known.
+// The first condition is clean. The others: markers missing at random, a limb missing, noise, other
+// frame rates. `set` names its limbs as standard34 does. Whole observations keep their hips, which
+// define the reference frame. The size of the body is known.
 std::vector<Condition> HardConditions(const core::MarkerSet& set);
 
 }  // namespace motiondb::tests

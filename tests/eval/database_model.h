@@ -1,4 +1,4 @@
-// A model as the database would hold it, of a protocol's training clips.
+// The model that the database has for a protocol's training clips.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -7,10 +7,10 @@
 
 namespace motiondb::tests {
 
-// At the clips' frame rate, with the default settings otherwise.
+// Uses the clips' frame rate and default settings.
 absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& training);
 
-// Bytes of its states, node statistics, graphs and what is familiar.
+// Returns the bytes of its states, node statistics, graphs and familiarity statistics.
 double ModelBytes(const core::Model& model);
 
 }  // namespace motiondb::tests

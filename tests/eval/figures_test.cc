@@ -1,4 +1,4 @@
-// The figures of the evaluation against values worked out by hand and by brute force.
+// Compares the evaluation statistics with values computed by hand and by brute force.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <random>
@@ -10,7 +10,7 @@
 
 namespace motiondb::tests::figures_test {
 
-TEST_CASE("Accuracy: macro counts labels alike, however many have each", "[eval]") {
+TEST_CASE("Accuracy: macro accuracy weights labels equally", "[eval]") {
   const std::vector<Named> names = {
       {"walk", "walk"}, {"walk", "walk"}, {"walk", "jog"}, {"walk", "walk"}, {"kick", "walk"}};
   CHECK(Accuracy(names) == Approx(0.6));
@@ -19,7 +19,7 @@ TEST_CASE("Accuracy: macro counts labels alike, however many have each", "[eval]
   CHECK(std::isnan(Accuracy({})));
 }
 
-TEST_CASE("Auroc: by hand, and the share of pairs that stand the right way", "[eval]") {
+TEST_CASE("Auroc: by hand, and as the fraction of correctly ordered pairs", "[eval]") {
   CHECK(Auroc({3, 4}, {1, 2}) == 1);
   CHECK(Auroc({1, 2}, {3, 4}) == 0);
   CHECK(Auroc({1, 1}, {1}) == 0.5);
@@ -54,7 +54,7 @@ TEST_CASE("Calibration: bins and their error by hand", "[eval]") {
   CHECK(std::isnan(CalibrationError(Reliability({}))));
 }
 
-TEST_CASE("Calibration: what comes true as often as it says has no error", "[eval]") {
+TEST_CASE("Calibration: calibrated confidences have no error", "[eval]") {
   std::mt19937 random(2);
   std::uniform_real_distribution<double> uniform(0, 1);
   std::vector<Claim> honest;
@@ -68,7 +68,7 @@ TEST_CASE("Calibration: what comes true as often as it says has no error", "[eva
   CHECK(CalibrationError(Reliability(boasting)) > 0.2);
 }
 
-TEST_CASE("Table: the same figures as Markdown and as JSON, none as a dash and null", "[eval]") {
+TEST_CASE("Table: the same numbers in Markdown and JSON; NaN is a dash and null", "[eval]") {
   const Table table{.title = "Errors",
                     .columns = {{"80 ms"}, {"ms", 2}},
                     .rows = {{"ours", {1.25, std::nan("")}, "fixed"}},

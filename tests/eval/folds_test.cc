@@ -1,4 +1,4 @@
-// What the peers' parameters are chosen on.
+// Tests the folds and temperatures that are used to tune the peers.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -16,7 +16,7 @@ EvalClip Clip(std::string label, std::string source) {
 
 }  // namespace
 
-TEST_CASE("Folds: by subject where every label outlives it, dealt out otherwise", "[eval]") {
+TEST_CASE("Folds: by subject if every label remains, by clips otherwise", "[eval]") {
   const EvalClip a = Clip("walk", "ann"), b = Clip("kick", "ann"), c = Clip("walk", "bob"),
                  d = Clip("kick", "bob"), e = Clip("jump", "ann"), f = Clip("jump", "ann");
   const Folds by_subject = MakeFolds({&a, &b, &c, &d});
@@ -39,8 +39,8 @@ TEST_CASE("Folds: by subject where every label outlives it, dealt out otherwise"
   CHECK(tested == all.size());
 }
 
-TEST_CASE("Temperature: makes scores as sure as they are right", "[eval]") {
-  // Right two times of three by the same margin: the best softmax says 2/3.
+TEST_CASE("Temperature: calibrates scores", "[eval]") {
+  // Two of three are correct by the same margin: the best softmax is 2/3.
   const std::vector<HeldOut> held_out = {{{5, 0}, 0}, {{5, 0}, 0}, {{5, 0}, 1}};
   CHECK(HeldOutAccuracy(held_out) == Approx(2.0 / 3));
   CHECK(Softmax({5, 0}, BestTemperature(held_out))[0] == Approx(2.0 / 3).epsilon(0.05));

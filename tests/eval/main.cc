@@ -1,4 +1,4 @@
-// motiondb_eval: recognition and prediction on recorded motion, beside their peers.
+// motiondb_eval: recognition and prediction on recorded motion, compared with peers.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -32,24 +32,24 @@ void AddOptions(CLI::App& app, Options& options) {
   app.add_option("--data", options.data, "Folder of recorded motion with index.tsv and sets/")
       ->type_name("DIR")
       ->capture_default_str();
-  app.add_option("--protocol", options.protocols, "Which to run, separated by commas")
+  app.add_option("--protocol", options.protocols, "Protocols to run, separated by commas")
       ->delimiter(',')
       ->check(CLI::IsMember(names))
       ->type_name("NAME,...");
-  app.add_option("--jobs", options.jobs, "Threads; figures but times are the same with any number")
+  app.add_option("--jobs", options.jobs, "Threads; they affect only the times")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
-  app.add_option("--rate", options.frame_rate_hz, "Frames a second of recognition")
+  app.add_option("--rate", options.frame_rate_hz, "Frame rate of recognition, Hz")
       ->check(CLI::Range(5.0, 1000.0))
       ->capture_default_str();
   app.add_option("--window-step", options.window_step,
                  "Frames from one window of the prediction protocol to the next")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
-  app.add_option("--json", options.json, "Write the tables to this file too")->type_name("FILE");
+  app.add_option("--json", options.json, "Also write the tables to this file")->type_name("FILE");
 }
 
-// Runs the protocols asked for in their order; prints each as it is done.
+// Runs the selected protocols in order; prints each when it is done.
 absl::StatusOr<nlohmann::json> Run(const Options& options) {
   using Clock = std::chrono::steady_clock;
   const auto seconds_since = [](Clock::time_point begin) {
@@ -89,7 +89,7 @@ absl::StatusOr<nlohmann::json> Run(const Options& options) {
 }
 
 int Main(int argc, char** argv) {
-  CLI::App app("Measures recognition and prediction on recorded motion, beside their peers.",
+  CLI::App app("Measures recognition and prediction on recorded motion, compared with peers.",
                "motiondb_eval");
   Options options;
   AddOptions(app, options);
@@ -99,15 +99,15 @@ int Main(int argc, char** argv) {
     return 1;
   };
   if (!std::filesystem::exists(std::filesystem::path(options.data) / "index.tsv")) {
-    return fail(
-        fmt::format("no recorded motion at {}: it has no index.tsv (see --data)", options.data));
+    return fail(fmt::format("no recorded motion at {}: expected an index.tsv there (see --data)",
+                            options.data));
   }
   const absl::StatusOr<nlohmann::json> results = Run(options);
   if (!results.ok()) return fail(std::string(results.status().message()));
   if (!options.json.empty()) {
     std::ofstream file(options.json);
     file << results->dump(2) << '\n';
-    if (!file.flush()) return fail(fmt::format("{}: cannot be written", options.json));
+    if (!file.flush()) return fail(fmt::format("{}: cannot write the file", options.json));
   }
   return 0;
 }

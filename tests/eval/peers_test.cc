@@ -1,4 +1,5 @@
-// The peers against exhaustive search on small inputs: a weak peer would flatter the database.
+// Compares the peers with exhaustive search on small inputs: a weak peer would flatter the
+// database.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -33,17 +34,17 @@ double Squares(const Eigen::RowVectorXf& stored, const Eigen::RowVectorXf& obser
   return sum;
 }
 
-// The least cost of all warping paths from (i, j) to the last row, one after the other.
-double LeastWarp(const core::FrameMatrix& costs, Eigen::Index i, Eigen::Index j, bool free_end) {
+// Returns the minimum cost of all warping paths from (i, j) to the last row, by enumeration.
+double MinWarpCost(const core::FrameMatrix& costs, Eigen::Index i, Eigen::Index j, bool free_end) {
   const double here = costs(i, j);
   const bool last_row = i + 1 == costs.rows();
   const bool last_column = j + 1 == costs.cols();
   double onward = std::numeric_limits<double>::infinity();
   if (last_row && (free_end || last_column)) onward = 0;
-  if (!last_row) onward = std::min(onward, LeastWarp(costs, i + 1, j, free_end));
-  if (!last_column) onward = std::min(onward, LeastWarp(costs, i, j + 1, free_end));
+  if (!last_row) onward = std::min(onward, MinWarpCost(costs, i + 1, j, free_end));
+  if (!last_column) onward = std::min(onward, MinWarpCost(costs, i, j + 1, free_end));
   if (!last_row && !last_column) {
-    onward = std::min(onward, LeastWarp(costs, i + 1, j + 1, free_end));
+    onward = std::min(onward, MinWarpCost(costs, i + 1, j + 1, free_end));
   }
   return here + onward;
 }
@@ -57,7 +58,7 @@ EvalClip Clip(std::string label, core::FrameMatrix states) {
 
 }  // namespace
 
-TEST_CASE("Frame distances: sums over the numbers present", "[eval]") {
+TEST_CASE("Frame distances: sums over the values present", "[eval]") {
   const core::FrameMatrix stored = RandomFrames(9, 12, 1);
   core::FrameMatrix observed = RandomFrames(5, 12, 2);
   for (const bool missing : {false, true}) {
@@ -78,21 +79,21 @@ TEST_CASE("Frame distances: sums over the numbers present", "[eval]") {
   }
 }
 
-TEST_CASE("Windowed 1-NN: the least of all windows", "[eval]") {
+TEST_CASE("Windowed 1-NN: the minimum over all windows", "[eval]") {
   const core::FrameMatrix stored = RandomFrames(20, 6, 3);
   core::FrameMatrix window = RandomFrames(4, 6, 4);
   window(2, 1) = kMissing;
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   for (int start = 0; start <= 16; ++start) {
     double sum = 0;
     for (int t = 0; t < 4; ++t) sum += Squares(stored.row(start + t), window.row(t));
-    least = std::min(least, sum / 23);
+    minimum = std::min(minimum, sum / 23);
   }
-  CHECK(NearestWindow(StoredFrames(stored), window) == Approx(least).epsilon(1e-4));
+  CHECK(NearestWindow(StoredFrames(stored), window) == Approx(minimum).epsilon(1e-4));
   CHECK(NearestWindow(StoredFrames(stored), stored.middleRows(5, 7)) < 1e-5);
 }
 
-TEST_CASE("Windowed 1-NN and DTW name a piece of a clip by that clip", "[eval]") {
+TEST_CASE("Windowed 1-NN and DTW recognize a part of a clip as that clip", "[eval]") {
   const EvalClip walk = Clip("walk", RandomFrames(60, 12, 5));
   const EvalClip kick = Clip("kick", RandomFrames(60, 12, 6));
   const ClipSet training{&walk, &kick};
@@ -114,20 +115,20 @@ TEST_CASE("Windowed 1-NN and DTW name a piece of a clip by that clip", "[eval]")
   }
 }
 
-TEST_CASE("DTW: the least cost of all warping paths", "[eval]") {
+TEST_CASE("DTW: the minimum cost of all warping paths", "[eval]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const int rows = 1 + static_cast<int>(seed % 4);
     const int columns = 1 + static_cast<int>(seed % 5);
     const core::FrameMatrix costs = RandomFrames(rows, columns, 100 + seed).cwiseAbs();
     for (const bool free_start : {false, true}) {
       for (const bool free_end : {false, true}) {
-        double least = std::numeric_limits<double>::infinity();
+        double minimum = std::numeric_limits<double>::infinity();
         for (int start = 0; start < (free_start ? columns : 1); ++start) {
-          least = std::min(least, LeastWarp(costs, 0, start, free_end));
+          minimum = std::min(minimum, MinWarpCost(costs, 0, start, free_end));
         }
         INFO(rows << " x " << columns << ", free start " << free_start << ", free end "
                   << free_end);
-        CHECK(WarpCost(costs, {free_start, free_end}) == Approx(least).epsilon(1e-5));
+        CHECK(WarpCost(costs, {free_start, free_end}) == Approx(minimum).epsilon(1e-5));
       }
     }
   }
@@ -160,7 +161,7 @@ TEST_CASE("HMM: the likelihood is the sum over all state paths", "[eval]") {
   }
 }
 
-TEST_CASE("HMM: one state is one Gaussian, of the numbers present", "[eval]") {
+TEST_CASE("HMM: one state is one Gaussian, of the values present", "[eval]") {
   const GaussianHmm::Sequence training = RandomFrames(40, 2, 9).cast<double>();
   const GaussianHmm hmm = GaussianHmm::Fit({training}, {.states = 1, .variance_floor = 1e-6});
   Eigen::MatrixXd observed(1, 2);
@@ -171,7 +172,7 @@ TEST_CASE("HMM: one state is one Gaussian, of the numbers present", "[eval]") {
         Approx(-0.5 * std::log(2 * M_PI * variance) - std::pow(0.3 - mean, 2) / (2 * variance)));
 }
 
-TEST_CASE("HMM: Baum-Welch never lowers the likelihood, and no row loses probability", "[eval]") {
+TEST_CASE("HMM: Baum-Welch never lowers the likelihood, and rows still sum to 1", "[eval]") {
   for (const Topology topology : {Topology::kLeftRight, Topology::kErgodic}) {
     for (const int states : {2, 4}) {
       std::vector<GaussianHmm::Sequence> sequences;
@@ -197,7 +198,7 @@ TEST_CASE("HMM: Baum-Welch never lowers the likelihood, and no row loses probabi
   }
 }
 
-TEST_CASE("Simple motion: stays, or goes on", "[eval]") {
+TEST_CASE("Simple motion: constant pose or constant velocity", "[eval]") {
   core::MarkerMotion past{{"a"}, 25, core::FrameMatrix(2, 3)};
   past.positions_m << 0, 0, 1, 0.1F, 0, 1;
   const std::vector<double> horizons{0.08, 1};
@@ -211,15 +212,15 @@ TEST_CASE("Simple motion: stays, or goes on", "[eval]") {
   CHECK(goes_on->positions_m(1, 2) == Approx(1));
 }
 
-TEST_CASE("Nearest exemplar: a piece of a stored clip goes on as it did", "[eval]") {
-  EvalClip one = Clip("walk", {});
-  one.markers = {{"a", "b"}, 25, RandomFrames(60, 6, 30)};
+TEST_CASE("Nearest exemplar: a part of a stored clip continues as stored", "[eval]") {
+  EvalClip walk = Clip("walk", {});
+  walk.markers = {{"a", "b"}, 25, RandomFrames(60, 6, 30)};
   EvalClip other = Clip("walk", {});
   other.markers = {{"a", "b"}, 25, RandomFrames(60, 6, 31)};
   for (const ExemplarOptions& options :
        {ExemplarOptions{1, 0, 1}, ExemplarOptions{3, 1, 1, 0.5}, ExemplarOptions{9, 3, 1}}) {
     NearestExemplar nearest;
-    nearest.Learn({&one, &other}, options);
+    nearest.Learn({&walk, &other}, options);
     core::MarkerMotion past = Slice(other.markers, 10, 10);
     const auto forecast = nearest.Predict(past, {0.08, 1});
     REQUIRE(forecast.ok());
@@ -228,9 +229,9 @@ TEST_CASE("Nearest exemplar: a piece of a stored clip goes on as it did", "[eval
   }
 }
 
-TEST_CASE("Nearest exemplar: a step unlike the exemplar's is made up for, and dies away",
+TEST_CASE("Nearest exemplar: the difference from the exemplar's step is added and decays",
           "[eval]") {
-  // Stored: one marker that stands still. Observed: it moved 1 m in the last frame.
+  // Stored: one marker at rest. Observed: it moved 1 m in the last frame.
   EvalClip stored = Clip("stand", {});
   stored.markers = {{"a"}, 25, core::FrameMatrix::Zero(30, 3)};
   NearestExemplar nearest;
@@ -244,7 +245,7 @@ TEST_CASE("Nearest exemplar: a step unlike the exemplar's is made up for, and di
   CHECK(forecast->positions_m(2, 0) == Approx(1.875));
 }
 
-TEST_CASE("Filling: along the line between sightings, or as the nearest stored frame", "[eval]") {
+TEST_CASE("Filling: linear interpolation, or the nearest stored frame", "[eval]") {
   EvalClip stored = Clip("walk", RandomFrames(40, 12, 40));
   core::StateSequence observed = Slice(stored.states, 10, 6);
   const core::FrameMatrix truth = core::WorldPositions(observed);

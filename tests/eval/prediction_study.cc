@@ -80,21 +80,22 @@ absl::StatusOr<std::vector<MethodForecasts>> PredictionStudy::Run(const std::str
   for (std::size_t t = 0; t < tasks; ++t) {
     MOTIONDB_RETURN_IF_ERROR(results[t].status());
     MethodForecasts& all = by_method[t / folds.size()];
-    MethodForecasts& one = *results[t];
-    all.name = one.name;
-    all.model_bytes += one.model_bytes / static_cast<double>(folds.size());
-    all.seconds += one.seconds;
-    ++chosen[t / folds.size()][one.chosen];
-    all.forecasts.insert(all.forecasts.end(), one.forecasts.begin(), one.forecasts.end());
+    MethodForecasts& result = *results[t];
+    all.name = result.name;
+    all.model_bytes += result.model_bytes / static_cast<double>(folds.size());
+    all.seconds += result.seconds;
+    ++chosen[t / folds.size()][result.chosen];
+    all.forecasts.insert(all.forecasts.end(), result.forecasts.begin(), result.forecasts.end());
   }
   for (std::size_t m = 0; m < methods.size(); ++m) {
-    const auto most =
+    const auto most_frequent =
         std::max_element(chosen[m].begin(), chosen[m].end(),
                          [](const auto& a, const auto& b) { return a.second < b.second; });
-    by_method[m].chosen = chosen[m].size() == 1
-                              ? most->first
-                              : fmt::format("{} (in {} of {} folds; the others chose their own)",
-                                            most->first, most->second, folds.size());
+    by_method[m].chosen =
+        chosen[m].size() == 1
+            ? most_frequent->first
+            : fmt::format("{} (in {} of {} folds; others differ)", most_frequent->first,
+                          most_frequent->second, folds.size());
   }
   return by_method;
 }
@@ -109,7 +110,7 @@ absl::StatusOr<const std::vector<MethodForecasts>*> PredictionStudy::LeaveOneOut
                    std::back_inserter(fold.training),
                    [&](const EvalClip* clip) { return clip != held_out; });
     }
-    MOTIONDB_ASSIGN_OR_RETURN(leave_one_out_, Run("prediction, one clip held out", folds));
+    MOTIONDB_ASSIGN_OR_RETURN(leave_one_out_, Run("prediction, leaving one clip out", folds));
   }
   return &*leave_one_out_;
 }

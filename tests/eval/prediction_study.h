@@ -1,5 +1,5 @@
-// The experiments of prediction: every window of every clip held out in turn, forecast by every
-// method. Run once, asked by several protocols.
+// The experiments of prediction: every window of every held-out clip, predicted by every method.
+// Run once and shared by several protocols.
 #pragma once
 
 #include <array>
@@ -21,22 +21,22 @@ inline constexpr int kFramesIn = 10;
 inline constexpr int kFramesOut = 25;
 // The benchmark's horizons; whole frames at its 25 Hz.
 inline constexpr std::array<double, 6> kHorizonSeconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
-// A forecast is right if its markers are on average this near to what came to be: that is what the
-// database's confidence is the probability of.
+// A forecast is correct if its mean marker error is at most this. The database's confidence is the
+// probability of that.
 inline constexpr double kRightMm = 50;
 
-// One window's forecast against what came to be, at each horizon.
+// The errors of one window's forecast at each horizon.
 struct ScoredForecast {
   const EvalClip* clip = nullptr;
   std::array<double, kHorizonSeconds.size()> error_mm;    // mean over the markers
-  std::array<double, kHorizonSeconds.size()> confidence;  // NaN where the method gives none
+  std::array<double, kHorizonSeconds.size()> confidence;  // NaN if the method has none
 };
 
 struct MethodForecasts {
   std::string name;
   std::string chosen;
   double model_bytes = 0;                 // mean over the folds
-  double seconds = 0;                     // of one processor, all queries together
+  double seconds = 0;                     // processor time of all queries
   std::vector<ScoredForecast> forecasts;  // in order of clip and window
 
   bool has_confidence() const {
@@ -44,10 +44,10 @@ struct MethodForecasts {
   }
 };
 
-// Not thread-safe; uses the threads lent to it.
+// Not thread-safe; uses the given threads.
 class PredictionStudy {
  public:
-  // `window_step`: frames from one window to the next.
+  // `window_step`: frames between successive windows.
   PredictionStudy(std::filesystem::path data, int window_step, core::ParallelFor parallel,
                   Progress& progress);
 
@@ -55,9 +55,9 @@ class PredictionStudy {
   absl::StatusOr<const Corpus*> LoadedCorpus();
   int window_step() const { return window_step_; }
 
-  // Each clip of the training half held out in turn: one MethodForecasts a method.
+  // Holds out each clip of the training half in turn. Returns one MethodForecasts per method.
   absl::StatusOr<const std::vector<MethodForecasts>*> LeaveOneOut();
-  // The training half learned, the test half forecast. Empty where there is no test half.
+  // Trains on the training half and predicts the test half. Empty if there is no test half.
   absl::StatusOr<const std::vector<MethodForecasts>*> TrainToTest();
 
  private:

@@ -1,5 +1,4 @@
-// Where a long run is: a bar on a terminal, now and then a line elsewhere. Safe to call from any
-// thread.
+// Progress of a long run: a bar on a terminal, otherwise occasional lines. Thread-safe.
 #pragma once
 
 #include <chrono>
@@ -14,10 +13,10 @@ class Progress {
  public:
   Progress();
 
-  // A new stage of `steps` steps.
+  // Begins a stage of `steps` steps.
   void Begin(const std::string& stage, int steps);
   void Step();
-  // Takes the bar off the screen, so that tables can be printed.
+  // Removes the bar, so that tables can be printed.
   void Clear();
 
  private:

@@ -52,7 +52,7 @@ absl::StatusOr<const std::vector<Experiment>*> RecognitionStudy::Fitted(Experime
 
   std::vector<Experiment> experiments;
   if (which == Experiments::kHdm05Clips) {
-    if (corpus->hdm05.empty()) return core::NotFound("{}: no clips of hdm05", data_.string());
+    if (corpus->hdm05.empty()) return core::NotFound("{}: expected clips of hdm05", data_.string());
     for (Fold& fold : LeaveOneSourceOut(corpus->hdm05)) experiments.push_back({std::move(fold)});
   } else {
     experiments.push_back({{corpus->database1_train, corpus->database1_test}});
@@ -64,7 +64,7 @@ absl::StatusOr<const std::vector<Experiment>*> RecognitionStudy::Fitted(Experime
   const std::size_t tasks = experiments.size() * methods_.size();
   std::vector<absl::Status> statuses(tasks);
   ForEach("fitting methods", static_cast<int>(tasks), [&](int task) {
-    // The slowest to fit come last in the list of methods: begin with them.
+    // The slowest methods come last in the list: start with them.
     const std::size_t method = methods_.size() - 1 - task / experiments.size();
     Experiment& experiment = experiments[task % experiments.size()];
     statuses[task] = experiment.fitted[method]->Fit(experiment.fold.training, extent);

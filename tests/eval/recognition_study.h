@@ -1,5 +1,5 @@
-// The experiments of recognition: what is learned, by which methods, and what they say. Methods are
-// fitted once and asked by several protocols.
+// The experiments of recognition: folds, fitted methods and their results. Methods are fitted once
+// and shared by several protocols.
 #pragma once
 
 #include <filesystem>
@@ -18,7 +18,7 @@
 
 namespace motiondb::tests {
 
-// One fold with every method fitted on its training clips.
+// One fold with every method fitted to its training clips.
 struct Experiment {
   Fold fold;
   std::vector<std::unique_ptr<Recognizer>> fitted;  // [method]
@@ -29,10 +29,10 @@ struct Judgement {
   Recognition recognition;
 };
 
-// What one method said of all observations, in order of fold, clip and observation.
+// The results of one method for all observations, in order of fold, clip and observation.
 struct Judged {
   std::vector<Judgement> judgements;
-  double seconds = 0;  // of one processor, all observations together
+  double seconds = 0;  // processor time of all observations
 
   double milliseconds_each() const;
   std::vector<Named> names() const;
@@ -41,7 +41,7 @@ struct Judged {
 // Makes observations of a clip.
 using Observe = std::function<absl::StatusOr<std::vector<core::StateSequence>>(const EvalClip&)>;
 
-// The clip's own states: whole, or its windows.
+// Returns the clip's states unchanged: whole, or as windows.
 Observe Unchanged(Extent extent);
 
 enum class Experiments {
@@ -50,7 +50,7 @@ enum class Experiments {
   kHdm05Clips,        // leave one actor out, fitted for whole clips
 };
 
-// Not thread-safe; uses the threads lent to it.
+// Not thread-safe; uses the given threads.
 class RecognitionStudy {
  public:
   RecognitionStudy(std::filesystem::path data, double frame_rate_hz, core::ParallelFor parallel,
@@ -63,18 +63,18 @@ class RecognitionStudy {
   // Fits on first use.
   absl::StatusOr<const std::vector<Experiment>*> Fitted(Experiments which);
 
-  // Asks every method about the observations of each fold's test clips, or of `clips` where given:
-  // one Judged a method. `stage` is what the progress bar says.
+  // Runs every method on the observations of each fold's test clips, or of `clips` if given.
+  // Returns one Judged per method. `stage` is the label of the progress bar.
   absl::StatusOr<std::vector<Judged>> Judge(const std::string& stage, Experiments which,
                                             Extent extent, const Observe& observe,
                                             const ClipSet* clips = nullptr);
 
-  // Runs bodies on the threads lent to it, with progress.
+  // Runs bodies on the given threads, with progress.
   void ForEach(const std::string& stage, int count, const std::function<void(int)>& body);
 
-  // How a method's parameters were chosen, over the folds.
+  // Returns how a method's parameters were chosen, over the folds.
   std::string Chosen(Experiments which, std::size_t method) const;
-  // Mean over the folds.
+  // Returns the mean over the folds.
   double ModelBytes(Experiments which, std::size_t method) const;
 
  private:

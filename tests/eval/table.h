@@ -1,4 +1,4 @@
-// What a protocol found out, for people (Markdown) and for programs (JSON).
+// The result of a protocol, as Markdown and JSON.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -15,7 +15,7 @@ struct Column {
 
 struct Row {
   std::string method;
-  std::vector<double> figures;  // one a column; NaN where there is none
+  std::vector<double> figures;  // one per column; NaN if there is none
   std::string chosen;           // how the method's parameters were chosen
 };
 
@@ -26,11 +26,11 @@ struct Table {
   std::vector<std::string> notes;
 };
 
-// A Markdown table, columns aligned; below it the notes, and for each row how its parameters were
+// Returns a Markdown table with aligned columns, then the notes and how each row's parameters were
 // chosen.
 std::string ToMarkdown(const Table& table);
 
-// {"title", "notes", "rows": [{"method", "chosen", "figures": {column: number or null}}]}.
+// Returns {"title", "notes", "rows": [{"method", "chosen", "figures": {column: number or null}}]}.
 nlohmann::json ToJson(const Table& table);
 
 }  // namespace motiondb::tests

@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Builds the fuzz targets and runs each for a set number of executions, or for a time. Fails on a
-# finding, whose input is kept in build/fuzz/findings.
+# Builds the fuzz targets and runs each for a number of executions or a time. Fails on a finding,
+# and keeps its input in build/fuzz/findings.
 #   tests/fuzz/run.sh [--runs N] [--seconds S] [TARGET...]     TARGET: bvh, recognize, ... (all)
-# N executions a target (default: some seconds' worth, slower targets fewer), S seconds
-# a target in their place. What covers new code is kept in build/fuzz/corpus for the next run.
+# Each target runs N times (default: for some seconds) or S seconds. Inputs that cover new code are
+# kept in build/fuzz/corpus for the next run.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 
@@ -24,7 +24,7 @@ while [ $# -gt 0 ]; do
 done
 [ ${#targets[@]} -gt 0 ] || targets=("${all[@]}")
 
-# How many executions take some seconds.
+# Number of executions that take some seconds.
 runs_of() {
   case "$1" in
     plan | restore) echo 150 ;;
@@ -33,8 +33,8 @@ runs_of() {
     *) echo 20000 ;;
   esac
 }
-# Inputs longer than this find nothing new and cost time.
-longest_of() {
+# Longer inputs find nothing new and cost time.
+max_length_of() {
   case "$1" in
     names | chunk | graph_codec) echo 1024 ;;
     *) echo 32768 ;;
@@ -44,7 +44,7 @@ longest_of() {
 ./deploy/install_packages.sh build test fuzz
 mkdir -p build/fuzz
 cmake --preset fuzz >build/fuzz/configure.log 2>&1 || { cat build/fuzz/configure.log >&2; exit 1; }
-declare -A seeds  # programs that write the first inputs
+declare -A seeds  # programs that write the seed inputs
 for target in "${targets[@]}"; do
   program=fuzz_request_seeds
   [[ " ${files[*]} " != *" $target "* ]] || program=fuzz_motion_seeds
@@ -57,8 +57,8 @@ for program in "${!seeds[@]}"; do
     { cat build/fuzz/seeds.log >&2; exit 1; }
 done
 
-# Memory that a target takes is bounded by its own promises; these bounds are for what escapes them.
-# What takes long, but not too long, is no finding: the machine may have other work.
+# The targets bound their memory themselves; these limits catch the rest. Slow inputs below the
+# timeout are no findings: the machine may be busy.
 limits=(-timeout=60 -report_slow_units=60 -rss_limit_mb=3072 -malloc_limit_mb=1024)
 export ASAN_OPTIONS="allocator_may_return_null=0:detect_leaks=0:${ASAN_OPTIONS:-}"
 mkdir -p build/fuzz/findings
@@ -75,7 +75,7 @@ for target in "${targets[@]}"; do
   [ ! -f "$dictionary" ] || amount+=(-dict="$dictionary")
   before=$(ls build/fuzz/findings | wc -l)
   "build/fuzz/tests/fuzz/${target}_fuzz" "${limits[@]}" "${amount[@]}" -print_final_stats=1 \
-    -max_len="$(longest_of "$target")" -artifact_prefix="build/fuzz/findings/$target-" \
+    -max_len="$(max_length_of "$target")" -artifact_prefix="build/fuzz/findings/$target-" \
     "$corpus" "build/fuzz/seeds/${target}_fuzz" >"$log" 2>&1 || failed=1
   findings=$(($(ls build/fuzz/findings | wc -l) - before))
   [ "$findings" -eq 0 ] || { failed=1; tail -n 60 "$log" >&2; }

@@ -101,7 +101,7 @@ void ObserveWithoutReading(const client::Client& client, const std::string& data
   std::vector<float> frame(static_cast<std::size_t>(3 * marker_count));
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   const std::size_t width = frame.size() * sizeof(float);
-  // Flow control would hold a client that sends more than the server takes; this one goes away.
+  // Flow control would block a client that sends more than the server reads; this one disconnects.
   for (int f = 0; f < 50 && std::chrono::steady_clock::now() < end; ++f) {
     std::memcpy(frame.data(), positions.data() + static_cast<std::size_t>(f % frame_count) * width,
                 width);

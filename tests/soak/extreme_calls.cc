@@ -17,13 +17,13 @@
 namespace motiondb::tests {
 namespace {
 
-constexpr client::CallOptions kPatience{std::chrono::seconds(5)};
+constexpr client::CallOptions kCallTimeout{std::chrono::seconds(5)};
 
 bool OneIn(std::mt19937& random, unsigned n) { return random() % n == 0; }
 
-int AnyInt(std::mt19937& random, double most) {
+int AnyInt(std::mt19937& random, double max) {
   return OneIn(random, 8) ? static_cast<int>(random())
-                          : static_cast<int>(Magnitude(random, 1, most)) - 1;
+                          : static_cast<int>(Magnitude(random, 1, max)) - 1;
 }
 
 template <typename T>
@@ -31,12 +31,12 @@ absl::Status StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
 }
 
-// A body that stands, or walks on as a line; some markers are missing, always or now and then.
-void SetMarkers(std::mt19937& random, int marker_count, std::size_t most_bytes,
+// A body that stands or walks along a line; some markers are missing, always or sometimes.
+void SetMarkers(std::mt19937& random, int marker_count, std::size_t max_bytes,
                 v1::MarkerObservation& markers) {
   const auto frame_bytes = static_cast<std::size_t>(12 * marker_count);
   const int frames =
-      static_cast<int>(Magnitude(random, 1, static_cast<double>(most_bytes / frame_bytes) + 1));
+      static_cast<int>(Magnitude(random, 1, static_cast<double>(max_bytes / frame_bytes) + 1));
   std::vector<float> positions;
   positions.reserve(static_cast<std::size_t>(3 * frames * marker_count));
   const unsigned missing = OneIn(random, 2) ? 0 : 1 + random() % 10;
@@ -58,12 +58,12 @@ void SetMarkers(std::mt19937& random, int marker_count, std::size_t most_bytes,
 }
 
 std::string SetObservation(std::mt19937& random, const ExtremeSubject& subject,
-                           std::size_t most_bytes, v1::Observation& observation) {
+                           std::size_t max_bytes, v1::Observation& observation) {
   if (OneIn(random, 2)) {
-    SetMarkers(random, subject.marker_count, most_bytes, *observation.mutable_markers());
+    SetMarkers(random, subject.marker_count, max_bytes, *observation.mutable_markers());
     return "markers";
   }
-  ExtremeFile file = MakeExtremeFile(random, most_bytes);
+  ExtremeFile file = MakeExtremeFile(random, max_bytes);
   v1::FileObservation& to = *observation.mutable_file();
   to.set_file_name(file.name);
   to.set_data(std::move(file.bytes));
@@ -81,10 +81,11 @@ ExtremeCall Make(std::string kind, Request request, Send send) {
           }};
 }
 
-ExtremeCall Recognize(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Recognize(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::RecognizeRequest request;
   request.set_database(subject.database);
-  const std::string what = SetObservation(random, subject, most, *request.mutable_observation());
+  const std::string what =
+      SetObservation(random, subject, max_bytes, *request.mutable_observation());
   if (OneIn(random, 2)) request.set_window_seconds(Magnitude(random, 1e-6, 1e6));
   if (OneIn(random, 2)) request.set_hop_seconds(Magnitude(random, 1e-6, 1e3));
   request.set_whole(OneIn(random, 3));
@@ -94,28 +95,29 @@ ExtremeCall Recognize(std::mt19937& random, const ExtremeSubject& subject, std::
   if (OneIn(random, 2)) request.set_generation(v1::GENERATION_TOP_PATHS);
   if (OneIn(random, 2)) request.set_path_count(AnyInt(random, 101));
   return Make("Recognize of " + what, std::move(request), [](const auto& client, const auto& r) {
-    return StatusOf(client.Recognize(r, kPatience));
+    return StatusOf(client.Recognize(r, kCallTimeout));
   });
 }
 
-ExtremeCall Estimate(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Estimate(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::EstimateRequest request;
   request.set_database(subject.database);
-  const std::string what = SetObservation(random, subject, most, *request.mutable_observation());
+  const std::string what =
+      SetObservation(random, subject, max_bytes, *request.mutable_observation());
   request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
   request.set_path_count(AnyInt(random, 101));
   if (OneIn(random, 2)) request.set_max_candidates(AnyInt(random, 1e4));
   if (OneIn(random, 3)) request.set_transition_floor(0);
   request.set_fill_every_frame(OneIn(random, 2));
   return Make("Estimate of " + what, std::move(request), [](const auto& client, const auto& r) {
-    return StatusOf(client.Estimate(r, kPatience));
+    return StatusOf(client.Estimate(r, kCallTimeout));
   });
 }
 
-std::string SetPrediction(std::mt19937& random, const ExtremeSubject& subject, std::size_t most,
-                          v1::PredictRequest& request) {
+std::string SetPrediction(std::mt19937& random, const ExtremeSubject& subject,
+                          std::size_t max_bytes, v1::PredictRequest& request) {
   request.set_database(subject.database);
-  std::string what = SetObservation(random, subject, most, *request.mutable_observation());
+  std::string what = SetObservation(random, subject, max_bytes, *request.mutable_observation());
   if (OneIn(random, 2)) request.set_history_seconds(Magnitude(random, 1e-3, 1e6));
   const int horizons = static_cast<int>(Magnitude(random, 1, 1010));
   for (int h = 0; h < horizons; ++h) request.add_horizon_seconds(Magnitude(random, 1e-3, 4000));
@@ -125,17 +127,18 @@ std::string SetPrediction(std::mt19937& random, const ExtremeSubject& subject, s
   return what;
 }
 
-ExtremeCall Predict(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Predict(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::PredictRequest request;
-  const std::string what = SetPrediction(random, subject, most, request);
+  const std::string what = SetPrediction(random, subject, max_bytes, request);
   return Make("Predict of " + what, std::move(request), [](const auto& client, const auto& r) {
-    return StatusOf(client.Predict(r, kPatience));
+    return StatusOf(client.Predict(r, kCallTimeout));
   });
 }
 
-ExtremeCall PredictSeries(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall PredictSeries(std::mt19937& random, const ExtremeSubject& subject,
+                          std::size_t max_bytes) {
   v1::PredictSeriesRequest request;
-  const std::string what = SetPrediction(random, subject, most, *request.mutable_prediction());
+  const std::string what = SetPrediction(random, subject, max_bytes, *request.mutable_prediction());
   request.set_every_seconds(Magnitude(random, 1e-3, 1e3));
   return Make("PredictSeries of " + what, std::move(request),
               [](const auto& client, const auto& r) {
@@ -145,20 +148,21 @@ ExtremeCall PredictSeries(std::mt19937& random, const ExtremeSubject& subject, s
               });
 }
 
-ExtremeCall Represent(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Represent(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::RepresentRequest request;
   request.set_database(subject.database);
-  const std::string what = SetObservation(random, subject, most, *request.mutable_observation());
+  const std::string what =
+      SetObservation(random, subject, max_bytes, *request.mutable_observation());
   return Make("Represent of " + what, std::move(request), [](const auto& client, const auto& r) {
-    return StatusOf(client.Represent(r, kPatience));
+    return StatusOf(client.Represent(r, kCallTimeout));
   });
 }
 
-ExtremeCall Plan(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Plan(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::PlanRequest request;
   request.set_database(subject.database);
   if (OneIn(random, 3)) {
-    SetObservation(random, subject, most, *request.mutable_observation_start());
+    SetObservation(random, subject, max_bytes, *request.mutable_observation_start());
   }
   request.mutable_goal()->set_x_m(OneIn(random, 2) ? 2 : Magnitude(random, 1e-3, 1e3));
   request.set_max_duration_seconds(Magnitude(random, 1, 120));
@@ -175,12 +179,12 @@ ExtremeCall Plan(std::mt19937& random, const ExtremeSubject& subject, std::size_
     disc.set_radius_m(Magnitude(random, 1e-3, 1));
   }
   return Make("Plan", std::move(request), [](const auto& client, const auto& r) {
-    return StatusOf(client.Plan(r, kPatience));
+    return StatusOf(client.Plan(r, kCallTimeout));
   });
 }
 
-ExtremeCall Ingest(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
-  ExtremeFile file = MakeExtremeFile(random, most);
+ExtremeCall Ingest(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
+  ExtremeFile file = MakeExtremeFile(random, max_bytes);
   v1::IngestClipHeader header;
   header.set_parent(subject.sink);
   header.set_file_name(file.name);
@@ -188,15 +192,15 @@ ExtremeCall Ingest(std::mt19937& random, const ExtremeSubject& subject, std::siz
   const auto size = static_cast<std::int64_t>(file.bytes.size() + file.skeleton.size());
   return {"Ingest of " + file.name, size,
           [header, file = std::move(file)](const client::Client& client) {
-            return StatusOf(client.IngestBytes(header, file.bytes, file.skeleton, kPatience));
+            return StatusOf(client.IngestBytes(header, file.bytes, file.skeleton, kCallTimeout));
           }};
 }
 
-ExtremeCall Observe(std::mt19937& random, const ExtremeSubject& subject, std::size_t most) {
+ExtremeCall Observe(std::mt19937& random, const ExtremeSubject& subject, std::size_t max_bytes) {
   v1::ObserveStart start;
   start.set_database(subject.database);
   v1::MarkerObservation frames;
-  SetMarkers(random, subject.marker_count, std::min<std::size_t>(most, 1 << 20), frames);
+  SetMarkers(random, subject.marker_count, std::min<std::size_t>(max_bytes, 1 << 20), frames);
   start.set_frame_rate_hz(frames.frame_rate_hz());
   start.set_window_seconds(Magnitude(random, 1e-3, 100));
   start.set_history_seconds(Magnitude(random, 1e-3, 100));
@@ -204,7 +208,7 @@ ExtremeCall Observe(std::mt19937& random, const ExtremeSubject& subject, std::si
   for (int h = 0; h < horizons; ++h) start.add_horizon_seconds(Magnitude(random, 1e-3, 4000));
   const auto size = static_cast<std::int64_t>(start.ByteSizeLong() + frames.positions().size());
   return {"Observe", size, [start, frames](const client::Client& client) {
-            client::ObserveStream stream = client.Observe(start, kPatience);
+            client::ObserveStream stream = client.Observe(start, kCallTimeout);
             const auto* const data = reinterpret_cast<const float*>(frames.positions().data());
             stream.Send(0, frames.frame_count(), {data, frames.positions().size() / sizeof(float)});
             stream.EndOfFrames();
@@ -222,7 +226,7 @@ ExtremeCall Read(std::mt19937& random, const ExtremeSubject& subject) {
       v1::ExportClipRequest request;
       request.set_name(subject.clip);
       ExtremeCall call = Make("ExportClip", request, [](const auto& client, const auto& r) {
-        return StatusOf(client.ExportClip(r, kPatience));
+        return StatusOf(client.ExportClip(r, kCallTimeout));
       });
       call.size += subject.clip_bytes;
       return call;
@@ -233,7 +237,7 @@ ExtremeCall Read(std::mt19937& random, const ExtremeSubject& subject) {
       request.set_layer(AnyInt(random, 20));
       request.set_page_size(AnyInt(random, 1e6));
       return Make("ListTransitions", request, [](const auto& client, const auto& r) {
-        return StatusOf(client.ListTransitions(r, kPatience));
+        return StatusOf(client.ListTransitions(r, kCallTimeout));
       });
     }
     case 2: {
@@ -242,7 +246,7 @@ ExtremeCall Read(std::mt19937& random, const ExtremeSubject& subject) {
       request.set_layer(AnyInt(random, 20));
       request.set_page_size(AnyInt(random, 1e6));
       return Make("ListNodes", request, [](const auto& client, const auto& r) {
-        return StatusOf(client.ListNodes(r, kPatience));
+        return StatusOf(client.ListNodes(r, kCallTimeout));
       });
     }
     default: {
@@ -250,7 +254,7 @@ ExtremeCall Read(std::mt19937& random, const ExtremeSubject& subject) {
       request.set_name(model);
       return Make("ReadStates", request, [](const auto& client, const auto& r) {
         return client.ReadStates(
-            r, [](const v1::ReadStatesResponse&) { return absl::OkStatus(); }, kPatience);
+            r, [](const v1::ReadStatesResponse&) { return absl::OkStatus(); }, kCallTimeout);
       });
     }
   }
@@ -259,29 +263,29 @@ ExtremeCall Read(std::mt19937& random, const ExtremeSubject& subject) {
 }  // namespace
 
 ExtremeCall MakeExtremeCall(std::mt19937& random, const ExtremeSubject& subject,
-                            std::size_t most_bytes) {
-  const auto most = static_cast<std::size_t>(
-      Magnitude(random, 1000, static_cast<double>(std::max<std::size_t>(most_bytes, 2000))));
+                            std::size_t max_bytes) {
+  const auto call_bytes = static_cast<std::size_t>(
+      Magnitude(random, 1000, static_cast<double>(std::max<std::size_t>(max_bytes, 2000))));
   switch (random() % 12) {
     case 0:
     case 1:
     case 2:
-      return Recognize(random, subject, most);
+      return Recognize(random, subject, call_bytes);
     case 3:
     case 4:
-      return Estimate(random, subject, most);
+      return Estimate(random, subject, call_bytes);
     case 5:
-      return Predict(random, subject, most);
+      return Predict(random, subject, call_bytes);
     case 6:
-      return PredictSeries(random, subject, most);
+      return PredictSeries(random, subject, call_bytes);
     case 7:
-      return Represent(random, subject, most);
+      return Represent(random, subject, call_bytes);
     case 8:
-      return Plan(random, subject, most);
+      return Plan(random, subject, call_bytes);
     case 9:
-      return Ingest(random, subject, most);
+      return Ingest(random, subject, call_bytes);
     case 10:
-      return Observe(random, subject, most);
+      return Observe(random, subject, call_bytes);
     default:
       return Read(random, subject);
   }

@@ -1,9 +1,10 @@
-// Extreme calls from a seed on a real motiondbd. One after the other, no call may take more memory
-// than 64 MB and ten times its size; many at a time, in a memory cgroup where one is asked for, the
-// server must survive.
+// Sends seeded extreme calls to a real motiondbd. One at a time, no call may use more memory than
+// 64 MB plus ten times its size. Concurrently, and in a memory cgroup if selected, the server must
+// survive.
 //   motiondb_extreme_calls --calls 10000 --seed 1
 //   motiondb_extreme_calls --calls 10000 --seed 1 --concurrency 64 --cgroup-mib 512
-// The database is made of walking figures (--frames), or one of a store (--store, --database).
+// The database is generated from walking figures (--frames), or is in a store (--store,
+// --database).
 #include <fmt/format.h>
 #include <signal.h>
 
@@ -33,9 +34,9 @@ namespace motiondb::tests {
 namespace {
 
 constexpr int kSkipped = 77;
-constexpr std::int64_t kMostOfAnyCall = 64'000'000;
+constexpr std::int64_t kMaxOfAnyCall = 64'000'000;
 constexpr std::int64_t kTimesItsSize = 10;
-#ifdef __SANITIZE_ADDRESS__  // which keeps what was freed: the calls are made, and not measured
+#ifdef __SANITIZE_ADDRESS__  // freed memory is kept, so memory is not measured
 constexpr bool kMemoryCounts = false;
 #else
 constexpr bool kMemoryCounts = true;
@@ -131,7 +132,7 @@ void MakeDatabase(const client::Client& client, const Options& options) {
   }
 }
 
-// A sink whose markers are those of the figures.
+// The sink has the markers of the figures.
 ExtremeSubject FindSubject(const client::Client& client, const Options& options) {
   ExtremeSubject subject{.database = "databases/" + options.database, .sink = "databases/sink"};
   v1::ListClipsRequest clips;
@@ -149,7 +150,7 @@ ExtremeSubject FindSubject(const client::Client& client, const Options& options)
   return subject;
 }
 
-// Takes clips out again, and waits until nothing is built.
+// Deletes the clips and waits until no build runs.
 void EmptySink(const client::Client& client, const std::string& sink) {
   v1::ListClipsRequest request;
   request.set_parent(sink);
@@ -172,7 +173,7 @@ struct Measured {
   absl::Status status;
 
   double share() const {
-    return static_cast<double>(peak) / static_cast<double>(kMostOfAnyCall + kTimesItsSize * size);
+    return static_cast<double>(peak) / static_cast<double>(kMaxOfAnyCall + kTimesItsSize * size);
   }
 };
 
@@ -183,7 +184,7 @@ void Report(std::vector<Measured> calls) {
   std::sort(calls.begin(), calls.end(),
             [](const Measured& a, const Measured& b) { return a.share() > b.share(); });
   fmt::print("\n{:<34}{:>7}{:>10}{:>10}{:>9}{:>7}  {}\n", "worst", "call", "size MB", "peak MB",
-             "of most", "s", "status");
+             "of limit", "s", "status");
   for (std::size_t i = 0; i < std::min<std::size_t>(15, calls.size()); ++i) {
     const Measured& call = calls[i];
     fmt::print("{:<34}{:>7}{:>10.3f}{:>10.1f}{:>8.0f}%{:>7.2f}  {}\n", call.kind, call.number,
@@ -245,7 +246,7 @@ int Run(const Options& options) {
   std::optional<MemoryCgroup> cgroup;
   if (options.cgroup_mib > 0) {
     if (!kMemoryCounts) {
-      fmt::print("skipped: a sanitizer takes more memory than a server is to have\n");
+      fmt::print("skipped: a sanitizer needs more memory than the server's limit\n");
       return kSkipped;
     }
     try {
@@ -283,7 +284,7 @@ int Run(const Options& options) {
       fmt::print("\n");
     }
     const int code = served->Stop();
-    if (code != 0) problems.push_back(fmt::format("the server ended with {}", code));
+    if (code != 0) problems.push_back(fmt::format("the server exited with {}", code));
   } catch (const std::exception& error) {
     problems.push_back(fmt::format("the server did not survive: {}", error.what()));
   }
@@ -291,7 +292,7 @@ int Run(const Options& options) {
   Report(calls);
   for (const Measured& call : calls) {
     if (in_turn && kMemoryCounts && call.share() > 1) {
-      problems.push_back(fmt::format("call {} ({}) took {:.0f} MB at a size of {:.3f} MB",
+      problems.push_back(fmt::format("call {} ({}) used {:.0f} MB for a size of {:.3f} MB",
                                      call.number, call.kind, static_cast<double>(call.peak) / 1e6,
                                      static_cast<double>(call.size) / 1e6));
     }
@@ -310,18 +311,18 @@ int Run(const Options& options) {
 
 int main(int argc, char** argv) {
   motiondb::tests::Options options;
-  CLI::App app("motiondb_extreme_calls: calls that are hard on the memory of a real server");
-  app.add_option("--calls", options.calls, "How many")->check(CLI::Range(1, 1'000'000));
-  app.add_option("--seed", options.seed, "Of the first call; the next has the next seed");
-  app.add_option("--concurrency", options.concurrency, "How many at a time; 1 measures each")
+  CLI::App app("motiondb_extreme_calls: memory-intensive calls to a real server");
+  app.add_option("--calls", options.calls, "Number of calls")->check(CLI::Range(1, 1'000'000));
+  app.add_option("--seed", options.seed, "Seed of the first call; it increases by 1 per call");
+  app.add_option("--concurrency", options.concurrency, "Concurrent calls; 1: measure each call")
       ->check(CLI::Range(1, 1024));
-  app.add_option("--cgroup-mib", options.cgroup_mib, "Memory that the server has; 0: no limit");
-  app.add_option("--frames", options.frames, "Of the generated database");
-  app.add_option("--largest-kib", options.largest_kib, "Of the largest call");
-  app.add_option("--store", options.store, "A store instead; it gets a database `sink`");
-  app.add_option("--database", options.database, "Id of its database");
-  app.add_option("--server", options.server, "The motiondbd that is run");
-  app.add_option("--server-option", options.server_options, "A further argument for it");
+  app.add_option("--cgroup-mib", options.cgroup_mib, "Memory limit of the server; 0: no limit");
+  app.add_option("--frames", options.frames, "Frames of the generated database");
+  app.add_option("--largest-kib", options.largest_kib, "Size of the largest call");
+  app.add_option("--store", options.store, "Use this store; a database `sink` is added to it");
+  app.add_option("--database", options.database, "Id of the database in that store");
+  app.add_option("--server", options.server, "The motiondbd program");
+  app.add_option("--server-option", options.server_options, "Additional argument of motiondbd");
   CLI11_PARSE(app, argc, argv);
   try {
     return motiondb::tests::Run(options);

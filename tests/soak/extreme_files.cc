@@ -11,26 +11,26 @@
 namespace motiondb::tests {
 namespace {
 
-int Count(std::mt19937& random, double most) {
-  return static_cast<int>(Magnitude(random, 1, std::max(1.0, most)));
+int Count(std::mt19937& random, double max) {
+  return static_cast<int>(Magnitude(random, 1, std::max(1.0, max)));
 }
 
 std::string FrameTime(std::mt19937& random) {
   return fmt::format("{:.9g}", Magnitude(random, 1e-5, 2000));
 }
 
-// A figure whose frame time is another than that of its walk.
-std::string SlowFigure(std::mt19937& random, std::size_t most_bytes) {
+// A figure with an unusual frame time.
+std::string SlowFigure(std::mt19937& random, std::size_t max_bytes) {
   std::string text = WriteBvh(
-      {.act = Act::kWalk, .frame_count = Count(random, static_cast<double>(most_bytes) / 500)});
+      {.act = Act::kWalk, .frame_count = Count(random, static_cast<double>(max_bytes) / 500)});
   const std::size_t at = text.find("Frame Time:");
   const std::size_t end = text.find('\n', at);
   text.replace(at, end - at, "Frame Time: " + FrameTime(random));
   return text;
 }
 
-// A body of which only the root moves, or nothing at all but one angle: two bytes a frame.
-std::string TerseFigure(std::mt19937& random, std::size_t most_bytes) {
+// A body of which only the root, or one angle, moves: two bytes per frame.
+std::string TerseFigure(std::mt19937& random, std::size_t max_bytes) {
   std::string text = "HIERARCHY\nROOT Hips\n{\nOFFSET 0 90 0\nCHANNELS 1 Yposition\n";
   for (const char* const side : {"Left", "Right"}) {
     const double x = side[0] == 'L' ? 10 : -10;
@@ -40,31 +40,31 @@ std::string TerseFigure(std::mt19937& random, std::size_t most_bytes) {
         "OFFSET 0 0 15\n}}\n}}\n}}\n}}\n",
         side, x);
   }
-  const int frames = Count(random, static_cast<double>(most_bytes) / 2);
+  const int frames = Count(random, static_cast<double>(max_bytes) / 2);
   text += fmt::format("}}\nMOTION\nFrames: {}\nFrame Time: {}\n", frames,
                       random() % 2 == 0 ? "0.0166667" : FrameTime(random));
   for (int f = 0; f < frames; ++f) text += f % 2 == 0 ? "0\n" : "1\n";
   return text;
 }
 
-// More frames than the file has, or more joints than any body.
-std::string Claim(std::mt19937& random, std::size_t most_bytes) {
+// Claims more frames than the file has, or has very many joints.
+std::string Claim(std::mt19937& random, std::size_t max_bytes) {
   std::string text = WriteBvh({.frame_count = 4});
   if (random() % 2 == 0) {
     const std::size_t at = text.find("Frames:");
     text.replace(at, text.find('\n', at) - at, fmt::format("Frames: {}", random() >> 1));
-    text.append(most_bytes / 2, random() % 2 == 0 ? ' ' : '1');
+    text.append(max_bytes / 2, random() % 2 == 0 ? ' ' : '1');
     return text;
   }
   std::string joints = "HIERARCHY\nROOT a\n{\nOFFSET 0 0 0\nCHANNELS 0\n";
-  const int count = Count(random, static_cast<double>(most_bytes) / 40);
+  const int count = Count(random, static_cast<double>(max_bytes) / 40);
   for (int j = 0; j < count; ++j) joints += "JOINT a\n{\nOFFSET 0 1 0\nCHANNELS 0\n}\n";
   return joints + "}\nMOTION\nFrames: 1\nFrame Time: 0.01\n\n";
 }
 
-std::string Trc(std::mt19937& random, std::size_t most_bytes) {
-  const int markers = Count(random, static_cast<double>(most_bytes) / 8);
-  const int frames = Count(random, static_cast<double>(most_bytes) / (4.0 * markers + 8));
+std::string Trc(std::mt19937& random, std::size_t max_bytes) {
+  const int markers = Count(random, static_cast<double>(max_bytes) / 8);
+  const int frames = Count(random, static_cast<double>(max_bytes) / (4.0 * markers + 8));
   std::string text = fmt::format(
       "PathFileType\t4\t(X/Y/Z)\ta.trc\nDataRate\tCameraRate\tNumFrames\tNumMarkers\tUnits\n"
       "{}\t60\t{}\t{}\tm\nFrame#\tTime",
@@ -80,15 +80,15 @@ std::string Trc(std::mt19937& random, std::size_t most_bytes) {
   return text;
 }
 
-// A header, a group of parameters with as many entries as fit, and points.
-std::string C3d(std::mt19937& random, std::size_t most_bytes) {
+// A header, a parameter group with as many entries as fit, and points.
+std::string C3d(std::mt19937& random, std::size_t max_bytes) {
   const auto put = [](std::string& bytes, std::size_t at, int word) {
     bytes[at] = static_cast<char>(word & 0xFF);
     bytes[at + 1] = static_cast<char>(word >> 8 & 0xFF);
   };
-  const int parameter_blocks = Count(random, std::min(60'000.0, most_bytes / 1024.0));
+  const int parameter_blocks = Count(random, std::min(60'000.0, max_bytes / 1024.0));
   const int points = Count(random, 65'535);
-  const int frames = Count(random, std::max(1.0, most_bytes / 2.0 / (8.0 * points)));
+  const int frames = Count(random, std::max(1.0, max_bytes / 2.0 / (8.0 * points)));
   std::string bytes(512 * static_cast<std::size_t>(1 + parameter_blocks), '\0');
   bytes[0] = 2;
   bytes[1] = 0x50;
@@ -102,7 +102,7 @@ std::string C3d(std::mt19937& random, std::size_t most_bytes) {
   std::memcpy(bytes.data() + 20, &rate, 4);
   bytes[512 + 2] = static_cast<char>(std::min(parameter_blocks, 255));
   bytes[512 + 3] = 84;
-  // Parameters of a byte each, one after the other.
+  // Parameters of one byte each.
   const bool many = random() % 2 == 0;
   std::size_t at = 516;
   for (int n = 0; many && at + 16 < bytes.size(); ++n) {
@@ -118,8 +118,8 @@ std::string C3d(std::mt19937& random, std::size_t most_bytes) {
   return bytes;
 }
 
-ExtremeFile Amc(std::mt19937& random, std::size_t most_bytes) {
-  const int frames = Count(random, static_cast<double>(most_bytes) / 18);
+ExtremeFile Amc(std::mt19937& random, std::size_t max_bytes) {
+  const int frames = Count(random, static_cast<double>(max_bytes) / 18);
   std::string text = fmt::format(":FULLY-SPECIFIED\n:DEGREES\n:SAMPLES-PER-SECOND {}\n",
                                  Magnitude(random, 1e-3, 1e5));
   for (int f = 1; f <= frames; ++f) text += fmt::format("{}\nroot 0 0 0 0 0 0\n", f);
@@ -131,26 +131,26 @@ ExtremeFile Amc(std::mt19937& random, std::size_t most_bytes) {
 
 }  // namespace
 
-double Magnitude(std::mt19937& random, double least, double most) {
-  return least * std::pow(most / least, std::uniform_real_distribution<>(0, 1)(random));
+double Magnitude(std::mt19937& random, double min, double max) {
+  return min * std::pow(max / min, std::uniform_real_distribution<>(0, 1)(random));
 }
 
-ExtremeFile MakeExtremeFile(std::mt19937& random, std::size_t most_bytes) {
+ExtremeFile MakeExtremeFile(std::mt19937& random, std::size_t max_bytes) {
   switch (random() % 8) {
     case 0:
     case 1:
-      return {"slow.bvh", SlowFigure(random, most_bytes), "", ""};
+      return {"slow.bvh", SlowFigure(random, max_bytes), "", ""};
     case 2:
     case 3:
-      return {"terse.bvh", TerseFigure(random, most_bytes), "", ""};
+      return {"terse.bvh", TerseFigure(random, max_bytes), "", ""};
     case 4:
-      return {"claim.bvh", Claim(random, most_bytes), "", ""};
+      return {"claim.bvh", Claim(random, max_bytes), "", ""};
     case 5:
-      return {"names.trc", Trc(random, most_bytes), "", ""};
+      return {"names.trc", Trc(random, max_bytes), "", ""};
     case 6:
-      return {"points.c3d", C3d(random, most_bytes), "", ""};
+      return {"points.c3d", C3d(random, max_bytes), "", ""};
     default:
-      return Amc(random, most_bytes);
+      return Amc(random, max_bytes);
   }
 }
 

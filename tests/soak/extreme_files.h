@@ -1,5 +1,5 @@
-// Motion files that are as hard on memory as their format allows: few bytes a frame, rates far from
-// any recording, counts that the file does not keep, many names. Valid or not.
+// Motion files, valid or not, that use as much memory as their format allows: few bytes per frame,
+// extreme frame rates, false counts, many names.
 #pragma once
 
 #include <random>
@@ -10,14 +10,14 @@ namespace motiondb::tests {
 struct ExtremeFile {
   std::string name;
   std::string bytes;
-  std::string skeleton_name;  // empty where the format has none
+  std::string skeleton_name;  // empty if the format has none
   std::string skeleton;
 };
 
-// A number from `least` to `most`, every magnitude as likely as the others. REQUIRES 0 < least.
-double Magnitude(std::mt19937& random, double least, double most);
+// Returns a log-uniform number from `min` to `max`. REQUIRES 0 < least.
+double Magnitude(std::mt19937& random, double min, double max);
 
-// At most about `most_bytes` large.
-ExtremeFile MakeExtremeFile(std::mt19937& random, std::size_t most_bytes);
+// Returns a file of at most about `max_bytes`.
+ExtremeFile MakeExtremeFile(std::mt19937& random, std::size_t max_bytes);
 
 }  // namespace motiondb::tests

@@ -25,7 +25,7 @@ namespace {
 using absl::StatusCode;
 
 constexpr char kDatabase[] = "databases/soak";
-constexpr std::size_t kMostClips = 40;
+constexpr std::size_t kMaxClips = 40;
 
 template <typename T>
 void Require(const absl::StatusOr<T>& result) {
@@ -78,19 +78,19 @@ v1::MarkerObservation Part(const v1::MarkerObservation& walk, int first, int cou
   return part;
 }
 
-// An ingest whose client dies halfway. It may have been stored without its client knowing, so that
-// a figure with this number must not come again.
+// An ingest that its client cancels halfway. The clip may be stored although the client has no
+// answer, so a figure with this number must not be used again.
 void IngestInTooShortATime(const client::Client& client, int number,
                            std::chrono::milliseconds timeout, Tally& tally) {
   v1::IngestClipHeader header;
   header.set_parent(kDatabase);
   header.set_file_name("late.bvh");
-  tally.Add("Ingest in too short a time",
+  tally.Add("Ingest with too short a deadline",
             client.IngestBytes(header, Figure(number, 2000), {}, {.timeout = timeout}).status(),
             {StatusCode::kDeadlineExceeded, StatusCode::kCancelled});
 }
 
-// What was stored of these after all; else the database would grow for as long as this runs.
+// Deletes those that were stored after all; otherwise the database would grow during the run.
 void DeleteLateClips(const client::Client& client, Tally& tally) {
   v1::ListClipsRequest request;
   request.set_parent(kDatabase);
@@ -101,7 +101,7 @@ void DeleteLateClips(const client::Client& client, Tally& tally) {
     if (!clip.name().starts_with(fmt::format("{}/clips/late", kDatabase))) continue;
     v1::DeleteClipRequest remove;
     remove.set_name(clip.name());
-    // Another such client may have been first.
+    // Another such client may have deleted it.
     tally.Add("Delete late", client.DeleteClip(remove).status(), {StatusCode::kNotFound});
   }
 }
@@ -148,7 +148,7 @@ void IngestAndDelete(Soak& soak) {
       const std::lock_guard lock(soak.mutex);
       soak.clips.insert(stored.back());
     }
-    if (stored.size() > kMostClips) {
+    if (stored.size() > kMaxClips) {
       v1::DeleteClipRequest request;
       request.set_name(stored.front());
       const auto deleted = client.DeleteClip(request);
@@ -213,7 +213,7 @@ void Watch(Soak& soak, unsigned seed) {
       open = stream.Send(f, 1, frame) && stream.Receive(answer);
       Pause(16);
     }
-    // One in four goes away without a word.
+    // One in four cancels.
     if (open && random() % 4 == 0) {
       stream.Cancel();
       stream.Finish().IgnoreError();

@@ -1,5 +1,5 @@
-// Clients that do what people and robots do, each a loop that runs until it is told to stop. They
-// share one tally. Thread-safe: each loop is for a thread of its own.
+// Clients that act like people and robots. Each is a loop that runs in its own thread until `over`
+// is set. They share one tally.
 #pragma once
 
 #include <atomic>
@@ -13,32 +13,32 @@
 
 namespace motiondb::tests {
 
-// What a soak's clients share.
+// The shared state of a soak's clients.
 struct Soak {
   std::string address;
   std::atomic<bool> over = false;
   Tally tally;
-  v1::MarkerObservation walk;  // in the markers of the database `soak`
+  v1::MarkerObservation walk;  // on the markers of the database `soak`
 
   std::mutex mutex;
-  std::set<std::string> clips;  // that were acknowledged and not deleted, by resource name
+  std::set<std::string> clips;  // acknowledged and not deleted, by resource name
 };
 
-// A client of its own, for a thread of its own.
+// Returns a new client for one thread.
 client::Client Connect(const Soak& soak);
 
-// The database and its first clips, and `walk`. Throws std::runtime_error.
+// Creates the database with its first clips, and `walk`. Throws std::runtime_error.
 void Prepare(Soak& soak);
 
-// Ingests a figure every half second, and deletes the oldest of more than 40.
+// Ingests a figure every 0.5 s; deletes the oldest if there are more than 40.
 void IngestAndDelete(Soak& soak);
-// Asks the four questions, one after the other.
+// Sends the four queries in turn.
 void AskInTurn(Soak& soak, unsigned seed);
-// Watches a walk for some seconds, at 60 frames a second, again and again.
+// Observes a walk for some seconds at 60 frames per second, repeatedly.
 void Watch(Soak& soak, unsigned seed);
-// Makes databases, fills, lists and deletes them.
+// Creates, fills, lists and deletes databases.
 void Administer(Soak& soak);
-// All that broken_clients.h has, again and again.
+// Runs all functions of broken_clients.h repeatedly.
 void Misbehave(Soak& soak, unsigned seed);
 
 }  // namespace motiondb::tests

@@ -24,7 +24,7 @@ double Megabytes(const std::string& file) {
 ProcessFigures ReadFigures(pid_t process, const std::string& store) {
   const std::string folder = fmt::format("/proc/{}", process);
   std::ifstream status(folder + "/status");
-  if (!status) throw std::runtime_error(fmt::format("process {} is gone", process));
+  if (!status) throw std::runtime_error(fmt::format("process {} has ended", process));
   ProcessFigures figures;
   std::string word;
   while (status >> word) {

@@ -1,4 +1,4 @@
-// What a running server takes of its machine, as the kernel and the disk say it.
+// Resources that a running server uses, from the kernel and the disk.
 #pragma once
 
 #include <sys/types.h>
@@ -16,10 +16,10 @@ struct ProcessFigures {
   double log_mb = 0;  // the write-ahead log
 };
 
-// Throws std::runtime_error if the process is gone.
+// Throws std::runtime_error if the process has ended.
 ProcessFigures ReadFigures(pid_t process, const std::string& store);
 
-// The larger of each.
+// Returns the larger value of each field.
 ProcessFigures Largest(const ProcessFigures& a, const ProcessFigures& b);
 
 }  // namespace motiondb::tests

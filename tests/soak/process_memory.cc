@@ -17,7 +17,7 @@ std::int64_t StatusBytes(pid_t process, const std::string& key) {
     std::int64_t kilobytes = 0;
     if (word == key && status >> kilobytes) return kilobytes * 1024;
   }
-  throw std::runtime_error(fmt::format("process {} is gone", process));
+  throw std::runtime_error(fmt::format("process {} has ended", process));
 }
 
 void Write(const std::string& file, const std::string& text) {
@@ -39,7 +39,7 @@ MemoryCgroup::MemoryCgroup(std::int64_t limit_bytes)
   std::error_code error;
   std::filesystem::create_directory(folder_, error);
   if (error || !std::filesystem::exists(folder_ + "/memory.limit_in_bytes")) {
-    throw std::runtime_error("a memory cgroup (version 1) cannot be made here: " + error.message());
+    throw std::runtime_error("cannot create a memory cgroup (version 1): " + error.message());
   }
   Write(folder_ + "/memory.limit_in_bytes", std::to_string(limit_bytes));
 }

@@ -1,4 +1,4 @@
-// Memory of another process: what it takes now and at most, and a limit on it.
+// Memory of another process: current, peak, and a limit.
 #pragma once
 
 #include <sys/types.h>
@@ -8,24 +8,24 @@
 
 namespace motiondb::tests {
 
-// Bytes. Throw std::runtime_error if the process is gone.
+// Return bytes. Throw std::runtime_error if the process has ended.
 std::int64_t ResidentMemory(pid_t process);
-// The most that was resident since the last ForgetPeak.
+// Returns the peak resident memory since the last ForgetPeak.
 std::int64_t PeakMemory(pid_t process);
 void ForgetPeak(pid_t process);
 
-// A memory cgroup (version 1) of its own. Removed when it is destroyed, which must be after the
-// processes in it ended. Not thread-safe.
+// A memory cgroup (version 1). Removed by the destructor, which must run after its processes have
+// ended. Not thread-safe.
 class MemoryCgroup {
  public:
-  // Throws std::runtime_error, saying why, where none can be made.
+  // Throws std::runtime_error with the reason if the cgroup cannot be created.
   explicit MemoryCgroup(std::int64_t limit_bytes);
   ~MemoryCgroup();
   MemoryCgroup(const MemoryCgroup&) = delete;
   MemoryCgroup& operator=(const MemoryCgroup&) = delete;
 
   void Add(pid_t process);
-  // The most memory that its processes had, with cached files.
+  // Returns the peak memory of its processes, including cached files.
   std::int64_t peak() const;
 
  private:

@@ -1,6 +1,6 @@
-// Many clients, good and bad, on a real motiondbd for a long time: its memory, descriptors and log
-// stay bounded, no call fails but by its client's fault, the server logs no error of its own, and
-// what was acknowledged is there at the end, also after a restart, and known to the model.
+// Runs many clients, good and bad, on a real motiondbd for a long time. Memory, descriptors and log
+// must stay bounded; calls fail only by their client's fault; the server logs no error of its own.
+// Acknowledged clips must exist at the end and after a restart, and the model must contain them.
 //   motiondb_soak [--seconds 1200] [--json FILE]
 #include <fmt/format.h>
 #include <signal.h>
@@ -28,18 +28,18 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// What a small database with these clients may take. A leak of a descriptor or a page a call would
-// be far beyond it within minutes.
-constexpr int kMostDescriptors = 200;
-constexpr int kMostThreads = 64;
-#ifdef __SANITIZE_ADDRESS__  // which keeps what was freed for a while, and notes on every byte
-constexpr double kMostMemoryMb = 2048;
+// Limits for a small database with these clients. A leak of a descriptor or a page per call would
+// exceed them within minutes.
+constexpr int kMaxDescriptors = 200;
+constexpr int kMaxThreads = 64;
+#ifdef __SANITIZE_ADDRESS__  // keeps freed memory for a while, and shadow memory
+constexpr double kMaxMemoryMb = 2048;
 #else
-constexpr double kMostMemoryMb = 512;
+constexpr double kMaxMemoryMb = 512;
 #endif
-constexpr double kMostLogMb = 64;
-// The last third of the run against the second: what grows for ever grows there too.
-constexpr double kMostGrowth = 1.25;
+constexpr double kMaxLogMb = 64;
+// Last third of the run against the second: a leak grows there too.
+constexpr double kMaxGrowth = 1.25;
 constexpr double kSlackMb = 32;
 
 class Served {
@@ -57,7 +57,7 @@ class Served {
   }
   const std::string& address() const { return address_; }
   pid_t pid() const { return process_.pid(); }
-  // Its exit code.
+  // Returns the exit code.
   int Stop() {
     process_.Signal(SIGTERM);
     return process_.Wait();
@@ -68,7 +68,7 @@ class Served {
   std::string address_;
 };
 
-// The largest figures of each third of the run.
+// Returns the maximum of each field in each third of the run.
 std::vector<ProcessFigures> Observe(const Served& served, const std::string& store,
                                     double seconds) {
   std::vector<ProcessFigures> thirds(3);
@@ -82,7 +82,7 @@ std::vector<ProcessFigures> Observe(const Served& served, const std::string& sto
   }
 }
 
-// Which acknowledged clips are not there.
+// Returns the acknowledged clips that do not exist.
 std::vector<std::string> Missing(Soak& soak) {
   v1::ListClipsRequest request;
   request.set_parent("databases/soak");
@@ -97,7 +97,7 @@ std::vector<std::string> Missing(Soak& soak) {
   return missing;
 }
 
-// Whether the model comes to know the clips that are left, and no others, once nobody changes them.
+// Returns whether the model comes to contain exactly the remaining clips after the last change.
 bool CatchesUp(Soak& soak) {
   const client::Client client = Connect(soak);
   v1::DescribeDatabaseRequest request;
@@ -112,7 +112,7 @@ bool CatchesUp(Soak& soak) {
   return false;
 }
 
-// The first of what the server logged as its own errors, and how many there were.
+// Returns the first errors that the server logged as its own, and their number.
 std::vector<std::string> LoggedErrors(const std::string& log) {
   constexpr std::size_t kShown = 5;
   std::ifstream file(log);
@@ -121,7 +121,7 @@ std::vector<std::string> LoggedErrors(const std::string& log) {
   for (std::string line; std::getline(file, line); ++count) {
     if (errors.size() < kShown) errors.push_back("logged: " + line);
   }
-  if (count > kShown) errors.push_back(fmt::format("logged: {} lines in all", count));
+  if (count > kShown) errors.push_back(fmt::format("logged: {} lines in total", count));
   return errors;
 }
 
@@ -133,16 +133,16 @@ std::vector<std::string> Judge(const std::vector<ProcessFigures>& thirds, const 
   std::vector<std::string> problems = tally.faults();
   const ProcessFigures& before = thirds[1];
   const ProcessFigures& last = thirds[2];
-  Check(last.memory_mb <= kMostGrowth * before.memory_mb + kSlackMb,
+  Check(last.memory_mb <= kMaxGrowth * before.memory_mb + kSlackMb,
         fmt::format("memory grew from {:.0f} to {:.0f} MB", before.memory_mb, last.memory_mb),
         problems);
   for (const ProcessFigures& figures : thirds) {
-    Check(figures.descriptors <= kMostDescriptors,
+    Check(figures.descriptors <= kMaxDescriptors,
           fmt::format("{} descriptors were open", figures.descriptors), problems);
-    Check(figures.threads <= kMostThreads, fmt::format("{} threads", figures.threads), problems);
-    Check(figures.memory_mb <= kMostMemoryMb,
-          fmt::format("memory took {:.0f} MB", figures.memory_mb), problems);
-    Check(figures.log_mb <= kMostLogMb, fmt::format("the log had {:.0f} MB", figures.log_mb),
+    Check(figures.threads <= kMaxThreads, fmt::format("{} threads", figures.threads), problems);
+    Check(figures.memory_mb <= kMaxMemoryMb, fmt::format("memory was {:.0f} MB", figures.memory_mb),
+          problems);
+    Check(figures.log_mb <= kMaxLogMb, fmt::format("the log was {:.0f} MB", figures.log_mb),
           problems);
   }
   return problems;
@@ -203,12 +203,12 @@ int Run(double seconds, const std::string& json_file) {
 
   std::vector<std::string> problems = Judge(thirds, soak.tally);
   Check(Missing(soak).empty(), "acknowledged clips are missing", problems);
-  Check(CatchesUp(soak), "the model does not know the clips that there are", problems);
-  Check(served->Stop() == 0, "the server did not end as it should", problems);
+  Check(CatchesUp(soak), "the model does not match the stored clips", problems);
+  Check(served->Stop() == 0, "the server did not exit with 0", problems);
   served = std::make_unique<Served>(store, log);
   soak.address = served->address();
   Check(Missing(soak).empty(), "acknowledged clips are missing after a restart", problems);
-  Check(served->Stop() == 0, "the server did not end as it should after its restart", problems);
+  Check(served->Stop() == 0, "the server did not exit with 0 after its restart", problems);
   const std::vector<std::string> logged = LoggedErrors(log);
   problems.insert(problems.end(), logged.begin(), logged.end());
   Report(thirds, soak.tally, problems, json_file);
@@ -221,11 +221,11 @@ int Run(double seconds, const std::string& json_file) {
 int main(int argc, char** argv) {
   double seconds = 1200;
   std::string json;
-  CLI::App app("motiondb_soak: many clients on a real server for a long time");
-  app.add_option("--seconds", seconds, "How long")
+  CLI::App app("motiondb_soak: runs many clients on a real server for a long time");
+  app.add_option("--seconds", seconds, "Duration of the load")
       ->check(CLI::Range(3.0, 86400.0))
       ->capture_default_str();
-  app.add_option("--json", json, "Also write the figures there");
+  app.add_option("--json", json, "Also write the statistics to this file");
   CLI11_PARSE(app, argc, argv);
   try {
     return motiondb::tests::Run(seconds, json);

@@ -4,7 +4,7 @@
 
 namespace motiondb::tests {
 namespace {
-constexpr std::size_t kMostFaults = 20;
+constexpr std::size_t kMaxFaults = 20;
 }
 
 void Tally::Add(const std::string& call, const absl::Status& status,
@@ -13,7 +13,7 @@ void Tally::Add(const std::string& call, const absl::Status& status,
   ++counts_[call + " " + absl::StatusCodeToString(status.code())];
   if (status.ok() || std::ranges::find(expected, status.code()) != expected.end()) return;
   ++fault_count_;
-  if (faults_.size() < kMostFaults) faults_.push_back(call + ": " + status.ToString());
+  if (faults_.size() < kMaxFaults) faults_.push_back(call + ": " + status.ToString());
 }
 
 std::map<std::string, long> Tally::counts() const {

@@ -1,5 +1,4 @@
-// What the calls of a soak came to, by kind of call and code, and which of it should not have been.
-// Thread-safe.
+// Counts the calls of a soak by kind and code, and collects faults. Thread-safe.
 #pragma once
 
 #include <initializer_list>
@@ -14,13 +13,13 @@ namespace motiondb::tests {
 
 class Tally {
  public:
-  // Counts one call. OK is always right; `expected` are the codes that are the client's own doing.
+  // Counts one call. OK is never a fault; `expected` are codes caused by the client.
   void Add(const std::string& call, const absl::Status& status,
            std::initializer_list<absl::StatusCode> expected = {});
 
-  // How often each kind of call ended in each code: "Recognize OK" -> 812.
+  // Returns the number of calls by kind and code: "Recognize OK" -> 812.
   std::map<std::string, long> counts() const;
-  // The first of what should not have been, at most 20; and how many there were.
+  // Returns the first faults, at most 20, and their total number.
   std::vector<std::string> faults() const;
   long fault_count() const;
 

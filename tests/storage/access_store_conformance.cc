@@ -41,7 +41,7 @@ void TestTokens(StoreUnderTest& store) {
   REQUIRE_ERROR(access().RevokeToken("b", 5), StatusCode::kNotFound, "'b'");
   REQUIRE_ERROR(access().ListTokens("b", 10), StatusCode::kNotFound, "'b'");
 
-  // Order is that of making.
+  // Tokens are listed in order of creation.
   for (const char* id : {"b", "c", "a"}) REQUIRE_OK(access().AddToken(SampleToken(id)));
   auto admin = SampleToken("d");
   admin.role = Role::kAdmin;
@@ -63,7 +63,7 @@ void TestTokens(StoreUnderTest& store) {
   REQUIRE(ids("c", 10) == "ad");
   REQUIRE(ids("d", 10).empty());
 
-  // The first revocation counts.
+  // The first revocation determines the time.
   REQUIRE(Require(access().RevokeToken("c", 50)).revoke_time_us == 50);
   REQUIRE(Require(access().RevokeToken("c", 60)).revoke_time_us == 50);
   REQUIRE(Require(access().GetToken("c")).revoke_time_us == 50);
@@ -75,7 +75,7 @@ void TestAudit(StoreUnderTest& store) {
   const auto access = [&]() -> storage::AccessStore& { return store->access(); };
   REQUIRE(Require(access().ListAuditRecords(0, 10)).empty());
   for (int i = 1; i <= 5; ++i) {
-    AuditRecord record{.time_us = 1'700'000'000'000'000 - i,  // clocks may go back
+    AuditRecord record{.time_us = 1'700'000'000'000'000 - i,  // clocks can go back
                        .principal = "robot",
                        .peer = "ipv4:10.0.0.7:1234",
                        .method = "/motiondb.v1.ClipService/DeleteClip",

@@ -1,4 +1,4 @@
-// What every AccessStore must do: the part of TestMotionStore that is about MotionStore::access.
+// Tests of the AccessStore contract: a part of TestMotionStore.
 #pragma once
 
 #include "tests/storage/motion_store_conformance.h"

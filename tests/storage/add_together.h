@@ -1,4 +1,4 @@
-// Clips that are added at the same time, so that they share a commit.
+// Adds clips at the same time, so that they share a commit.
 #pragma once
 
 #include <atomic>
@@ -11,23 +11,23 @@
 
 namespace motiondb::tests {
 
-// What became of one.
+// Result of adding one clip.
 struct AddAnswer {
   absl::StatusOr<storage::ClipRecord> added;
   bool threw = false;
 };
 
-// Adds `holder`, whose audit is set here, and while that holds the writer all of `clips`, each on a
-// thread of its own. `hold` is how long they are waited for once they are on their way; a clip that
-// is later than that is added alone.
+// Adds `holder`, whose audit function blocks the writer thread, and meanwhile all `clips`, each on
+// its own thread. The writer stays blocked for `hold` after all these threads have started; a clip
+// that is not queued by then is added in another commit.
 inline std::vector<AddAnswer> AddTogether(storage::MotionStore& store, storage::NewClip holder,
                                           const std::vector<storage::NewClip>& clips,
                                           std::chrono::milliseconds hold) {
   std::atomic<bool> is_held = false;
-  std::atomic<std::size_t> on_their_way = 0;
+  std::atomic<std::size_t> started = 0;
   holder.audit = [&](const storage::ClipRecord&) {
     is_held = true;
-    while (on_their_way < clips.size()) std::this_thread::yield();
+    while (started < clips.size()) std::this_thread::yield();
     std::this_thread::sleep_for(hold);
     return storage::AuditRecord{.method = "Hold"};
   };
@@ -35,12 +35,12 @@ inline std::vector<AddAnswer> AddTogether(storage::MotionStore& store, storage::
   std::vector<std::jthread> threads;
   threads.emplace_back([&] {
     store.AddClip(holder).IgnoreError();
-    is_held = true;  // it may have failed before
+    is_held = true;  // in case it failed before the audit function
   });
   for (std::size_t i = 0; i < clips.size(); ++i) {
     threads.emplace_back([&, i] {
       while (!is_held) std::this_thread::yield();
-      ++on_their_way;
+      ++started;
       try {
         answers[i].added = store.AddClip(clips[i]);
       } catch (const std::bad_alloc&) {
@@ -48,7 +48,7 @@ inline std::vector<AddAnswer> AddTogether(storage::MotionStore& store, storage::
       }
     });
   }
-  threads.clear();  // ended, all of them
+  threads.clear();  // joins all threads
   return answers;
 }
 

@@ -1,4 +1,4 @@
-// A backup as the bytes that are sent.
+// Backup and restore of a store as a string.
 #pragma once
 
 #include <string>

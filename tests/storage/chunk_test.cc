@@ -19,7 +19,7 @@ std::span<const std::byte> BytesOf(std::string_view text) {
   return std::as_bytes(std::span(text.data(), text.size()));
 }
 
-// The chunks of a blob that is written in parts of `part` bytes.
+// Returns the chunks of a blob that is written in parts of `part` bytes.
 std::vector<Bytes> Cut(std::string_view blob, std::size_t part) {
   std::vector<Bytes> chunks;
   storage::ChunkSink sink(BlobKind::kStates,
@@ -53,13 +53,13 @@ absl::StatusOr<std::string> Join(const std::vector<Bytes>& chunks) {
 
 }  // namespace
 
-TEST_CASE("Crc32: is the one of zlib, gzip and PNG", "[storage][blob]") {
+TEST_CASE("Crc32: equals the CRC-32 of zlib, gzip and PNG", "[storage][blob]") {
   REQUIRE(storage::Crc32(BytesOf("123456789")) == 0xcbf43926);
   REQUIRE(storage::Crc32(BytesOf("6789"), storage::Crc32(BytesOf("12345"))) == 0xcbf43926);
   REQUIRE(storage::Crc32({}, 17) == 17);
 }
 
-TEST_CASE("Chunk: has the layout that the documentation gives", "[storage][blob]") {
+TEST_CASE("Chunk: has the documented layout", "[storage][blob]") {
   Bytes chunk(kChunkHeaderBytes + 3);
   std::memcpy(chunk.data() + kChunkHeaderBytes, "abc", 3);
   storage::SealChunk(BlobKind::kModel, 258, /*last=*/true, chunk);
@@ -70,7 +70,7 @@ TEST_CASE("Chunk: has the layout that the documentation gives", "[storage][blob]
   REQUIRE(crc == storage::Crc32(BytesOf("abc"), storage::Crc32(BytesOf(expected))));
 }
 
-TEST_CASE("Chunk: any changed bit and any cut is found", "[storage][blob]") {
+TEST_CASE("Chunk: any flipped bit and any truncation is detected", "[storage][blob]") {
   Bytes chunk(kChunkHeaderBytes + 40, std::byte{7});
   storage::SealChunk(BlobKind::kStates, 3, /*last=*/false, chunk);
   const auto opened = Require(storage::OpenChunk(BlobKind::kStates, 3, chunk));
@@ -80,19 +80,19 @@ TEST_CASE("Chunk: any changed bit and any cut is found", "[storage][blob]") {
     Bytes changed = chunk;
     changed[bit / 8] ^= std::byte{1} << (bit % 8);
     REQUIRE_ERROR(storage::OpenChunk(BlobKind::kStates, 3, changed), absl::StatusCode::kDataLoss,
-                  "states: chunk 3 is damaged");
+                  "states: chunk 3 is corrupt");
   }
   for (std::size_t size = 0; size < chunk.size(); ++size) {
     REQUIRE_ERROR(storage::OpenChunk(BlobKind::kStates, 3, std::span(chunk).first(size)),
                   absl::StatusCode::kDataLoss, "chunk 3");
   }
   REQUIRE_ERROR(storage::OpenChunk(BlobKind::kStates, 4, chunk), absl::StatusCode::kDataLoss,
-                "belongs elsewhere");
+                "belongs to another");
   REQUIRE_ERROR(storage::OpenChunk(BlobKind::kModel, 3, chunk), absl::StatusCode::kDataLoss,
-                "belongs elsewhere");
+                "belongs to another");
 }
 
-TEST_CASE("ChunkStream: a blob of any length comes back", "[storage][blob]") {
+TEST_CASE("ChunkStream: a blob of any length can be written and read", "[storage][blob]") {
   for (const std::size_t size :
        {std::size_t{0}, std::size_t{1}, kChunkPayloadBytes - 1, kChunkPayloadBytes,
         kChunkPayloadBytes + 1, 3 * kChunkPayloadBytes}) {
@@ -106,14 +106,13 @@ TEST_CASE("ChunkStream: a blob of any length comes back", "[storage][blob]") {
   }
 }
 
-TEST_CASE("ChunkStream: a chunk that is missing, doubled or out of place is found",
-          "[storage][blob]") {
+TEST_CASE("ChunkStream: a missing, duplicated or misplaced chunk is detected", "[storage][blob]") {
   const auto chunks = Cut(std::string(3 * kChunkPayloadBytes, 'x'), 1 << 20);
   REQUIRE_ERROR(Join({chunks[0], chunks[1]}), absl::StatusCode::kDataLoss, "chunk 2 is missing");
   REQUIRE_ERROR(Join({chunks[0], chunks[2]}), absl::StatusCode::kDataLoss, "chunk 1");
   REQUIRE_ERROR(Join({chunks[1], chunks[0], chunks[2]}), absl::StatusCode::kDataLoss, "chunk 0");
   REQUIRE_ERROR(Join({chunks[0], chunks[1], chunks[2], chunks[2]}), absl::StatusCode::kDataLoss,
-                "ends early");
+                "ends too early");
   REQUIRE_ERROR(Join({}), absl::StatusCode::kDataLoss, "chunk 0 is missing");
 }
 

@@ -18,7 +18,7 @@ using storage::ClipRecord;
 using storage::NewClip;
 using Derived = std::vector<storage::DerivedClip>;
 
-// The record that a store must give back for a new clip.
+// Returns the record that a store must return for a new clip.
 ClipRecord Expected(const NewClip& clip, const std::string& id, const std::string& skeleton_id) {
   ClipRecord record = clip.record;
   record.id = id;
@@ -26,10 +26,10 @@ ClipRecord Expected(const NewClip& clip, const std::string& id, const std::strin
   return record;
 }
 
-// A representation before the present one.
+// The representation version before the current one.
 constexpr int kBefore = core::kRepresentationVersion - 1;
 
-// The record after it was derived by the present one.
+// Returns the record after its states were derived by the current version.
 ClipRecord Tried(ClipRecord record) {
   record.representation_version = record.tried_version = core::kRepresentationVersion;
   record.tried_time_us += 5;
@@ -60,7 +60,7 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->AddClip(bare)), Expected(bare, "bare", "")));
     REQUIRE(Require(store->ReadClipSource("d", "bare")).skeleton_bytes.empty());
   }
-  SECTION("an id that is taken gets a number") {
+  SECTION("an existing id gets a number") {
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 2))).id == "walk-2");
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 3))).id == "walk-3");
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk-2", 4))).id == "walk-2-2");
@@ -83,7 +83,7 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
     REQUIRE_OK(store->AddClip(SampleClip("e", "other", 1)));
   }
-  SECTION("its entry of the record of changes is kept with it, as it was stored, or not at all") {
+  SECTION("the audit entry contains the stored id and is written only with the clip") {
     NewClip noted = SampleClip("d", "walk", 2);
     noted.audit = [](const ClipRecord& stored) {
       return storage::AuditRecord{.method = "Ingest", .resource = stored.id};
@@ -102,7 +102,7 @@ void TestClips(StoreUnderTest& store) {
     const std::vector<std::string> ids{"c1", "c2", "c4", "c5", "c8", "c9", "walk"};
     for (const int limit : {1, 3, 7, 100}) REQUIRE(ClipIds(store, "d", limit) == ids);
   }
-  SECTION("a deleted clip is gone, and may come back") {
+  SECTION("a deleted clip is not found and can be added again") {
     const auto before = Require(store->GetClip("d", "walk"));
     const auto deleted = Require(store->DeleteClip("d", "walk"));
     REQUIRE(deleted.id == "walk");
@@ -118,7 +118,7 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE(Require(store->AddClip(walk)).id == "walk");
     REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), walk.states));
   }
-  SECTION("what is not there is not found") {
+  SECTION("unknown names are not found") {
     REQUIRE_ERROR(store->AddClip(SampleClip(kUnknown, "walk", 2)), StatusCode::kNotFound, kUnknown);
     REQUIRE_ERROR(store->GetClip("d", kUnknown), StatusCode::kNotFound, kUnknown);
     REQUIRE_ERROR(store->GetClip(kUnknown, "walk"), StatusCode::kNotFound, kUnknown);
@@ -127,7 +127,7 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE_ERROR(store->ReadClipStates("d", kUnknown), StatusCode::kNotFound, kUnknown);
     REQUIRE_ERROR(store->ReadClipSource("d", kUnknown), StatusCode::kNotFound, kUnknown);
   }
-  SECTION("a record that does not tell its frames is refused") {
+  SECTION("a wrong frame count is refused") {
     NewClip wrong = SampleClip("d", "wrong", 2);
     wrong.record.frame_count = 7;
     REQUIRE_ERROR(store->AddClip(wrong), StatusCode::kInvalidArgument, "wrong");
@@ -136,11 +136,11 @@ void TestClips(StoreUnderTest& store) {
     REQUIRE_ERROR(store->AddClip(uneven), StatusCode::kInvalidArgument, "root pose");
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"walk"});
   }
-  SECTION("large files and long clips come back whole") {
+  SECTION("large files and long clips are stored completely") {
     NewClip large = SampleClip("d", "large", 2);
     large.states = SampleStates(9000, 2);
     large.record.frame_count = 9000;
-    large.file_bytes.assign(3 * 256 * 1024, 'x');  // ends where a chunk may
+    large.file_bytes.assign(3 * 256 * 1024, 'x');  // a whole number of chunks
     large.skeleton_bytes.assign(256 * 1024 + 1, 'y');
     REQUIRE_OK(store->AddClip(large));
     REQUIRE(Same(Require(store->ReadClipStates("d", "large")), large.states));
@@ -161,15 +161,15 @@ void TestDerivedClips(StoreUnderTest& store) {
   const ClipRecord old_walk = Require(store->AddClip(walk));
   const ClipRecord old_run = Require(store->AddClip(run));
   REQUIRE(Same(Require(store->GetClip("d", "run")), Expected(run, "run", old_run.skeleton_id)));
-  const auto gap = [&] { return Require(store->FindModelStaleness("d")); };
-  REQUIRE(gap().missing.empty());  // no model takes them
-  REQUIRE(gap().to_derive == 2);
+  const auto staleness = [&] { return Require(store->FindModelStaleness("d")); };
+  REQUIRE(staleness().missing.empty());  // no new model contains them
+  REQUIRE(staleness().to_derive == 2);
   const core::Model former = SampleModel({run, walk});
   REQUIRE_OK(store->PutModel("d", former));
-  REQUIRE(gap().outdated == 2);
-  REQUIRE(gap().removed == 0);
+  REQUIRE(staleness().outdated == 2);
+  REQUIRE(staleness().removed == 0);
 
-  // Other states, fewer of them; the same states; none.
+  // One clip with fewer, different states; one with unchanged states.
   storage::DerivedClip derived{.record = Tried(old_walk), .states = SampleStates(50, 7)};
   derived.record.frame_count = 50;
   derived.record.duration_seconds = 1;
@@ -177,7 +177,7 @@ void TestDerivedClips(StoreUnderTest& store) {
   derived.record.source_report = "another";
   const storage::DerivedClip same{.record = Tried(old_run)};
 
-  SECTION("the current model stays as it is, and what it knows is told") {
+  SECTION("the current model does not change, and its staleness is reported") {
     const auto stored = Require(store->PutDerived("d", Derived{derived, same}));
     REQUIRE(stored.size() == 2);
     const ClipRecord now = Require(store->GetClip("d", "walk"));
@@ -196,31 +196,31 @@ void TestDerivedClips(StoreUnderTest& store) {
     REQUIRE(is_former());
     REQUIRE_OK(store->PurgeDeletedClips("d"));
     REQUIRE(is_former());
-    REQUIRE(gap().missing == std::vector<std::string>{"walk"});
-    REQUIRE(gap().removed == 1);
-    REQUIRE(gap().outdated == 1);
-    REQUIRE(gap().to_derive == 0);
+    REQUIRE(staleness().missing == std::vector<std::string>{"walk"});
+    REQUIRE(staleness().removed == 1);
+    REQUIRE(staleness().outdated == 1);
+    REQUIRE(staleness().to_derive == 0);
 
     NewClip new_walk = walk;
     new_walk.states = *derived.states;
     REQUIRE_OK(store->PutModel("d", SampleModel({run, new_walk})));
-    REQUIRE(gap().empty());
+    REQUIRE(staleness().empty());
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), SampleModel({run, new_walk})));
   }
   SECTION("a clip that could not be derived is in no new model") {
     storage::DerivedClip failed{.record = old_walk};
     failed.record.tried_version = core::kRepresentationVersion;
-    failed.record.derive_error = "walk.amc: its file is damaged";
+    failed.record.derive_error = "walk.amc: the file is corrupt";
     REQUIRE_OK(store->PutDerived("d", Derived{failed, same}));
     REQUIRE(Same(Require(store->GetClip("d", "walk")), failed.record));
     REQUIRE(Same(Require(store->ReadClipStates("d", "walk")), walk.states));
-    REQUIRE(gap().outdated == 1);
-    REQUIRE(gap().to_derive == 0);
+    REQUIRE(staleness().outdated == 1);
+    REQUIRE(staleness().to_derive == 0);
     REQUIRE_OK(store->PutModel("d", SampleModel({run})));
-    REQUIRE(gap().empty());
+    REQUIRE(staleness().empty());
   }
-  SECTION("a model is of the states that it was built from, also once the clip is deleted") {
-    // All but a marker's states are as they were.
+  SECTION("a model keeps the states that it was built from, also after the clip is deleted") {
+    // One number of the states changes.
     derived.states = walk.states;
     derived.states->states(3, 4) += 1;
     derived.record.frame_count = old_walk.frame_count;
@@ -232,7 +232,7 @@ void TestDerivedClips(StoreUnderTest& store) {
     REQUIRE_OK(store->PutModel("d", built));
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), built));
   }
-  SECTION("clips that are not those that were listed are passed over") {
+  SECTION("clips that were deleted or replaced since they were listed are skipped") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     NewClip other = SampleClip("d", "run", 3);
     REQUIRE_OK(store->DeleteClip("d", "run"));
@@ -241,7 +241,7 @@ void TestDerivedClips(StoreUnderTest& store) {
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
     REQUIRE(Same(Require(store->GetClip("d", "run")), other_record));
   }
-  SECTION("all are stored, or none") {
+  SECTION("either all are stored or none") {
     derived.record.frame_count = 7;
     REQUIRE_ERROR(store->PutDerived("d", Derived{same, derived}), StatusCode::kInvalidArgument,
                   "walk");
@@ -282,7 +282,7 @@ void TestSkeletons(StoreUnderTest& store) {
   const std::string third = Require(store->AddClip(odd)).skeleton_id;
   REQUIRE(first == again);
   REQUIRE(first != second);
-  // Skeleton ids stand in resource names.
+  // Skeleton ids are parts of resource names.
   REQUIRE(third.find_first_of("/ ") == std::string::npos);
   REQUIRE(Same(Require(store->GetSkeleton("d", first)), SampleSkeleton("human")));
   REQUIRE(Same(Require(store->GetSkeleton("d", second)), *tall.skeleton));
@@ -301,7 +301,7 @@ void TestSkeletons(StoreUnderTest& store) {
   REQUIRE(ids(1) == expected);
   REQUIRE(ids(10) == expected);
 
-  // A skeleton stays as long as a clip is on it.
+  // A skeleton stays as long as a clip uses it.
   REQUIRE_OK(store->DeleteClip("d", "tall"));
   REQUIRE_OK(store->DeleteClip("d", "one"));
   REQUIRE_ERROR(store->GetSkeleton("d", second), StatusCode::kNotFound, second);

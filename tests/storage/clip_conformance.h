@@ -1,4 +1,4 @@
-// The part of TestMotionStore that is about clips, and the marker set and skeletons they bring.
+// The part of TestMotionStore about clips, their marker set and their skeletons.
 #pragma once
 
 #include "tests/storage/motion_store_conformance.h"

@@ -18,7 +18,7 @@ storage::SpanSource SourceOf(const std::string& bytes) {
   return storage::SpanSource(std::as_bytes(std::span(bytes)));
 }
 
-// Each codec as bytes -> bytes: what is decoded, encoded again.
+// Each function decodes the bytes and encodes the result again.
 absl::StatusOr<std::string> RecodeStates(const std::string& bytes) {
   auto source = SourceOf(bytes);
   MOTIONDB_ASSIGN_OR_RETURN(const auto states, storage::DecodeStates(source));
@@ -37,7 +37,7 @@ absl::StatusOr<std::string> RecodeModel(const std::string& bytes) {
 
 using Recode = absl::StatusOr<std::string> (*)(const std::string&);
 
-void RequireDamageIsFound(Recode recode, const std::string& bytes, int flips) {
+void RequireCorruptionIsDetected(Recode recode, const std::string& bytes, int flips) {
   REQUIRE(Require(recode(bytes)) == bytes);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     const auto cut = recode(bytes.substr(0, size));
@@ -45,7 +45,7 @@ void RequireDamageIsFound(Recode recode, const std::string& bytes, int flips) {
   }
   REQUIRE(recode(bytes + '\0').status().code() == absl::StatusCode::kDataLoss);
 
-  // A changed byte makes an error, or an object that is itself encoded as these bytes.
+  // A changed byte causes an error, or an object whose encoding is these bytes.
   std::mt19937 random(20);
   int refused = 0;
   for (int i = 0; i < flips; ++i) {
@@ -61,7 +61,7 @@ void RequireDamageIsFound(Recode recode, const std::string& bytes, int flips) {
   REQUIRE(refused > 0);
 }
 
-// Overwrites four bytes with a huge count: refused before memory is taken.
+// Overwrites four bytes with a huge count, which must be refused before memory is allocated.
 void RequireCountsAreBounded(Recode recode, const std::string& bytes) {
   const std::uint32_t huge = 0x7fff'ffff;
   for (std::size_t place = 0; place + sizeof(huge) <= std::min<std::size_t>(bytes.size(), 4000);
@@ -75,7 +75,7 @@ void RequireCountsAreBounded(Recode recode, const std::string& bytes) {
 
 }  // namespace
 
-TEST_CASE("StatesCodec: states come back bit for bit", "[storage][codec]") {
+TEST_CASE("StatesCodec: decoded states are bitwise equal", "[storage][codec]") {
   auto states = SampleStates(7, 1);
   states.states(0, 0) = std::nanf("5");
   states.states(1, 1) = -0.0f;
@@ -91,18 +91,17 @@ TEST_CASE("StatesCodec: states come back bit for bit", "[storage][codec]") {
   REQUIRE(Require(RecodeStates(Encoded(none))) == Encoded(none));
 }
 
-TEST_CASE("StatesCodec: damage is found", "[storage][codec]") {
+TEST_CASE("StatesCodec: corruption is detected", "[storage][codec]") {
   core::StateSequence states = SampleStates(3, 1);
   for (const auto& glitches : {std::vector<core::FrameSpan>{}, {{0, 0}, {2, 2}}}) {
     states.glitches = glitches;
     const std::string bytes = Encoded(states);
-    RequireDamageIsFound(RecodeStates, bytes, 500);
+    RequireCorruptionIsDetected(RecodeStates, bytes, 500);
     RequireCountsAreBounded(RecodeStates, bytes);
   }
 }
 
-TEST_CASE("StatesCodec: glitches come back, and none that are not in the frames",
-          "[storage][codec]") {
+TEST_CASE("StatesCodec: glitches are decoded; invalid spans are refused", "[storage][codec]") {
   core::StateSequence states = SampleStates(7, 1);
   states.glitches = {{0, 1}, {3, 6}};
   const std::string bytes = Encoded(states);
@@ -115,7 +114,7 @@ TEST_CASE("StatesCodec: glitches come back, and none that are not in the frames"
   }
 }
 
-TEST_CASE("SkeletonCodec: a skeleton comes back bit for bit", "[storage][codec]") {
+TEST_CASE("SkeletonCodec: a decoded skeleton is bitwise equal", "[storage][codec]") {
   const core::Skeleton skeleton = SampleSkeleton("human");
   const std::string bytes = Encoded(skeleton);
   auto source = SourceOf(bytes);
@@ -130,12 +129,12 @@ TEST_CASE("SkeletonCodec: a skeleton comes back bit for bit", "[storage][codec]"
   REQUIRE(std::isinf(back.joints()[1].dofs[0].lower));
 }
 
-TEST_CASE("SkeletonCodec: damage is found", "[storage][codec]") {
-  RequireDamageIsFound(RecodeSkeleton, Encoded(SampleSkeleton("human")), 3000);
+TEST_CASE("SkeletonCodec: corruption is detected", "[storage][codec]") {
+  RequireCorruptionIsDetected(RecodeSkeleton, Encoded(SampleSkeleton("human")), 3000);
   RequireCountsAreBounded(RecodeSkeleton, Encoded(SampleSkeleton("human")));
 }
 
-TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][codec]") {
+TEST_CASE("ModelCodec: a decoded model is bitwise equal, except its states", "[storage][codec]") {
   const core::Model model = SampleModel({SampleClip("d", "walk", 1), SampleClip("d", "run", 2)});
   const std::string bytes = Encoded(model.parts());
   auto source = SourceOf(bytes);
@@ -147,7 +146,7 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(parts.build_seconds == 0.25);
   parts.states = model.parts().states;
   parts.root_path = model.root_path();
-  // They come with the states.
+  // Glitches are stored with the states.
   for (std::size_t c = 0; c < parts.clips.size(); ++c) {
     REQUIRE(parts.clips[c].glitches.empty());
     parts.clips[c].glitches = model.clips()[c].glitches;
@@ -161,8 +160,7 @@ TEST_CASE("ModelCodec: all but the states comes back bit for bit", "[storage][co
   REQUIRE(back.metric_frames().projected.view() == model.metric_frames().projected.view());
 }
 
-TEST_CASE("ModelCodec: the calibration comes back, and one that is none is refused",
-          "[storage][codec]") {
+TEST_CASE("ModelCodec: the calibration is decoded; an invalid one is refused", "[storage][codec]") {
   core::Model model = SampleModel({SampleClip("d", "walk", 1)});
   core::RecognitionCalibration calibration;
   calibration.window = {{0.5, 0.25}, {-2, 1, 1, 3}};
@@ -182,13 +180,14 @@ TEST_CASE("ModelCodec: the calibration comes back, and one that is none is refus
 
   calibration.window.familiarity = {1, 0};
   model.set_recognition(calibration);
-  REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "ascend");
+  REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "ascending");
   calibration.window = {{std::nan(""), 1}, {}};
   model.set_recognition(calibration);
   REQUIRE_ERROR(decoded(model).status(), absl::StatusCode::kDataLoss, "calibration");
 }
 
-TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[storage][codec]") {
+TEST_CASE("ModelCodec: a model of version 1 is read without the parts of later versions",
+          "[storage][codec]") {
   const core::Model model = SampleModel({SampleClip("d", "walk", 1)});
   core::ModelParts plain = model.parts();
   plain.clips.front().subject.clear();
@@ -197,12 +196,12 @@ TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[st
   plain.metric = {};
   plain.recognition = {};
   plain.tree = Require(core::Tree::Create(plain.tree.frame_order(), plain.tree.branches()));
-  // What version 2 adds is then of a known size, and before the last field.
+  // The fields of version 2 now have a known size; they precede the last field.
   std::string bytes = Encoded(plain);
   constexpr std::size_t kAnswerBytes = 2 * sizeof(double) + sizeof(std::uint32_t);
   constexpr std::size_t kAdded = 4 * sizeof(std::uint32_t) + 2 * kAnswerBytes;
   bytes.erase(bytes.size() - sizeof(double) - kAdded, kAdded);
-  // And what version 3 adds is a count of no thresholds and one of clips, behind the branches.
+  // The fields of version 3, a threshold count of 0 and a clip count, follow the branches.
   const auto& branches = plain.tree.branches();
   const std::string_view branch_bytes(reinterpret_cast<const char*>(branches.data()),
                                       branches.size() * sizeof(core::Branch));
@@ -221,9 +220,9 @@ TEST_CASE("ModelCodec: a model of version 1 is read without what it lacks", "[st
   REQUIRE(Encoded(back.parts()) == Encoded(plain));
 }
 
-TEST_CASE("ModelCodec: damage is found", "[storage][codec]") {
+TEST_CASE("ModelCodec: corruption is detected", "[storage][codec]") {
   const std::string bytes = Encoded(SampleModel({SampleClip("d", "walk", 1)}).parts());
-  RequireDamageIsFound(RecodeModel, bytes, 3000);
+  RequireCorruptionIsDetected(RecodeModel, bytes, 3000);
   RequireCountsAreBounded(RecodeModel, bytes);
 }
 
@@ -232,7 +231,7 @@ TEST_CASE("FieldReader: keeps its first error", "[storage][codec]") {
   auto source = SourceOf(bytes);
   storage::FieldReader reader(source);
   REQUIRE(reader.Get<std::uint16_t>() == 0x0101);
-  REQUIRE(reader.GetText().empty());  // of 16843009 bytes
+  REQUIRE(reader.GetText().empty());  // its length is 16843009
   const absl::Status first = reader.status();
   REQUIRE_ERROR(first, absl::StatusCode::kDataLoss, "16843009");
   REQUIRE(reader.Get<std::uint8_t>() == 0);

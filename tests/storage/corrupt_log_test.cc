@@ -1,4 +1,4 @@
-// A log that a killed server left: one flipped bit in it is reported, a torn end is not.
+// The log of a killed server: a flipped bit is reported, an incomplete end is not.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -19,23 +19,23 @@ using Catch::Contains;
 constexpr std::uint32_t kPageBytes = 16384;
 constexpr std::size_t kHeaderBytes = 32;
 constexpr std::size_t kFrameBytes = 24 + kPageBytes;
-// As many as leave the frame that ends the last transaction but one in whole sectors: else ReadLog
-// cannot tell a flipped bit in it from a power cut.
+// With this number, the fields of the commit frame of the last but one transaction are in one
+// sector. Otherwise ReadLog cannot distinguish a flipped bit in that frame from a power cut.
 constexpr int kClips = 11;
 
 void Write(const std::string& path, const std::string& bytes) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-// The files of a store that was killed after ten clips, one transaction each.
+// The files of a store that was killed after kClips clips, one transaction each.
 struct Killed {
   std::string store;
   std::string log;
 
   std::size_t frames() const { return (log.size() - kHeaderBytes) / kFrameBytes; }
-  // Where frame `number`, counted from 1, begins.
+  // Returns the offset of frame `number`, counted from 1.
   static std::size_t Frame(std::size_t number) { return kHeaderBytes + (number - 1) * kFrameBytes; }
-  // Where the frames of the last transaction begin.
+  // Returns the offset of the first frame of the last transaction.
   std::size_t LastTransaction() const {
     std::size_t frame = frames() - 1;
     while (log.compare(Frame(frame) + 4, 4, std::string(4, '\0')) == 0) --frame;
@@ -65,8 +65,7 @@ void Put(const Killed& killed, const StoreFile& file) {
 
 }  // namespace
 
-TEST_CASE("Log: a flipped bit before the last transaction is found wherever it is",
-          "[storage][log]") {
+TEST_CASE("Log: a flipped bit anywhere before the last transaction is detected", "[storage][log]") {
   const Killed whole = MakeKilled();
   REQUIRE_FALSE(Read(whole.log).is_corrupt);
   REQUIRE(Read(whole.log).page_count > 0);
@@ -89,12 +88,12 @@ TEST_CASE("Log: a flipped bit before the last transaction is found wherever it i
                        : static_cast<std::int64_t>((place - kHeaderBytes) / kFrameBytes + 1);
   CHECK(log.bad_frame == bad);
   const auto after = static_cast<std::int64_t>(whole.frames()) - bad;
-  // What stands after a checksum that is bad itself is not counted.
+  // If the stored checksum itself is bad, the next frame is not counted.
   CHECK(log.lost_frames <= after);
   CHECK(log.lost_frames >= after - 1);
 }
 
-TEST_CASE("Log: what a power cut leaves is not corrupt", "[storage][log]") {
+TEST_CASE("Log: the log after a power cut is not corrupt", "[storage][log]") {
   Killed killed = MakeKilled();
   SECTION("cut off anywhere") {
     for (std::size_t size = 0; size <= killed.log.size(); size += 4099) {
@@ -116,15 +115,15 @@ TEST_CASE("Log: what a power cut leaves is not corrupt", "[storage][log]") {
     const auto store = file.Open();
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
     for (unsigned i = 1; i <= 4; ++i) REQUIRE_OK(store->AddClip(SampleClip("d", "walk", i)));
-    // The log is begun again by the change after this.
+    // The next change restarts the log from its beginning.
     file.Sql("PRAGMA wal_checkpoint(PASSIVE)");
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("e")));
     const std::string log = ReadFile(file.path() + "-wal");
     REQUIRE(log.size() > 10 * kFrameBytes);
     REQUIRE_FALSE(Read(log).is_corrupt);
   }
-  SECTION("frames of a transaction that was undone behind the last one") {
-    // A longer last transaction, of which a shorter one took the place.
+  SECTION("frames of a transaction that was rolled back after the last one") {
+    // A shorter transaction overwrote the beginning of a longer one.
     const std::size_t last = killed.LastTransaction();
     const Killed other = MakeKilled();
     std::string log = killed.log;
@@ -159,7 +158,8 @@ TEST_CASE(
   REQUIRE(Findings(*file.Open()).empty());
 }
 
-TEST_CASE("SqliteMotionStore: a whole log and a torn one are not reported", "[storage][log]") {
+TEST_CASE("SqliteMotionStore: an intact log and an incomplete one are not reported",
+          "[storage][log]") {
   Killed killed = MakeKilled();
   const std::size_t torn = GENERATE(0, 1);
   killed.log.resize(killed.log.size() - torn * kPageBytes / 2);

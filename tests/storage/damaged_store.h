@@ -1,4 +1,4 @@
-// Damages a store behind its back: SQL that does, and bytes written over. Functions keep no state.
+// Corrupts the file of a store with SQL or by overwriting bytes.
 #pragma once
 
 #include <sqlite3.h>
@@ -10,8 +10,7 @@
 
 namespace motiondb::tests {
 
-// Runs a script on a store's file; the store must be closed. The first column of the last row, as
-// text.
+// Runs a script on the file of a closed store. Returns the first column of the last row as text.
 inline std::string RunSql(const std::string& path, const std::string& script) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(path.c_str(), &database) == SQLITE_OK);
@@ -27,25 +26,26 @@ inline std::string RunSql(const std::string& path, const std::string& script) {
   return value;
 }
 
-// Changes a byte of a chunk. `row` tells which chunk of `table`.
+// Returns a script that changes byte `place` of the chunks of `table` that match the condition
+// `row`.
 inline std::string ChangeByte(const std::string& table, int place, const std::string& row) {
   const std::string at = std::to_string(place);
   return "UPDATE " + table + " SET chunk = CAST(substr(chunk, 1, " + at +
          ") || x'A5' || substr(chunk, " + at + " + 2) AS BLOB) WHERE " + row;
 }
 
-// The rows of clip_chunk that are of one kind and clip.
+// Returns a condition for the rows of clip_chunk of one clip and kind.
 inline std::string ChunksOf(const std::string& clip, int kind) {
   return "kind = " + std::to_string(kind) +
          " AND clip_key = (SELECT clip_key FROM clip WHERE id = '" + clip + "')";
 }
 
-// A script that gives the first page of a table or an index.
+// Returns a query for the root page of a table or an index.
 inline std::string RootPageOf(const std::string& name) {
   return "SELECT rootpage FROM sqlite_schema WHERE name = '" + name + "'";
 }
 
-// Writes other bytes of the same length wherever some are in a file that is closed.
+// Replaces each occurrence of `from` in a closed file by `to`, which has the same length.
 inline void ReplaceBytes(const std::string& path, const std::string& from, const std::string& to) {
   std::ifstream in(path, std::ios::binary);
   std::string bytes((std::istreambuf_iterator<char>(in)), {});
@@ -58,7 +58,7 @@ inline void ReplaceBytes(const std::string& path, const std::string& from, const
   std::ofstream(path, std::ios::binary | std::ios::trunc) << bytes;
 }
 
-// Writes over the beginning of a page of a store that is closed.
+// Overwrites the beginning of a page of a closed store.
 inline void RuinPage(const std::string& path, long page) {
   constexpr long kPageBytes = 16384;
   std::fstream bytes(path, std::ios::in | std::ios::out | std::ios::binary);

@@ -1,4 +1,5 @@
-// A deleted database is gone at once; what it held is freed in pieces, beside all else.
+// A deleted database is invisible immediately; its content is freed in pieces, between other
+// writes.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <string>
@@ -24,7 +25,8 @@ constexpr char kRows[] =
     "FROM model_chunk) + (SELECT count(*) FROM operation) + (SELECT count(*) FROM database)";
 constexpr char kChunkBytes[] = "SELECT ifnull(sum(length(chunk)), 0) FROM clip_chunk";
 
-// A database with all that one may hold: models, of which one extends another, and a deleted clip.
+// Creates a database with every kind of content: models, an extension, a deleted clip, an
+// operation.
 void Fill(storage::MotionStore& store, const std::string& database) {
   const auto sample = [&](const std::string& id, unsigned seed) {
     return SampleClip(database, id, seed);
@@ -47,7 +49,8 @@ void Fill(storage::MotionStore& store, const std::string& database) {
 
 }  // namespace
 
-TEST_CASE("Deleted databases: leave nothing, and nobody else's goes", "[storage][deletion]") {
+TEST_CASE("Deleted databases: are removed completely; other databases stay",
+          "[storage][deletion]") {
   const StoreFile file;
   const auto store = file.Open();
   Fill(*store, "kept");
@@ -72,7 +75,8 @@ TEST_CASE("Deleted databases: leave nothing, and nobody else's goes", "[storage]
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("Deleted databases: the name is free at once, again and again", "[storage][deletion]") {
+TEST_CASE("Deleted databases: the name can be reused immediately, repeatedly",
+          "[storage][deletion]") {
   const StoreFile file;
   const auto store = file.Open();
   for (int round = 0; round < 3; ++round) {
@@ -84,7 +88,7 @@ TEST_CASE("Deleted databases: the name is free at once, again and again", "[stor
   REQUIRE(file.Sql(kRows) == "0");
 }
 
-TEST_CASE("Deleted databases: are freed a few megabytes at a time, and others write between",
+TEST_CASE("Deleted databases: are freed a few megabytes at a time, between other writes",
           "[storage][deletion]") {
   const StoreFile file;
   auto store = file.Open();
@@ -95,36 +99,36 @@ TEST_CASE("Deleted databases: are freed a few megabytes at a time, and others wr
     REQUIRE_OK(store->AddClip(large));
   }
   REQUIRE_OK(store->DeleteDatabase("d"));
-  const auto left = [&] { return std::stol(file.Sql(kChunkBytes)); };
-  const long whole = left();
+  const auto stored_bytes = [&] { return std::stol(file.Sql(kChunkBytes)); };
+  const long whole = stored_bytes();
   REQUIRE(whole > 27'000'000);
 
   long before = whole;
-  long most = 0;
+  long max_freed = 0;
   int turns = 0;
   const auto write_between = [&] {
-    most = std::max(most, before - left());
-    before = left();
+    max_freed = std::max(max_freed, before - stored_bytes());
+    before = stored_bytes();
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("new" + std::to_string(++turns))));
     return false;
   };
   SECTION("to the end") { REQUIRE_OK(store->PurgeDeletedDatabases(write_between)); }
-  SECTION("broken off, and by the next to open the store") {
+  SECTION("cancelled, then continued after the store was reopened") {
     const auto stop = [&] { return write_between() || before < whole / 2; };
     REQUIRE_ERROR(store->PurgeDeletedDatabases(stop), StatusCode::kCancelled, "");
-    REQUIRE(left() > 0);
+    REQUIRE(stored_bytes() > 0);
     store.reset();
     store = file.Open();
     REQUIRE_OK(store->PurgeDeletedDatabases(write_between));
   }
-  REQUIRE(left() == 0);
+  REQUIRE(stored_bytes() == 0);
   REQUIRE(turns > 6);
-  REQUIRE(most > 0);
-  REQUIRE(most < 5 << 20);
+  REQUIRE(max_freed > 0);
+  REQUIRE(max_freed < 5 << 20);
   REQUIRE(file.Sql("SELECT count(*) FROM database WHERE deleted = 1") == "0");
 }
 
-TEST_CASE("Deleted databases: are no databases to a restore, nor damage to one",
+TEST_CASE("Deleted databases: do not prevent a restore and are not corruption in a backup",
           "[storage][deletion]") {
   const StoreFile from;
   const auto source = from.Open();

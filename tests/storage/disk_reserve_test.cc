@@ -1,4 +1,4 @@
-// A disk with less room than is to stay free: what adds to a store is refused, all else is done.
+// Free disk space below the reserve: additions are refused, other changes succeed.
 #include "storage/sqlite/disk_reserve.h"
 
 #include <catch2/catch.hpp>
@@ -16,13 +16,13 @@ namespace {
 
 using absl::StatusCode;
 
-constexpr char kRefusal[] = "stay free for deleting (--disk-reserve-mib)";
+constexpr char kRefusal[] = "for deletions (--disk-reserve-mib)";
 
 storage::SqliteOptions MoreThanThereIs() { return {.reserve_bytes = std::int64_t{1} << 60}; }
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: without the reserve nothing is added, and all else is done",
+TEST_CASE("SqliteMotionStore: below the reserve, additions fail and other changes succeed",
           "[storage][reserve]") {
   const StoreFile file;
   const auto walk = SampleClip("d", "walk", 1);
@@ -53,7 +53,7 @@ TEST_CASE("SqliteMotionStore: without the reserve nothing is added, and all else
   REQUIRE_OK(store->PurgeDeletedDatabases({}));
 }
 
-TEST_CASE("Restore: leaves the reserve", "[storage][reserve]") {
+TEST_CASE("Restore: keeps the reserve free", "[storage][reserve]") {
   const StoreFile from;
   const auto source = from.Open();
   REQUIRE_OK(source->CreateDatabase(SampleDatabase("d")));
@@ -61,25 +61,25 @@ TEST_CASE("Restore: leaves the reserve", "[storage][reserve]") {
   const auto target = to.Open(MoreThanThereIs());
   REQUIRE_ERROR(Restore(*target, Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
   REQUIRE(Require(target->ListDatabases({})).empty());
-  // Already where the backup is gathered.
+  // Already while the backup is received.
   const auto restore = Require(target->upkeep().BeginRestore());
   REQUIRE_ERROR(restore->Append(Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
 }
 
-TEST_CASE("Backup: its copy leaves the reserve", "[storage][reserve]") {
+TEST_CASE("Backup: the copy keeps the reserve free", "[storage][reserve]") {
   const StoreFile file;
   REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
   const auto store = file.Open(MoreThanThereIs());
   REQUIRE_ERROR(store->upkeep().BeginBackup({}), StatusCode::kResourceExhausted, kRefusal);
 }
 
-TEST_CASE("SqliteMotionStore: a store in memory has no disk to look at", "[storage][reserve]") {
+TEST_CASE("SqliteMotionStore: a store in memory ignores the reserve", "[storage][reserve]") {
   const auto store = Require(storage::SqliteMotionStore::Open(":memory:", MoreThanThereIs()));
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
 }
 
-TEST_CASE("AddedBytes: of a clip and of a model", "[storage][reserve]") {
+TEST_CASE("AddedBytes: size of a clip and of a model", "[storage][reserve]") {
   auto clip = SampleClip("d", "walk", 1);
   const std::int64_t before = storage::AddedBytes(clip);
   CHECK(before >= clip.states.states.size() * 4 + clip.states.root_path.size() * 8);

@@ -14,11 +14,11 @@ namespace {
 
 constexpr std::size_t kSector = 512;
 
-// A file of the disk; the system's own follows it in memory.
+// A file of the simulated disk. The system's sqlite3_file follows it in memory.
 struct FaultFile {
   sqlite3_file base;
   FaultDisk* disk;
-  std::string* path;  // null for a file without a name, which SQLite deletes itself
+  std::string* path;  // null for an unnamed temporary file
 
   sqlite3_file* real() { return reinterpret_cast<sqlite3_file*>(this + 1); }
 };
@@ -57,7 +57,7 @@ int Truncate(sqlite3_file* file, sqlite3_int64 size) {
   return Of(file).real()->pMethods->xTruncate(Of(file).real(), size);
 }
 int Sync(sqlite3_file* file, int) {
-  // The real disk need not be waited for: its power stays on.
+  // No sync of the real disk: only the simulated power is cut.
   return Of(file).path == nullptr ? SQLITE_OK : Of(file).disk->OnSync(*Of(file).path);
 }
 int FileSize(sqlite3_file* file, sqlite3_int64* size) {
@@ -181,7 +181,7 @@ int FaultDisk::OnWrite(const std::string& path, std::int64_t offset, const char*
   const bool half = strikes && fault_ == Fault::kShortWrite;
   const int kept = half ? count / 2 : count;
   files_[path].unsynced.push_back({offset, std::string(bytes, static_cast<std::size_t>(kept))});
-  if (dead_) return SQLITE_IOERR_WRITE;  // on its way when the power went
+  if (dead_) return SQLITE_IOERR_WRITE;  // in progress during the power cut: may or may not be kept
   done = kept;
   return half ? SQLITE_IOERR_WRITE : SQLITE_OK;
 }
@@ -224,7 +224,7 @@ void FaultDisk::Tear(const Change& change, std::string& bytes, std::mt19937& ran
 
 void FaultDisk::Reboot(unsigned seed) {
   std::mt19937 random(seed);
-  // Besides anything in between: all that was written is there, and nothing is.
+  // A quarter of the seeds keeps all unsynced changes, a quarter none, the others a random part.
   const int luck = static_cast<int>(seed % 4);
   for (auto& [path, file] : files_) {
     if (!file.durable && (luck == 1 || (luck > 1 && random() % 4 == 0))) {

@@ -1,10 +1,9 @@
-// A disk that fails when a test says so: a SQLite VFS over the system's own, which counts writes,
-// syncs and truncations, lets one of them go wrong, loses a sector, and remembers what was not
-// synced yet, so that it can leave the files as a power cut would: of what no sync followed, each
-// write is there, or not, or torn at sectors, in any order. Deleting a file is taken as durable at
-// once.
+// A simulated disk with faults: an SQLite VFS on top of the system's. It counts writes, syncs and
+// truncations, makes one of them fail, makes a sector unreadable, and simulates a power cut: each
+// change without a later sync is kept, lost, or torn at sector boundaries, in any order. Deleting a
+// file is durable immediately.
 //
-// One at a time in a process; not thread-safe.
+// Only one per process; not thread-safe.
 #pragma once
 
 #include <sqlite3.h>
@@ -22,10 +21,10 @@ class FaultDisk {
  public:
   enum class Fault {
     kNone,
-    kError,       // the operation fails and does nothing; those after it work
-    kShortWrite,  // the operation fails half done; those after it work
-    kFull,        // it and all writes after it find no room, until Clear
-    kPowerCut,    // nothing works from then on, until Reboot
+    kError,       // the operation fails without effect; later ones succeed
+    kShortWrite,  // the operation fails after half of the write; later ones succeed
+    kFull,        // this write and all later ones fail (disk full), until Clear
+    kPowerCut,    // every operation fails, until Reboot
   };
 
   static constexpr char kVfs[] = "fault";
@@ -35,27 +34,27 @@ class FaultDisk {
   FaultDisk(const FaultDisk&) = delete;
   FaultDisk& operator=(const FaultDisk&) = delete;
 
-  // Forgets all files. The fault happens at operation number `at` from now, counted from 1.
+  // Forgets all files. The fault occurs at operation number `at` from now, counted from 1.
   void Arm(Fault fault, int at);
   void Clear() { fault_ = Fault::kNone; }
   void CutPower() { dead_ = true; }
-  // Whatever is read together with this byte cannot be read from now on, until Arm: `code` instead.
-  // SQLite has EIO as SQLITE_IOERR_CORRUPTFS, most others as SQLITE_IOERR_READ.
+  // Until Arm, reads that include this byte fail with `code`. SQLite's VFS returns
+  // SQLITE_IOERR_CORRUPTFS for EIO, and SQLITE_IOERR_READ for most other errors.
   void LoseSector(const std::string& path, std::int64_t byte, int code) {
     bad_sectors_[path] = {byte, code};
   }
-  // Each read takes a millisecond from now on.
+  // Delays each later read by a millisecond.
   void SlowDown() { slow_ = true; }
-  // Since the disk was made. From any thread.
+  // Number of reads since construction. Any thread may call it.
   int reads() const { return reads_; }
-  // Operations since Arm.
+  // Number of operations since Arm.
   int operations() const { return operations_; }
   bool struck() const { return struck_; }
-  // After a power cut, with every file closed: makes the files what the disk kept, as `seed` has
-  // it, and works again.
+  // After a power cut, with all files closed: sets the files to the content that the disk kept,
+  // chosen by `seed`, and ends the fault.
   void Reboot(unsigned seed);
 
-  // What the VFS asks on each operation: a result code.
+  // Called by the VFS for each operation. They return an SQLite result code.
   int OnRead(const std::string& path, std::int64_t offset, int count);
   int OnWrite(const std::string& path, std::int64_t offset, const char* bytes, int count,
               int& done);
@@ -66,19 +65,19 @@ class FaultDisk {
   bool dead() const { return dead_; }
 
  private:
-  // What was done to a file since its last sync.
+  // A change of a file since its last sync.
   struct Change {
-    std::int64_t offset = 0;  // of a write, or the size truncated to
+    std::int64_t offset = 0;  // offset of a write, or the new size
     std::string bytes;
     bool truncates = false;
   };
   struct File {
-    bool durable = false;  // whether there is a file after a power cut, for certain
-    std::string synced;    // its bytes then
+    bool durable = false;  // whether the file certainly exists after a power cut
+    std::string synced;    // its content at the last sync
     std::vector<Change> unsynced;
   };
 
-  // Whether the operation that now begins is the one that goes wrong.
+  // Counts an operation and returns whether the fault occurs in it.
   bool Strikes();
   static void Apply(const Change& change, std::string& bytes);
   static void Tear(const Change& change, std::string& bytes, std::mt19937& random);
@@ -86,7 +85,7 @@ class FaultDisk {
   sqlite3_vfs vfs_;
   std::map<std::string, File> files_;
   struct BadSector {
-    std::int64_t byte = 0;  // one that lies in it
+    std::int64_t byte = 0;  // offset of a byte in the sector
     int code = SQLITE_OK;
   };
   std::map<std::string, BadSector> bad_sectors_;  // by file

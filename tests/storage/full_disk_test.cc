@@ -1,4 +1,4 @@
-// A file system without room, a real one: a small tmpfs, where a test may mount it.
+// A real full file system: a small tmpfs, if the test has the right to mount it.
 #include <sys/mount.h>
 
 #include <catch2/catch.hpp>
@@ -33,11 +33,11 @@ class SmallFileSystem {
   ~SmallFileSystem() {
     if (mounted_) umount(path_.c_str());
   }
-  // Makes it larger, with all that is in it.
+  // Enlarges the mounted file system.
   bool Grow() { return mount("tmpfs", path_.c_str(), "tmpfs", MS_REMOUNT, "size=40m") == 0; }
-  // Says that the test is skipped where it is not.
+  // Returns whether it is mounted; warns that the test is skipped if not.
   bool IsThere() const {
-    if (!mounted_) WARN("skipped: a tmpfs cannot be mounted here: " << std::strerror(error_));
+    if (!mounted_) WARN("skipped: cannot mount a tmpfs: " << std::strerror(error_));
     return mounted_;
   }
   std::string operator/(const std::string& name) const { return path_ + "/" + name; }
@@ -49,14 +49,14 @@ class SmallFileSystem {
   int error_ = 0;
 };
 
-// A clip of a bit more than a mebibyte.
+// Returns a clip of a little more than 1 MiB.
 storage::NewClip LargeClip(unsigned seed) {
   auto clip = SampleClip("d", "large-" + std::to_string(seed), seed);
   clip.file_bytes.assign(kMegabyte, 'x');
   return clip;
 }
 
-// Adds clips until there is no room for one: how many were added.
+// Adds clips until there is no room. Returns the number of added clips.
 int Fill(storage::MotionStore& store, unsigned first_seed) {
   for (int count = 0;; ++count) {
     const auto added = store.AddClip(LargeClip(first_seed + static_cast<unsigned>(count)));
@@ -72,7 +72,7 @@ storage::SqliteOptions WithReserve(std::size_t mebibytes) {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve can be emptied",
+TEST_CASE("SqliteMotionStore: clips can be deleted after the disk was filled up to the reserve",
           "[storage][full]") {
   const SmallFileSystem disk(32);
   if (!disk.IsThere()) return;
@@ -90,7 +90,7 @@ TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve ca
     for (int i = 2; i <= 4; ++i) {
       REQUIRE_OK(store->DeleteClip("d", "large-" + std::to_string(i)));
     }
-    // What they had is taken again, though the disk has no more room than before.
+    // The freed pages are reused, although the disk has no more free space than before.
     CHECK(Fill(*store, 100) >= 3);
     REQUIRE_OK(store->DeleteDatabase("d"));
     REQUIRE_OK(store->PurgeDeletedDatabases({}));
@@ -100,7 +100,7 @@ TEST_CASE("SqliteMotionStore: a disk that clips have filled up to the reserve ca
   }
 }
 
-TEST_CASE("SqliteMotionStore: says that a full disk refuses additions, until there is room",
+TEST_CASE("SqliteMotionStore: CheckWrites reports a full disk until there is room",
           "[storage][full]") {
   const SmallFileSystem disk(32);
   if (!disk.IsThere()) return;
@@ -109,7 +109,7 @@ TEST_CASE("SqliteMotionStore: says that a full disk refuses additions, until the
   REQUIRE_OK(store->AddClip(LargeClip(1)));
   REQUIRE_OK(store->CheckWrites());
   CHECK(store->write_failures().total() == 0);
-  // Others take the disk: no write has failed yet.
+  // Another file fills the disk: no write has failed yet.
   std::ofstream(disk / "other", std::ios::binary) << std::string(24 * kMegabyte, 'x');
   REQUIRE_ERROR(store->CheckWrites(), absl::StatusCode::kResourceExhausted, "--disk-reserve-mib");
   REQUIRE_ERROR(store->AddClip(LargeClip(2)), absl::StatusCode::kResourceExhausted, "");
@@ -118,7 +118,7 @@ TEST_CASE("SqliteMotionStore: says that a full disk refuses additions, until the
   CHECK(store->write_failures().total() == 1);
   REQUIRE_OK(store->DeleteClip("d", "large-1"));
   std::filesystem::remove(disk / "other");
-  // At the next trial, a second later at most.
+  // The next test write, within a second, succeeds.
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (!store->CheckWrites().ok()) {
     REQUIRE(std::chrono::steady_clock::now() < latest);
@@ -126,14 +126,14 @@ TEST_CASE("SqliteMotionStore: says that a full disk refuses additions, until the
   }
   REQUIRE_OK(store->AddClip(LargeClip(2)));
   CHECK(store->write_failures().total() == 1);
-  // What the request is wrong about is no failure of the store.
+  // Errors of the request are not failed writes.
   REQUIRE(!store->DeleteClip("d", "none").ok());
   REQUIRE(!store->CreateDatabase(SampleDatabase("d")).ok());
   CHECK(store->write_failures().total() == 1);
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as long as that lasts",
+TEST_CASE("SqliteMotionStore: a reader that blocks the log blocks additions only while it reads",
           "[storage][full]") {
   const SmallFileSystem disk(32);
   if (!disk.IsThere()) return;
@@ -149,7 +149,7 @@ TEST_CASE("SqliteMotionStore: a log that a reader holds refuses clips only as lo
   REQUIRE_OK(store->DeleteDatabase("d"));
 }
 
-TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
+TEST_CASE("SqliteMotionStore: a full file system", "[storage][full]") {
   SmallFileSystem disk(6);
   if (!disk.IsThere()) return;
   const std::string path = disk / "store.db";
@@ -166,7 +166,7 @@ TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
       REQUIRE(Dump(*store) == before);
     }
   }
-  // Others fill the rest: the store can be opened and read, and says why it takes nothing.
+  // Another file fills the rest: the store can be opened and read; additions return the reason.
   std::ofstream filler(disk / "filler", std::ios::binary);
   for (const std::string block(4096, 'x'); filler.write(block.data(), 4096).flush();) {
   }
@@ -174,7 +174,7 @@ TEST_CASE("SqliteMotionStore: a file system without room", "[storage][full]") {
   {
     const auto store = Require(storage::SqliteMotionStore::Open(path));
     REQUIRE(Dump(*store) == before);
-    // What room is left in the log is used up first.
+    // The remaining room in the log is used first.
     absl::Status added;
     for (unsigned seed = 3; seed < 300 && added.ok(); ++seed) {
       before = Dump(*store);

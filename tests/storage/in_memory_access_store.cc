@@ -26,7 +26,7 @@ absl::Status InMemoryAccessStore::AddToken(const TokenRecord& record,
                                            const storage::ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   if (Find(record.id).ok()) {
-    return absl::AlreadyExistsError(fmt::format("token '{}' exists already", record.id));
+    return absl::AlreadyExistsError(fmt::format("token '{}' already exists", record.id));
   }
   tokens_.push_back(record);
   Note(terms);

@@ -1,4 +1,4 @@
-// Tokens and the record of changes in plain containers. Thread-safe.
+// An AccessStore in plain containers.
 #pragma once
 
 #include <mutex>
@@ -24,7 +24,7 @@ class InMemoryAccessStore : public storage::AccessStore {
                                                                      int limit) override;
 
  private:
-  // Null: nothing. REQUIRES: the mutex is held.
+  // Adds the audit entry of `terms`, if there is one. REQUIRES: the caller holds the mutex.
   void Note(const storage::ChangeTerms& terms);
   using Tokens = std::vector<storage::TokenRecord>;
   absl::StatusOr<Tokens::iterator> Find(const std::string& id);

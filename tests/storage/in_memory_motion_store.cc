@@ -17,7 +17,7 @@ using storage::OperationRecord;
 using storage::Page;
 using storage::SkeletonRecord;
 
-// The page of a map, each entry made a record.
+// Returns a page of a map; `make` converts an entry to a record.
 template <typename Record, typename Map, typename Make>
 std::vector<Record> PageOf(const Map& map, const Page& page, const Make& make) {
   std::vector<Record> records;
@@ -62,7 +62,7 @@ absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
                                                  const storage::ChangeTerms& terms) {
   const std::lock_guard lock(mutex_);
   if (databases_.contains(record.name)) {
-    return absl::AlreadyExistsError(fmt::format("database '{}' exists already", record.name));
+    return absl::AlreadyExistsError(fmt::format("database '{}' already exists", record.name));
   }
   databases_[record.name].record = record;
   return Note(terms);
@@ -100,17 +100,19 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
   }
   for (const auto& [id, stored] : in->clips) {
     if (stored.record.content_hash == clip.record.content_hash) {
-      return absl::AlreadyExistsError(fmt::format("the same motion is clip '{}'", id));
+      return absl::AlreadyExistsError(
+          fmt::format("the database already has the same motion as clip '{}'", id));
     }
   }
   const std::string id = FreeId(in->clips, clip.record.id);
   if (clip.id_is_fixed && id != clip.record.id) {
-    return absl::AlreadyExistsError(fmt::format("there is another clip '{}'", clip.record.id));
+    return absl::AlreadyExistsError(
+        fmt::format("the database already has another clip '{}'", clip.record.id));
   }
   if (clip.marker_set_text) {
     std::string& text = in->record.marker_set_text;
     if (!text.empty() && text != *clip.marker_set_text) {
-      return core::FailedPrecondition("the database has another marker set already");
+      return core::FailedPrecondition("the database already has another marker set");
     }
     text = *clip.marker_set_text;
   }
@@ -246,7 +248,7 @@ absl::StatusOr<ModelRecord> InMemoryMotionStore::Put(Database& in, const core::M
                                return IsOf(other, model, clip);
                              });
     if (!was_deleted && !Holds(in, model, clip)) {
-      return core::NotFound("the model's clip '{}' is not stored any more", clip.id);
+      return core::NotFound("the model's clip '{}' is no longer stored", clip.id);
     }
   }
   if (first == 0) {

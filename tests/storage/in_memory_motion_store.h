@@ -1,5 +1,5 @@
-// A store in plain containers: shows that the conformance suite tests the interface and not SQLite,
-// and serves tests that need a store but no file. Thread-safe.
+// A MotionStore in plain containers. It shows that the conformance suite tests the interface and
+// not SQLite, and serves tests that need a store but no file.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@
 
 namespace motiondb::tests {
 
-// There is nothing to check or copy.
+// Maintenance of a store in memory: not supported.
 class NoUpkeep final : public storage::StoreUpkeep {
  public:
   absl::Status CheckIsWritable() const override { return absl::OkStatus(); }
@@ -100,20 +100,20 @@ class InMemoryMotionStore final : public storage::MotionStore {
   struct Database {
     storage::DatabaseRecord record;
     std::map<std::string, storage::NewClip> clips;
-    std::vector<storage::NewClip> deleted;  // since the last model was put
-    std::set<std::string> replaced;  // clips that got other states since the last model was built
+    std::vector<storage::NewClip> deleted;  // deleted clips that a model may still use
+    std::set<std::string> replaced;         // clips whose states were replaced since the last build
     std::map<std::string, core::Skeleton> skeletons;
     std::vector<storage::ModelRecord> models;  // version 1 first
     std::optional<core::Model> model;
   };
 
-  // Whether the clip of the model is this one.
+  // Returns whether the clip of the model was built from `stored`.
   static bool IsOf(const storage::NewClip& stored, const core::Model& model,
                    const core::ModelClip& clip);
-  // Whether the clip of the model is the one that is stored.
+  // Returns whether the clip of the model is the stored clip of that id.
   static bool Holds(const Database& in, const core::Model& model, const core::ModelClip& clip);
-  // Makes it the current model, if its clips from number `first` on are stored; where that is the
-  // first, or were when they were deleted.
+  // Makes `model` the current model. NOT_FOUND if one of its clips from index `first` on is not
+  // stored; if `first` is 0, deleted clips are accepted too.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
   absl::Status Note(const storage::ChangeTerms& terms);
   absl::StatusOr<Database*> Find(const std::string& database);

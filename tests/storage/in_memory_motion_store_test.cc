@@ -18,7 +18,7 @@ class InContainers final : public StoreUnderTest {
 
 }  // namespace
 
-TEST_CASE("InMemoryMotionStore: keeps the contract", "[storage][conformance]") {
+TEST_CASE("InMemoryMotionStore: conforms", "[storage][conformance]") {
   TestMotionStore([] { return std::make_unique<InContainers>(); });
 }
 

@@ -1,5 +1,5 @@
-// A store whose file or log is taken away or replaced under it: what is there is read on, and
-// nothing is acknowledged that would be lost.
+// The file or the log of an open store is moved away or replaced: reads still work, and no change
+// is acknowledged that would be lost.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
@@ -21,11 +21,11 @@ class LosableStore {
   storage::SqliteMotionStore* operator->() const { return store_.get(); }
   const StoreFile& file() const { return file_; }
 
-  // `suffix`: "" for the store's file, "-wal" for its log.
+  // Moves a file away. `suffix`: "" for the store's file, "-wal" for its log.
   void TakeAway(const std::string& suffix = "") const {
     std::filesystem::rename(file_.path() + suffix, aside());
   }
-  // By a copy of itself, which is what looks most like it.
+  // Replaces a file by a copy of itself, the replacement that is hardest to detect.
   void Replace(const std::string& suffix = "") const {
     TakeAway(suffix);
     std::filesystem::copy_file(aside(), file_.path() + suffix);
@@ -41,7 +41,7 @@ class LosableStore {
   const std::unique_ptr<storage::SqliteMotionStore> store_ = file_.Open();
 };
 
-// Each way that leads to a change.
+// Requires that every kind of change is refused.
 void RequireUnchangeable(storage::SqliteMotionStore& store, const std::string& why) {
   REQUIRE_ERROR(store.upkeep().CheckFile(), StatusCode::kUnavailable, why);
   REQUIRE_ERROR(store.CreateDatabase(SampleDatabase("e")), StatusCode::kUnavailable, why);
@@ -54,7 +54,7 @@ void RequireUnchangeable(storage::SqliteMotionStore& store, const std::string& w
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: without its file nothing is changed until it is back",
+TEST_CASE("SqliteMotionStore: without its file, changes are refused until it is back",
           "[storage][lost]") {
   const LosableStore store;
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -62,14 +62,14 @@ TEST_CASE("SqliteMotionStore: without its file nothing is changed until it is ba
   const std::string before = Dump(*store);
   const std::string path = store.file().path();
   REQUIRE_OK(store->upkeep().CheckFile());
-  std::string why = "the store's file '" + path + "' is ";
+  std::string why = "the store's file '" + path + "' ";
   SECTION("taken away") {
     store.TakeAway();
-    why += "gone (No such file or directory): nothing is changed any more";
+    why += "is gone (No such file or directory): changes are refused";
   }
   SECTION("replaced") {
     store.Replace();
-    why += "not the file that it was: nothing is changed any more";
+    why += "was replaced by another file: changes are refused";
   }
   RequireUnchangeable(*store, why);
   REQUIRE(Dump(*store) == before);
@@ -79,24 +79,24 @@ TEST_CASE("SqliteMotionStore: without its file nothing is changed until it is ba
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("SqliteMotionStore: without its log nothing is changed, and what the log held is saved",
+TEST_CASE("SqliteMotionStore: without its log, changes are refused and the log's content is saved",
           "[storage][lost]") {
   const LosableStore store;
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
   const std::string before = Dump(*store);
-  std::string why = "the store's log '" + store.file().path() + "-wal' is ";
+  std::string why = "the store's log '" + store.file().path() + "-wal' ";
   SECTION("taken away") {
     store.TakeAway("-wal");
-    why += "gone (No such file or directory): changes are refused";
+    why += "is gone (No such file or directory): changes are refused";
   }
   SECTION("replaced") {
     store.Replace("-wal");
-    why += "not the file that it was: changes are refused";
+    why += "was replaced by another file: changes are refused";
   }
   RequireUnchangeable(*store, why);
   REQUIRE(Dump(*store) == before);
-  // A kill leaves the store's file alone.
+  // After a kill only the store's file remains: it contains everything.
   const StoreFile killed;
   std::filesystem::copy_file(store.file().path(), killed.path());
   REQUIRE(Dump(*killed.Open()) == before);
@@ -105,7 +105,7 @@ TEST_CASE("SqliteMotionStore: without its log nothing is changed, and what the l
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("SqliteMotionStore: closed without its log, it has all that was acknowledged",
+TEST_CASE("SqliteMotionStore: closed without its log, it has all acknowledged changes",
           "[storage][lost]") {
   const StoreFile file;
   {
@@ -116,17 +116,17 @@ TEST_CASE("SqliteMotionStore: closed without its log, it has all that was acknow
   REQUIRE_OK(file.Open()->GetDatabase("d"));
 }
 
-TEST_CASE("SqliteMotionStore: no connection is opened to the file in its place",
+TEST_CASE("SqliteMotionStore: no connection is opened to a file that replaced the store",
           "[storage][lost]") {
   const LosableStore store;
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
-  store.Replace();  // before anything was read
-  REQUIRE_ERROR(store->ListDatabases({}), StatusCode::kUnavailable, "not the file that it was");
+  store.Replace();  // before the first read
+  REQUIRE_ERROR(store->ListDatabases({}), StatusCode::kUnavailable, "was replaced by another file");
   store.PutBack();
   REQUIRE(Require(store->ListDatabases({})).size() == 1);
 }
 
-TEST_CASE("Restore: not into a store whose file is gone", "[storage][lost]") {
+TEST_CASE("Restore: fails if the file of the store is missing", "[storage][lost]") {
   const LosableStore source;
   REQUIRE_OK(source->CreateDatabase(SampleDatabase("d")));
   const std::string bytes = Backup(*source);

@@ -6,7 +6,7 @@
 namespace motiondb::tests::matrix_fields_test {
 namespace {
 
-TEST_CASE("Matrix fields: sizes whose product fits no number are damage", "[storage][hostile]") {
+TEST_CASE("Matrix fields: sizes with an overflowing product are data loss", "[storage][hostile]") {
   const std::string bytes(64, '\0');
   // 2^31 x 2^33 floats are 2^66 bytes: 0 in 64 bits.
   for (const auto& [rows, columns] : {std::pair<Eigen::Index, Eigen::Index>{1L << 31, 1L << 33},

@@ -35,7 +35,7 @@ void TestModels(StoreUnderTest& store) {
 
   const std::vector<NewClip> clips{SampleClip("d", "walk", 1), SampleClip("d", "run", 2)};
   for (const NewClip& clip : clips) REQUIRE_OK(store->AddClip(clip));
-  const core::Model model = SampleModel(clips);  // not in order of id
+  const core::Model model = SampleModel(clips);  // clips not in order of id
   REQUIRE_ERROR(store->PutModel(kUnknown, model), StatusCode::kNotFound, kUnknown);
   storage::ModelRecord first = Require(store->PutModel("d", model));
   REQUIRE(first.database == "d");
@@ -52,7 +52,7 @@ void TestModels(StoreUnderTest& store) {
   REQUIRE(Same(Require(store->GetModel("d", 1)), first));
   REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
 
-  SECTION("the next model takes the place of the last") {
+  SECTION("the next model replaces the last one") {
     REQUIRE_OK(store->AddClip(SampleClip("d", "jump", 3)));
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     const core::Model next = SampleModel({clips[0], SampleClip("d", "jump", 3)});
@@ -69,7 +69,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->ListModels("d", 2, 10)).at(0).version == 1);
     REQUIRE(Require(store->ListModels("d", 1, 10)).empty());
   }
-  SECTION("a deleted clip stays in the model, and nowhere else") {
+  SECTION("a deleted clip stays only in the model") {
     REQUIRE(Require(store->FindModelStaleness("d")).empty());
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
@@ -77,7 +77,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE_ERROR(store->ReadClipStates("d", "walk"), StatusCode::kNotFound, "walk");
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run"});
-    // Another clip of that name is not the one in the model.
+    // A new clip with the same id is not the clip of the model.
     REQUIRE(Require(store->AddClip(SampleClip("d", "walk", 9))).id == "walk");
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
@@ -86,7 +86,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->PutModel("d", next)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
   }
-  SECTION("a clip that is deleted or replaced while a model is built stays in it, not in others") {
+  SECTION("a clip that is deleted or replaced during a build stays in this model only") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE(Require(store->PutModel("d", model)).version == 2);
     REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
@@ -101,7 +101,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), next));
     REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 4);
   }
-  SECTION("also one that was in no model yet") {
+  SECTION("so does a clip that was in no model before") {
     const NewClip jump = SampleClip("d", "jump", 3);
     REQUIRE_OK(store->AddClip(jump));
     const core::Model built = SampleModel({clips[1], jump, clips[0]});
@@ -111,7 +111,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(ClipIds(store, "d", 10) == std::vector<std::string>{"run", "walk"});
     REQUIRE(Require(store->FindModelStaleness("d")).removed == 1);
   }
-  SECTION("what is left of deleted clips is purged, but of those of the current model") {
+  SECTION("deleted clips are purged unless the current model uses them") {
     const NewClip jump = SampleClip("d", "jump", 3);
     REQUIRE_OK(store->AddClip(jump));
     const core::Model built = SampleModel({clips[1], jump});
@@ -125,13 +125,13 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
     REQUIRE_ERROR(store->PurgeDeletedClips(kUnknown), StatusCode::kNotFound, kUnknown);
   }
-  SECTION("a clip that came back is the same clip") {
+  SECTION("a clip that is deleted and added again is the same clip") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->AddClip(clips[0]));
     REQUIRE(Require(store->PutModel("d", model)).version == 2);
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), model));
   }
-  SECTION("an extended model is kept, with the build that it extends") {
+  SECTION("an extended model is stored with the build that it extends") {
     const NewClip jump = SampleClip("d", "jump", 3);
     const NewClip hop = SampleClip("d", "hop", 4);
     const core::Model extended = Extended(model, jump);
@@ -148,7 +148,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), extended));
     first.current = false;
     REQUIRE(Same(Require(store->GetModel("d", 1)), first));
-    // It is no extension of itself, nor of a build that it does not know.
+    // A model does not extend itself, nor a build with other clips.
     REQUIRE_ERROR(store->PutExtension("d", extended, 0), StatusCode::kFailedPrecondition, "d");
 
     REQUIRE_OK(store->AddClip(hop));
@@ -164,7 +164,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(read.states() == again.states());
     REQUIRE(read.tree().frame_order() == again.tree().frame_order());
 
-    // A clip of the build and an added one are deleted: both stay in the model.
+    // Delete a clip of the build and an added clip: both stay in the model.
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->DeleteClip("d", "hop"));
     REQUIRE(Require(store->ReadModel("d", core::Serially)).clips().size() == 4);
@@ -174,7 +174,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE(Require(store->GetModel("d", 4)).added_clip_count == 0);
     REQUIRE(Require(store->ListModels("d", 0, 10)).size() == 4);
   }
-  SECTION("only a current model can be extended") {
+  SECTION("only the current model can be extended") {
     const NewClip jump = SampleClip("d", "jump", 3);
     REQUIRE_OK(store->AddClip(jump));
     REQUIRE_OK(store->DropModel("d"));
@@ -183,7 +183,7 @@ void TestModels(StoreUnderTest& store) {
     REQUIRE_ERROR(store->PutExtension("d", Extended(model, jump), 0),
                   StatusCode::kFailedPrecondition, "d");
   }
-  SECTION("a dropped model is gone, its record stays, versions go on") {
+  SECTION("after DropModel the record stays and versions continue") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));
     REQUIRE_OK(store->DeleteClip("d", "run"));
     REQUIRE_OK(store->DropModel("d"));

@@ -1,4 +1,4 @@
-// The part of TestMotionStore that is about models and what extends them.
+// The part of TestMotionStore about models and extensions.
 #pragma once
 
 #include "tests/storage/motion_store_conformance.h"

@@ -24,7 +24,7 @@ void TestDatabases(StoreUnderTest& store) {
   REQUIRE_ERROR(store->GetDatabase(kUnknown), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->DeleteDatabase(kUnknown), StatusCode::kNotFound, kUnknown);
 
-  auto other = SampleDatabase("box es/%'\"\xc3\xa9");  // any text is a name to a store
+  auto other = SampleDatabase("box es/%'\"\xc3\xa9");  // a store accepts any name
   other.settings = {.frame_rate_hz = 29.97, .min_frames = 16, .scaling = core::Scaling::kNone};
   other.marker_set_text = std::string("line\r\n\0more", 11);
   REQUIRE_OK(store->CreateDatabase(other));
@@ -77,7 +77,7 @@ void TestOperations(StoreUnderTest& store) {
   REQUIRE_ERROR(store->ListOperations(kUnknown, "", 10), StatusCode::kNotFound, kUnknown);
   REQUIRE_ERROR(store->ListOperations("", kUnknown, 10), StatusCode::kNotFound, kUnknown);
 
-  // Order is that of creation, whatever ids and times say.
+  // Operations are ordered by creation, not by id or time.
   for (const char* id : {"m", "z", "a", "k"}) {
     auto record = SampleOperation(*id == 'k' ? "e" : "d", id);
     if (*id == 'z') record.kind = storage::OperationKind::kReprocess;
@@ -117,17 +117,17 @@ void TestOperations(StoreUnderTest& store) {
 
 void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& make) {
   const auto store = make();
-  SECTION("databases are kept") { TestDatabases(*store); }
-  SECTION("a database is deleted with all that it holds") { TestDeleteDatabaseWithAll(*store); }
-  SECTION("clips are kept") { TestClips(*store); }
-  SECTION("clips that were derived again are kept") { TestDerivedClips(*store); }
-  SECTION("the first clip may bring the marker set") { TestMarkerSetOfFirstClip(*store); }
-  SECTION("alike skeletons are stored once") { TestSkeletons(*store); }
-  SECTION("models are kept") { TestModels(*store); }
-  SECTION("operations are kept, newest first") { TestOperations(*store); }
-  SECTION("tokens are kept") { TestTokens(*store); }
-  SECTION("changes are recorded, newest first") { TestAudit(*store); }
-  SECTION("an entry is kept with its change, or not at all") { TestAuditOfChanges(*store); }
+  SECTION("databases are stored") { TestDatabases(*store); }
+  SECTION("a database is deleted with its content") { TestDeleteDatabaseWithAll(*store); }
+  SECTION("clips are stored") { TestClips(*store); }
+  SECTION("results of deriving clips again are stored") { TestDerivedClips(*store); }
+  SECTION("the first clip can set the marker set") { TestMarkerSetOfFirstClip(*store); }
+  SECTION("identical skeletons are stored once") { TestSkeletons(*store); }
+  SECTION("models are stored") { TestModels(*store); }
+  SECTION("operations are stored and listed newest first") { TestOperations(*store); }
+  SECTION("tokens are stored") { TestTokens(*store); }
+  SECTION("audit entries are stored and listed newest first") { TestAudit(*store); }
+  SECTION("an audit entry is stored only with its change") { TestAuditOfChanges(*store); }
 }
 
 }  // namespace motiondb::tests

@@ -1,5 +1,5 @@
-// What every MotionStore must do, as tests on the interface alone. An implementation's test calls
-// TestMotionStore in a TEST_CASE of its own.
+// Conformance tests of the MotionStore contract. The test of an implementation calls
+// TestMotionStore in its own TEST_CASE.
 #pragma once
 
 #include <functional>
@@ -9,8 +9,8 @@
 
 namespace motiondb::tests {
 
-// A store, empty at first. Where it is kept on a disk, each use may be on one that was just opened
-// anew: the tests keep no pointer to it.
+// A store, initially empty. Get may reopen the store at each call, so tests must not keep the
+// reference.
 class StoreUnderTest {
  public:
   virtual ~StoreUnderTest() = default;
@@ -18,7 +18,7 @@ class StoreUnderTest {
   storage::MotionStore* operator->() { return &Get(); }
 };
 
-// `make` gives a new store each time. It puts models at the time kPutTime.
+// `make` returns a new store, whose clock for the creation time of models always shows kPutTime.
 inline constexpr std::int64_t kPutTime = 1'700'000'000'000'099;
 void TestMotionStore(const std::function<std::unique_ptr<StoreUnderTest>()>& make);
 

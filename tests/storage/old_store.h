@@ -1,11 +1,11 @@
-// The stores in tests/storage/old_stores, each made by the programs of its version.
+// The stores of former versions in tests/storage/old_stores.
 #pragma once
 
 #include <string>
 
 namespace motiondb::tests {
 
-// The file's bytes.
+// Returns the bytes of the store file.
 std::string OldStore(int version);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// Stores that former versions wrote open, and hold what they held.
+// Stores of former versions can be opened, with all their content.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -13,7 +13,7 @@
 
 namespace motiondb::tests::old_stores_test {
 
-TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what it held",
+TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its content",
           "[storage][migration]") {
   const int version = GENERATE(1, 2, 3, 4, 5, 6, 7);
   const StoreFile file;
@@ -39,7 +39,7 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
     REQUIRE(models[0].version == 3);
     REQUIRE(models[0].current);
     REQUIRE(models[0].added_clip_count == 0);
-    // Its states are of the first representation, and are to be derived again.
+    // Its states have representation version 1 and must be derived again.
     const auto staleness = Require(store->FindModelStaleness("walks"));
     REQUIRE(staleness.missing.empty());
     REQUIRE(staleness.removed == 0);
@@ -60,7 +60,7 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
     REQUIRE(Require(store->ListOperations("walks", "", 10)).size() == 3);
     REQUIRE(Require(store->ReadClipSource("walks", "walk")).file_bytes.starts_with("HIERARCHY"));
     REQUIRE_OK(store->GetSkeleton("walks", clips[0].skeleton_id));
-    // It can be written to, with what the schema has had since.
+    // Writing works, also to tables of later versions.
     REQUIRE_OK(store->access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}));
     REQUIRE_OK(store->DeleteClip("walks", "squat"));
     REQUIRE(Findings(*store).empty());
@@ -69,7 +69,7 @@ TEST_CASE("SqliteMotionStore: a store of a former version opens and holds what i
   REQUIRE(file.Sql("PRAGMA integrity_check") == "ok");
 }
 
-TEST_CASE("ReadStoreVersion: before and after an upgrade, also one that is in the log alone",
+TEST_CASE("ReadStoreVersion: before and after an upgrade, also if it is only in the log",
           "[storage][migration]") {
   const auto latest = static_cast<int>(storage::Migrations().size());
   const StoreFile file;
@@ -80,7 +80,7 @@ TEST_CASE("ReadStoreVersion: before and after an upgrade, also one that is in th
   std::ofstream(file.path(), std::ios::binary) << OldStore(2);
   CHECK(Require(storage::ReadStoreVersion(file.path())) == 2);
   {
-    // As a kill after the upgrade leaves it.
+    // The files after a kill that follows the upgrade.
     const StoreFile killed;
     std::filesystem::copy_file(file.path(), killed.path());
     const auto store = file.Open();
@@ -91,7 +91,7 @@ TEST_CASE("ReadStoreVersion: before and after an upgrade, also one that is in th
   CHECK(Require(storage::ReadStoreVersion(file.path())) == latest);
 }
 
-TEST_CASE("SqliteMotionStore: every former version has its store among the tests",
+TEST_CASE("SqliteMotionStore: there is a test store of every former version",
           "[storage][migration]") {
   for (int version = 1; version < static_cast<int>(storage::Migrations().size()); ++version) {
     REQUIRE_FALSE(OldStore(version).empty());

@@ -1,7 +1,7 @@
-// Faults of the disk at every write and sync of what changes a store: what was acknowledged is
-// there afterwards, what was not left no trace, and nothing is ever damaged.
+// Disk faults at every write and sync of each kind of change: acknowledged changes stay, others
+// leave no trace, and nothing is corrupt.
 //
-// MOTIONDB_FAULT_SEEDS says how many power cuts there are at each operation; 8 if it does not.
+// MOTIONDB_FAULT_SEEDS: number of power cuts at each operation; default 8.
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <filesystem>
@@ -37,15 +37,15 @@ storage::SqliteOptions Options(const std::string& vfs) {
   return {.reader_count = 1, .now_us = [] { return kNow; }, .vfs = vfs};
 }
 
-// A change of a store, with the bytes of the file before it. Opening is part of it.
+// A change of a store. Opening the store is part of it.
 struct Change {
-  std::string before;
+  std::string before;  // bytes of the file before the change
   std::function<absl::Status(Store&)> change;
-  // For what a dump does not show: the rest of the change, wherever it was broken off.
+  // Completes an interrupted change and checks the effects that a dump does not show.
   std::function<void(Store&, const StoreFile&)> rest;
 };
 
-// The bytes of a store that `fill` filled.
+// Returns the bytes of a store with the content that `fill` adds.
 std::string FileOf(const std::function<void(Store&)>& fill) {
   const StoreFile file;
   fill(*file.Open(Options("")));
@@ -68,10 +68,10 @@ core::Model Extended() {
                                    core::Serially));
 }
 
-// Where a change has an entry in the record of changes, both are kept, or neither.
+// The audit entry of a change: stored with the change, or neither is stored.
 const storage::AuditRecord kEntry{.time_us = kNow, .method = "Change"};
 
-// Goes through every operation of a change, with every fault.
+// Injects every fault at every disk operation of a change.
 class FaultRun {
  public:
   explicit FaultRun(Change change) : change_(std::move(change)) {
@@ -110,11 +110,11 @@ class FaultRun {
   }
 
   int cases() const { return cases_; }
-  // Whether what is before and what is after can be told apart.
+  // Returns whether the dumps before and after the change differ.
   bool is_seen() const { return before_ != after_; }
 
  private:
-  // Puts the file back and arms the disk.
+  // Restores the file before the change and arms the disk.
   void Begin(Fault fault, int at) {
     for (const char* const suffix : {"-wal", "-shm", "-journal"}) {
       std::filesystem::remove(file_.path() + suffix);
@@ -124,7 +124,7 @@ class FaultRun {
     ++cases_;
   }
 
-  // Opens, changes and closes; tells what the change came to, if it came to it.
+  // Opens, changes and closes the store. Returns the status of opening or of the change.
   absl::Status Run(const std::function<void(Store&, const absl::Status&)>& then = {}) {
     auto store = file_.TryOpen(Options(FaultDisk::kVfs));
     if (!store.ok()) return store.status();
@@ -164,8 +164,8 @@ class FaultRun {
       if (power_goes_too) disk_.CutPower();
     });
     if (power_goes_too) disk_.Reboot(static_cast<unsigned>(at));
-    // A commit whose sync failed is taken back while the process lives; where the power goes before
-    // the next one, the log may be found to hold it all the same: whole, never in part.
+    // A commit whose sync failed is rolled back in the running process. If the power is cut before
+    // the next commit, the log may still contain it: completely, never in part.
     CheckAfterwards("fault " + std::to_string(static_cast<int>(fault)) + " at " +
                         std::to_string(at) + (power_goes_too ? ", then power" : ""),
                     !changed.ok(), changed.ok() || power_goes_too);
@@ -180,11 +180,11 @@ class FaultRun {
         CHECK(Dump(store) == before_);
       }
       disk_.Clear();
-      if (!status.ok()) REQUIRE_OK(change_.change(store));  // there is room again
+      if (!status.ok()) REQUIRE_OK(change_.change(store));  // the disk has room again
     });
     disk_.Clear();
     if (!changed.ok() && Dump(*Require(file_.TryOpen(Options("")))) == before_) {
-      REQUIRE_OK(Run());  // not even opened, before
+      REQUIRE_OK(Run());  // the store could not be opened before
     }
     CheckAfterwards("full at " + std::to_string(at), false, true);
   }
@@ -209,7 +209,7 @@ void RunAll(Change change, bool is_seen = true) {
 
 }  // namespace
 
-TEST_CASE("Faults: a store that is made", "[storage][power]") {
+TEST_CASE("Faults: creation of a store", "[storage][power]") {
   RunAll({"", [](Store& store) { return store.CreateDatabase(SampleDatabase("d"), {&kEntry}); }});
 }
 
@@ -230,7 +230,7 @@ TEST_CASE("Faults: a rebuild", "[storage][power]") {
           [model](Store& store) { return store.PutModel("d", model).status(); }});
 }
 
-TEST_CASE("Faults: clips that were derived again", "[storage][power]") {
+TEST_CASE("Faults: results of deriving clips again", "[storage][power]") {
   const auto derived = [](Store& store) {
     storage::DerivedClip walk{.record = Require(store.GetClip("d", "walk")),
                               .states = SampleStates(50, 9)};
@@ -245,7 +245,7 @@ TEST_CASE("Faults: clips that were derived again", "[storage][power]") {
     FillWithModel(store);
     clips = derived(store);
   });
-  // The current model was built from the states that are replaced.
+  // The current model keeps the replaced states.
   const auto rest = [](Store& store, const StoreFile&) {
     REQUIRE(Same(Require(store.ReadModel("d", core::Serially)),
                  SampleModel({SampleClip("d", "walk", 1)})));
@@ -253,8 +253,8 @@ TEST_CASE("Faults: clips that were derived again", "[storage][power]") {
   RunAll({before, [clips](Store& store) { return store.PutDerived("d", clips).status(); }, rest});
 }
 
-TEST_CASE("Faults: a model that is dropped", "[storage][power]") {
-  // Nothing but the model needs one of its clips.
+TEST_CASE("Faults: dropping a model", "[storage][power]") {
+  // Only the model uses the deleted clip.
   const auto fill = [](Store& store) {
     FillWithModel(store);
     REQUIRE_OK(store.DeleteClip("d", "walk"));
@@ -267,7 +267,7 @@ TEST_CASE("Faults: a model that is dropped", "[storage][power]") {
   RunAll({FileOf(fill), [](Store& store) { return store.DropModel("d"); }, rest});
 }
 
-TEST_CASE("Faults: an operation that ends", "[storage][power]") {
+TEST_CASE("Faults: the end of an operation", "[storage][power]") {
   auto ended = SampleOperation("d", "first");
   ended.state = storage::OperationState::kSucceeded;
   ended.progress = 1;
@@ -284,11 +284,11 @@ TEST_CASE("Faults: an extension", "[storage][power]") {
 }
 
 TEST_CASE("Faults: deletion", "[storage][power]") {
-  SECTION("of a clip that the model needs") {
+  SECTION("of a clip that the model uses") {
     RunAll({FileOf(FillWithModel),
             [](Store& store) { return store.DeleteClip("d", "walk", {&kEntry}).status(); }});
   }
-  SECTION("of a clip that it does not need") {
+  SECTION("of a clip that the model does not use") {
     RunAll({FileOf(FillWithModel),
             [](Store& store) { return store.DeleteClip("d", "run", {&kEntry}).status(); }});
   }
@@ -296,7 +296,7 @@ TEST_CASE("Faults: deletion", "[storage][power]") {
     RunAll(
         {FileOf(FillWithModel), [](Store& store) { return store.DeleteDatabase("d", {&kEntry}); }});
   }
-  SECTION("of what a deleted database left") {
+  SECTION("of the content of a deleted database") {
     const auto fill = [](Store& store) {
       FillWithModel(store);
       REQUIRE_OK(store.DeleteDatabase("d", {&kEntry}));
@@ -319,7 +319,7 @@ TEST_CASE("Faults: a restore", "[storage][power]") {
   const auto source = from.Open(Options(""));
   FillWithModel(*source);
   const std::string backup = Backup(*source);
-  // The target has a token and an entry of its own, which stay.
+  // The token and the audit entry of the target stay.
   const auto fill = [](Store& store) {
     REQUIRE_OK(store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry}));
   };
@@ -330,7 +330,7 @@ TEST_CASE("Faults: a token", "[storage][power]") {
   const auto add = [](Store& store) {
     return store.access().AddToken({.id = "t", .salt = "s", .secret_hash = "h"}, {&kEntry});
   };
-  SECTION("that is made") { RunAll({FileOf(FillWithModel), add}); }
+  SECTION("that is created") { RunAll({FileOf(FillWithModel), add}); }
   SECTION("that is revoked") {
     const auto fill = [add](Store& store) {
       FillWithModel(store);

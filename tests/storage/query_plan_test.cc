@@ -1,4 +1,4 @@
-// No statement of the store goes through all rows of a table that grows, but for those listed here.
+// Checks that no statement of the store scans a growing table, except the listed statements.
 #include <sqlite3.h>
 
 #include <array>
@@ -16,7 +16,7 @@
 namespace motiondb::tests::query_plan_test {
 namespace {
 
-// Statements that every connection of this process ran, while one of these is there.
+// Records the statements of all connections of this process during its lifetime.
 class StatementLog {
  public:
   StatementLog() {
@@ -42,28 +42,28 @@ class StatementLog {
   }
 };
 
-// Scans that are meant, by their beginning, and why.
-constexpr std::array kMeant = {
-    // The migration to version 8, once.
+// Beginnings of statements that may scan, with the reason.
+constexpr std::array kAllowed = {
+    // The migration to version 8 runs once.
     "UPDATE clip SET\n  given_metres_per_unit",
-    // Counted at the start, once.
+    // Runs once, at the start.
     "SELECT count(*) FROM database WHERE deleted = 0",
-    // Clips that an older version stored are counted at the first opening, a hundred at a time.
+    // Counts the bytes of clips of older versions, at the first opening.
     "SELECT clip_key FROM clip WHERE byte_count IS NULL",
-    // `verify` reads all there is, row by row.
+    // `verify` reads all rows.
     "SELECT clip_key, clip.id, name, label",
     "SELECT model_key, name, version",
     "SELECT skeleton_key, skeleton.id",
 };
 
-bool IsMeant(const std::string& sql) {
-  for (const char* const beginning : kMeant) {
+bool IsAllowed(const std::string& sql) {
+  for (const char* const beginning : kAllowed) {
     if (sql.starts_with(beginning)) return true;
   }
   return sql.find("motiondb_crc(") != std::string::npos && sql.starts_with("SELECT");  // verify
 }
 
-// The steps of a statement's plan that go through a whole table, or make an index for one use.
+// Returns the steps of a query plan that scan a table or make a temporary index.
 std::string ScansOf(sqlite3* database, const std::string& sql) {
   sqlite3_stmt* plan = nullptr;
   const std::string explain = "EXPLAIN QUERY PLAN " + sql;
@@ -94,7 +94,7 @@ void CheckPlans(const std::set<std::string>& statements) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(file.path().c_str(), &database) == SQLITE_OK);
   for (const std::string& sql : statements) {
-    if (IsMeant(sql)) continue;
+    if (IsAllowed(sql)) continue;
     INFO(sql);
     CHECK(ScansOf(database, sql) == "");
   }
@@ -103,13 +103,14 @@ void CheckPlans(const std::set<std::string>& statements) {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: no statement scans a table that grows", "[storage][plan]") {
+TEST_CASE("SqliteMotionStore: no statement scans a growing table", "[storage][plan]") {
   const StatementLog log;
   TestMotionStore([] { return std::make_unique<OnFile>(); });
   CheckPlans(StatementLog::Seen());
 }
 
-TEST_CASE("SqliteMotionStore: a plan test that sees statements, and scans", "[storage][plan]") {
+TEST_CASE("SqliteMotionStore: the plan test records statements and detects scans",
+          "[storage][plan]") {
   const StatementLog log;
   const StoreFile file;
   {

@@ -1,4 +1,4 @@
-// A store that is open read-only: all of it is read, no change is made, and no file is written.
+// A store that is open read-only: everything can be read, changes fail, no file is written.
 #include <sys/mount.h>
 
 #include <catch2/catch.hpp>
@@ -28,7 +28,7 @@ void Fill(storage::SqliteMotionStore& store) {
   REQUIRE_OK(store.PutModel("d", SampleModel({SampleClip("d", "walk", 1)})));
 }
 
-// Each way that leads to a change.
+// Requires that every kind of change is refused.
 void RequireUnchangeable(storage::SqliteMotionStore& store) {
   constexpr char kWhy[] = "restart motiondbd without --read-only";
   constexpr auto kCode = StatusCode::kFailedPrecondition;
@@ -44,7 +44,7 @@ void RequireUnchangeable(storage::SqliteMotionStore& store) {
   REQUIRE_OK(store.upkeep().CheckFile());
 }
 
-// The names and sizes of all files of a folder.
+// Returns the names and sizes of all files in a folder.
 std::string Files(const std::filesystem::path& folder) {
   std::set<std::string> files;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
@@ -57,7 +57,7 @@ std::string Files(const std::filesystem::path& folder) {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: read-only it has all, changes nothing and writes nothing",
+TEST_CASE("SqliteMotionStore: read-only, everything can be read and nothing is written",
           "[storage][read_only]") {
   const StoreFile file;
   std::string before;
@@ -83,7 +83,7 @@ TEST_CASE("SqliteMotionStore: read-only it has all, changes nothing and writes n
     REQUIRE(Findings(*store).empty());
     RequireUnchangeable(*store);
     REQUIRE(Dump(*store) == before);
-    // Others may read it, and nobody may change it.
+    // It can be opened read-only again, but not for writing.
     REQUIRE(Dump(*file.Open(ReadOnly())) == before);
     REQUIRE_ERROR(file.TryOpen(), StatusCode::kFailedPrecondition, "in use");
   }
@@ -93,13 +93,13 @@ TEST_CASE("SqliteMotionStore: read-only it has all, changes nothing and writes n
   REQUIRE(Dump(*store) == before);
 }
 
-TEST_CASE("SqliteMotionStore: on a read-only file system, with and without its log",
+TEST_CASE("SqliteMotionStore: a read-only file system, with and without a log",
           "[storage][read_only]") {
   const StoreFile source;
   const std::filesystem::path disk = source.folder() / "disk";
   std::filesystem::create_directory(disk);
   if (mount("tmpfs", disk.c_str(), "tmpfs", 0, "size=8m") != 0) {
-    WARN("skipped: a tmpfs cannot be mounted here: " << std::strerror(errno));
+    WARN("skipped: cannot mount a tmpfs: " << std::strerror(errno));
     return;
   }
   const absl::Cleanup unmount = [&] { umount(disk.c_str()); };
@@ -124,7 +124,7 @@ TEST_CASE("SqliteMotionStore: on a read-only file system, with and without its l
   }
 }
 
-TEST_CASE("SqliteMotionStore: read-only it has to be there, of this version",
+TEST_CASE("SqliteMotionStore: read-only, the store must exist and have the current version",
           "[storage][read_only]") {
   const StoreFile file;
   REQUIRE_ERROR(file.TryOpen(ReadOnly()), StatusCode::kUnavailable, "gone");

@@ -10,7 +10,8 @@
 
 namespace motiondb::tests::reader_pool_test {
 
-TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][concurrency]") {
+TEST_CASE("ReaderPool: AcquireIdle leaves one connection for the next caller",
+          "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
   storage::ReaderPool pool(
@@ -19,16 +20,16 @@ TEST_CASE("ReaderPool: who helps leaves one for whoever asks next", "[storage][c
   {
     const auto first = pool.Acquire();
     REQUIRE_OK(first);
-    CHECK(pool.AcquireIdle().size() == 2);  // none was idle
+    CHECK(pool.AcquireIdle().size() == 2);  // none was idle: opens two
     const auto helping = pool.AcquireIdle();
-    CHECK(helping.size() == 2);  // two are open, one is not
+    CHECK(helping.size() == 2);  // two are idle, one can be opened
     CHECK(pool.AcquireIdle().empty());
     REQUIRE_OK(pool.Acquire());
   }
   CHECK(pool.AcquireIdle().size() == 3);  // all are open
 }
 
-TEST_CASE("ReaderPool: who waits for a reader is cancelled, and takes none with it",
+TEST_CASE("ReaderPool: waiting can be cancelled, and no connection is lost",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
@@ -38,21 +39,21 @@ TEST_CASE("ReaderPool: who waits for a reader is cancelled, and takes none with 
   {
     const auto only = pool.Acquire();
     REQUIRE_OK(only);
-    int asked = 0;
-    REQUIRE_ERROR(pool.Acquire([&] { return ++asked > 2; }), absl::StatusCode::kCancelled,
-                  "no longer wanted");
-    CHECK(asked == 3);
+    int polls = 0;
+    REQUIRE_ERROR(pool.Acquire([&] { return ++polls > 2; }), absl::StatusCode::kCancelled,
+                  "cancelled while it waited");
+    CHECK(polls == 3);
   }
-  REQUIRE_OK(pool.Acquire([] { return true; }));  // it need not wait
+  REQUIRE_OK(pool.Acquire([] { return true; }));  // does not have to wait
 }
 
-TEST_CASE("ReadScope: a read that waits for its turn gives up with its caller",
+TEST_CASE("ReadScope: a read that waits for a connection can be cancelled",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open({.reader_count = 1});
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   absl::Status waited;
-  // Asked inside a read, which has the only reader.
+  // Called during a read that uses the only connection.
   const auto read_meanwhile = [&] {
     const core::Cancelled gone = [] { return true; };
     const storage::ReadScope scope(gone);
@@ -60,8 +61,8 @@ TEST_CASE("ReadScope: a read that waits for its turn gives up with its caller",
     return true;
   };
   REQUIRE_ERROR(store->upkeep().BeginBackup(read_meanwhile), absl::StatusCode::kCancelled,
-                "stopped");
-  REQUIRE_ERROR(waited, absl::StatusCode::kCancelled, "no longer wanted");
+                "cancelled while the store was copied");
+  REQUIRE_ERROR(waited, absl::StatusCode::kCancelled, "cancelled while it waited");
   REQUIRE(Require(store->ListDatabases({})).size() == 1);
 }
 

@@ -5,7 +5,7 @@
 namespace motiondb::tests::recognition_codec_test {
 namespace {
 
-TEST_CASE("Metric: directions among no dimensions are damage", "[storage][hostile]") {
+TEST_CASE("Metric: directions without dimensions are data loss", "[storage][hostile]") {
   storage::StringSink sink;
   storage::FieldWriter writer(sink);
   writer.PutCount(3);  // directions

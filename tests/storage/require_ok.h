@@ -1,4 +1,4 @@
-// Statuses in tests: a failure prints its message.
+// Checks of statuses in tests; a failure prints the message of the status.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -14,7 +14,7 @@ const absl::Status& StatusOf(const absl::StatusOr<T>& result) {
   return result.status();
 }
 
-// The value of a result that must be OK.
+// Requires that `result` is OK and returns its value.
 template <typename T>
 T Require(absl::StatusOr<T> result) {
   INFO(result.status().ToString());
@@ -31,7 +31,7 @@ T Require(absl::StatusOr<T> result) {
     REQUIRE(required_status.ok());                                              \
   } while (false)
 
-// The code of an error, and a part of its message.
+// Requires an error with this code and with a message that contains the text.
 #define REQUIRE_ERROR(expression, expected_code, expected_text)                          \
   do {                                                                                   \
     const absl::Status refused_status = motiondb::tests::StatusOf(expression);           \

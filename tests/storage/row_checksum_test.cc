@@ -1,4 +1,4 @@
-// Each column of each row is under a checksum: verify finds a change that no store made.
+// Each column of each row has a checksum: verify detects a change that the store did not make.
 #include "storage/sqlite/row_checksum.h"
 
 #include <catch2/catch.hpp>
@@ -16,7 +16,7 @@ namespace {
 
 using Catch::Contains;
 
-// A row in every table that has checksums.
+// Adds a row to every table with checksums.
 void Fill(const StoreFile& file) {
   const auto store = file.Open();
   const storage::AuditRecord entry{.time_us = 1, .principal = "p", .method = "m"};
@@ -36,7 +36,7 @@ std::string FindingsAfter(const std::string& change) {
 
 }  // namespace
 
-TEST_CASE("Verify: a changed file name, the one thing about a clip that nothing else tells",
+TEST_CASE("Verify: a changed file name, which only the row checksum can detect",
           "[storage][verify]") {
   REQUIRE(FindingsAfter("UPDATE clip SET file_name = 'run.bvh'") ==
           "databases/d/clips/walk: row 1 of table clip: its checksum does not match\n");
@@ -71,7 +71,7 @@ TEST_CASE("Verify: names the row of every table that was changed", "[storage][ve
   REQUIRE_THAT(FindingsAfter(change), Contains(found + ": its checksum does not match\n"));
 }
 
-TEST_CASE("Row checksums: are of all columns, in every table but those of chunks",
+TEST_CASE("Row checksums: cover all columns of every table except chunk tables",
           "[storage][verify]") {
   const StoreFile file;
   Fill(file);
@@ -85,7 +85,7 @@ TEST_CASE("Row checksums: are of all columns, in every table but those of chunks
   REQUIRE(static_cast<std::size_t>(Require(connection->QueryInteger(
               "SELECT count(*) FROM pragma_table_list WHERE schema = 'main' AND name NOT LIKE "
               "'sqlite_%' AND name NOT LIKE '%_chunk'"))) == storage::CheckedTables().size());
-  // Each column by itself: of each table, the row is changed in that column and found.
+  // In each table, a change of any single column is detected.
   for (const std::string_view table : storage::CheckedTables()) {
     auto column = connection->Query("SELECT name, type FROM pragma_table_info(?)", table);
     while (Require(column.Step())) {
@@ -94,7 +94,7 @@ TEST_CASE("Row checksums: are of all columns, in every table but those of chunks
       INFO(table << "." << name);
       const auto copy = Require(
           storage::Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
-      // Without constraints, so that any column may have any value.
+      // A copy without constraints, so that any column can have any value.
       REQUIRE_OK(copy->Execute("ATTACH '" + file.path() + "' AS store; CREATE TABLE " +
                                std::string(table) + " AS SELECT * FROM store." +
                                std::string(table) +
@@ -108,7 +108,7 @@ TEST_CASE("Row checksums: are of all columns, in every table but those of chunks
   }
 }
 
-TEST_CASE("Row checksums: hold after every kind of change", "[storage][verify]") {
+TEST_CASE("Row checksums: are valid after every kind of change", "[storage][verify]") {
   const StoreFile file;
   Fill(file);
   const auto store = file.Open();

@@ -111,7 +111,7 @@ storage::NewClip SampleClip(const std::string& database, const std::string& id, 
   clip.record.source_frame_rate_hz = 120;
   clip.record.leg_length_m = 0.9;
   clip.record.source_report = "unit 0.01 m (stated)";
-  clip.record.content_hash = 0xffff'0000'0000'0000 + seed;  // beyond what a signed number holds
+  clip.record.content_hash = 0xffff'0000'0000'0000 + seed;  // above the maximum of a signed number
   clip.record.create_time_us = 1'700'000'000'000'002;
   clip.record.given = {
       .metres_per_unit = 0.01, .up_axis = core::UpAxis::kMinusZ, .frame_rate_hz = 119.88};

@@ -1,5 +1,5 @@
-// Small records, clips, skeletons and models that tests of stores are made of. The same arguments
-// give the same values.
+// Small records, clips, skeletons and models for tests of stores. The same arguments give the same
+// values.
 #pragma once
 
 #include <string>
@@ -16,33 +16,33 @@ inline constexpr char kUnknown[] = "no-such-thing";
 
 storage::DatabaseRecord SampleDatabase(const std::string& name);
 
-// The set that the states below are of: three markers, 18 dimensions.
+// The marker set of the sample states: three markers, 18 dimensions.
 core::MarkerSet SampleMarkerSet();
 
-// A random walk; other seeds walk elsewhere. NaN nowhere.
+// Returns a random walk without NaN, chosen by `seed`.
 core::StateSequence SampleStates(int frames, unsigned seed);
 
 core::Skeleton SampleSkeleton(const std::string& name, double thigh_m = 0.4);
 
-// A clip of 60 frames with a skeleton. Its content is told by `seed`.
+// Returns a clip of 60 frames with a skeleton. `seed` determines its content.
 storage::NewClip SampleClip(const std::string& database, const std::string& id, unsigned seed);
 
-// A model of these clips, in the order given, under the sample database's settings.
+// Builds a model of `clips`, in this order, with the settings of the sample database.
 core::Model SampleModel(const std::vector<storage::NewClip>& clips);
 
 storage::OperationRecord SampleOperation(const std::string& database, const std::string& id);
 
-// Whether all fields are the same.
+// Returns whether all fields are equal.
 bool Same(const storage::DatabaseRecord& a, const storage::DatabaseRecord& b);
 bool Same(const storage::ClipRecord& a, const storage::ClipRecord& b);
 bool Same(const storage::ModelRecord& a, const storage::ModelRecord& b);
 bool Same(const storage::OperationRecord& a, const storage::OperationRecord& b);
-// Whether they are the same bit for bit, NaN included.
+// Returns whether the values are bitwise equal, NaN included.
 bool Same(const core::StateSequence& a, const core::StateSequence& b);
 bool Same(const core::Skeleton& a, const core::Skeleton& b);
 bool Same(const core::Model& a, const core::Model& b);
 
-// Encoded as the store has them.
+// Returns the encoding that a store uses.
 std::string Encoded(const core::StateSequence& states);
 std::string Encoded(const core::Skeleton& skeleton);
 std::string Encoded(const core::ModelParts& parts);

@@ -1,5 +1,4 @@
-// Faults of the disk while clips share a commit: who is told that a clip is stored finds it, who is
-// told that it is not does not.
+// Disk faults while clips share a commit: a clip is stored exactly if its caller got OK.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -34,7 +33,7 @@ class SharedCommitRun {
     }
   }
 
-  // Of adding the clips to the store as it was, up to closing it.
+  // Returns the number of disk operations for opening the store, adding the clips and closing it.
   int Operations() {
     for (const AddAnswer& answer : AddUnder(Fault::kNone, 0)) REQUIRE_OK(answer.added);
     return disk_.operations();
@@ -48,18 +47,18 @@ class SharedCommitRun {
     const auto store = file_.Open();
     REQUIRE(Findings(*store).empty());
     for (std::size_t i = 0; i < clips_.size(); ++i) {
-      const bool told = i < answers.size() && answers[i].added.ok();
+      const bool acknowledged = i < answers.size() && answers[i].added.ok();
       const bool found = store->GetClip("d", clips_[i].record.id).ok();
-      // What was on its way when the power went may have come in.
-      REQUIRE((found == told || (found && is_cut)));
+      // A clip that was being written during the power cut may be stored.
+      REQUIRE((found == acknowledged || (found && is_cut)));
     }
-    // Each of those stored, the holder among them, has its entry.
+    // Each stored clip, including the holder, has its audit entry.
     REQUIRE(Require(store->access().ListAuditRecords(0, 100)).size() ==
             Require(store->ListClips("d", {})).size());
   }
 
  private:
-  // None where the store could not even be opened.
+  // Empty if the store could not be opened.
   std::vector<AddAnswer> AddUnder(Fault fault, int at) {
     for (const char* const suffix : {"-wal", "-shm", "-journal"}) {
       std::filesystem::remove(file_.path() + suffix);

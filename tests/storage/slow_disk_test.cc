@@ -1,4 +1,4 @@
-// A large store on a slow disk, which takes long to go through.
+// Verification of a large store on a slow disk.
 #include <catch2/catch.hpp>
 
 #include "tests/storage/fault_disk.h"
@@ -8,7 +8,7 @@
 
 namespace motiondb::tests::slow_disk_test {
 
-TEST_CASE("Slow disk: checking the file's pages ends soon once it is cancelled",
+TEST_CASE("Slow disk: the check of the file's pages stops soon after cancellation",
           "[storage][verify]") {
   constexpr int kPages = 2000;
   const StoreFile file;
@@ -26,8 +26,8 @@ TEST_CASE("Slow disk: checking the file's pages ends soon once it is cancelled",
   const auto verifier =
       Require(store->upkeep().BeginVerify([&] { return disk.reads() > before + 100; }));
   std::vector<storage::Damage> found;
-  REQUIRE(Require(verifier->Step(found)));  // the definitions of the tables, a few pages
-  REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "stopped");
+  REQUIRE(Require(verifier->Step(found)));  // the schema, a few pages
+  REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "cancelled");
   REQUIRE(found.empty());
   REQUIRE(disk.reads() < before + kPages / 2);
 }

@@ -1,4 +1,4 @@
-// A backup is a moment of a running store, and comes back as that or not at all.
+// A backup is a consistent snapshot of a running store; a restore is complete or changes nothing.
 #include "storage/sqlite/sqlite_backup.h"
 
 #include <atomic>
@@ -25,7 +25,7 @@ namespace {
 using absl::StatusCode;
 using Store = storage::SqliteMotionStore;
 
-// A file with a right checksum, whatever is in it.
+// Returns any bytes as a backup with a valid checksum.
 std::string Sealed(std::string bytes) {
   bytes += storage::kBackupMark;
   storage::Sha256 digest;
@@ -43,8 +43,8 @@ void Fill(storage::MotionStore& store) {
   REQUIRE_OK(store.access().AddAuditRecord({.request_id = "from the backup"}));
 }
 
-// Files in the store's folder besides its own.
-std::string Strangers(const StoreFile& file) {
+// Returns the names of the files in the store's folder that do not belong to the store.
+std::string OtherFiles(const StoreFile& file) {
   std::string names;
   for (const auto& entry : std::filesystem::directory_iterator(file.folder())) {
     const std::string name = entry.path().filename().string();
@@ -63,26 +63,26 @@ std::string SomeBackup() {
 
 }  // namespace
 
-TEST_CASE("Backup: what is restored is what was there", "[storage][backup]") {
+TEST_CASE("Backup: a restore returns the same content", "[storage][backup]") {
   const StoreFile from;
   const auto source = from.Open();
   Fill(*source);
   const std::string bytes = Backup(*source);
-  REQUIRE(Strangers(from).empty());
+  REQUIRE(OtherFiles(from).empty());
   const StoreFile to;
   auto target = to.Open();
   REQUIRE_OK(Restore(*target, bytes, GENERATE(1'000'000, 37)));
-  REQUIRE(Strangers(to).empty());
+  REQUIRE(OtherFiles(to).empty());
   REQUIRE(Dump(*target) == Dump(*source));
   REQUIRE(Findings(*target).empty());
-  // It is a store as any other, and stays one.
+  // The target is a normal store, also after reopening.
   REQUIRE_OK(target->AddClip(SampleClip("d", "c", 3)));
   target.reset();
   target = to.Open();
   REQUIRE(Require(target->ListClips("d", {})).size() == 3);
 }
 
-TEST_CASE("Backup: is a store's file by itself", "[storage][backup]") {
+TEST_CASE("Backup: can be opened as a store", "[storage][backup]") {
   const StoreFile from;
   const auto source = from.Open();
   Fill(*source);
@@ -94,15 +94,15 @@ TEST_CASE("Backup: is a store's file by itself", "[storage][backup]") {
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("Backup: is of one moment, while clips come and go", "[storage][backup]") {
+TEST_CASE("Backup: is consistent while clips are added and deleted", "[storage][backup]") {
   const StoreFile from;
   const auto source = from.Open();
   Fill(*source);
   std::atomic<bool> stop = false;
   std::atomic<int> errors = 0;
-  // Clips come in pairs, one after the other, and each second pair goes: whoever sees the second
-  // clip of a pair sees the first.
-  storage::NewClip clip = SampleClip("d", "first", 20);  // here: Catch knows one thread alone
+  // Clips are added in pairs, first -x, then -y; every second pair is deleted, first -y, then -x. A
+  // snapshot that contains -y must contain -x.
+  storage::NewClip clip = SampleClip("d", "first", 20);  // on this thread, because of Catch
   const auto add = [&](const std::string& id) {
     clip.record.id = id;
     ++clip.record.content_hash;
@@ -133,7 +133,7 @@ TEST_CASE("Backup: is of one moment, while clips come and go", "[storage][backup
   REQUIRE(errors == 0);
 }
 
-TEST_CASE("Restore: only into a store without databases", "[storage][backup]") {
+TEST_CASE("Restore: requires a store without databases", "[storage][backup]") {
   const StoreFile from;
   const auto source = from.Open();
   Fill(*source);
@@ -145,12 +145,12 @@ TEST_CASE("Restore: only into a store without databases", "[storage][backup]") {
   REQUIRE_OK(begun->Check({}));
   REQUIRE_OK(target->CreateDatabase(SampleDatabase("other")));
   REQUIRE_ERROR(target->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "databases (1)");
-  // Also where the database came meanwhile.
+  // Also if the database was created meanwhile.
   REQUIRE_ERROR(begun->Finish({}), StatusCode::kFailedPrecondition, "databases (1)");
   REQUIRE(Require(target->ListDatabases({})).size() == 1);
 }
 
-TEST_CASE("Restore: tokens and the record of changes are those of both", "[storage][backup]") {
+TEST_CASE("Restore: merges tokens and audit logs", "[storage][backup]") {
   const StoreFile from;
   const auto source = from.Open();
   Fill(*source);
@@ -168,28 +168,28 @@ TEST_CASE("Restore: tokens and the record of changes are those of both", "[stora
   REQUIRE(records[1].request_id == "from the backup");
 }
 
-TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage][backup]") {
+TEST_CASE("Restore: a corrupt backup is refused and changes nothing", "[storage][backup]") {
   const std::string bytes = SomeBackup();
   const StoreFile to;
   const auto target = to.Open();
   REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));
   const std::string before = Dump(*target);
-  const auto refused = [&](const std::string& damaged, const std::string& text) {
-    REQUIRE_ERROR(Restore(*target, damaged), StatusCode::kInvalidArgument, text);
+  const auto refused = [&](const std::string& corrupt, const std::string& text) {
+    REQUIRE_ERROR(Restore(*target, corrupt), StatusCode::kInvalidArgument, text);
     REQUIRE(Dump(*target) == before);
-    REQUIRE(Strangers(to).empty());
+    REQUIRE(OtherFiles(to).empty());
   };
-  SECTION("a bit anywhere") {
+  SECTION("a flipped bit anywhere") {
     std::mt19937 random(7);
     for (int i = 0; i < 200; ++i) {
-      // Evenly over the file, the first and the last bytes among them.
+      // The first byte, the last 99 bytes, and random bytes.
       const std::size_t place = i == 0    ? 0
                                 : i < 100 ? bytes.size() - static_cast<std::size_t>(i)
                                           : random() % bytes.size();
-      std::string damaged = bytes;
-      damaged[place] = static_cast<char>(damaged[place] ^ (1 << random() % 8));
+      std::string corrupt = bytes;
+      corrupt[place] = static_cast<char>(corrupt[place] ^ (1 << random() % 8));
       INFO("byte " << place);
-      refused(damaged, "");
+      refused(corrupt, "");
     }
   }
   SECTION("cut off anywhere") {
@@ -210,7 +210,7 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     { Fill(*store.Open()); }
     refused(ReadFile(store.path()), "or is the file of a store, which `motiondbd --store` serves");
   }
-  SECTION("something added") { refused(bytes + "x", "cut off"); }
+  SECTION("an extra byte") { refused(bytes + "x", "cut off"); }
   SECTION("another file") {
     refused(std::string(100'000, 'x'), "not a backup");
     refused(Sealed(std::string(100'000, 'x')), "not a backup");
@@ -221,30 +221,30 @@ TEST_CASE("Restore: a damaged backup is refused and changes nothing", "[storage]
     refused(Sealed(ReadFile(other.path())), "not a backup");
     refused(ReadFile(other.path()), "not a backup");
   }
-  SECTION("a store that was damaged when it was copied") {
-    const StoreFile worn;
-    { Fill(*worn.Open()); }
-    worn.Sql(ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
-    refused(Backup(*worn.Open()), "the backup: databases/d/clips/b: states: chunk 0 is damaged");
-    refused(Backup(*worn.Open()), "`motiondbd --store FILE` serves the backup without it");
+  SECTION("a store that was corrupt when it was copied") {
+    const StoreFile source;
+    { Fill(*source.Open()); }
+    source.Sql(ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
+    refused(Backup(*source.Open()), "the backup: databases/d/clips/b: states: chunk 0 is corrupt");
+    refused(Backup(*source.Open()), "`motiondbd --store FILE` serves the backup without it");
   }
-  SECTION("one whose tables are damaged") {
-    const StoreFile worn;
-    { Fill(*worn.Open()); }
-    RuinPage(worn.path(), std::stol(worn.Sql(RootPageOf("clip"))));
-    refused(Sealed(ReadFile(worn.path())), "the backup: ");
+  SECTION("a store with corrupt tables") {
+    const StoreFile source;
+    { Fill(*source.Open()); }
+    RuinPage(source.path(), std::stol(source.Sql(RootPageOf("clip"))));
+    refused(Sealed(ReadFile(source.path())), "the backup: ");
   }
-  SECTION("one whose tables are others") {
+  SECTION("a store with different tables") {
     const auto changed = [&](const std::string& script, const std::string& text) {
-      const StoreFile worn;
-      { Fill(*worn.Open()); }
-      worn.Sql(script);
-      refused(Sealed(ReadFile(worn.path())), "the backup: the file: " + text);
+      const StoreFile source;
+      { Fill(*source.Open()); }
+      source.Sql(script);
+      refused(Sealed(ReadFile(source.path())), "the backup: the file: " + text);
     };
     changed("DROP TABLE token", "the table 'token' is missing");
-    changed("ALTER TABLE token ADD COLUMN hint TEXT", "the table 'token' is not a store's");
+    changed("ALTER TABLE token ADD COLUMN hint TEXT", "the table 'token' was changed");
     changed("CREATE TRIGGER lose AFTER INSERT ON clip BEGIN DELETE FROM clip; END",
-            "a store has no trigger 'lose'");
+            "unexpected trigger 'lose'");
   }
   REQUIRE_OK(Restore(*target, bytes));
 }
@@ -259,10 +259,11 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
     const auto restore = Require(target->upkeep().BeginRestore());
     REQUIRE_OK(restore->Append(bytes));
     REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");
-    REQUIRE_ERROR(restore->Check([] { return true; }), StatusCode::kCancelled, "stopped");
+    REQUIRE_ERROR(restore->Check([] { return true; }), StatusCode::kCancelled, "cancelled");
   }
-  // While it waits to write, and while it does.
-  for (const auto& [when, why] : {std::pair{1, "no longer wanted"}, {2, "stopped"}}) {
+  // While it waits to write, and during the write.
+  for (const auto& [when, why] :
+       {std::pair{1, "cancelled while it waited"}, {2, "cancelled while the store was copied"}}) {
     const auto restore = Require(target->upkeep().BeginRestore());
     REQUIRE_OK(restore->Append(bytes));
     REQUIRE_OK(restore->Check({}));
@@ -271,19 +272,19 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
   }
   REQUIRE(Dump(*target) == before);
   REQUIRE(Findings(*target).empty());
-  REQUIRE(Strangers(to).empty());
+  REQUIRE(OtherFiles(to).empty());
   REQUIRE_OK(Restore(*target, bytes));
 }
 
 TEST_CASE("Restore: versions", "[storage][backup]") {
   const StoreFile to;
   const auto target = to.Open();
-  SECTION("an older one is brought up to date") {
+  SECTION("an older version is upgraded") {
     REQUIRE_OK(Restore(*target, Sealed(OldStore(1))));
     REQUIRE(Require(target->ListClips("walks", {})).size() == 2);
     REQUIRE_OK(target->ReadModel("walks", core::Serially));
   }
-  SECTION("a newer one is refused") {
+  SECTION("a newer version is refused") {
     const StoreFile newer;
     { Fill(*newer.Open()); }
     newer.Sql("PRAGMA user_version = 1000");
@@ -293,39 +294,40 @@ TEST_CASE("Restore: versions", "[storage][backup]") {
   }
 }
 
-TEST_CASE("Backup: what a killed process left is removed", "[storage][backup]") {
+TEST_CASE("Backup: temporary files of a killed process are deleted", "[storage][backup]") {
   const StoreFile file;
   { file.Open(); }
   for (const char* const name :
        {".store.db.backup-3", ".store.db.restore-1", ".store.db.restore-1-wal"}) {
     std::ofstream(file.folder() / name) << "left";
   }
-  // Whatever somebody calls a copy of their own.
+  // Names that a user may choose for a copy.
   const std::string kept = GENERATE("store.db-backup-1", "store.db-backup-2026-11-22");
   std::ofstream(file.folder() / kept) << "not ours";
   const auto store = file.Open();
   REQUIRE_OK(store->upkeep().BeginBackup({}));
-  REQUIRE(Strangers(file) == kept + " ");
+  REQUIRE(OtherFiles(file) == kept + " ");
 }
 
-TEST_CASE("Backup: what another store's process has on its way stays", "[storage][backup]") {
+TEST_CASE("Backup: temporary files of another store stay", "[storage][backup]") {
   const StoreFile file;
-  // The folder of `store.db` may have a store `store.db.old`, and one called as a backup is.
+  // The folder may contain a store `store.db.old`, or a store whose name looks like a backup's.
   const std::string kept = GENERATE(".store.db.old.restore-1", ".store.db.old.backup-1-wal",
                                     ".store.db.restore-1.restore-1", ".store.db.restore-",
                                     ".store.db.restore-1-other", ".store.db.restore-x");
   std::ofstream(file.folder() / kept) << "not ours";
   file.Open();
-  REQUIRE(Strangers(file) == kept + " ");
+  REQUIRE(OtherFiles(file) == kept + " ");
 }
 
-TEST_CASE("Restore: a file that is gone or is another is said", "[storage][backup]") {
+TEST_CASE("Restore: reports that its temporary file is missing or was replaced",
+          "[storage][backup]") {
   const std::string bytes = SomeBackup();
   const StoreFile file;
   const auto target = file.Open();
   const auto restore = Require(target->upkeep().BeginRestore());
   REQUIRE_OK(restore->Append(bytes));
-  const std::string name = Strangers(file);
+  const std::string name = OtherFiles(file);
   const auto path = file.folder() / name.substr(0, name.size() - 1);
   std::string expected = "gone";
   SECTION("gone") { std::filesystem::remove(path); }
@@ -333,7 +335,7 @@ TEST_CASE("Restore: a file that is gone or is another is said", "[storage][backu
     const auto aside = file.folder() / "aside";
     std::filesystem::copy(path, aside);
     std::filesystem::rename(aside, path);
-    expected = "not the file";
+    expected = "was replaced";
   }
   SECTION("cut short") {
     std::filesystem::resize_file(path, 0);
@@ -349,8 +351,8 @@ TEST_CASE("Backup: can be cancelled", "[storage][backup]") {
   const auto store = file.Open();
   Fill(*store);
   REQUIRE_ERROR(store->upkeep().BeginBackup([] { return true; }), StatusCode::kCancelled,
-                "stopped");
-  REQUIRE(Strangers(file).empty());
+                "cancelled while the store was copied");
+  REQUIRE(OtherFiles(file).empty());
   const auto memory = Require(Store::Open(":memory:"));
   REQUIRE_ERROR(memory->upkeep().BeginBackup({}), StatusCode::kFailedPrecondition, "memory");
   REQUIRE_ERROR(memory->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "memory");

@@ -1,5 +1,5 @@
-// Readers beside a writer. Catch's assertions belong to one thread, so others count what went
-// wrong.
+// Concurrent readers and writers. Catch assertions work on one thread only: other threads count
+// errors.
 #include <atomic>
 #include <barrier>
 #include <catch2/catch.hpp>
@@ -25,7 +25,7 @@ void OnThreads(int count, const std::function<void(int)>& body) {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a model read on several threads is the one that was put",
+TEST_CASE("SqliteMotionStore: a model that is read on several threads is the stored one",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
@@ -42,7 +42,7 @@ TEST_CASE("SqliteMotionStore: a model read on several threads is the one that wa
   REQUIRE(read.metric_frames().projected.view() == model.metric_frames().projected.view());
 }
 
-TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
+TEST_CASE("SqliteMotionStore: readers see consistent data during writes",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open({.reader_count = 3, .now_us = {}, .vfs = {}});
@@ -61,7 +61,7 @@ TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
       std::size_t clips_before = 0;
       while (!stop) {
         const auto clips = store->ListClips("d", {.after = "", .limit = 1000});
-        // An acknowledged clip stays, and its states came with it.
+        // An acknowledged clip stays visible, with its states.
         if (!clips.ok() || clips->size() < clips_before) ++errors;
         if (clips.ok() && !clips->empty()) {
           clips_before = clips->size();
@@ -88,7 +88,7 @@ TEST_CASE("SqliteMotionStore: readers see whole states of things during writes",
   REQUIRE(Require(store->ListModels("d", 0, 1)).at(0).version == 39);
 }
 
-TEST_CASE("SqliteMotionStore: writers take turns", "[storage][concurrency]") {
+TEST_CASE("SqliteMotionStore: concurrent writers all succeed", "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -110,15 +110,15 @@ TEST_CASE("SqliteMotionStore: writers take turns", "[storage][concurrency]") {
   REQUIRE(Require(store->GetClip("d", "clip-40")).id == "clip-40");
 }
 
-TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails alone",
+TEST_CASE("SqliteMotionStore: a failing clip in a shared commit does not affect the others",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   constexpr unsigned kWriters = 6;
   constexpr unsigned kRounds = 10;
-  // The same motion comes from two of them; a third one's database is not there. Made here, for
-  // Catch is not for threads.
+  // Each motion comes from two writers, except from the last; writer 0 uses a missing database.
+  // Made here, because Catch assertions work on one thread only.
   const auto lost = [](unsigned w) { return w == 0; };
   std::vector<std::vector<storage::NewClip>> clips(kWriters);
   for (unsigned w = 0; w < kWriters; ++w) {
@@ -150,24 +150,23 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that fails fails a
   REQUIRE(Require(store->ListClips("d", {.after = "", .limit = 100})).size() == 3 * kRounds);
 }
 
-TEST_CASE("SqliteMotionStore: of clips that come together one that throws throws alone",
+TEST_CASE("SqliteMotionStore: a throwing clip in a shared commit does not affect the others",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   constexpr unsigned kClips = 4;
-  // The last insertion of the transaction that they share throws: once, and again wherever that
-  // clip is added.
+  // The last insertion of the shared transaction throws, once or each time that clip is added.
   const bool throws_again = GENERATE(false, true);
   CAPTURE(throws_again);
-  std::atomic<unsigned> asked = 0;
+  std::atomic<unsigned> calls = 0;
   std::atomic<unsigned> bad = kClips;  // which clip
   std::vector<storage::NewClip> clips;
   for (unsigned i = 0; i < kClips; ++i) {
     clips.push_back(SampleClip("d", "clip-" + std::to_string(i), 10 + i));
     clips[i].audit = [&, i](const storage::ClipRecord&) {
-      if (++asked == kClips) bad = i;
-      if (asked == kClips || (throws_again && bad == i)) throw std::bad_alloc();
+      if (++calls == kClips) bad = i;
+      if (calls == kClips || (throws_again && bad == i)) throw std::bad_alloc();
       return storage::AuditRecord{.method = "Ingest"};
     };
   }
@@ -179,17 +178,17 @@ TEST_CASE("SqliteMotionStore: of clips that come together one that throws throws
   for (unsigned i = 0; i < kClips; ++i) {
     INFO(i);
     REQUIRE((answers[i].added.ok() || (answers[i].threw && bad == i)));
-    // Who is told that it is stored finds it, who is not does not.
+    // The clip is stored exactly if its caller got OK.
     const bool found = store->GetClip("d", clips[i].record.id).ok();
     REQUIRE(found == answers[i].added.ok());
     if (found) ++stored;
   }
-  // The store goes on, and the record of changes is of what is stored.
+  // The store still works, and the audit log has an entry for each stored clip.
   REQUIRE_OK(store->AddClip(SampleClip("d", "after", 2)));
   REQUIRE(Require(store->access().ListAuditRecords(0, 100)).size() == 1 + stored);
 }
 
-TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log to the writer",
+TEST_CASE("SqliteMotionStore: the writer is closed after the readers and removes the log",
           "[storage][concurrency]") {
   const StoreFile file;
   {
@@ -198,7 +197,7 @@ TEST_CASE("SqliteMotionStore: a reader that was there to the end leaves the log 
     REQUIRE_OK(store->GetDatabase("d"));
     REQUIRE(std::filesystem::file_size(file.path() + "-wal") > 0);
   }
-  // The writer closed last: nothing is left beside the store but the lock file.
+  // Only the lock file remains beside the store.
   REQUIRE_FALSE(std::filesystem::exists(file.path() + "-wal"));
   REQUIRE_FALSE(std::filesystem::exists(file.path() + "-shm"));
 }

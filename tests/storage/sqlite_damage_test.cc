@@ -1,4 +1,4 @@
-// Damage in the file is found and named, and what is whole stays readable.
+// Corruption of the file is detected and named; the rest stays readable.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 
 using absl::StatusCode;
 
-// Two clips, "a" with three chunks of states and "b" with one, and a model of both.
+// Two clips, "a" with three chunks of states and "b" with one, and a model of "b".
 void Fill(const StoreFile& file) {
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -31,7 +31,7 @@ const char kStatesOfA[] =
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a damaged chunk is named and the rest can be read",
+TEST_CASE("SqliteMotionStore: a corrupt chunk is named and the rest can be read",
           "[storage][damage]") {
   const StoreFile file;
   Fill(file);
@@ -41,18 +41,18 @@ TEST_CASE("SqliteMotionStore: a damaged chunk is named and the rest can be read"
     copy.Sql(ChangeByte("clip_chunk", place, kStatesOfA));
     const auto store = copy.Open();
     REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss,
-                  "database 'd', clip 'a': states: chunk 1 is damaged");
+                  "database 'd', clip 'a': states: chunk 1 is corrupt");
     REQUIRE_OK(store->ReadClipSource("d", "a"));
     REQUIRE(Same(Require(store->ReadClipStates("d", "b")), SampleStates(60, 2)));
     REQUIRE_OK(store->ReadModel("d", core::Serially));
     REQUIRE(Require(store->ListClips("d", {})).size() == 2);
-    // The way out: the clip is deleted and ingested again.
+    // Remedy: delete the clip and ingest it again.
     REQUIRE_OK(store->DeleteClip("d", "a"));
     REQUIRE_OK(store->AddClip(SampleClip("d", "a", 1)));
   }
 }
 
-TEST_CASE("SqliteMotionStore: a lost chunk is named", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a missing chunk is named", "[storage][damage]") {
   const StoreFile file;
   Fill(file);
   SECTION("in the middle") {
@@ -66,35 +66,35 @@ TEST_CASE("SqliteMotionStore: a lost chunk is named", "[storage][damage]") {
   }
 }
 
-TEST_CASE("SqliteMotionStore: a damaged model is named", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a corrupt model is named", "[storage][damage]") {
   const StoreFile file;
   Fill(file);
   SECTION("in its own parts") {
     file.Sql(ChangeByte("model_chunk", 100, "position = 0"));
     REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
-                  "database 'd', model 1: parts: chunk 0 is damaged");
+                  "database 'd', model 1: parts: chunk 0 is corrupt");
   }
   SECTION("in the states of a clip") {
     file.Sql(ChangeByte("clip_chunk", 100,
                         "kind = 3 AND clip_key = (SELECT clip_key FROM clip WHERE id = 'b')"));
     REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
-                  "database 'd', model 1: clip 'b': states: chunk 0 is damaged");
+                  "database 'd', model 1: clip 'b': states: chunk 0 is corrupt");
   }
   SECTION("in its list of clips") {
     file.Sql("DELETE FROM model_clip");
     REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
                   "expected 1 clips, got 0");
   }
-  SECTION("which now names another clip") {
+  SECTION("in its list of clips, with another clip") {
     file.Sql("UPDATE model_clip SET clip_key = (SELECT clip_key FROM clip WHERE id = 'a')");
     REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
                   "expected 60 frames");
   }
-  // A new model takes its place.
+  // A new model can replace it.
   REQUIRE_OK(file.Open()->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));
 }
 
-TEST_CASE("SqliteMotionStore: a damaged skeleton is named and does not stop ingest",
+TEST_CASE("SqliteMotionStore: a corrupt skeleton is named and does not prevent an ingest",
           "[storage][damage]") {
   const StoreFile file;
   Fill(file);
@@ -102,13 +102,13 @@ TEST_CASE("SqliteMotionStore: a damaged skeleton is named and does not stop inge
   const auto store = file.Open();
   REQUIRE_ERROR(store->GetSkeleton("d", "human"), StatusCode::kDataLoss, "skeleton 'human'");
   REQUIRE(Require(store->AddClip(SampleClip("d", "c", 3))).skeleton_id == "human-2");
-  // Lists pass over it.
+  // Lists skip it.
   const auto listed = Require(store->ListSkeletons("d", {.limit = 1}));
   REQUIRE(listed.size() == 1);
   REQUIRE(listed[0].id == "human-2");
 }
 
-TEST_CASE("SqliteMotionStore: a page that SQLite finds damaged is data loss", "[storage][damage]") {
+TEST_CASE("SqliteMotionStore: a page that SQLite finds corrupt is data loss", "[storage][damage]") {
   const StoreFile file;
   Fill(file);
   const auto page = std::stol(file.Sql("SELECT rootpage FROM sqlite_schema WHERE name = 'clip'"));

@@ -1,5 +1,5 @@
-// A call that fails at any point leaves all as it was. Faults are set on connections as SQLite
-// opens them (sqlite3_auto_extension), so the store itself knows nothing of them.
+// A call that fails at any point changes nothing. The test installs faults when SQLite opens a
+// connection (sqlite3_auto_extension), so the store needs no test code.
 #include <catch2/catch.hpp>
 #include <functional>
 #include <string>
@@ -14,12 +14,12 @@ namespace {
 
 using absl::StatusCode;
 
-// Steps of SQLite's machine until everything is interrupted; 0 for never.
+// Steps of SQLite's virtual machine until the interrupt; 0: no interrupt.
 int steps_left = 0;
-// Largest size of the file, in pages; 0 for any.
-int most_pages = 0;
+// Maximum size of the file, in pages; 0: no limit.
+int max_pages = 0;
 
-// Whether the running statement was begun in a transaction.
+// Whether the running statement began in a transaction.
 bool began_in_transaction = false;
 
 int NoteBegin(unsigned, void* connection, void*, void*) {
@@ -28,7 +28,7 @@ int NoteBegin(unsigned, void* connection, void*, void*) {
 }
 
 int CountSteps(void* connection) {
-  // SQLite asks again as a COMMIT returns: it has done its work, which no fault could undo.
+  // SQLite calls this again when a COMMIT returns: the commit is done and cannot be interrupted.
   const bool ended = sqlite3_get_autocommit(static_cast<sqlite3*>(connection)) != 0;
   if (began_in_transaction && ended) return 0;
   return steps_left > 0 && --steps_left == 0 ? 1 : 0;
@@ -37,27 +37,28 @@ int CountSteps(void* connection) {
 int SetFaults(sqlite3* connection, const char**, const void*) {
   sqlite3_progress_handler(connection, 1, CountSteps, connection);
   sqlite3_trace_v2(connection, SQLITE_TRACE_STMT, NoteBegin, connection);
-  if (most_pages > 0) {
-    const std::string pragma = "PRAGMA max_page_count = " + std::to_string(most_pages);
+  if (max_pages > 0) {
+    const std::string pragma = "PRAGMA max_page_count = " + std::to_string(max_pages);
     return sqlite3_exec(connection, pragma.c_str(), nullptr, nullptr, nullptr);
   }
   return SQLITE_OK;
 }
 
-// Faults are possible while this lives.
+// Enables faults during its lifetime.
 class Faults {
  public:
   Faults() { sqlite3_auto_extension(reinterpret_cast<void (*)()>(SetFaults)); }
   ~Faults() {
     sqlite3_reset_auto_extension();
     steps_left = 0;
-    most_pages = 0;
+    max_pages = 0;
   }
 };
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a call interrupted at any step changes nothing", "[storage][fault]") {
+TEST_CASE("SqliteMotionStore: a call that is interrupted at any step changes nothing",
+          "[storage][fault]") {
   const Faults faults;
   const auto store = Require(storage::SqliteMotionStore::Open(":memory:"));
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -78,7 +79,7 @@ TEST_CASE("SqliteMotionStore: a call interrupted at any step changes nothing", "
   for (const auto& call : calls) {
     const std::string before = Dump(*store);
     int interrupted = 0;
-    // Further and further, until the call gets through. Strides keep it short.
+    // Interrupt later and later, until the call succeeds. Growing strides limit the duration.
     for (int steps = 1;; steps += 1 + steps / 20) {
       steps_left = steps;
       const absl::Status status = call();
@@ -92,7 +93,7 @@ TEST_CASE("SqliteMotionStore: a call interrupted at any step changes nothing", "
   }
 }
 
-TEST_CASE("SqliteMotionStore: opening that is interrupted at any step can be done again",
+TEST_CASE("SqliteMotionStore: opening can be interrupted at any step and repeated",
           "[storage][fault]") {
   const Faults faults;
   int interrupted = 0;
@@ -108,10 +109,11 @@ TEST_CASE("SqliteMotionStore: opening that is interrupted at any step can be don
   REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
 }
 
-TEST_CASE("SqliteMotionStore: a full disk is said and nothing is half done", "[storage][fault]") {
+TEST_CASE("SqliteMotionStore: a full disk is reported and the change is rolled back",
+          "[storage][fault]") {
   const Faults faults;
   const StoreFile file;
-  most_pages = 60;  // 960 KiB
+  max_pages = 60;  // 960 KiB
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));

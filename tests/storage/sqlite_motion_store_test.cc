@@ -37,7 +37,7 @@ class OnFile final : public StoreUnderTest {
   std::unique_ptr<storage::SqliteMotionStore> store_ = file_.Open(AtPutTime());
 };
 
-// Closed and opened before every single call.
+// Closes and opens the store before each call.
 class Reopened final : public StoreUnderTest {
  public:
   storage::MotionStore& Get() override {
@@ -53,20 +53,20 @@ class Reopened final : public StoreUnderTest {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: keeps the contract in memory", "[storage][conformance]") {
+TEST_CASE("SqliteMotionStore: conforms in memory", "[storage][conformance]") {
   TestMotionStore([] { return std::make_unique<InMemory>(); });
 }
 
-TEST_CASE("SqliteMotionStore: keeps the contract on a file", "[storage][conformance]") {
+TEST_CASE("SqliteMotionStore: conforms on a file", "[storage][conformance]") {
   TestMotionStore([] { return std::make_unique<OnFile>(); });
 }
 
-TEST_CASE("SqliteMotionStore: keeps the contract when opened anew before each call",
+TEST_CASE("SqliteMotionStore: conforms if it is reopened before each call",
           "[storage][conformance]") {
   TestMotionStore([] { return std::make_unique<Reopened>(); });
 }
 
-TEST_CASE("SqliteMotionStore: keeps the figures of a thousand models, and of builds they extend",
+TEST_CASE("SqliteMotionStore: keeps the records of 1,000 models and of the builds that they extend",
           "[storage]") {
   constexpr int kKept = 1000;
   InMemory under_test;
@@ -86,14 +86,14 @@ TEST_CASE("SqliteMotionStore: keeps the figures of a thousand models, and of bui
     const auto put = store.PutModel("d", built);
     INFO(version << " " << put.status());
     REQUIRE(put.ok());
-    // The first goes with the second, which extends it.
+    // The first model is deleted together with the second, which extends it.
     REQUIRE(store.GetModel("d", 1).ok() == (version < kKept + 2));
     REQUIRE(store.GetModel("d", 2).ok() == (version < kKept + 2));
   }
   REQUIRE(Require(store.ListModels("d", 0, 2 * kKept)).size() == kKept);
 }
 
-TEST_CASE("SqliteMotionStore: of operations that ended, keeps a thousand", "[storage]") {
+TEST_CASE("SqliteMotionStore: keeps 1,000 finished operations", "[storage]") {
   constexpr int kKept = 1000;
   InMemory under_test;
   storage::MotionStore& store = under_test.Get();

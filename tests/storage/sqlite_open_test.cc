@@ -20,7 +20,7 @@ using absl::StatusCode;
 
 std::string Version() { return std::to_string(storage::Migrations().size()); }
 
-// Refused with the text, the file's bytes unchanged and nothing put beside it.
+// Requires that opening fails with `text`, that the file does not change and no file is created.
 void RequireLeftAlone(const StoreFile& file, const std::string& text) {
   const auto entries = [&] {
     return std::distance(std::filesystem::directory_iterator(file.folder()), {});
@@ -55,7 +55,8 @@ TEST_CASE("SqliteMotionStore: an empty file becomes a store", "[storage][open]")
   REQUIRE(file.Sql("SELECT name FROM database") == "d");
 }
 
-TEST_CASE("SqliteMotionStore: a path with signs of a URI is a path", "[storage][open]") {
+TEST_CASE("SqliteMotionStore: a path with special characters of URIs is a path",
+          "[storage][open]") {
   const StoreFile file;
   const std::string path = (file.folder() / "50%25?mode=ro#1 .db").string();
   for (int i = 0; i < 2; ++i) {
@@ -72,7 +73,7 @@ TEST_CASE("SqliteMotionStore: a relative path that looks like a URI is a path", 
   std::filesystem::current_path(file.folder());
   const auto other = Require(storage::SqliteMotionStore::Open("x.db"));
   REQUIRE_OK(other->CreateDatabase(SampleDatabase("d")));
-  for (int i = 0; i < 2; ++i) {  // made, and opened again
+  for (int i = 0; i < 2; ++i) {  // created, then opened again
     const auto store = Require(storage::SqliteMotionStore::Open("file:x.db"));
     REQUIRE(Require(store->ListDatabases({})).empty());
     REQUIRE(std::filesystem::file_size(file.folder() / "file:x.db") > 0);
@@ -82,9 +83,10 @@ TEST_CASE("SqliteMotionStore: a relative path that looks like a URI is a path", 
   REQUIRE(Require(storage::ReadStoreVersion("file:x.db")) == std::stoi(Version()));
 }
 
-TEST_CASE("SqliteMotionStore: what is not a store is refused and left alone", "[storage][open]") {
+TEST_CASE("SqliteMotionStore: a file that is not a store is refused and not changed",
+          "[storage][open]") {
   const StoreFile file;
-  SECTION("a text") {
+  SECTION("a text file") {
     std::ofstream(file.path()) << "Dear diary, " << std::string(9000, '.');
     RequireLeftAlone(file, "a file of another kind");
   }
@@ -106,7 +108,7 @@ TEST_CASE("SqliteMotionStore: what is not a store is refused and left alone", "[
   }
 }
 
-TEST_CASE("SqliteMotionStore: a folder that is not there is an error", "[storage][open]") {
+TEST_CASE("SqliteMotionStore: a missing folder is an error", "[storage][open]") {
   const StoreFile file;
   REQUIRE_ERROR(storage::SqliteMotionStore::Open(file.path() + "/no/store.db"),
                 StatusCode::kUnavailable, "no/store.db");
@@ -122,25 +124,25 @@ TEST_CASE("SqliteMotionStore: a store of a newer version is refused", "[storage]
   REQUIRE(file.Sql("SELECT name FROM database") == "d");
 }
 
-TEST_CASE("SqliteMotionStore: what a killed process leaves holds all that was acknowledged",
+TEST_CASE("SqliteMotionStore: the files of a killed process contain all acknowledged changes",
           "[storage][open]") {
   const StoreFile file;
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   for (unsigned i = 1; i < 4; ++i) {
     REQUIRE_OK(store->AddClip(SampleClip("d", "walk", i)));
-    // The file and its log as they are now, without the closing that a kill does not grant.
-    const StoreFile left;
-    std::filesystem::copy_file(file.path(), left.path());
-    std::filesystem::copy_file(file.path() + "-wal", left.path() + "-wal");
-    const auto recovered = left.Open();
+    // Copy the file and its log while the store is open, as a kill leaves them.
+    const StoreFile killed;
+    std::filesystem::copy_file(file.path(), killed.path());
+    std::filesystem::copy_file(file.path() + "-wal", killed.path() + "-wal");
+    const auto recovered = killed.Open();
     const auto clips = Require(recovered->ListClips("d", {}));
     REQUIRE(clips.size() == i);
     REQUIRE(Same(Require(recovered->ReadClipStates("d", clips.back().id)), SampleStates(60, i)));
   }
 }
 
-TEST_CASE("SqliteMotionStore: a second one on the same file is refused", "[storage][open]") {
+TEST_CASE("SqliteMotionStore: opening a file twice is refused", "[storage][open]") {
   const StoreFile file;
   auto store = file.Open();
   REQUIRE_ERROR(file.TryOpen(), StatusCode::kFailedPrecondition, "in use (process ");
@@ -152,7 +154,7 @@ TEST_CASE("SqliteMotionStore: a second one on the same file is refused", "[stora
   REQUIRE_OK(file.Open()->GetDatabase("d"));
 }
 
-TEST_CASE("SqliteMotionStore: a store with two names is refused by both, also while it is open",
+TEST_CASE("SqliteMotionStore: a store with two names is refused by either name",
           "[storage][open]") {
   const StoreFile file;
   REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
@@ -181,7 +183,7 @@ TEST_CASE("SqliteMotionStore: an empty file with two names is refused", "[storag
   RequireLeftAlone(file, "has 2 names");
 }
 
-TEST_CASE("Migrate: runs what is missing, in order, once", "[storage][migration]") {
+TEST_CASE("Migrate: runs each missing migration once, in order", "[storage][migration]") {
   const StoreFile file;
   const auto connection = Require(
       storage::Connection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));
@@ -196,7 +198,7 @@ TEST_CASE("Migrate: runs what is missing, in order, once", "[storage][migration]
                 StatusCode::kFailedPrecondition, "version 3");
 }
 
-TEST_CASE("Migrate: one that fails leaves the version before it", "[storage][migration]") {
+TEST_CASE("Migrate: a failed migration keeps the former version", "[storage][migration]") {
   const StoreFile file;
   const auto connection = Require(
       storage::Connection::Open(file.path(), SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, ""));

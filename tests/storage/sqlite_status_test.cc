@@ -42,7 +42,7 @@ TEST_CASE("SqliteError: each code has its status", "[storage][status]") {
   }
 }
 
-TEST_CASE("SqliteMotionStore: opens on the VFS it is told", "[storage][open]") {
+TEST_CASE("SqliteMotionStore: uses the given VFS", "[storage][open]") {
   const StoreFile file;
   REQUIRE_OK(file.TryOpen({.reader_count = 1, .now_us = {}, .vfs = "unix"}));
   REQUIRE_ERROR(file.TryOpen({.reader_count = 1, .now_us = {}, .vfs = "none such"}),

@@ -1,5 +1,4 @@
-// Changes that wait for their turn to write, and are no longer wanted. Catch's assertions belong to
-// one thread.
+// Cancellation of changes that wait for the writer. Catch assertions work on one thread only.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <string>
@@ -14,14 +13,14 @@
 namespace motiondb::tests::sqlite_turns_test {
 namespace {
 
-// Says so from the third question on.
+// Returns a function that returns true from the third call on.
 core::Cancelled AfterAWhile() {
-  return [asked = 0]() mutable { return ++asked > 2; };
+  return [calls = 0]() mutable { return ++calls > 2; };
 }
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn comes is not made",
+TEST_CASE("SqliteMotionStore: a change that is cancelled while it waits is not made",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
@@ -54,11 +53,11 @@ TEST_CASE("SqliteMotionStore: a change that is no longer wanted when its turn co
   CHECK(tokens[0].revoke_time_us == 0);
   CHECK(Require(store->access().ListAuditRecords(0, 10)).size() == 1);
   CHECK(Require(store->ListOperations("d", "", 10)).empty());
-  // Nothing of it is left in the way.
+  // The cancelled clip can be added.
   REQUIRE_OK(store->AddClip(SampleClip("d", "new", 3)));
 }
 
-TEST_CASE("SqliteMotionStore: a clip whose caller gives up is stored just if the caller is told so",
+TEST_CASE("SqliteMotionStore: a cancelled clip is stored exactly if its caller got OK",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();
@@ -70,37 +69,37 @@ TEST_CASE("SqliteMotionStore: a clip whose caller gives up is stored just if the
     for (unsigned r = 0; r < kRounds; ++r) {
       const unsigned i = kRounds * w + r;
       clips[w].push_back(SampleClip("d", "clip-" + std::to_string(i), i));
-      // Some at once, some when they have waited.
+      // Some are cancelled immediately, some after a wait.
       clips[w].back().cancelled = [left = static_cast<int>(i % 4)]() mutable {
         return left-- == 0;
       };
     }
   }
-  std::vector<std::vector<absl::Status>> told(kWriters);
+  std::vector<std::vector<absl::Status>> results(kWriters);
   std::vector<std::jthread> writers;
   WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
     for (unsigned w = 0; w < kWriters; ++w) {
       writers.emplace_back([&, w] {
         for (const storage::NewClip& clip : clips[w]) {
-          told[w].push_back(store->AddClip(clip).status());
+          results[w].push_back(store->AddClip(clip).status());
         }
       });
     }
-    // The first of each writer gives up in here.
+    // The first clip of each writer is cancelled during this time.
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   });
   writers.clear();
-  int given_up = 0;
+  int cancelled = 0;
   for (unsigned w = 0; w < kWriters; ++w) {
     for (unsigned r = 0; r < kRounds; ++r) {
-      INFO(told[w][r]);
+      INFO(results[w][r]);
       const bool found = store->GetClip("d", clips[w][r].record.id).ok();
-      CHECK(found == told[w][r].ok());
-      CHECK((found || absl::IsCancelled(told[w][r])));
-      given_up += found ? 0 : 1;
+      CHECK(found == results[w][r].ok());
+      CHECK((found || absl::IsCancelled(results[w][r])));
+      cancelled += found ? 0 : 1;
     }
   }
-  CHECK(given_up >= static_cast<int>(kWriters));
+  CHECK(cancelled >= static_cast<int>(kWriters));
 }
 
 }  // namespace motiondb::tests::sqlite_turns_test

@@ -1,4 +1,4 @@
-// Verification names what is damaged, and nothing else.
+// Verification names corrupt items, and nothing else.
 #include "storage/sqlite/sqlite_verifier.h"
 
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ namespace {
 
 using Catch::Contains;
 
-// Clips "a", of three chunks of states, "b" and the deleted "gone", which the model still has.
+// Clips "a" (three chunks of states), "b", and the deleted "gone", which the model still uses.
 void Fill(const StoreFile& file) {
   const auto store = file.Open();
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -30,16 +30,16 @@ void Fill(const StoreFile& file) {
   REQUIRE_OK(store->DeleteClip("d", "gone"));
 }
 
-std::string FindingsAfter(const std::string& damage) {
+std::string FindingsAfter(const std::string& corruption) {
   const StoreFile file;
   Fill(file);
-  file.Sql(damage);
+  file.Sql(corruption);
   return Findings(*file.Open());
 }
 
 }  // namespace
 
-TEST_CASE("Verify: counts what is there and finds nothing in a whole store", "[storage][verify]") {
+TEST_CASE("Verify: counts the content and finds nothing in an intact store", "[storage][verify]") {
   const StoreFile file;
   Fill(file);
   const auto store = file.Open();
@@ -62,26 +62,26 @@ TEST_CASE("Verify: counts what is there and finds nothing in a whole store", "[s
   REQUIRE(totals.damage_count == 0);
 }
 
-TEST_CASE("Verify: names what is damaged", "[storage][verify]") {
-  SECTION("a clip's states, at the first fault of a clip's blob") {
+TEST_CASE("Verify: names corrupt items", "[storage][verify]") {
+  SECTION("a clip's states, once, at the first corrupt chunk") {
     const std::string found =
         FindingsAfter(ChangeByte("clip_chunk", 70000, ChunksOf("a", 3) + " AND position = 1"));
     REQUIRE(found ==
-            "databases/d/clips/a: states: chunk 1 is damaged: its checksum does not match\n");
+            "databases/d/clips/a: states: chunk 1 is corrupt: its checksum does not match\n");
   }
   SECTION("a clip's file") {
     REQUIRE_THAT(FindingsAfter(ChangeByte("clip_chunk", 26, ChunksOf("b", 1))),
-                 Contains("databases/d/clips/b: motion file: chunk 0 is damaged"));
+                 Contains("databases/d/clips/b: motion file: chunk 0 is corrupt"));
   }
-  SECTION("a clip's skeleton file that is gone") {
+  SECTION("a clip's missing skeleton file") {
     REQUIRE_THAT(FindingsAfter("DELETE FROM clip_chunk WHERE " + ChunksOf("b", 2)),
                  Contains("databases/d/clips/b: skeleton file: chunk 0 is missing"));
   }
-  SECTION("states that are not the clip's") {
+  SECTION("states that do not belong to the clip") {
     REQUIRE_THAT(FindingsAfter("UPDATE clip SET root_path_crc = 1 WHERE id = 'b'"),
-                 Contains("databases/d/clips/b: states: their root path is not the clip's\n"));
+                 Contains("databases/d/clips/b: states: the root path does not match the clip\n"));
   }
-  SECTION("a deleted clip that the model has") {
+  SECTION("a deleted clip that the model uses") {
     const std::string found = FindingsAfter(ChangeByte("clip_chunk", 100, ChunksOf("gone", 3)));
     REQUIRE_THAT(found, Contains("databases/d/models/1: deleted clip 'gone': states: chunk 0"));
   }
@@ -93,35 +93,36 @@ TEST_CASE("Verify: names what is damaged", "[storage][verify]") {
     REQUIRE_THAT(FindingsAfter(ChangeByte("model_chunk", 100, "position = 0")),
                  Contains("databases/d/models/1: "));
   }
-  SECTION("a model that lacks a clip") {
+  SECTION("a model without one of its clips") {
     REQUIRE_THAT(FindingsAfter("DELETE FROM model_clip WHERE position = 1"),
                  Contains("databases/d/models/1: parts: expected 2 clips with 120 frames, got 1"));
   }
-  SECTION("a model of which the tables say something else") {
+  SECTION("a model that does not match its rows") {
     REQUIRE_THAT(FindingsAfter("UPDATE model SET dimension_count = 17"),
                  Contains("databases/d/models/1: parts: expected 2 clips of 17 dimensions, got 2 "
                           "of 18"));
     REQUIRE_THAT(FindingsAfter("UPDATE model_clip SET position = 5 WHERE position = 0"),
-                 Contains("databases/d/models/1: parts: its clip 'b' of 60 frames is not"));
+                 Contains("databases/d/models/1: parts: its clip 'b' of 60 frames does not match"));
   }
-  SECTION("a reference into nothing") {
+  SECTION("a dangling reference") {
     REQUIRE_THAT(FindingsAfter("PRAGMA foreign_keys = OFF; UPDATE clip SET skeleton_key = 99 "
                                "WHERE id = 'b'"),
-                 Contains("refers to a row of table skeleton that is not there"));
+                 Contains("refers to a missing row of table skeleton"));
   }
-  SECTION("tables that are not a store's") {
+  SECTION("unexpected tables") {
     REQUIRE(FindingsAfter("CREATE VIEW more AS SELECT * FROM clip") ==
-            ": the file: a store has no view 'more'\n");
+            ": the file: unexpected view 'more'\n");
     REQUIRE(FindingsAfter("ANALYZE").empty());
   }
-  SECTION("several at once") {
+  SECTION("several items") {
     const std::string found = FindingsAfter(ChangeByte("clip_chunk", 26, ChunksOf("b", 1)) + ";" +
                                             ChangeByte("clip_chunk", 26, ChunksOf("a", 1)));
     REQUIRE(std::count(found.begin(), found.end(), '\n') == 2);
   }
 }
 
-TEST_CASE("Verify: a page that SQLite finds damaged is the file's", "[storage][verify]") {
+TEST_CASE("Verify: a page that SQLite finds corrupt is reported for the file",
+          "[storage][verify]") {
   const StoreFile file;
   Fill(file);
   RuinPage(file.path(), std::stol(file.Sql(RootPageOf("clip_by_content"))));
@@ -137,10 +138,10 @@ TEST_CASE("Verify: can be cancelled", "[storage][verify]") {
   std::vector<storage::Damage> found;
   REQUIRE(Require(verifier->Step(found)));
   stop = true;
-  REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "stopped");
+  REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "verification was cancelled");
 }
 
-TEST_CASE("Verify: goes on beside writes", "[storage][verify]") {
+TEST_CASE("Verify: runs concurrently with writes", "[storage][verify]") {
   const StoreFile file;
   Fill(file);
   const auto store = file.Open();

@@ -1,4 +1,4 @@
-// All that can be read of a store, as text: two stores are the same where their dumps are.
+// The whole readable content of a store as text. Two stores are equal if their dumps are equal.
 #pragma once
 
 #include <string>
@@ -7,10 +7,10 @@
 
 namespace motiondb::tests {
 
-// REQUIREs that everything can be read, but for a model, which need not be there.
+// Requires that everything can be read; models may be missing.
 std::string Dump(storage::MotionStore& store);
 
-// What its verification finds, one a line; empty where nothing is damaged.
+// Returns the findings of a verification, one per line; empty if nothing is corrupt.
 std::string Findings(storage::MotionStore& store);
 
 }  // namespace motiondb::tests

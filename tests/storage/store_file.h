@@ -1,4 +1,4 @@
-// A store's file in a folder of its own, deleted with the test, and raw SQL on it behind its back.
+// A store file in a temporary folder, which the destructor deletes, and raw SQL on the file.
 #pragma once
 
 #include <stdlib.h>
@@ -35,7 +35,7 @@ class StoreFile {
     return Require(TryOpen(std::move(options)));
   }
 
-  // Runs a script on the file, as RunSql.
+  // See RunSql.
   std::string Sql(const std::string& script) const { return RunSql(path(), script); }
 
  private:

@@ -1,4 +1,4 @@
-// Lists of a store under test, read page by page. Functions keep no state.
+// Reads lists of a store under test page by page.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace motiondb::tests {
 
-// Ids or names of a list, read in pages of `limit`.
+// Returns the ids or names of a list, read in pages of `limit`.
 template <typename List, typename Key>
 std::vector<std::string> AllPages(int limit, const List& list, const Key& key) {
   std::vector<std::string> keys;

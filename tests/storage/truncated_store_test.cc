@@ -1,5 +1,4 @@
-// A store's file that ends too early is served, and what is missing is reported: however much it
-// is.
+// A truncated store is served and the missing part is reported, whatever its size.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <string>
@@ -20,7 +19,7 @@ void Fill(const StoreFile& file) {
 
 }  // namespace
 
-TEST_CASE("SqliteMotionStore: a truncated file is served whether whole pages are missing or not",
+TEST_CASE("SqliteMotionStore: a truncated file is served, also if a page is incomplete",
           "[storage][truncated]") {
   const int missing = GENERATE(1, 16383, 16384, 16385, 3 * 16384);
   const bool read_only = GENERATE(false, true);
@@ -42,7 +41,7 @@ TEST_CASE("SqliteMotionStore: a truncated file is served whether whole pages are
   }
 }
 
-TEST_CASE("SqliteMotionStore: a file whose log was not yet moved into it is not truncated",
+TEST_CASE("SqliteMotionStore: a file before a checkpoint of its log is not truncated",
           "[storage][truncated]") {
   const StoreFile file;
   const auto store = file.Open();

@@ -1,4 +1,4 @@
-// A sector of the disk that cannot be read costs what is on it.
+// An unreadable sector of the disk affects only the data on it.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <string>
@@ -15,7 +15,7 @@ namespace {
 
 using absl::StatusCode;
 
-// A clip whose file and states take many pages.
+// Returns a clip whose file and states use many pages.
 storage::NewClip LongClip(const std::string& id, unsigned seed) {
   auto clip = SampleClip("d", id, seed);
   clip.states = SampleStates(6000, seed);
@@ -24,7 +24,8 @@ storage::NewClip LongClip(const std::string& id, unsigned seed) {
   return clip;
 }
 
-// Clips "a" and "b" and a model of `model`; the byte of the file where `bytes`, of a blob, are.
+// Stores the clips "a" and "b" and a model of the clips `model`. Returns the offset of `bytes`, a
+// part of a blob, in the store file.
 std::int64_t FillAndFind(const StoreFile& file, const std::vector<storage::NewClip>& model,
                          const std::string& bytes) {
   {
@@ -39,7 +40,7 @@ std::int64_t FillAndFind(const StoreFile& file, const std::vector<storage::NewCl
   return static_cast<std::int64_t>(place);
 }
 
-// Bytes far within a blob.
+// Returns some bytes from the middle of a blob.
 std::string Within(const std::string& blob) { return blob.substr(200'000, 32); }
 
 }  // namespace
@@ -57,7 +58,7 @@ TEST_CASE("Unreadable sector: of a clip's states", "[storage][sector]") {
   REQUIRE(Require(store->ListClips("d", {})).size() == 2);
   REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: "));
 
-  // It can be deleted and ingested again; what is left of it is in nobody's way.
+  // The clip can be deleted and ingested again; its remaining data does not interfere.
   REQUIRE_OK(store->DeleteClip("d", "a"));
   REQUIRE_ERROR(store->PurgeDeletedClips("d"), StatusCode::kDataLoss, "");
   REQUIRE_OK(store->AddClip(LongClip("a", 1)));
@@ -84,12 +85,12 @@ TEST_CASE("Unreadable sector: of a clip's file", "[storage][sector]") {
   REQUIRE_OK(store->PutModel("d", SampleModel({SampleClip("d", "b", 2)})));
 }
 
-TEST_CASE("Unreadable sector: at the start of the page on which a clip's file begins",
+TEST_CASE("Unreadable sector: start of the page on which a clip's file begins",
           "[storage][sector]") {
   const StoreFile file;
   constexpr std::size_t kPage = 16384;
   auto a = SampleClip("d", "a", 1);
-  a.file_bytes = std::string(15'000, 'a');  // what a page holds, and no more
+  a.file_bytes = std::string(15'000, 'a');  // fits on one page
   {
     const auto store = file.Open();
     REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
@@ -108,13 +109,13 @@ TEST_CASE("Unreadable sector: at the start of the page on which a clip's file be
   FaultDisk disk;
   std::string vfs;
   bool counted = true;
-  SECTION("that can be read, as zeros") { zero_sector(); }
-  SECTION("that can be read, as zeros, in a store of a version that did not count bytes") {
+  SECTION("read as zeros") { zero_sector(); }
+  SECTION("read as zeros, in a store of a version without byte_count") {
     file.Sql("UPDATE clip SET byte_count = NULL");
     zero_sector();
     counted = false;
   }
-  SECTION("that nobody can read") {
+  SECTION("read error") {
     disk.LoseSector(file.path(), static_cast<std::int64_t>(place / kPage * kPage),
                     GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
     vfs = FaultDisk::kVfs;
@@ -151,7 +152,7 @@ TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {
   REQUIRE_OK(store->ReadModel("d", core::Serially));
 }
 
-TEST_CASE("Unreadable sector: of a database that is deleted", "[storage][sector]") {
+TEST_CASE("Unreadable sector: of a deleted database", "[storage][sector]") {
   const StoreFile file;
   FaultDisk disk;
   const auto a = LongClip("a", 1);
@@ -162,14 +163,14 @@ TEST_CASE("Unreadable sector: of a database that is deleted", "[storage][sector]
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_OK(store->DeleteDatabase("d"));
   REQUIRE(Require(store->ListDatabases({})).empty());
-  // One chunk cannot be freed, and stays with what it is of.
+  // One chunk cannot be freed; it stays with its clip or model.
   for (int round = 0; round < 2; ++round) {
     REQUIRE_ERROR(store->PurgeDeletedDatabases({}), StatusCode::kDataLoss, "");
     REQUIRE(file.Sql("SELECT (SELECT count(*) FROM clip_chunk) + (SELECT count(*) FROM "
                      "model_chunk) + (SELECT count(*) FROM skeleton_chunk)") == "1");
     REQUIRE(file.Sql("SELECT (SELECT count(*) FROM clip) + (SELECT count(*) FROM model)") == "1");
   }
-  // It is in nobody's way, and goes once the disk gives it back.
+  // It does not interfere, and is freed when the disk can read it again.
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->AddClip(a));
   disk.Arm(FaultDisk::Fault::kNone, 0);
@@ -179,7 +180,8 @@ TEST_CASE("Unreadable sector: of a database that is deleted", "[storage][sector]
   REQUIRE(Findings(*store).empty());
 }
 
-TEST_CASE("Unreadable sector: gives back what it did not, and all is well", "[storage][sector]") {
+TEST_CASE("Unreadable sector: everything works after the sector can be read again",
+          "[storage][sector]") {
   const StoreFile file;
   FaultDisk disk;
   const auto b = SampleClip("d", "b", 2);

@@ -1,4 +1,4 @@
-// A store that is kept busy writing.
+// Blocks the writer of a store.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -11,8 +11,8 @@
 
 namespace motiondb::tests {
 
-// Runs `during` while `clip`, whose audit is set here, is being written: other writes wait.
-// REQUIRES: it can be added.
+// Runs `during` while the writer is blocked by adding `clip`, whose audit function is set here:
+// other writes wait. REQUIRES: the clip can be added.
 inline void WhileWriting(storage::MotionStore& store, storage::NewClip clip,
                          const std::function<void()>& during) {
   std::promise<bool> writing;
@@ -26,7 +26,7 @@ inline void WhileWriting(storage::MotionStore& store, storage::NewClip clip,
     if (!store.AddClip(clip).ok()) writing.set_value(false);
   });
   REQUIRE(writing.get_future().get());
-  // Whatever it throws: the thread ends before the test does.
+  // Releases the thread even if `during` throws.
   const absl::Cleanup end = [&] { release.set_value(); };
   during();
 }

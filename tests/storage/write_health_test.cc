@@ -1,4 +1,4 @@
-// A store on a disk that fails says so, counts the failures, and finds out that it works again.
+// A store on a failing disk reports and counts the failures, and detects when the disk works again.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <thread>
@@ -14,7 +14,7 @@ namespace {
 
 using Fault = FaultDisk::Fault;
 
-// The next trial is a second away at most.
+// Waits until CheckWrites succeeds. It tries a write at most once a second.
 void AwaitWrites(storage::MotionStore& store) {
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
   while (!store.CheckWrites().ok()) {
@@ -25,7 +25,7 @@ void AwaitWrites(storage::MotionStore& store) {
 
 }  // namespace
 
-TEST_CASE("WriteHealth: a disk that fails, and works again without a write of anybody",
+TEST_CASE("WriteHealth: a failing disk, and recovery without a write of a caller",
           "[storage][fault]") {
   const TemporaryDirectory folder;
   FaultDisk disk;
@@ -34,7 +34,7 @@ TEST_CASE("WriteHealth: a disk that fails, and works again without a write of an
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("d")));
   REQUIRE_OK(store->CheckWrites());
 
-  // One write goes wrong: the trial shows that it was that one alone.
+  // A single write fails: the test write shows that writes work again.
   disk.Arm(Fault::kError, 1);
   REQUIRE_ERROR(store->AddClip(SampleClip("d", "walk", 1)), absl::StatusCode::kUnavailable, "");
   CHECK(store->write_failures().io_error == 1);
@@ -48,7 +48,7 @@ TEST_CASE("WriteHealth: a disk that fails, and works again without a write of an
   REQUIRE_ERROR(store->CheckWrites(), absl::StatusCode::kResourceExhausted, "full");
   disk.Clear();
   AwaitWrites(*store);
-  // Trials are not counted.
+  // Test writes are not counted.
   CHECK(store->write_failures().total() == 2);
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
 }

@@ -1,4 +1,4 @@
-// The queue of the one connection that writes. Catch's assertions belong to one thread.
+// The queue of the writer. Catch assertions work on one thread only.
 #include "storage/sqlite/writer.h"
 
 #include <algorithm>
@@ -35,13 +35,13 @@ std::unique_ptr<Writer> MakeWriter() {
       Require(Connection::Open(":memory:", SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, "")));
 }
 
-// Work that is submitted by a thread of its own. It is in its queue once this is made.
+// Work that its own thread submits. The constructor returns when the work is queued.
 class Submitted {
  public:
   Submitted(Writer& writer, Priority priority, Work work) {
     std::promise<void> queued;
     thread_ = std::jthread([this, &writer, priority, &queued, work = std::move(work)] {
-      // The first question comes when the work is queued.
+      // The first call comes when the work is queued.
       const auto cancelled = [&, is_first = true]() mutable {
         if (std::exchange(is_first, false)) queued.set_value();
         return cancelled_.load();
@@ -56,18 +56,18 @@ class Submitted {
   }
   void Cancel() { cancelled_ = true; }
   void Join() { thread_.join(); }
-  // Once joined.
+  // Valid after Join.
   const absl::Status& status() const { return status_; }
   bool threw() const { return threw_; }
 
  private:
   std::atomic<bool> cancelled_ = false;
-  absl::Status status_ = absl::UnknownError("it has not returned");
+  absl::Status status_ = absl::UnknownError("the work has not returned");
   bool threw_ = false;
-  std::jthread thread_;  // last: it uses the rest
+  std::jthread thread_;  // last: it uses the other members
 };
 
-// Keeps a writer at work until it is released.
+// Blocks a writer until Release.
 class Holder {
  public:
   explicit Holder(Writer& writer) {
@@ -89,10 +89,10 @@ class Holder {
   std::jthread thread_;
 };
 
-TEST_CASE("Writer: queued work begins by priority, then in the order in which it came",
+TEST_CASE("Writer: queued work begins by priority, then in order of submission",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
-  std::string order;  // used by the writer's thread alone, then by this one
+  std::string order;  // used by the writer thread, after the joins by this thread
   std::vector<std::unique_ptr<Submitted>> submitted;
   {
     Holder holder(*writer);
@@ -108,11 +108,11 @@ TEST_CASE("Writer: queued work begins by priority, then in the order in which it
     holder.Release();
   }
   for (const auto& work : submitted) work->Join();
-  // Background work has every fifth turn while ordinary work waits.
+  // Every fifth piece is background work while ordinary work waits.
   CHECK(order == "UVWXYZ1234a5678b9cde");
 }
 
-TEST_CASE("Writer: urgent work that comes while others wait is next", "[storage][concurrency]") {
+TEST_CASE("Writer: urgent work overtakes queued work", "[storage][concurrency]") {
   const auto writer = MakeWriter();
   std::string order;
   std::unique_ptr<Submitted> urgent;
@@ -140,7 +140,7 @@ TEST_CASE("Writer: urgent work that comes while others wait is next", "[storage]
   CHECK(order == "efghab!cd");
 }
 
-TEST_CASE("Writer: a caller who gives up withdraws what has not begun, and nothing else",
+TEST_CASE("Writer: cancellation removes work that has not begun, and nothing else",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
   const Priority priority = GENERATE(Priority::kUrgent, Priority::kOrdinary, Priority::kBackground);
@@ -163,7 +163,7 @@ TEST_CASE("Writer: a caller who gives up withdraws what has not begun, and nothi
   CHECK(after.status().ok());
   CHECK(runs == 2);
 
-  // What is at work goes on to its end.
+  // Running work continues to its end.
   std::promise<void> begun;
   std::promise<void> release;
   Submitted running(*writer, priority, [&](Connection&) -> absl::Status {
@@ -173,17 +173,17 @@ TEST_CASE("Writer: a caller who gives up withdraws what has not begun, and nothi
   });
   begun.get_future().wait();
   running.Cancel();
-  std::this_thread::sleep_for(std::chrono::milliseconds(60));  // asks in vain, if it asks
+  std::this_thread::sleep_for(std::chrono::milliseconds(60));  // time to poll, without effect
   release.set_value();
   running.Join();
   CHECK(absl::IsDataLoss(running.status()));
-  // Not wanted from the start.
+  // Cancelled from the start.
   CHECK(absl::IsCancelled(writer->Run(
       priority, [] { return true; }, work)));
   CHECK(runs == 2);
 }
 
-TEST_CASE("Writer: what work throws reaches its caller, and the writer goes on",
+TEST_CASE("Writer: an exception of work reaches its caller, and the writer continues",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
   const Work fail = [](Connection&) -> absl::Status { throw std::bad_alloc(); };
@@ -201,8 +201,7 @@ TEST_CASE("Writer: what work throws reaches its caller, and the writer goes on",
   CHECK(next.status().ok());
 }
 
-TEST_CASE("Writer: what is queued when it is closed is done, and callers learn so",
-          "[storage][concurrency]") {
+TEST_CASE("Writer: queued work is done before the writer is closed", "[storage][concurrency]") {
   auto writer = MakeWriter();
   int runs = 0;
   std::vector<std::unique_ptr<Submitted>> submitted;
@@ -231,7 +230,7 @@ TEST_CASE("Writer: what is queued when it is closed is done, and callers learn s
   }
 }
 
-// Work that may share a transaction, on a table with one column of unique numbers.
+// Work that can share a transaction: insertions into a table of unique numbers.
 class SharedWork {
  public:
   explicit SharedWork(Writer& writer) : writer_(writer) {
@@ -240,12 +239,12 @@ class SharedWork {
     }));
   }
 
-  // Submits an insertion, and waits until it is queued.
+  // Submits an insertion and waits until it is queued.
   void Insert(int n, std::int64_t added_bytes, std::function<void()> before = {}) {
     std::promise<void> queued;
-    absl::StatusOr<int>* const told =
-        told_.emplace_back(std::make_unique<absl::StatusOr<int>>(0)).get();
-    callers_.emplace_back([&queued, this, told, n, added_bytes, before = std::move(before)] {
+    absl::StatusOr<int>* const result =
+        results_.emplace_back(std::make_unique<absl::StatusOr<int>>(0)).get();
+    callers_.emplace_back([&queued, this, result, n, added_bytes, before = std::move(before)] {
       const auto cancelled = [&, is_first = true]() mutable {
         if (std::exchange(is_first, false)) queued.set_value();
         return false;
@@ -256,27 +255,27 @@ class SharedWork {
         return n;
       };
       try {
-        *told = writer_.RunInShared(transact_, added_bytes, cancelled, insert);
+        *result = writer_.RunInShared(transact_, added_bytes, cancelled, insert);
       } catch (const std::bad_alloc&) {
-        *told = absl::ResourceExhaustedError("thrown");
+        *result = absl::ResourceExhaustedError("thrown");
       }
     });
     queued.get_future().wait();
   }
 
-  // What each was told, in the order of submission.
-  std::vector<absl::StatusOr<int>> Told() {
+  // Waits for all callers and returns their results in order of submission.
+  std::vector<absl::StatusOr<int>> Results() {
     callers_.clear();
-    std::vector<absl::StatusOr<int>> told;
-    for (const auto& each : told_) told.push_back(*each);
-    return told;
+    std::vector<absl::StatusOr<int>> results;
+    for (const auto& result : results_) results.push_back(*result);
+    return results;
   }
   std::int64_t Count() {
     return Require(writer_.Run(Priority::kOrdinary, {}, [](Connection& connection) {
       return connection.QueryInteger("SELECT count(*) FROM t");
     }));
   }
-  // The bytes of each transaction, those that failed among them.
+  // The bytes of each transaction, including failed ones.
   const std::vector<std::int64_t>& transactions() const { return transactions_; }
 
  private:
@@ -287,11 +286,11 @@ class SharedWork {
     transactions_.push_back(bytes);
     return storage::InTransaction(connection, storage::Transaction::Kind::kWrite, body);
   };
-  std::vector<std::unique_ptr<absl::StatusOr<int>>> told_;
+  std::vector<std::unique_ptr<absl::StatusOr<int>>> results_;
   std::vector<std::jthread> callers_;
 };
 
-TEST_CASE("Writer: work that is queued side by side shares a transaction of a few megabytes",
+TEST_CASE("Writer: adjacent work shares a transaction of up to a few megabytes",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
   SharedWork work(*writer);
@@ -300,12 +299,12 @@ TEST_CASE("Writer: work that is queued side by side shares a transaction of a fe
     for (int n = 0; n < 5; ++n) work.Insert(n, 1 << 20);
     holder.Release();
   }
-  for (const auto& each : work.Told()) CHECK(each.ok());
+  for (const auto& result : work.Results()) CHECK(result.ok());
   CHECK(work.Count() == 5);
   CHECK(work.transactions() == std::vector<std::int64_t>{4 << 20, 1 << 20});
 }
 
-TEST_CASE("Writer: of work that shares a transaction what fails fails alone",
+TEST_CASE("Writer: failing work in a shared transaction does not affect the rest",
           "[storage][concurrency]") {
   const auto writer = MakeWriter();
   SharedWork work(*writer);
@@ -316,20 +315,20 @@ TEST_CASE("Writer: of work that shares a transaction what fails fails alone",
     work.Insert(2, 20, [&] {
       if (throws) throw std::bad_alloc();
     });
-    work.Insert(1, 30);  // is there already
+    work.Insert(1, 30);  // fails: 1 exists already
     work.Insert(3, 40);
     holder.Release();
   }
-  const auto told = work.Told();
-  CHECK(told[0].ok());
-  CHECK(told[1].ok() == !throws);
-  CHECK_FALSE(told[2].ok());
-  CHECK(told[3].ok());
+  const auto results = work.Results();
+  CHECK(results[0].ok());
+  CHECK(results[1].ok() == !throws);
+  CHECK_FALSE(results[2].ok());
+  CHECK(results[3].ok());
   CHECK(work.Count() == (throws ? 2 : 3));
   CHECK(work.transactions() == std::vector<std::int64_t>{100, 10, 20, 30, 40});
 }
 
-TEST_CASE("Writer: among many callers each learns whether its work was done",
+TEST_CASE("Writer: each of many callers gets the result of its own work",
           "[storage][concurrency]") {
   constexpr unsigned kCallers = 8;
   constexpr int kRounds = 200;
@@ -369,7 +368,7 @@ TEST_CASE("Writer: among many callers each learns whether its work was done",
   }
 }
 
-TEST_CASE("SqliteMotionStore: a token is revoked before changes that came earlier",
+TEST_CASE("SqliteMotionStore: a revocation overtakes changes that were queued earlier",
           "[storage][concurrency]") {
   const StoreFile file;
   const auto store = file.Open();

@@ -1,4 +1,4 @@
-// What the server logs while a test looks.
+// Captures the server's log during a test.
 #pragma once
 
 #include <spdlog/sinks/ostream_sink.h>
@@ -12,7 +12,7 @@
 
 namespace motiondb::tests {
 
-// Takes the place of the server's log while it lives.
+// Replaces the default logger until destroyed.
 class CapturedLog {
  public:
   explicit CapturedLog(spdlog::level::level_enum level) : former_(spdlog::default_logger()) {
@@ -24,7 +24,7 @@ class CapturedLog {
   }
   ~CapturedLog() { spdlog::set_default_logger(former_); }
 
-  // JSON lines. To be asked for when no thread logs any more.
+  // Returns the captured JSON lines. Call only after all logging threads have ended.
   std::string text() const { return text_.str(); }
 
  private:

@@ -13,7 +13,7 @@ void Openssl(const std::string& arguments) {
   REQUIRE(std::system(command.c_str()) == 0);
 }
 
-// Elliptic curves: a key is made in a millisecond.
+// Elliptic curve keys are generated in about 1 ms.
 constexpr char kNewKey[] = "-newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes";
 
 }  // namespace

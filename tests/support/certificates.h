@@ -1,25 +1,26 @@
-// Certificates that a test makes, with the `openssl` program.
+// Creates test certificates with the `openssl` program.
 #pragma once
 
 #include <string>
 
 namespace motiondb::tests {
 
-// Paths of a certificate and its key, PEM.
+// Paths of a certificate and its key (PEM).
 struct KeyPairFiles {
   std::string certificate;
   std::string key;
 };
 
-// Signs certificates. REQUIREs that openssl does what it is asked for.
+// A certificate authority. REQUIREs that each openssl command succeeds.
 class Authority {
  public:
-  // Its files lie in `folder`, which must exist, and begin with `name`.
+  // Writes its files to `folder`, which must exist. File names begin with `name`.
   Authority(const std::string& folder, const std::string& name);
 
   const std::string& certificate() const { return own_.certificate; }
-  // For `common_name`; as a server's it is good for localhost and 127.0.0.1. Replaces what an
-  // earlier call for the same `file` made. It is good for `days`; less than 0: it has expired.
+  // Issues a certificate for `common_name`, also valid for the servers localhost and 127.0.0.1. It
+  // is valid for `days`; a negative value makes an expired one. Overwrites the earlier pair of the
+  // same `file`.
   KeyPairFiles Issue(const std::string& file, const std::string& common_name, int days = 2) const;
 
  private:

@@ -1,4 +1,4 @@
-// A program that a test starts, talks to by signals and waits for.
+// A child process that a test starts, signals and waits for.
 #pragma once
 
 #include <sys/types.h>
@@ -8,22 +8,23 @@
 
 namespace motiondb::tests {
 
-// Killed, if it still runs, when this is destroyed. Not thread-safe.
+// The destructor kills the process if it still runs. Not thread-safe.
 class ChildProcess {
  public:
-  // arguments[0] is the program's path. Its standard error goes to the end of a file, or to this
-  // program's own where none is named. Throws std::runtime_error if it cannot be started.
+  // arguments[0] is the path of the program. Its standard error is appended to `errors_file`, or
+  // inherited if that is empty. Throws std::runtime_error if the process cannot be started.
   explicit ChildProcess(const std::vector<std::string>& arguments,
                         const std::string& errors_file = "");
   ~ChildProcess();
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
 
-  // The next line of its standard output, without its end; empty at the end of the output.
+  // Returns the next line of its standard output without the line feed; empty at the end of the
+  // output.
   std::string ReadLine();
   pid_t pid() const { return pid_; }
   void Signal(int signal);
-  // Waits for the end: the exit code, or 128 and the signal that ended it.
+  // Waits for its end. Returns the exit code, or 128 + the signal that killed it.
   int Wait();
 
  private:

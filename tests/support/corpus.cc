@@ -52,7 +52,7 @@ std::string FormatName(const fs::path& path) {
   return path.has_extension() ? path.extension().string().substr(1) : "";
 }
 
-// Reads a clip's file and brings it to the scheme's markers and the rate.
+// Reads the file of a clip, maps it to the scheme's markers and resamples it.
 absl::Status Load(const fs::path& path, const core::MarkerScheme& scheme, double frame_rate_hz,
                   EvalClip& clip) {
   MOTIONDB_ASSIGN_OR_RETURN(const core::MotionFile file, ReadMotion(path));
@@ -88,7 +88,8 @@ const EvalClip* AddClip(Corpus& corpus, std::string name, std::string label, std
   return corpus.clips.back().get();
 }
 
-// The TRC files of a folder, in order of name. The action is the name up to its number.
+// Adds the TRC files of a folder, sorted by name. The action is the name before the last
+// underscore.
 absl::StatusOr<ClipSet> AddFolder(const fs::path& data, const std::string& folder, Corpus& corpus) {
   std::error_code error;
   std::vector<std::string> names;
@@ -120,7 +121,8 @@ absl::StatusOr<Corpus> LoadRecognitionCorpus(const fs::path& data, double frame_
   const auto add_list = [&](const char* name, ClipSet& clips) -> absl::Status {
     const fs::path list = data / "sets" / name;
     MOTIONDB_ASSIGN_OR_RETURN(const std::vector<ListedClip> listed, ReadClipList(list));
-    if (listed.empty()) return core::InvalidArgument("{}: it lists no clips", list.string());
+    if (listed.empty())
+      return core::InvalidArgument("{}: expected at least one clip", list.string());
     for (const ListedClip& row : listed) {
       const std::string path = row.path.lexically_normal().lexically_relative(data).string();
       const auto known = by_path.find(path);
@@ -159,7 +161,7 @@ absl::StatusOr<Corpus> LoadPredictionCorpus(const fs::path& data,
   corpus.frame_rate_hz = kPredictionRateHz;
   MOTIONDB_ASSIGN_OR_RETURN(corpus.prediction_train, AddFolder(data, "prediction/train", corpus));
   if (corpus.prediction_train.empty()) {
-    return core::NotFound("{}: no TRC files", (data / "prediction/train").string());
+    return core::NotFound("{}: expected TRC files", (data / "prediction/train").string());
   }
   if (fs::exists(data / "prediction/test")) {
     MOTIONDB_ASSIGN_OR_RETURN(corpus.prediction_test, AddFolder(data, "prediction/test", corpus));

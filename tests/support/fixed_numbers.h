@@ -1,5 +1,5 @@
-// Numbers and a digest that are the same on every machine: for results that must be the same bits
-// on every processor and with every compiler.
+// Reproducible numbers and a digest, for results that must be bit-identical on every processor and
+// with every compiler.
 #pragma once
 
 #include <bit>
@@ -10,7 +10,7 @@
 
 namespace motiondb::tests {
 
-// rows x columns, evenly from -1 to 1, in the order of a linear congruential generator.
+// Returns rows x columns numbers, uniform in [-1, 1), from a linear congruential generator.
 inline core::FrameMatrix FixedNumbers(Eigen::Index rows, Eigen::Index columns) {
   std::uint32_t state = 1;
   return core::FrameMatrix::NullaryExpr(rows, columns, [&] {
@@ -19,7 +19,7 @@ inline core::FrameMatrix FixedNumbers(Eigen::Index rows, Eigen::Index columns) {
   });
 }
 
-// FNV-1a over the bits of numbers, in words of eight bytes; all NaN are alike.
+// FNV-1a over the bits of the numbers, in 8-byte words. All NaN are equal.
 class BitDigest {
  public:
   void Add(double number) {

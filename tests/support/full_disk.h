@@ -1,4 +1,4 @@
-// A disk that has no room when a test says so.
+// A simulated disk that is full when a test chooses.
 #pragma once
 
 #include <atomic>
@@ -7,13 +7,13 @@
 
 namespace motiondb::tests {
 
-// Outlives the store that writes to it. Thread-safe.
+// Must outlive the store that writes to it. Thread-safe.
 class FullDisk {
  public:
   enum class Lacks { kNothing, kRoomForOperations, kRoom };
   void Set(Lacks lacks) { lacks_ = lacks; }
 
-  // On the store's side: of an operation, and of anything else.
+  // Called by the store before it writes an operation, or anything else.
   absl::Status WriteOperation() const { return Write(lacks_ != Lacks::kNothing); }
   absl::Status Write() const { return Write(lacks_ == Lacks::kRoom); }
 

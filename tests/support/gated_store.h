@@ -1,6 +1,5 @@
-// A store that passes every call on to another, and with which a test can hold a build where it
-// begins or ends, hold upkeep where it begins, or let reading the model or writing fail, at a
-// moment of its choice.
+// A store that forwards every call to another one. A test can block the begin or end of a build,
+// block the begin of maintenance, or make reads of the model or writes fail.
 #pragma once
 
 #include <condition_variable>
@@ -16,16 +15,16 @@
 
 namespace motiondb::tests {
 
-// Outlives the store that it steers. Thread-safe.
+// Blocks calls of a store. Must outlive it. Thread-safe.
 class Gate {
  public:
-  // Builds stop at the gate, until Open.
+  // Passing threads block until Open.
   void Close();
   void Open();
-  // Waits until one has come to the closed gate.
+  // Waits until a thread is blocked.
   void AwaitArrival();
 
-  // On the store's side.
+  // Called by the store.
   void Pass();
 
  private:
@@ -35,7 +34,7 @@ class Gate {
   int waiting_ = 0;
 };
 
-// Who verifies, backs up or restores passes `gate` first.
+// Verify, backup and restore pass `gate` first.
 class GatedUpkeep final : public storage::StoreUpkeep {
  public:
   GatedUpkeep(storage::StoreUpkeep& upkeep, Gate& gate) : upkeep_(upkeep), gate_(gate) {}
@@ -64,9 +63,9 @@ class GatedUpkeep final : public storage::StoreUpkeep {
 
 class GatedStore : public storage::MotionStore {
  public:
-  // Who reads states of clips or asks for upkeep passes `gate`, who puts a model that was built
-  // `model_gate`, who reads a model `reading_gate`, who stores clips that were derived again
-  // `derive_gate`; `disk` decides what is written.
+  // Each kind of call passes its gate first: `gate` reads of clip states and maintenance,
+  // `model_gate` writes of a built model, `reading_gate` reads of a model, `derive_gate` writes of
+  // derived clips. `disk` decides whether writes succeed.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
              std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>(),
@@ -79,7 +78,7 @@ class GatedStore : public storage::MotionStore {
         reading_gate_(std::move(reading_gate)),
         derive_gate_(std::move(derive_gate)) {}
 
-  // What ReadModel returns from now on, if not OK.
+  // ReadModel returns `fault` from now on, unless it is OK.
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,

@@ -5,8 +5,8 @@
 namespace motiondb::tests {
 namespace {
 
-// Eigen's Random draws from the generator of the process: each test case has the same numbers,
-// whichever ran before it.
+// Eigen's Random uses the generator of the process. Seeding makes test cases independent of their
+// order.
 struct SeedEachTestCase : Catch::TestEventListenerBase {
   using TestEventListenerBase::TestEventListenerBase;
   void testCaseStarting(const Catch::TestCaseInfo& test) override {

@@ -21,7 +21,8 @@ absl::StatusOr<fs::path> SkeletonOf(const fs::path& amc) {
       best = path;
     }
   }
-  if (best.empty()) return core::NotFound("{}: no skeleton (.asf) beside it", amc.string());
+  if (best.empty())
+    return core::NotFound("{}: expected its skeleton (.asf) in the same folder", amc.string());
   return best;
 }
 
@@ -29,7 +30,7 @@ absl::StatusOr<fs::path> SkeletonOf(const fs::path& amc) {
 
 absl::StatusOr<std::string> ReadBytes(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
-  if (!in) return core::NotFound("{}: cannot be read", path.string());
+  if (!in) return core::NotFound("{}: cannot read the file", path.string());
   std::ostringstream out;
   out << in.rdbuf();
   return out.str();

@@ -1,4 +1,4 @@
-// Real clips from files, with errors as values. Safe to call from any thread.
+// Reads recorded clips from files. Errors are returned as absl::Status.
 #pragma once
 
 #include <filesystem>
@@ -10,11 +10,11 @@
 
 namespace motiondb::tests {
 
-// The bytes of a file. NOT_FOUND if it cannot be read.
+// Returns the bytes of a file. NOT_FOUND if it cannot be read.
 absl::StatusOr<std::string> ReadBytes(const std::filesystem::path& path);
 
-// Reads a motion file. An AMC's skeleton is the ASF beside it with the longest name that begins the
-// AMC's; NOT_FOUND if there is none.
+// Reads a motion file. The skeleton of an AMC is the ASF in the same folder with the longest name
+// that is a prefix of the AMC's name; NOT_FOUND if there is none.
 absl::StatusOr<core::MotionFile> ReadMotion(const std::filesystem::path& path);
 
 struct ListedClip {
@@ -22,7 +22,7 @@ struct ListedClip {
   std::string label;
 };
 
-// The rows of a clip list (columns path and label, paths relative to the list).
+// Reads a clip list: columns path and label, paths relative to the list.
 absl::StatusOr<std::vector<ListedClip>> ReadClipList(const std::filesystem::path& list);
 
 }  // namespace motiondb::tests

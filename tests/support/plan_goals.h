@@ -1,4 +1,4 @@
-// Goals for planning, seeded.
+// Seeded random goals for planning.
 #pragma once
 
 #include <vector>
@@ -7,8 +7,8 @@
 
 namespace motiondb::tests {
 
-// Distance 1 to 4 m, bearing within 90 degrees of the start's front, final heading within 90
-// degrees of the bearing, each evenly spread.
+// Each is uniform: distance 1 to 4 m, bearing within 90 degrees of the start's front, final heading
+// within 90 degrees of the bearing.
 std::vector<core::FloorPose> RandomGoals(int count, unsigned seed);
 
 }  // namespace motiondb::tests

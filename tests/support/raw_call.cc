@@ -10,7 +10,7 @@
 namespace motiondb::tests {
 namespace {
 
-// Waits for the one operation that is under way.
+// Waits for the only pending operation.
 bool Next(grpc::CompletionQueue& queue) {
   void* tag = nullptr;
   bool ok = false;

@@ -1,4 +1,4 @@
-// A call by a client that knows nothing of the service but its wire: method name and bytes.
+// A gRPC call without generated code: method name and bytes.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -18,8 +18,8 @@ struct RawAnswer {
 
 using Headers = std::vector<std::pair<std::string, std::string>>;
 
-// Sends one request message and reads the responses, of which the first is kept: a unary call, or
-// one turn of a stream.
+// Sends one request message, reads all responses and keeps the first: a unary call, or one round of
+// a stream.
 RawAnswer RawCall(const std::shared_ptr<grpc::Channel>& channel, const std::string& method,
                   const std::string& request, const Headers& headers = {});
 

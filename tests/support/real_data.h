@@ -1,5 +1,5 @@
-// Where the real motion is: ../shared/data beside the project, or MOTIONDB_DATA. Tests that need it
-// begin with MOTIONDB_REQUIRE_DATA, which says so in one line and passes where it is absent.
+// Location of the recorded motion: MOTIONDB_DATA, or ../shared/data beside the project. Tests that
+// need it begin with MOTIONDB_REQUIRE_DATA, which skips them with one line if it is missing.
 #pragma once
 
 #include <filesystem>
@@ -22,7 +22,7 @@ inline std::string ReadFile(const std::filesystem::path& path) {
 
 #define MOTIONDB_REQUIRE_DATA()                                                     \
   if (!std::filesystem::exists(motiondb::tests::DataDir() / "index.tsv")) {         \
-    WARN("skipped: real motion is not at " << motiondb::tests::DataDir().string()); \
+    WARN("skipped: no recorded motion in " << motiondb::tests::DataDir().string()); \
     return;                                                                         \
   }                                                                                 \
   static_assert(true)

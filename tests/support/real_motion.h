@@ -1,4 +1,4 @@
-// Real clips as states, for tests on real data.
+// Recorded clips as states.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +13,14 @@ namespace motiondb::tests {
 // ReadMotion; fails the test on an error.
 core::MotionFile LoadMotion(const std::filesystem::path& path);
 
-// The states of a file on the standard markers.
+// Returns the states of a file on the standard markers.
 core::StateSequence LoadStates(const std::filesystem::path& path, double frame_rate_hz,
                                core::Cleaning cleaning = core::GlitchPolicy::kRepair);
 
 // ReadClipList; fails the test on an error.
 std::vector<ListedClip> ReadList(const std::filesystem::path& list);
 
-// A model of a whole list on the standard markers.
+// Builds a model of all clips of a list on the standard markers.
 core::Model BuildFromList(const std::filesystem::path& list, const core::BuildSettings& settings);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// Texts, and what of them people may see: from the server, the client and the log.
+// Texts and their displayable forms, as in the server, the client and the log.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace motiondb::tests {
 
-// First and last of the characters that are display controls; no other is one.
+// First and last character of each range of display controls.
 inline constexpr std::pair<char32_t, char32_t> kDisplayControls[] = {
     {0x00, 0x1F},     {0x7F, 0x9F},     {0x61C, 0x61C},   {0x200E, 0x200F}, {0x2028, 0x202E},
     {0x2066, 0x206F}, {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0xFFFE, 0xFFFF}};
@@ -22,7 +22,7 @@ inline bool IsListedDisplayControl(char32_t character) {
 inline std::string Secret() { return std::string(64, 'c'); }
 inline std::string AnyToken() { return "mdb_0123456789ab_" + Secret(); }
 
-// A text, and how it is shown.
+// Pairs of a text and its displayed form.
 inline std::vector<std::pair<std::string, std::string>> ShownTexts() {
   const std::string token = AnyToken(), shown = "mdb_0123456789ab_...", mark = "\xEF\xBF\xBD";
   return {

@@ -1,5 +1,5 @@
-// Time and scheduling of a test: work runs on the thread that calls RunUntil, in order of its time,
-// and what is due at the same time in an order that the seed chooses. The clock moves only there.
+// Simulated time and scheduling. Work runs on the thread that calls RunUntil, in order of its time;
+// the seed decides the order of work due at the same time. Only RunUntil advances the clock.
 #pragma once
 
 #include <functional>
@@ -20,7 +20,7 @@ class SimulatedExecutor : public server::Executor {
   std::unique_ptr<Timer> MakeTimer(server::Pool) override {
     return std::make_unique<SimulatedTimer>(*this);
   }
-  // Calls `between` before each body, as what other threads do meanwhile.
+  // Calls `between` before each body, to simulate other threads.
   core::ParallelFor Parallel(server::Pool) override {
     return [this](int count, const std::function<void(int)>& body) {
       for (int i = 0; i < count; ++i) {

@@ -1,4 +1,4 @@
-// A store in memory whose disk takes its time with operations.
+// A store in memory. Writes of operations wait for a gate.
 #pragma once
 
 #include <memory>

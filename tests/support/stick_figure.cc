@@ -80,7 +80,7 @@ ROOT Hips
 struct Pose {
   double forward_cm = 0;
   double height_cm = 94;
-  double left_hip = 0;  // degrees about x, as all that follow
+  double left_hip = 0;  // degrees about x, as the following angles
   double left_knee = 0;
   double right_hip = 0;
   double right_knee = 0;

@@ -1,4 +1,4 @@
-// Motion files that tests write themselves: a stick figure that walks, squats or waves.
+// Synthetic motion files: a stick figure that walks, squats or waves.
 #pragma once
 
 #include <string>
@@ -11,12 +11,12 @@ struct StickFigure {
   Act act = Act::kWalk;
   int frame_count = 60;
   double frame_rate_hz = 60;
-  double phase = 0;    // of the movement, radians; also tells clips of one act apart
-  double tempo = 1.0;  // cycles a second
+  double phase = 0;    // of the movement, rad; distinguishes clips of one act
+  double tempo = 1.0;  // cycles per second
 };
 
-// The motion as a BVH file in centimetres, y up: hips with six channels, then legs, spine, head and
-// arms with three rotations each.
+// Returns the motion as a BVH file in centimetres, y up: hips with six channels; legs, spine, head
+// and arms with three rotations each.
 std::string WriteBvh(const StickFigure& figure);
 
 }  // namespace motiondb::tests

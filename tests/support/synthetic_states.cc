@@ -44,7 +44,7 @@ std::vector<core::BuildInput> WanderingClips(int clips, int frames, const core::
     input.states.leg_length_m = 0.9;
     input.states.states =
         WanderingStates(frames, set.dimension_count(), seed + static_cast<unsigned>(c % 2));
-    // Clips of one label pass through the same places, each a little apart from the others.
+    // Clips of one label pass through the same places, with small differences.
     std::mt19937 random(seed + 100 + static_cast<unsigned>(c));
     std::normal_distribution<float> normal(0, 0.05f);
     for (Eigen::Index i = 0; i < input.states.states.size(); ++i) {

@@ -1,4 +1,4 @@
-// Small motions that tests make up: seeded, so that every run sees the same.
+// Small synthetic motions, seeded.
 #pragma once
 
 #include <string>
@@ -8,17 +8,18 @@
 
 namespace motiondb::tests {
 
-// A marker set of `markers` markers m0, m1, ... with hips and one leg.
+// Returns a set of `markers` markers m0, m1, ... with hips and one leg.
 core::MarkerSet SmallMarkerSet(int markers);
 
-// frames x dimensions of states that wander smoothly between a few places, as motion does.
+// Returns frames x dimensions states that move smoothly between a few places.
 core::FrameMatrix WanderingStates(int frames, int dimensions, unsigned seed);
 
-// Clips of wandering states, labelled "a" and "b" in turn, each label in places of its own.
+// Returns clips of wandering states, alternately labelled "a" and "b". Each label has its own
+// places.
 std::vector<core::BuildInput> WanderingClips(int clips, int frames, const core::MarkerSet& set,
                                              unsigned seed, double frame_rate_hz = 60);
 
-// A model of such clips.
+// Builds a model of such clips.
 core::Model SmallModel(int clips, int frames, int markers, int min_frames, unsigned seed);
 
 }  // namespace motiondb::tests

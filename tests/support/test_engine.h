@@ -1,4 +1,4 @@
-// An engine over a real store in a temporary file, without a transport.
+// An engine without transport, over a real store in a temporary file.
 #pragma once
 
 #include <memory>
@@ -17,11 +17,10 @@ class TestEngine {
   explicit TestEngine(const server::EngineOptions& options = QuickOptions());
   ~TestEngine();
 
-  // A rebuild 50 ms after the last ingest, and no extension, however slow the machine.
+  // Rebuilds 50 ms after the last ingest; never extends, however slow the machine is.
   static server::EngineOptions QuickOptions();
 
-  // As when a server is stopped, and when one starts on the same file. `model_fault` is what
-  // reading models then gives.
+  // Stops the engine; starts a new one on the same file. Reads of models fail with `model_fault`.
   void Stop();
   void Start(const absl::Status& model_fault = absl::OkStatus());
 
@@ -33,18 +32,18 @@ class TestEngine {
   Gate& reading_gate() { return *reading_gate_; }
   Gate& derive_gate() { return *derive_gate_; }
   FullDisk& disk() { return *disk_; }
-  // From the next Start on.
+  // Applied by the next Start.
   void set_options(const server::EngineOptions& options) { options_ = options; }
 
-  // A `source` database with small nodes.
+  // Creates a `source` database with small nodes.
   std::shared_ptr<server::LiveDatabase> Create(
       const std::string& id, core::GlitchPolicy glitches = core::GlitchPolicy::kRepair);
-  // Ingests a figure as NAME.bvh, labelled NAME.
+  // Ingests a figure as NAME.bvh with label NAME.
   absl::StatusOr<server::Ingested> Ingest(const std::string& database, const std::string& name,
                                           const StickFigure& figure);
-  // Waits, a minute at most, until the operation is done or the engine drains.
+  // Waits at most 1 minute until the operation is done or the engine drains.
   storage::OperationRecord Wait(const std::string& operation);
-  // Version of the current model; 0 while there is none.
+  // Returns the version of the current model, or 0.
   int ModelVersion(const std::string& database);
 
  private:

@@ -19,7 +19,7 @@ namespace {
 server::ServerOptions QuickOptions() {
   server::ServerOptions options;
   options.engine.rebuild_delay = std::chrono::milliseconds(50);
-  options.engine.extend_from = std::chrono::hours(1);  // a model a change, however slow the machine
+  options.engine.extend_from = std::chrono::hours(1);  // one model per change
   options.engine.query_threads = 4;
   return options;
 }
@@ -29,7 +29,7 @@ server::ServerOptions QuickOptions() {
 TestServer::TestServer() : TestServer(QuickOptions()) {}
 
 TestServer::TestServer(const server::ServerOptions& options) : options_(options) {
-  // As motiondbd does: gRPC is not shut down and begun again between tests.
+  // As in motiondbd, gRPC stays initialized between tests.
   static const bool kHeld = (grpc_init(), true);
   (void)kHeld;
   options_.listen = "127.0.0.1:0";
@@ -53,7 +53,7 @@ void TestServer::Stop() {
 }
 
 void TestServer::Start() {
-  // A port that was free when gRPC bound it may be another's when it listens: then try the next.
+  // Another process may take the port between gRPC's bind and listen; retry.
   for (int tries = 0; server_ == nullptr; ++tries) {
     auto store = storage::SqliteMotionStore::Open(directory_ / "store.db");
     INFO(store.status().ToString());
@@ -69,7 +69,7 @@ void TestServer::Start() {
 }
 
 std::shared_ptr<grpc::Channel> TestServer::NewChannel() const {
-  // Not gRPC's shared connection, which would remember a server that has gone.
+  // A subchannel pool of its own: gRPC's global one remembers a server that has ended.
   grpc::ChannelArguments arguments;
   arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
   return grpc::CreateCustomChannel(server_->address(), grpc::InsecureChannelCredentials(),

@@ -1,5 +1,5 @@
-// A server in the test's own process, on a loopback socket, over a real store in a temporary file;
-// and the calls that tests make most.
+// A server in the process of the test, on a loopback socket, over a real store in a temporary file;
+// and frequent calls.
 #pragma once
 
 #include <grpcpp/channel.h>
@@ -28,44 +28,43 @@ namespace motiondb::tests {
 class TestServer {
  public:
   TestServer();
-  // With settings of the test's own; a short rebuild delay is a good idea.
+  // With other options. Use a short rebuild delay.
   explicit TestServer(const server::ServerOptions& options);
   ~TestServer();
 
-  // Stops the server and starts another on the same file.
+  // Stops the server and starts a new one on the same file.
   void Restart();
-  // Stops it, and starts it.
   void Stop();
   void Start();
 
   server::Server& server() { return *server_; }
-  // What the next Start begins with.
+  // Used by the next Start.
   server::ServerOptions& options() { return options_; }
-  // Where a build reads clips, and where it stores its model.
+  // `gate` blocks reads of clips by a build, `model_gate` the write of its model.
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
   FullDisk& disk() { return *disk_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
-  // Another, with a connection of its own.
+  // Returns a new channel with its own connection.
   std::shared_ptr<grpc::Channel> NewChannel() const;
 
-  // NewStub<v1::ClipService>().
+  // Example: NewStub<v1::ClipService>().
   template <typename Service>
   std::unique_ptr<typename Service::Stub> NewStub() {
     return Service::NewStub(channel_);
   }
 
-  // A database on its first clip's own markers, with small nodes: quick to build.
+  // Creates a database on the markers of its first clip, with small nodes: quick to build.
   void CreateDatabase(const std::string& id);
   // Streams a file in small blocks.
   grpc::Status Ingest(const v1::IngestClipHeader& header, const std::string& bytes,
                       v1::IngestClipResponse* response = nullptr);
-  // Ingests a figure as NAME.bvh under a label. REQUIREs success.
+  // Ingests a figure as NAME.bvh with a label. REQUIREs success.
   v1::IngestClipResponse IngestFigure(const std::string& database, const std::string& name,
                                       const std::string& label, const StickFigure& figure);
-  // Waits, a minute at most, until the operation is done.
+  // Waits at most 1 minute until the operation is done.
   v1::Operation Wait(const std::string& operation);
-  // A database `id` with a walk, a squat and a wave, and its model.
+  // Creates a database `id` with a walk, a squat, a wave, and a model.
   void CreateTrained(const std::string& id);
   v1::DescribeDatabaseResponse Describe(const std::string& id);
 
@@ -79,18 +78,17 @@ class TestServer {
   std::shared_ptr<grpc::Channel> channel_;
 };
 
-// A walk as a file observation.
+// Returns a walk as a file observation.
 v1::Observation ObservedWalk();
 
-// What a unary call came to.
+// Result of a unary call.
 template <typename Response>
 struct Answer {
   grpc::Status status;
   Response response;
 };
 
-// Makes a unary call, as the bearer of a token if one is given: Ask(*stub, &Stub::GetClip,
-// request).
+// Makes a unary call, with a token if one is given: Ask(*stub, &Stub::GetClip, request).
 template <typename Stub, typename Request, typename Response>
 Answer<Response> Ask(Stub& stub,
                      grpc::Status (Stub::*method)(grpc::ClientContext*, const Request&, Response*),
@@ -102,7 +100,7 @@ Answer<Response> Ask(Stub& stub,
   return answer;
 }
 
-// The fields that an error's details name, joined by commas.
+// Returns the fields in the details of an error, joined by commas.
 std::string ViolatedFields(const grpc::Status& status);
 
 }  // namespace motiondb::tests

@@ -1,14 +1,14 @@
-// Threads for core's ParallelFor.
+// Implementation of core::ParallelFor for tests.
 #pragma once
 
 #include "core/tree/parallel.h"
 
 namespace motiondb::tests {
 
-// Bodies are taken in order of index by `jobs` threads (1: the calling one). Not to be nested.
+// `jobs` threads run the bodies in order of index (1: the calling thread). Cannot be nested.
 core::ParallelFor OnThreads(int jobs);
 
-// Seconds of processor time that the calling thread has used: what a query costs on a busy machine.
+// Returns the processor time of the calling thread, s: the cost of a query on a busy machine.
 double ThreadSeconds();
 
 }  // namespace motiondb::tests

@@ -7,7 +7,7 @@
 namespace motiondb::tests::display_text_test {
 namespace {
 
-TEST_CASE("DisplayText: no display control is shown", "[text]") {
+TEST_CASE("DisplayText: display controls are replaced", "[text]") {
   for (const auto& [text, shown] : ShownTexts()) {
     CAPTURE(text);
     CHECK(text::SafeText(text) == shown);
@@ -23,12 +23,12 @@ TEST_CASE("DisplayText: no display control is shown", "[text]") {
   CHECK(text::DisplayText(AnyToken()) == AnyToken());
 }
 
-TEST_CASE("DisplayText: the first display control is found", "[text]") {
+TEST_CASE("FindDisplayControl: returns the first display control", "[text]") {
   CHECK(text::FindDisplayControl("M\xC3\xBCller").bytes == 0);
   CHECK(text::FindDisplayControl("M\xC3\xBC\xE2\x80\xAE\x1b").code == 0x202E);
 }
 
-TEST_CASE("WithoutSecrets: nothing after a token's id is shown", "[text]") {
+TEST_CASE("WithoutSecrets: the secret after a token's id is replaced", "[text]") {
   const std::string token = "mdb_0123456789ab_" + std::string(64, 'c');
   const std::string shown = "mdb_0123456789ab_...";
   CHECK(text::WithoutSecrets(token) == shown);

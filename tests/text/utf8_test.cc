@@ -5,25 +5,25 @@
 namespace motiondb::tests::utf8_test {
 namespace {
 
-TEST_CASE("Utf8: valid text stays as it is", "[text]") {
+TEST_CASE("ValidUtf8: valid text does not change", "[text]") {
   for (const std::string text :
        {"", "walk", "Schr\xc3\xa4g", "\xe6\xad\xa9\xe3\x81\x8f", "\xf0\x9f\x9a\xb6"}) {
     CHECK(text::ValidUtf8(text) == text);
   }
 }
 
-TEST_CASE("Utf8: what is not valid is replaced, byte by byte", "[text]") {
+TEST_CASE("ValidUtf8: each invalid byte is replaced", "[text]") {
   const std::string mark = "\xef\xbf\xbd";
   CHECK(text::ValidUtf8("a\xff"
                         "b") == "a" + mark + "b");
-  CHECK(text::ValidUtf8("\xc3") == mark);                        // cut short
+  CHECK(text::ValidUtf8("\xc3") == mark);                        // incomplete
   CHECK(text::ValidUtf8("\xc0\xaf") == mark + mark);             // overlong
   CHECK(text::ValidUtf8("\xed\xa0\x80") == mark + mark + mark);  // surrogate
   CHECK(text::ValidUtf8("\xf4\x90\x80\x80").size() == 4 * 3);    // beyond U+10FFFF
   CHECK(text::ValidUtf8("Schr\xe4g") == "Schr" + mark + "g");    // Latin-1
 }
 
-TEST_CASE("Utf8: well-formed text and nothing else", "[text]") {
+TEST_CASE("IsUtf8: accepts well-formed text only", "[text]") {
   for (const char* good : {"", "walk", "M\xC3\xBCller", "\xE2\x82\xAC", "\xF0\x9F\x8F\x83"}) {
     CHECK(text::IsUtf8(good));
   }
@@ -33,15 +33,15 @@ TEST_CASE("Utf8: well-formed text and nothing else", "[text]") {
   }
 }
 
-TEST_CASE("Utf8: text is cut between characters", "[text]") {
+TEST_CASE("CutAt: cuts between characters", "[text]") {
   const std::string_view mixed = "\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8F\x83z";
   const std::size_t ends[] = {0, 0, 2, 2, 2, 5, 5, 5, 5, 9, 10, 10};
-  for (std::size_t most = 0; most < std::size(ends); ++most) {
-    CHECK(text::CutAt(mixed, most) == mixed.substr(0, ends[most]));
+  for (std::size_t bytes = 0; bytes < std::size(ends); ++bytes) {
+    CHECK(text::CutAt(mixed, bytes) == mixed.substr(0, ends[bytes]));
   }
 }
 
-TEST_CASE("Utf8: a limit cuts between characters", "[text]") {
+TEST_CASE("ValidUtf8: a limit cuts between characters", "[text]") {
   CHECK(text::ValidUtf8("abcdef", 6) == "abcdef");
   CHECK(text::ValidUtf8("abcdefg", 6) == "abc...");
   CHECK(text::ValidUtf8("ab\xc3\xa4\xc3\xa4\xc3\xa4", 6) == "ab...");

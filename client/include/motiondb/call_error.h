@@ -1,5 +1,4 @@
-// What else an error of a call says, beside its code and message: the call's id, and when to try
-// again. Functions here are pure, safe on any thread.
+// Details of a failed call beside its code and message: request id and retry delay.
 #pragma once
 
 #include <chrono>
@@ -11,17 +10,16 @@
 
 namespace motiondb::client {
 
-// Under these type URLs a failed call's absl::Status carries a google.rpc.RequestInfo and a
-// google.rpc.RetryInfo as payload.
+// Type URLs of the payloads google.rpc.RequestInfo and google.rpc.RetryInfo in the absl::Status of
+// a failed call.
 inline constexpr absl::string_view kRequestInfoTypeUrl =
     "type.googleapis.com/google.rpc.RequestInfo";
 inline constexpr absl::string_view kRetryInfoTypeUrl = "type.googleapis.com/google.rpc.RetryInfo";
 
-// The id of the call that failed, by which the server's log has it if it came there; empty where no
-// call was made.
+// Returns the id of the failed call, as in the server's log; empty if no call was made.
 std::string RequestId(const absl::Status& status);
 
-// How long to wait before the same call is tried again; nothing where the server does not say.
+// Returns how long to wait before a retry, or nullopt if the server sent no delay.
 std::optional<std::chrono::milliseconds> RetryDelay(const absl::Status& status);
 
 }  // namespace motiondb::client

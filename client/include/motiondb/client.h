@@ -1,17 +1,15 @@
-// motiondb::client::Client: a connection to a motiondb server, with one function for each call of
-// the wire contract (motiondb/v1/*.proto) and conveniences for paged lists, files and long work.
+// motiondb::client::Client: a connection to a motiondb server. It has one function for each call of
+// the wire contract (motiondb/v1/*.proto), and helpers for paged lists, files and operations.
 //
-// Thread-safety: every function may be called from any number of threads at once. Moving or
-// destroying a client while a call is under way is not safe.
+// Thread-safety: all functions are thread-safe. Do not move or destroy a client during a call.
 // Ownership: a Client owns its connection and closes it when destroyed. Requests are only read
-// during the call; answers belong to the caller. Errors: absl::Status with the server's canonical
-// code and message; fields that the server found wrong are part of the message and can be read with
-// FieldViolations (field_violation.h); the call's id, and when to try again, with RequestId and
-// RetryDelay (call_error.h). UNAVAILABLE names the address; DEADLINE_EXCEEDED the time waited. No
-// function throws.
+// during the call; responses belong to the caller.
+// Errors: absl::Status with the server's canonical code and message. The message names the wrong
+// fields of a request; FieldViolations (field_violation.h) returns them. RequestId and RetryDelay
+// (call_error.h) return the request id and the retry delay. UNAVAILABLE names the address,
+// DEADLINE_EXCEEDED the time limit. No function throws.
 //
-// This header only declares the messages; include <motiondb/v1/query.pb.h> and its neighbours to
-// make and read them.
+// This header only declares the messages. Include <motiondb/v1/query.pb.h> etc. to use them.
 #pragma once
 
 #include <motiondb/call_error.h>
@@ -33,7 +31,8 @@
 
 namespace motiondb::client {
 
-// A clip's original files, byte for byte. The skeleton's are empty where the clip had none.
+// The original files of a clip, byte for byte. The skeleton fields are empty if it has no skeleton
+// file.
 struct ExportedClip {
   std::string file_name;
   std::string file;
@@ -43,8 +42,8 @@ struct ExportedClip {
 
 class Client {
  public:
-  // Connects within options.connect_timeout. INVALID_ARGUMENT for options that make no sense,
-  // UNAVAILABLE if nothing answers at the address.
+  // Connects within options.connect_timeout. INVALID_ARGUMENT: invalid options. UNAVAILABLE: no
+  // server responds at the address.
   static absl::StatusOr<Client> Connect(ClientOptions options = {});
 
   Client(Client&&) noexcept;
@@ -62,20 +61,19 @@ class Client {
       const v1::DeleteDatabaseRequest& request, CallOptions options = {}) const;
   absl::StatusOr<v1::DescribeDatabaseResponse> DescribeDatabase(
       const v1::DescribeDatabaseRequest& request, CallOptions options = {}) const;
-  // Derives all clips again from their files; WaitOperation waits for the operation in the
-  // response.
+  // Derives all clips again from their files, as the operation in the response (WaitOperation).
   absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
       const v1::ReprocessDatabaseRequest& request, CallOptions options = {}) const;
 
   // ---- Clips and skeletons ---------------------------------------------------------------------
-  // Sends a motion file that lies on disk, and its skeleton file where it needs one, in blocks of
-  // 1 MiB; memory does not grow with the file. Names that the header leaves empty are taken from
-  // the paths. NOT_FOUND or UNKNOWN for a file that cannot be read.
+  // Sends a motion file, and its skeleton file if it needs one, in blocks of 1 MiB. Memory use does
+  // not depend on the file size. Empty file names in the header are set from the paths. NOT_FOUND
+  // or UNKNOWN: a file cannot be read.
   absl::StatusOr<v1::IngestClipResponse> IngestFile(const v1::IngestClipHeader& header,
                                                     const std::filesystem::path& file,
                                                     const std::filesystem::path& skeleton = {},
                                                     CallOptions options = {}) const;
-  // The same from memory. The header must name the file.
+  // Sends a motion file from memory. The header must have the file name.
   absl::StatusOr<v1::IngestClipResponse> IngestBytes(const v1::IngestClipHeader& header,
                                                      std::string_view file,
                                                      std::string_view skeleton = {},
@@ -86,14 +84,14 @@ class Client {
                                                   CallOptions options = {}) const;
   absl::StatusOr<v1::DeleteClipResponse> DeleteClip(const v1::DeleteClipRequest& request,
                                                     CallOptions options = {}) const;
-  // The ingested bytes. DATA_LOSS if the stream is not as the contract says.
+  // Returns the ingested files. DATA_LOSS: the stream violates the wire contract.
   absl::StatusOr<ExportedClip> ExportClip(const v1::ExportClipRequest& request,
                                           CallOptions options = {}) const;
-  // Writes the ingested files into `directory`, made if absent, under their own names, and returns
-  // the header that has them. ALREADY_EXISTS rather than replacing a file of other contents, unless
-  // `overwrite`; then a symbolic link is replaced, not followed. DATA_LOSS if the server names a
-  // file with a folder, a control character, or '.' or '-' in front. On an error no half-written
-  // file stays.
+  // Writes the ingested files into `directory` under their own names and returns the header of the
+  // stream. Creates the directory if necessary. With `overwrite`, replaces existing files and
+  // symbolic links. Errors, which leave no partial file: ALREADY_EXISTS: a file with different
+  // contents exists, without `overwrite`. DATA_LOSS: the server sent a file name with a folder or a
+  // control character, or one that begins with '.' or '-'.
   absl::StatusOr<v1::ExportClipHeader> ExportClipToDirectory(const v1::ExportClipRequest& request,
                                                              const std::filesystem::path& directory,
                                                              bool overwrite = false,
@@ -112,8 +110,8 @@ class Client {
                                                   CallOptions options = {}) const;
   absl::StatusOr<v1::ListTransitionsResponse> ListTransitions(
       const v1::ListTransitionsRequest& request, CallOptions options = {}) const;
-  // Calls `on_block` for each block of frames, in order. An error from it ends the call and is
-  // returned.
+  // Calls `on_block` for each block of frames, in order. If it returns an error, the call is
+  // cancelled and the error returned.
   absl::Status ReadStates(
       const v1::ReadStatesRequest& request,
       const std::function<absl::Status(const v1::ReadStatesResponse&)>& on_block,
@@ -126,22 +124,23 @@ class Client {
                                                 CallOptions options = {}) const;
   absl::StatusOr<v1::PredictResponse> Predict(const v1::PredictRequest& request,
                                               CallOptions options = {}) const;
-  // Calls `on_prediction` for each moment, in order. An error from it ends the call and is
-  // returned.
+  // Calls `on_prediction` for each time, in order. If it returns an error, the call is cancelled
+  // and the error returned.
   absl::Status PredictSeries(
       const v1::PredictSeriesRequest& request,
       const std::function<absl::Status(const v1::PredictSeriesResponse&)>& on_prediction,
       CallOptions options = {}) const;
-  // The messages are those of <motiondb/v1/plan.pb.h>. A goal that is not reached is no error: the
-  // response's outcome says so. The timeout bounds the search, too: half of it is searched at most,
-  // so that what was found then can still be made a motion and sent.
+  // Messages: <motiondb/v1/plan.pb.h>. An unreached goal is not an error; see the outcome in the
+  // response. The search takes at most half of the timeout; the rest is for computing and sending
+  // the motion.
   absl::StatusOr<v1::PlanResponse> Plan(const v1::PlanRequest& request,
                                         CallOptions options = {}) const;
 
-  // Opens a stream of frames (<motiondb/observe_stream.h>). Errors, of the start too, come with the
-  // stream's end. Without a timeout it lasts as long as it likes.
+  // Opens a stream of frames (<motiondb/observe_stream.h>). All errors, also of `start`, are
+  // returned by ObserveStream::Finish. The default timeout is unlimited.
   ObserveStream Observe(const v1::ObserveStart& start, CallOptions options = {}) const;
-  // A motion as frames of the database's markers, at its own frame rate: what a stream would send.
+  // Converts a motion to frames of the database's markers at the motion's own frame rate, as input
+  // of a stream.
   absl::StatusOr<v1::RepresentResponse> Represent(const v1::RepresentRequest& request,
                                                   CallOptions options = {}) const;
 
@@ -152,15 +151,15 @@ class Client {
       const v1::ListOperationsRequest& request, CallOptions options = {}) const;
   absl::StatusOr<v1::CancelOperationResponse> CancelOperation(
       const v1::CancelOperationRequest& request, CallOptions options = {}) const;
-  // Waits until the operation is done, calling `on_progress` (which may be null) with each report
-  // of the server, about twice a second, and returns it in its final state; OperationStatus tells
-  // whether that is success. Without a timeout it waits as long as it takes.
+  // Waits until the operation is done and returns it; OperationStatus converts its final state to a
+  // status. Calls `on_progress` (may be null) about twice a second. The default timeout is
+  // unlimited.
   absl::StatusOr<v1::Operation> WaitOperation(
       const std::string& name, const std::function<void(const v1::Operation&)>& on_progress = {},
       CallOptions options = {}) const;
 
   // ---- Access (for administrators) -------------------------------------------------------------
-  // The response holds the token's secret, once.
+  // Only this response contains the token's secret.
   absl::StatusOr<v1::CreateTokenResponse> CreateToken(const v1::CreateTokenRequest& request,
                                                       CallOptions options = {}) const;
   absl::StatusOr<v1::ListTokensResponse> ListTokens(const v1::ListTokensRequest& request,
@@ -171,36 +170,35 @@ class Client {
       const v1::ListAuditEntriesRequest& request, CallOptions options = {}) const;
 
   // ---- The server ------------------------------------------------------------------------------
-  // How the server is doing, as its metrics say it too. Messages: <motiondb/v1/store.pb.h>.
+  // Returns the state and statistics of the server. Messages: <motiondb/v1/store.pb.h>.
   absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(
       const v1::GetServerStatusRequest& request, CallOptions options = {}) const;
 
   // ---- The store as a whole --------------------------------------------------------------------
-  // Checks all that is stored, calling `on_message` (which may be null) with progress and with what
-  // is damaged; returns what was read. Damage is no error: see its damage_count. An error from
-  // `on_message` ends the call and is returned.
+  // Checks everything that is stored and returns a summary. Calls `on_message` (may be null) with
+  // the progress and each corrupt item. Corruption is not an error: see damage_count of the
+  // summary. If `on_message` returns an error, the call is cancelled and the error returned.
   absl::StatusOr<v1::VerifySummary> VerifyStore(
       const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message = {},
       CallOptions options = {}) const;
-  // Writes a backup beside `path`, and gives it its name when it is whole and its checksum right:
-  // what is at `path` is never half a backup. Calls `on_progress` (which may be null) with the
-  // share, 0 to 1, that is there. ALREADY_EXISTS rather than replacing a file, unless `overwrite`;
-  // FAILED_PRECONDITION rather than ever replacing what is no backup, or a server's store;
-  // DATA_LOSS if the checksum is wrong; UNKNOWN for a file that cannot be written. On an error
-  // nothing is left. Returns the bytes of the backup.
+  // Writes a backup to `path` and returns its size in bytes. The file gets this name only when it
+  // is complete and its checksum matches. Calls `on_progress` (may be null) with the received
+  // fraction, 0 to 1. Errors, which leave no file: ALREADY_EXISTS: the file exists, without
+  // `overwrite`. FAILED_PRECONDITION: the existing file is not a backup, or is the store of a
+  // server. DATA_LOSS: the checksum does not match. UNKNOWN: the file cannot be written.
   absl::StatusOr<std::int64_t> BackupStore(const std::filesystem::path& path,
                                            bool overwrite = false,
                                            const std::function<void(double)>& on_progress = {},
                                            CallOptions options = {}) const;
-  // Sends a backup to a server whose store is empty. Memory does not grow with the file.
-  // `on_progress` as above, of what was sent. NOT_FOUND or UNKNOWN for a file that cannot be read,
-  // INVALID_ARGUMENT for what is no regular file.
+  // Sends a backup to a server with an empty store. Memory use does not depend on the file size.
+  // Calls `on_progress` (may be null) with the sent fraction, 0 to 1. NOT_FOUND or UNKNOWN: the
+  // file cannot be read. INVALID_ARGUMENT: it is not a regular file.
   absl::StatusOr<v1::RestoreStoreResponse> RestoreStore(
       const std::filesystem::path& path, const std::function<void(double)>& on_progress = {},
       CallOptions options = {}) const;
 
   // ---- Whole lists -----------------------------------------------------------------------------
-  // All pages of a list, each page a call of its own. A request's page_token must be empty.
+  // Read all pages of a list, one call for each page. The request's page_token must be empty.
   absl::StatusOr<std::vector<v1::Database>> AllDatabases(CallOptions options = {}) const;
   absl::StatusOr<std::vector<v1::Clip>> AllClips(const v1::ListClipsRequest& request,
                                                  CallOptions options = {}) const;
@@ -224,7 +222,8 @@ class Client {
   std::shared_ptr<const Connection> connection_;
 };
 
-// How an operation ended: OK, CANCELLED, or its error. FAILED_PRECONDITION if it has not ended.
+// Returns the result of an operation: OK, CANCELLED, or its error. FAILED_PRECONDITION: it has not
+// ended.
 absl::Status OperationStatus(const v1::Operation& operation);
 
 }  // namespace motiondb::client

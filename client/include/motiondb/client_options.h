@@ -1,4 +1,4 @@
-// How a client reaches its server, and how long it waits. Plain values: copy them freely.
+// Options of a connection and of a call.
 #pragma once
 
 #include <chrono>
@@ -12,45 +12,45 @@ class ChannelCredentials;
 
 namespace motiondb::client {
 
-// As a time to wait: no limit.
+// A timeout without a limit.
 inline constexpr std::chrono::milliseconds kNoTimeout = std::chrono::milliseconds::max();
 
-// A connection by TLS. Files are PEM.
+// Options of a TLS connection. Files are in PEM format.
 struct TlsOptions {
-  // Who signs the server's certificate; empty: the authorities that the system trusts.
+  // Certificate authority of the server's certificate; empty: the authorities that the system
+  // trusts.
   std::string ca_file;
-  // The client's own, for a server that asks for one; both or neither.
+  // The client's certificate and its key, for mutual TLS; both or neither.
   std::string certificate_file;
   std::string key_file;
-  // Whom the server's certificate is made out to, where that is not the host of its address.
+  // Name in the server's certificate, if it differs from the host in the address.
   std::string server_name;
 };
 
 struct ClientOptions {
   // Address of the server, HOST:PORT.
   std::string server = "127.0.0.1:50051";
-  // How long Client::Connect tries. A server that is just starting is reached within it.
+  // Time limit of Client::Connect, which retries, so that a starting server is reached.
   std::chrono::milliseconds connect_timeout{2000};
-  // How long a call may take where its CallOptions do not say.
+  // Default time limit of a call.
   std::chrono::milliseconds call_timeout{60'000};
-  // Largest message taken from the server. Files, states and nodes come in blocks far below it;
-  // what grows are plans, which come whole: ten alternatives of 120 s at 120 Hz on a skeleton of 31
-  // joints, each with its BVH file, are some 270 MB.
+  // Maximum size of a received message. Only plans are large, because each is one message: ten
+  // alternatives of 120 s at 120 Hz on a skeleton with 31 joints, with BVH files, are about 270 MB.
   int max_receive_bytes = 512 << 20;
-  // Largest message sent: an observation carries its file whole.
+  // Maximum size of a sent message. An observation contains its whole file.
   int max_send_bytes = 64 << 20;
-  // By TLS; absent means plain text.
+  // Absent: plain text.
   std::optional<TlsOptions> tls;
-  // Bearer token, sent with every call; never over plain text to another machine.
+  // Bearer token, sent with every call. Not sent in plain text to another machine.
   std::string token;
-  // In place of `tls` and `token`, any gRPC credentials.
+  // Any gRPC credentials, instead of `tls` and `token`.
   std::shared_ptr<grpc::ChannelCredentials> credentials;
 };
 
-// What one call does differently.
+// Options of one call.
 struct CallOptions {
-  // How long the call may take, or kNoTimeout. Absent: ClientOptions::call_timeout, except where a
-  // function says otherwise.
+  // Time limit, or kNoTimeout. Absent: ClientOptions::call_timeout, or the default that the
+  // function documents.
   std::optional<std::chrono::milliseconds> timeout;
 };
 

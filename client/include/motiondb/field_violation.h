@@ -1,4 +1,4 @@
-// Which fields of a request the server found wrong. Functions here are pure, safe on any thread.
+// The wrong fields of a request, as reported by the server.
 #pragma once
 
 #include <string>
@@ -9,10 +9,9 @@
 
 namespace motiondb::client {
 
-// Under this type URL a failed call's absl::Status carries a google.rpc.BadRequest as payload.
+// Type URL of the payload google.rpc.BadRequest in the absl::Status of a failed call.
 inline constexpr absl::string_view kBadRequestTypeUrl = "type.googleapis.com/google.rpc.BadRequest";
 
-// One field that was wrong.
 struct FieldViolation {
   // Path of the field in the request, e.g. `observation.markers.frame_rate_hz`.
   std::string field;
@@ -20,7 +19,7 @@ struct FieldViolation {
   std::string description;
 };
 
-// The fields that made a call fail, in the server's order; empty where it named none.
+// Returns the wrong fields of a failed call in the server's order; empty if there are none.
 std::vector<FieldViolation> FieldViolations(const absl::Status& status);
 
 }  // namespace motiondb::client

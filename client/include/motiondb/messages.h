@@ -1,6 +1,5 @@
-// The generated messages of the wire contract, declared but not defined, so that
-// <motiondb/client.h> stays cheap to include. A program that makes or reads a message includes its
-// header, for example <motiondb/v1/query.pb.h>.
+// Forward declarations of the generated messages, so that <motiondb/client.h> compiles fast. To use
+// a message, include its header, for example <motiondb/v1/query.pb.h>.
 #pragma once
 
 namespace motiondb::v1 {

@@ -1,9 +1,9 @@
-// motiondb::client::ObserveStream: frames go out as they are captured, and what they mean comes
-// back. Made by Client::Observe.
+// motiondb::client::ObserveStream: sends frames as they are captured and receives an answer to each
+// message. Client::Observe opens it.
 //
 // Thread-safety: one thread may send while another receives; Cancel may be called from any thread.
-// Ownership: a stream shares its client's connection, and may outlive the client. Destroying one
-// that has not finished cancels it.
+// Ownership: a stream shares the connection of its client and may outlive the client. The
+// destructor cancels a stream that has not ended.
 #pragma once
 
 #include <motiondb/messages.h>
@@ -22,22 +22,22 @@ class ObserveStream {
   ObserveStream& operator=(ObserveStream&&) noexcept;
   ~ObserveStream();
 
-  // Sends `frame_count` frames numbered from `first_frame` on: frames x 3 markers, x y z of each
-  // marker in turn, metres, in the world, z up; NaN in all three where a marker is missing. Waits
-  // while the server has not taken earlier ones. False when the stream is over: Finish says why.
+  // Sends frames `first_frame` to `first_frame + frame_count - 1`. `positions_m`: frame_count x
+  // 3 markers, x y z of each marker, world frame, z up; NaN for a missing marker. Blocks while the
+  // flow control of the stream does. Returns false if the stream has ended; Finish returns why.
   bool Send(std::int64_t first_frame, int frame_count, std::span<const float> positions_m);
 
-  // Says that no more frames will come. The answers to those sent still do.
+  // Announces that no more frames follow. Answers to the sent frames can still be received.
   void EndOfFrames();
 
-  // Waits for the answer to the next message of frames. False when the stream is over.
+  // Waits for the answer to the next message of frames. Returns false if the stream has ended.
   bool Receive(v1::ObserveResponse& answer);
 
-  // How the stream ended. Passes over answers that were not received; so, unless the server ends
-  // the stream, call EndOfFrames before, and no other function meanwhile.
+  // Waits for the end of the stream and returns its status. Discards remaining answers. Call
+  // EndOfFrames first, unless the server has ended the stream; call no other function meanwhile.
   absl::Status Finish();
 
-  // Ends the stream at once, with what is under way.
+  // Cancels the stream immediately, with calls in progress.
   void Cancel();
 
  private:

@@ -22,8 +22,8 @@ TEST_CASE("Estimate: the state is the last node of the best path, with its poste
       FullLattice(model, model.layer_count(), *core::ScaledObservation(model, clip)),
       model.global_graph(model.layer_count()), 1e-6);
   CHECK(estimation->state.probability == Approx(last[estimation->state.node]));
-  // The clip was stored: near the root, where nodes are far apart, its frames lie where the tree
-  // has them.
+  // The clip is stored: near the root, where nodes are far apart, its frames get their nodes of the
+  // tree.
   const auto coarse = core::Estimate(model, clip, {.search = {3, 1, 1e-6, 0}});
   REQUIRE(coarse.ok());
   int same = 0;

@@ -22,8 +22,8 @@ double DistanceFrom(const core::StateSequence& truth, const core::FilledFrame& f
       .norm();
 }
 
-// A clip whose markers swing as one, a quarter of a leg length to each side and twice a second,
-// from a phase of its own: what is missing follows from what is seen.
+// Makes all markers of a clip swing together, 0.25 leg lengths to each side, twice per second, from
+// the given phase. Missing markers then follow from those seen.
 core::StateSequence Together(core::StateSequence clip, double phase) {
   for (Eigen::Index t = 0; t < clip.states.rows(); ++t) {
     const double angle = phase + 4 * M_PI * static_cast<double>(t) / clip.frame_rate_hz;
@@ -50,7 +50,7 @@ core::Model ModelTogether() {
 
 }  // namespace
 
-TEST_CASE("Estimate: an observation without gaps has nothing filled in", "[core][estimation]") {
+TEST_CASE("Estimate: an observation without gaps stays unchanged", "[core][estimation]") {
   const core::Model model = ModelTogether();
   const auto clip = Together(WanderingClips(1, 60, model.marker_set(), 5)[0].states, 1);
   const auto estimation = core::Estimate(model, clip, {.fill = core::Fill::kEveryFrame});
@@ -58,7 +58,7 @@ TEST_CASE("Estimate: an observation without gaps has nothing filled in", "[core]
   CHECK(estimation->filled.empty());
 }
 
-TEST_CASE("Estimate: missing markers are filled in, those seen are kept", "[core][estimation]") {
+TEST_CASE("Estimate: missing markers are estimated, those seen are kept", "[core][estimation]") {
   const core::Model model = ModelTogether();
   const auto truth = Together(WanderingClips(1, 120, model.marker_set(), 5)[0].states, 2);
   core::StateSequence clip = truth;
@@ -83,7 +83,7 @@ TEST_CASE("Estimate: missing markers are filled in, those seen are kept", "[core
   CHECK(last->filled[0].marker_positions_m == estimation->filled.back().marker_positions_m);
 }
 
-TEST_CASE("Estimate: a marker seen a moment ago is surer than one never seen",
+TEST_CASE("Estimate: a recently seen marker has less uncertainty than one never seen",
           "[core][estimation]") {
   const core::Model model = ModelTogether();
   auto clip = Together(WanderingClips(1, 120, model.marker_set(), 5)[0].states, 4);
@@ -95,8 +95,7 @@ TEST_CASE("Estimate: a marker seen a moment ago is surer than one never seen",
   CHECK(estimation->filled[0].deviations_m[4] < estimation->filled[0].deviations_m[3]);
 }
 
-TEST_CASE("Estimate: a frame with nothing seen is filled in, and says that it does not know",
-          "[core][estimation]") {
+TEST_CASE("Estimate: an empty frame is estimated with large uncertainty", "[core][estimation]") {
   const core::Model model = SmallModel(4, 300, kMarkers, 8, 3);
   auto clip = WanderingClips(4, 120, model.marker_set(), 3)[0].states;
   const double size = clip.leg_length_m;
@@ -110,7 +109,7 @@ TEST_CASE("Estimate: a frame with nothing seen is filled in, and says that it do
   CHECK((estimation->filled[0].deviations_m.array() > 0.02 * size).all());
 }
 
-TEST_CASE("Estimate: filling in can be cancelled", "[core][estimation]") {
+TEST_CASE("Estimate: estimation of missing markers can be cancelled", "[core][estimation]") {
   const core::Model model = SmallModel(2, 100, kMarkers, 8, 3);
   auto clip = WanderingClips(2, 60, model.marker_set(), 3)[0].states;
   for (int t = 0; t < 60; ++t) Hide(clip, t, 1);
@@ -121,9 +120,9 @@ TEST_CASE("Estimate: filling in can be cancelled", "[core][estimation]") {
   });
   REQUIRE(counted.ok());
   for (int stop_at = 1; stop_at <= questions; stop_at += 7) {
-    int asked = 0;
+    int checks = 0;
     const auto stopped = core::Estimate(model, clip, {.fill = core::Fill::kEveryFrame},
-                                        [&] { return ++asked == stop_at; });
+                                        [&] { return ++checks == stop_at; });
     CHECK(stopped.status().code() == absl::StatusCode::kCancelled);
   }
 }

@@ -1,4 +1,4 @@
-// The paper's databases, as near as public motion comes to them, with figures beside the paper's.
+// The paper's databases, approximated by public motion, with the paper's numbers for comparison.
 #include <catch2/catch.hpp>
 #include <cstdio>
 #include <map>
@@ -36,10 +36,10 @@ TEST_CASE("Database 2 at 120 Hz has the shape of the paper's Table I", "[experim
   CHECK(tree.total_node_count() < 1527 * 2);
 }
 
-TEST_CASE("Database 1: 0.4-s windows of unseen clips are named right", "[experiment][data]") {
+TEST_CASE("Database 1: 0.4-s windows of unseen clips are recognized", "[experiment][data]") {
   MOTIONDB_REQUIRE_DATA();
   const core::Model model = BuildFromList(DataDir() / "sets" / "database1.train.tsv", {});
-  std::map<std::string, std::pair<int, int>> by_label;  // right, all
+  std::map<std::string, std::pair<int, int>> by_label;  // correct, total
   int right = 0;
   int all = 0;
   for (const ListedClip& clip : ReadList(DataDir() / "sets" / "database1.test.tsv")) {
@@ -54,7 +54,7 @@ TEST_CASE("Database 1: 0.4-s windows of unseen clips are named right", "[experim
       ++by_label[clip.label].second;
     }
   }
-  std::printf("Database 1, 0.4-s windows named right: %d of %d (%.1f %%)\n", right, all,
+  std::printf("Database 1, 0.4-s windows recognized correctly: %d of %d (%.1f %%)\n", right, all,
               100.0 * right / all);
   for (const auto& [label, count] : by_label) {
     std::printf("  %-6s %4d of %4d (%.1f %%)\n", label.c_str(), count.first, count.second,

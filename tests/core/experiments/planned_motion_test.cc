@@ -1,4 +1,4 @@
-// The paper's planning experiment (section VI-E) on database 2, and what it found lacking.
+// The paper's planning experiment (section VI-E) on database 2, and its weaknesses.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -42,7 +42,7 @@ double QuantileOf(const std::vector<core::MotionQuality>& qualities,
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Quality of the stored clips, each played on the skeleton as a plan would be.
+// Returns the quality of the stored clips, played on the skeleton as a plan.
 std::vector<core::MotionQuality> StoredQuality(
     const std::shared_ptr<const core::Skeleton>& skeleton) {
   const core::Feet feet = core::FindFeet(Database2());
@@ -62,8 +62,8 @@ std::vector<core::MotionQuality> StoredQuality(
   return qualities;
 }
 
-// Metres that the integrated root is off the recorded one at the end of each clip, for each metre
-// walked, over all clips together. `state` gives the state (in leg lengths) of a stored frame.
+// Returns the error of the integrated root at the end of each clip per metre walked, over all
+// clips. `state` returns the state of a stored frame (leg lengths).
 template <typename State>
 double DriftPerMetre(const core::Model& model, State state) {
   const double rate = model.settings().frame_rate_hz;
@@ -91,7 +91,7 @@ double DriftPerMetre(const core::Model& model, State state) {
 
 }  // namespace
 
-TEST_CASE("The root integrated from velocities drifts little by frames, much by nodes",
+TEST_CASE("The integrated root drifts little with frames' velocities, much with nodes' means",
           "[experiment][data]") {
   MOTIONDB_REQUIRE_DATA();
   const core::Model& model = Database2();
@@ -105,7 +105,7 @@ TEST_CASE("The root integrated from velocities drifts little by frames, much by 
     return model.gaussians().means().row(branch).cwiseProduct(scale);
   });
   std::printf(
-      "Drift of the integrated root, m for each m walked, database 2 at 60 Hz:\n"
+      "Drift of the integrated root, m per m walked, database 2 at 60 Hz:\n"
       "  each frame's own velocity %.4f, bottom nodes' means %.4f\n",
       by_frames, by_nodes);
   CHECK(by_frames < 0.03);
@@ -126,7 +126,7 @@ TEST_CASE("The paper's two examples: 2 m ahead, 1 m left, heading 0 and 1 rad",
   }
 }
 
-TEST_CASE("Random goals are reached, by motion as good as what is stored", "[experiment][data]") {
+TEST_CASE("Random goals are reached with motion of the stored quality", "[experiment][data]") {
   MOTIONDB_REQUIRE_DATA();
   constexpr int kGoals = 60;
   const auto skeleton = Walker();
@@ -144,14 +144,15 @@ TEST_CASE("Random goals are reached, by motion as good as what is stored", "[exp
   std::printf("%d of %d random goals exact\n", exact, kGoals);
   CHECK(exact >= 0.98 * kGoals);
   const std::vector<core::MotionQuality> stored = StoredQuality(skeleton);
-  // Nearly every plan is held to the bar, against the stored clips' median: some have jolts.
+  // The 95th percentile is compared with the stored median: some plans have glitches.
   std::printf("                       planned, median and 95 %%   stored, median\n");
-  const auto compare = [&](const char* what, double core::MotionQuality::*figure, double most) {
+  const auto compare = [&](const char* what, double core::MotionQuality::*figure,
+                           double max_ratio) {
     const double ours = QuantileOf(planned, figure, 0.95);
     const double theirs = QuantileOf(stored, figure, 0.5);
     std::printf("  %-27s %9.2f %9.2f %9.2f\n", what, QuantileOf(planned, figure, 0.5), ours,
                 theirs);
-    CHECK(ours <= most * theirs);
+    CHECK(ours <= max_ratio * theirs);
   };
   compare("foot slide, cm/s", &core::MotionQuality::foot_slide_cm_per_s, 1.5);
   compare("floor penetration, cm", &core::MotionQuality::floor_penetration_cm, 1.5);
@@ -160,8 +161,7 @@ TEST_CASE("Random goals are reached, by motion as good as what is stored", "[exp
   compare("peak joint jerk, rad/s^3", &core::MotionQuality::peak_joint_jerk_rad_s3, 2);
 }
 
-TEST_CASE("A plan written as BVH and read back has its markers where they were planned",
-          "[experiment][data]") {
+TEST_CASE("A plan written as BVH and read back keeps its marker positions", "[experiment][data]") {
   MOTIONDB_REQUIRE_DATA();
   const core::PlanAnswer answer = Solve({.goal = {2, 1, 0}, .skeleton = Walker()});
   REQUIRE(answer.outcome == core::PlanOutcome::kExact);
@@ -176,19 +176,19 @@ TEST_CASE("A plan written as BVH and read back has its markers where they were p
   INFO(markers.status());
   REQUIRE(markers.ok());
   REQUIRE(markers->positions_m.rows() == planned.markers.positions_m.rows());
-  float furthest = 0;
+  float max_distance = 0;
   for (Eigen::Index m = 0; m < markers->positions_m.cols() / 3; ++m) {
-    furthest = std::max(furthest, (markers->positions_m - planned.markers.positions_m)
-                                      .middleCols<3>(3 * m)
-                                      .rowwise()
-                                      .norm()
-                                      .maxCoeff());
+    max_distance = std::max(max_distance, (markers->positions_m - planned.markers.positions_m)
+                                              .middleCols<3>(3 * m)
+                                              .rowwise()
+                                              .norm()
+                                              .maxCoeff());
   }
   std::printf(
-      "BVH read back: markers within %.5f m of the plan's; the synthesised ones within "
+      "BVH read back: markers within %.5f m of the plan's; synthesized markers within "
       "%.4f m rms\n",
-      static_cast<double>(furthest), planned.quality.marker_fit_rms_m);
-  CHECK(furthest < 0.01F);
+      static_cast<double>(max_distance), planned.quality.marker_fit_rms_m);
+  CHECK(max_distance < 0.01F);
   CHECK(planned.quality.marker_fit_rms_m < 0.01);
 }
 

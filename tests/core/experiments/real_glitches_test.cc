@@ -1,4 +1,5 @@
-// The detector of glitches on recorded motion: silent on what bodies did, not on what was changed.
+// The glitch detector on recorded motion: no findings in real motion, all findings in altered
+// motion.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
@@ -19,8 +20,8 @@ namespace {
 using core::Glitch;
 using core::MarkerMotion;
 
-// Clips whose recording has glitches, and the last frame (from 1) that they reach. The BVH
-// conversions of CMU begin with a pose of the skeleton, or ring after it; in the others a joint
+// Clips whose recording has glitches, and the last frame (from 1) that they affect. CMU's BVH
+// conversions begin with a pose of the skeleton, or oscillate after it; in the others a joint
 // flips.
 const std::map<std::string, int> kGlitched = {
     {"cmu/09/09_10.amc", 4}, {"cmu/10/10_01.bvh", 2},
@@ -64,8 +65,7 @@ MarkerMotion EveryNth(const MarkerMotion& motion, int n) {
 
 }  // namespace
 
-TEST_CASE("FindGlitches: of the recorded clips only those that are known to have glitches",
-          "[glitches][real]") {
+TEST_CASE("FindGlitches: finds only the known glitches of recorded clips", "[glitches][real]") {
   MOTIONDB_REQUIRE_DATA();
   std::ifstream index(DataDir() / "index.tsv");
   std::string line;
@@ -84,7 +84,8 @@ TEST_CASE("FindGlitches: of the recorded clips only those that are known to have
   CHECK(clips > 300);
 }
 
-TEST_CASE("FindGlitches: fast motion is none, at any rate and with noise", "[glitches][real]") {
+TEST_CASE("FindGlitches: fast motion is no glitch, at any rate and with noise",
+          "[glitches][real]") {
   MOTIONDB_REQUIRE_DATA();
   for (const char* path : kFast) {
     const MarkerMotion motion = Markers(path);
@@ -104,7 +105,7 @@ TEST_CASE("FindGlitches: fast motion is none, at any rate and with noise", "[gli
   }
 }
 
-TEST_CASE("FindGlitches: what is changed in recorded motion is found where it is",
+TEST_CASE("FindGlitches: changes in recorded motion are found at their frames",
           "[glitches][real]") {
   MOTIONDB_REQUIRE_DATA();
   int changed = 0;
@@ -115,13 +116,13 @@ TEST_CASE("FindGlitches: what is changed in recorded motion is found where it is
       const MarkerMotion clean = EveryNth(motion, n);
       const auto frames = static_cast<int>(clean.positions_m.rows());
       for (int marker = 0; marker < std::ssize(clean.names); ++marker) {
-        MarkerMotion off = clean;
+        MarkerMotion altered = clean;
         const int frame = frames / 3 + marker % 7;
-        off.positions_m(frame, 3 * static_cast<Eigen::Index>(marker) + marker % 3) += 0.3F;
-        const auto found = Find(off);
+        altered.positions_m(frame, 3 * static_cast<Eigen::Index>(marker) + marker % 3) += 0.3F;
+        const auto found = Find(altered);
         INFO(path << " at " << 120 / n << " Hz, " << clean.names[marker] << ", frame " << frame + 1
                   << ": " << Text(found, clean));
-        // Never another frame, nor another marker.
+        // No other frame or marker.
         CHECK(std::ranges::all_of(found, [&](const Glitch& g) {
           return g.marker == marker && g.first_frame == frame && g.last_frame == frame;
         }));

@@ -1,4 +1,4 @@
-// One motion as five sources tell it: how far apart are the virtual markers?
+// One motion from five sources: distances between the virtual markers.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <cstdio>
@@ -12,11 +12,11 @@ namespace {
 
 constexpr double kRate = 120;
 constexpr double kScale_m = 0.84;  // leg length of the subject: states in metres of their body
-constexpr int kMargin = 40;        // frames left out at the ends; sources may be this much apart
+constexpr int kMargin = 40;        // frames omitted at the ends; maximum time shift between sources
 
 struct Source {
   const char* file;
-  const char* difference;  // the reason for what is left
+  const char* difference;  // reason for the remaining distance
 };
 
 double Median(std::vector<double> values) {
@@ -25,7 +25,7 @@ double Median(std::vector<double> values) {
   return *middle;
 }
 
-// Distances of each marker, `shift` frames apart, in metres: [marker][frame].
+// Returns the distances of each marker with `shift` frames between the motions, m: [marker][frame].
 std::vector<std::vector<double>> Distances(const core::StateSequence& a,
                                            const core::StateSequence& b, int shift) {
   std::vector<std::vector<double>> distances(static_cast<std::size_t>(a.states.cols() / 6));
@@ -48,16 +48,16 @@ double OverallMedian(const std::vector<std::vector<double>>& distances) {
 
 }  // namespace
 
-TEST_CASE("One motion through five sources gives markers that agree", "[experiment][data]") {
+TEST_CASE("One motion through five sources has consistent markers", "[experiment][data]") {
   MOTIONDB_REQUIRE_DATA();
   const std::filesystem::path same = DataDir() / "formats" / "same-motion";
   const auto reference = LoadStates(DataDir() / "cmu/02/02_01.amc", kRate);
   const Source sources[] = {
       {"02_01.motionbuilder.bvh",
-       "its root moves 6 % further and stands 6 % higher than the AMC's, on legs of the same "
+       "its root moves 6 % further and is 6 % higher than the AMC's, with legs of the same "
        "length"},
       {"02_01.daz.bvh", "arms of other proportions, bent further forward at the elbow"},
-      {"02_01.iclone.bvh", "a character's trunk, shorter for its legs and leaning forward"},
+      {"02_01.iclone.bvh", "a character's trunk, shorter relative to its legs and leaning forward"},
       {"02_01.c3d", "markers on the skin; the AMC's solver set the feet closer together"},
   };
   std::vector<double> everything;

@@ -21,7 +21,7 @@ using Eigen::Vector3d;
 constexpr double kRadians = std::numbers::pi / 180;
 constexpr double kUnit = 0.0254 / 0.5;
 
-// A spine of two bones and a bent arm, with the sections, comments and words that files have.
+// A spine of two bones and a bent arm, with all sections and comments that files have.
 constexpr std::string_view kAsf = R"(#!OML:ASF made by hand
 :version 1.10
 :name figure
@@ -130,18 +130,18 @@ TEST_CASE("AMC: joints, units and report", "[core][format]") {
         "unit 0.0508 m (stated), y up (stated); frame rate 120 Hz assumed (the file states none)");
 }
 
-TEST_CASE("AMC: poses are those of matrices multiplied by hand", "[core][format]") {
+TEST_CASE("AMC: poses equal matrices multiplied by hand", "[core][format]") {
   const auto file = ReadAmc(kAmc);
   const core::JointMotion& motion = Joints(file);
   const auto pose = core::ForwardKinematics(*motion.skeleton, motion.angles.row(0));
-  // In the file's axes. Listed x y z, applied x first.
+  // In the file's axes. Listed x y z: x is applied first.
   const Matrix3d root = Rz(30) * Ry(20) * Rx(10);
   const Matrix3d spine = root * Rz(60) * Ry(50) * Rx(40);
   // axis 90 30 -20 ZXY: about z first; dof rz rx: about z first.
   const Matrix3d c = Ry(-20) * Rx(30) * Rz(90);
   const Matrix3d arm = spine * c * Rx(-80) * Rz(70) * c.transpose();
   const Vector3d root_at(1, 20, 3);
-  const Vector3d spine_tip = root_at + spine * Vector3d(0, 10, 0);  // direction has been normalised
+  const Vector3d spine_tip = root_at + spine * Vector3d(0, 10, 0);  // normalized direction
   const auto near = [&](const char* joint, const Vector3d& in_file) {
     const Vector3d world = kUnit * Vector3d(in_file.x(), -in_file.z(), in_file.y());
     return (pose[motion.skeleton->FindJoint(joint)].translation() - world).norm() < 1e-12;
@@ -165,11 +165,11 @@ TEST_CASE("AMC: limits follow their degrees of freedom", "[core][format]") {
   CHECK(spine[2].lower == Approx(-160 * kRadians));
   const auto& arm = skeleton.joints()[skeleton.FindJoint("arm")].dofs;
   CHECK(arm[1].axis == Vector3d::UnitZ());
-  CHECK(arm[1].lower == Approx(-45 * kRadians));  // mended: the file has them the wrong way round
+  CHECK(arm[1].lower == Approx(-45 * kRadians));  // swapped: the file has them in the wrong order
   CHECK(arm[1].upper == Approx(20 * kRadians));
 }
 
-TEST_CASE("AMC: degrees of freedom of a bone in any order, translations and stretch among them",
+TEST_CASE("AMC: degrees of freedom in any order, including translations and stretch",
           "[core][format]") {
   const auto file =
       ReadAmc(Amc("arm 70 -80", "arm 70 2 1.5 -80 "),
@@ -189,7 +189,7 @@ TEST_CASE("AMC: degrees of freedom of a bone in any order, translations and stre
   CHECK(motion.angles(0, first) == Approx(2 * kUnit));
   CHECK(motion.angles(0, first + 1) == Approx(-80 * kRadians));
   CHECK(motion.angles(0, first + 2) == Approx(70 * kRadians));
-  CHECK_THAT(core::Describe(both->report), Contains("bone length are left out"));
+  CHECK_THAT(core::Describe(both->report), Contains("bone length are ignored"));
 }
 
 TEST_CASE("AMC: the root's order, orientation and position", "[core][format]") {
@@ -229,7 +229,7 @@ TEST_CASE("AMC: radians, rate and frame numbers", "[core][format]") {
              Contains("walk:8: expected frame 2, found '4'"));
 }
 
-TEST_CASE("AMC: line ends, mixed at will, and odd bytes in comments", "[core][format]") {
+TEST_CASE("AMC: mixed line ends, and any bytes in comments", "[core][format]") {
   const auto expected = ReadAmc(kAmc);
   for (const char* line_end : {"\r\n", "\r", "\n\n"}) {
     const auto file = ReadAmc(WithLineEnds(kAmc, line_end), WithLineEnds(kAsf, line_end));
@@ -245,7 +245,7 @@ TEST_CASE("AMC: bones may change their order", "[core][format]") {
   CHECK(Joints(file).angles == Joints(ReadAmc(kAmc)).angles);
 }
 
-TEST_CASE("AMC: errors in frames are told with their line", "[core][format]") {
+TEST_CASE("AMC: errors in frames name their line", "[core][format]") {
   CHECK_THAT(Refusal(ReadAmc(Amc("spine 40 50 60\n", ""))),
              Contains("walk:7: expected bone 'spine' in frame 1, found '2'"));
   CHECK_THAT(Refusal(ReadAmc(Amc("arm 70 8\n", ""))),
@@ -263,11 +263,11 @@ TEST_CASE("AMC: errors in frames are told with their line", "[core][format]") {
   CHECK_THAT(Refusal(ReadAmc(":FULLY-SPECIFIED\n")), Contains("number of the first frame"));
 }
 
-TEST_CASE("AMC: its skeleton must be there", "[core][format]") {
-  CHECK_THAT(Refusal(ReadText(core::FileFormat::kAmc, kAmc)), Contains("expected the ASF"));
+TEST_CASE("AMC: requires its skeleton", "[core][format]") {
+  CHECK_THAT(Refusal(ReadText(core::FileFormat::kAmc, kAmc)), Contains("expected an ASF file"));
 }
 
-TEST_CASE("ASF: what does not hold together is told with its line", "[core][format]") {
+TEST_CASE("ASF: inconsistencies are reported with their line", "[core][format]") {
   const auto refusal = [](std::string_view from, std::string_view to) {
     return Refusal(ReadAmc(kAmc, Asf(from, to)));
   };
@@ -284,20 +284,20 @@ TEST_CASE("ASF: what does not hold together is told with its line", "[core][form
   CHECK_THAT(refusal("spine head arm", "spine head"), Contains("expected bone 'arm'"));
   CHECK_THAT(refusal("spine head arm", "spine head arm\nhead arm"), Contains("one parent"));
   CHECK_THAT(refusal("root spine\n    spine head arm", "root head\n spine arm\n arm spine"),
-             Contains("hang from the root"));
+             Contains("descend from the root"));
   CHECK_THAT(refusal(":hierarchy", ":skin"), Contains("expected a ':hierarchy' section"));
   CHECK_THAT(refusal("order TX TY TZ RX RY RZ", ""), Contains("':root' section with 'order'"));
   CHECK_THAT(refusal("  end\n  begin # the arm", "  begin"), Contains("expected 'end'"));
 }
 
-TEST_CASE("ASF: every truncation is refused in words", "[core][format]") {
+TEST_CASE("ASF: every truncation is refused with a message", "[core][format]") {
   const std::size_t complete = kAsf.find("  end\n:skin") + 5;
   CheckEveryTruncation(
       kAsf, [](std::string_view asf) { return ReadAmc(kAmc, asf); },
       [complete](std::size_t length) { return length >= complete; });
 }
 
-TEST_CASE("AMC: every truncation within a frame is refused in words", "[core][format]") {
+TEST_CASE("AMC: every truncation within a frame is refused with a message", "[core][format]") {
   const std::string amc = Amc("arm 70 -80", "arm 70 7");
   const std::size_t first = amc.find("\n2\n");
   const std::size_t last = amc.size() - 1;

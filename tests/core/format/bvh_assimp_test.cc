@@ -1,4 +1,4 @@
-// What we write as BVH, an importer that others use reads alike: assimp.
+// BVH files that we write are read correctly by assimp, a widely used importer.
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
 
@@ -30,7 +30,7 @@ Eigen::Matrix4d ToEigen(const aiMatrix4x4& m) {
   return made;
 }
 
-// A scene as a player shows it: every node's transform is its channel's, where it has one.
+// A scene as in a player: the transform of each node is that of its channel, if it has one.
 class Player {
  public:
   explicit Player(const aiScene& scene) : scene_(scene) {
@@ -41,7 +41,7 @@ class Player {
     }
   }
 
-  // Where every node is at a frame, in the file's units and axes.
+  // Returns the positions of all nodes at a frame, in the file's units and axes.
   std::map<std::string, Vector3d> At(unsigned frame) const {
     std::map<std::string, Vector3d> positions;
     Visit(*scene_.mRootNode, Eigen::Matrix4d::Identity(), frame, positions);
@@ -79,8 +79,8 @@ class Player {
   std::map<std::string, const aiNodeAnim*> channels_;
 };
 
-// The furthest that any joint is from where the importer has it (m).
-double FurthestJoint(const JointMotion& motion) {
+// Returns the maximum distance of a joint from assimp's position, m.
+double MaxJointDistance(const JointMotion& motion) {
   const auto text = core::WriteBvh(motion);
   INFO(MessageOf(text.status()));
   REQUIRE(text.ok());
@@ -92,13 +92,13 @@ double FurthestJoint(const JointMotion& motion) {
   CHECK(player.FrameRate() == Approx(motion.frame_rate_hz));
   CHECK(player.FrameCount() == static_cast<unsigned>(motion.angles.rows()));
 
-  double furthest = 0;
+  double max_distance = 0;
   const Eigen::Index step = std::max<Eigen::Index>(1, motion.angles.rows() / 20);
   for (Eigen::Index frame = 0; frame < motion.angles.rows(); frame += step) {
     const auto positions = player.At(static_cast<unsigned>(frame));
     const auto ours = core::ForwardKinematics(*motion.skeleton, motion.angles.row(frame));
     for (int j = 0; j < motion.skeleton->joint_count(); ++j) {
-      // The importer names end sites after their joints.
+      // assimp names end sites after their joints.
       std::string name = motion.skeleton->joints()[j].name;
       if (name.ends_with("_end")) name = "EndSite_" + name.substr(0, name.size() - 4);
       const auto at = positions.find(name);
@@ -106,10 +106,10 @@ double FurthestJoint(const JointMotion& motion) {
       REQUIRE(at != positions.end());
       const Vector3d& cm = at->second;  // y up
       const Vector3d metres = Vector3d(cm.x(), -cm.z(), cm.y()) / 100;
-      furthest = std::max(furthest, (metres - ours[j].translation()).norm());
+      max_distance = std::max(max_distance, (metres - ours[j].translation()).norm());
     }
   }
-  return furthest;
+  return max_distance;
 }
 
 JointMotion Wave(std::vector<Joint> joints, int frames, double reach) {
@@ -125,7 +125,7 @@ JointMotion Wave(std::vector<Joint> joints, int frames, double reach) {
 
 }  // namespace
 
-TEST_CASE("WriteBvh: assimp reads every joint of a figure where it is", "[core][format]") {
+TEST_CASE("WriteBvh: assimp reads every joint position of a figure", "[core][format]") {
   const Dof x = {.axis = Vector3d::UnitX()};
   const Dof y = {.axis = Vector3d::UnitY()};
   const Dof z = {.axis = Vector3d::UnitZ()};
@@ -141,15 +141,15 @@ TEST_CASE("WriteBvh: assimp reads every joint of a figure where it is", "[core][
             {.name = "foot", .parent = 4, .offset_m = {0, 0, -0.8}, .dofs = {y}},
             {.name = "foot_end", .parent = 5, .offset_m = {0.2, 0, 0}, .dofs = {}}},
            25, reach);
-  CHECK(FurthestJoint(motion) < 1e-3);
-  // Both orders of rotation were put to the test.
+  CHECK(MaxJointDistance(motion) < 1e-3);
+  // Both orders of rotation are used.
   const auto text = core::WriteBvh(motion);
   REQUIRE(text.ok());
   CHECK_THAT(*text, Catch::Contains("Zrotation Xrotation Yrotation") &&
                         Catch::Contains("Zrotation Yrotation Xrotation"));
 }
 
-TEST_CASE("WriteBvh: assimp reads real motion where it is", "[core][format][data]") {
+TEST_CASE("WriteBvh: assimp reads all joint positions of real motion", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   struct Source {
     const char* motion;
@@ -162,7 +162,7 @@ TEST_CASE("WriteBvh: assimp reads real motion where it is", "[core][format][data
     const std::string asf = ReadFile(DataDir() / source.skeleton);
     const auto file = core::ReadMotionFile(core::FileFormat::kAmc, {"motion.amc", amc},
                                            core::SourceFile{"skeleton.asf", asf});
-    CHECK(FurthestJoint(Joints(file)) < 1e-3);
+    CHECK(MaxJointDistance(Joints(file)) < 1e-3);
   }
 }
 

@@ -58,7 +58,7 @@ std::string Figure(std::string_view from, std::string_view to) {
   return Replaced(std::string(kFigure), from, to);
 }
 
-// A chain of one joint with these channels and this frame, read in metres and z up: as it is.
+// Reads one joint with these channels and this frame, in metres and z up: unchanged.
 absl::StatusOr<core::MotionFile> ReadOneJoint(std::string_view offset, std::string_view channels,
                                               std::string_view frame) {
   const std::string text = fmt::format(
@@ -109,7 +109,7 @@ TEST_CASE("BVH: rotations apply in the order listed", "[core][format]") {
   CHECK(Near(Position(Joints(zxz), "a_end", 0), {-1, 0, 0}));
 }
 
-TEST_CASE("BVH: any channel count, and positions in any place", "[core][format]") {
+TEST_CASE("BVH: any channel count, and positions in any order", "[core][format]") {
   const auto mixed = ReadOneJoint("5 6 7", "4 Zrotation Yposition Xrotation Xposition", "90 2 0 1");
   const core::JointMotion& motion = Joints(mixed);
   CHECK(Near(Position(motion, "a", 0), {1, 2, 7}));  // z keeps its OFFSET
@@ -167,7 +167,7 @@ TEST_CASE("BVH: frames are a stream of numbers", "[core][format]") {
   CHECK(Joints(ReadBvh(Figure("30 0 0 0 5", "30\n0 0 0\n5"))).angles == Joints(expected).angles);
 }
 
-TEST_CASE("BVH: names with spaces, odd bytes and repetitions", "[core][format]") {
+TEST_CASE("BVH: names with spaces, invalid UTF-8 and duplicates", "[core][format]") {
   const auto file = ReadBvh(Figure("JOINT LeftFoot", "JOINT  Linker Fu\xDF ankle "));
   CHECK(Joints(file).skeleton->joints()[3].name == "Linker Fu\xC3\x9F ankle");
   const auto twice = ReadBvh(Figure("JOINT LeftFoot", "JOINT Head"));
@@ -177,7 +177,7 @@ TEST_CASE("BVH: names with spaces, odd bytes and repetitions", "[core][format]")
              Contains("walk:6: ") && Contains("name"));
 }
 
-TEST_CASE("BVH: the unit is that which makes a person", "[core][format]") {
+TEST_CASE("BVH: the unit is deduced from a person's size", "[core][format]") {
   struct Case {
     double factor;
     double unit;
@@ -195,7 +195,7 @@ TEST_CASE("BVH: the unit is that which makes a person", "[core][format]") {
   }
 }
 
-TEST_CASE("BVH: what is no person is taken for cm and y up, and told", "[core][format]") {
+TEST_CASE("BVH: without a person, assumes cm and y up and reports it", "[core][format]") {
   const auto file = ReadBvh(
       "HIERARCHY\nROOT base\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n}\nMOTION\nFrames: 1\n"
       "Frame Time: 1\n0\n");
@@ -209,10 +209,10 @@ TEST_CASE("BVH: what is no person is taken for cm and y up, and told", "[core][f
   CHECK_THAT(core::Describe(giant->report), Contains("fits no known unit"));
 }
 
-TEST_CASE("BVH: the up axis is where the motion has the head, whatever the zero pose",
+TEST_CASE("BVH: the up axis points to the head in the motion, not in the zero pose",
           "[core][format]") {
   struct Case {
-    const char* rotation;  // of a root whose zero pose stands along y
+    const char* rotation;  // of a root whose zero pose is along y
     UpAxis up;
   };
   for (const Case& c : {Case{"0 0 0", UpAxis::kY}, Case{"0 90 0", UpAxis::kZ},
@@ -227,7 +227,7 @@ TEST_CASE("BVH: the up axis is where the motion has the head, whatever the zero 
   }
 }
 
-TEST_CASE("BVH: the caller's word goes before the file's", "[core][format]") {
+TEST_CASE("BVH: conventions of the caller override the file's", "[core][format]") {
   const auto file =
       ReadBvh(kFigure, {.metres_per_unit = 0.02, .up_axis = UpAxis::kZ, .frame_rate_hz = 50});
   CHECK(Near(Position(Joints(file), "Hips", 0), {0.02F, 1.82F, 0.06F}));
@@ -240,7 +240,7 @@ TEST_CASE("BVH: the caller's word goes before the file's", "[core][format]") {
              Contains("frame_rate_hz"));
 }
 
-TEST_CASE("BVH: a rounded frame time gives the rate it was rounded from", "[core][format]") {
+TEST_CASE("BVH: a rounded frame time is mapped to the exact rate", "[core][format]") {
   struct Case {
     const char* time;
     double rate;
@@ -257,7 +257,7 @@ TEST_CASE("BVH: a rounded frame time gives the rate it was rounded from", "[core
   CHECK_THAT(core::Describe(file->report), Contains("rate 120.0048 Hz taken for 120 Hz"));
 }
 
-TEST_CASE("BVH: frame times and counts that mean nothing are refused", "[core][format]") {
+TEST_CASE("BVH: invalid frame times and counts are refused", "[core][format]") {
   for (const char* time : {"0", "-0.01", "nan", "inf", "1e-9", "1e9", "abc", "0.01s"}) {
     CAPTURE(time);
     CHECK_THAT(Refusal(ReadBvh(Figure("0.01\n", fmt::format("{}\n", time)))),
@@ -271,7 +271,7 @@ TEST_CASE("BVH: frame times and counts that mean nothing are refused", "[core][f
   }
 }
 
-TEST_CASE("BVH: frames missing and frames left over are told", "[core][format]") {
+TEST_CASE("BVH: missing and extra frames are reported", "[core][format]") {
   CHECK_THAT(Refusal(ReadBvh(Figure("Frames: 2", "Frames: 3"))),
              Contains("truncated") && Contains("expected 3 frames, found 2"));
   CHECK_THAT(Refusal(ReadBvh(Figure("Frames: 2", "Frames: 2147483647"))),
@@ -281,13 +281,13 @@ TEST_CASE("BVH: frames missing and frames left over are told", "[core][format]")
              Contains("walk:30: expected the file to end after 2 frames, found '7'"));
   CHECK_THAT(Refusal(ReadBvh(Figure("CHANNELS 1 Xrotation", "CHANNELS 0"))),
              Contains("first line of frames has 10 numbers, the hierarchy 9 channels"));
-  // One frame more is left out: some writers count from 0.
+  // One extra frame is ignored: some writers count from 0.
   const auto more = ReadBvh(Figure("Frames: 2", "Frames: 1"));
   CHECK(Joints(more).angles.rows() == 1);
-  CHECK_THAT(core::Describe(more->report), Contains("a frame more than the 1"));
+  CHECK_THAT(core::Describe(more->report), Contains("one frame more than its 1 declared frames"));
 }
 
-TEST_CASE("BVH: a number that is missing, or too much, is told with its line", "[core][format]") {
+TEST_CASE("BVH: a missing or extra number is reported with its line", "[core][format]") {
   const auto refusal = [](std::string_view lines, int frames) {
     return Refusal(ReadBvh(Replaced(Figure("1 92 3 10 20 30 0 0 0 6\n", lines), "Frames: 2",
                                     fmt::format("Frames: {}", frames))));
@@ -299,25 +299,25 @@ TEST_CASE("BVH: a number that is missing, or too much, is told with its line", "
              Contains("walk:30: expected 10 numbers in frame 3 of 4, found '6' after them"));
   CHECK_THAT(refusal(less, 2), Contains("walk:29: the file ends here (truncated?)") &&
                                    Contains("number 10 of 10 of frame 2 of 2"));
-  // The first line is the wrong one.
+  // The first line is wrong.
   CHECK_THAT(Refusal(ReadBvh(Figure("0 0 0 5", "0 0 5"))),
              Contains("walk:28: the line ends here, expected number 10 of 10 of frame 1 of 2"));
-  // Before a number that is none.
+  // A line before an invalid number.
   CHECK_THAT(refusal(less + "1 x 3 10 20 30 0 0 0 6\n", 3),
              Contains("walk:29: the line ends here"));
 }
 
-TEST_CASE("BVH: a number that is none is told with its place", "[core][format]") {
+TEST_CASE("BVH: an invalid number is reported with its position", "[core][format]") {
   for (const char* bad : {"1.2abc", "nan", "inf", "1,5", "1e400"}) {
     CHECK_THAT(
         Refusal(ReadBvh(Figure("1 92 3", fmt::format("1 {} 3", bad)))),
         Contains(fmt::format("walk:29: expected number 2 of 10 of frame 2 of 2, found '{}'", bad)));
   }
   CHECK_THAT(Refusal(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60"))),
-             Contains("walk:8: the line ends here, expected a number (OFFSET takes three)"));
+             Contains("walk:8: the line ends here, expected a number (OFFSET has three)"));
 }
 
-TEST_CASE("BVH: a hierarchy that does not hold together is refused", "[core][format]") {
+TEST_CASE("BVH: an invalid hierarchy is refused", "[core][format]") {
   CHECK_THAT(Refusal(ReadBvh("")), Contains("walk:1: ") && Contains("'HIERARCHY'"));
   CHECK_THAT(Refusal(ReadBvh("HIERARCHY MOTION")), Contains("expected 'ROOT'"));
   CHECK_THAT(Refusal(ReadBvh(Figure("    OFFSET 0 60 0\n", ""))),
@@ -328,13 +328,13 @@ TEST_CASE("BVH: a hierarchy that does not hold together is refused", "[core][for
   CHECK_THAT(Refusal(ReadBvh(Figure("}\nMOTION", "}\n}\nMOTION"))), Contains("expected 'MOTION'"));
 }
 
-TEST_CASE("BVH: joints nested without end are refused", "[core][format]") {
+TEST_CASE("BVH: very deep nesting is refused", "[core][format]") {
   std::string text = "HIERARCHY\nROOT a\n";
   for (int i = 0; i < 200000; ++i) text += "{ OFFSET 0 0 0 JOINT a\n";
   CHECK_THAT(Refusal(ReadBvh(text)), Contains("walk:2002: expected at most 2000 joints"));
 }
 
-TEST_CASE("BVH: every truncation is refused in words", "[core][format]") {
+TEST_CASE("BVH: every truncation is refused with a message", "[core][format]") {
   const std::size_t complete = kFigure.size() - 1;  // without the last line end
   CheckEveryTruncation(
       kFigure, [](std::string_view text) { return ReadBvh(text); },

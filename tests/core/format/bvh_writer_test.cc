@@ -1,4 +1,4 @@
-// What is written is read back by the project's own reader, and joints must be where they were.
+// Written files are read back by the project's reader; joint positions must be preserved.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -34,8 +34,8 @@ JointMotion Motion(std::vector<Joint> joints, int frames) {
           core::JointMatrix::Zero(frames, dofs)};
 }
 
-// Joints with axes of their own, odd axes, a slider and a fixed joint in the midst, and names that
-// the format cannot hold.
+// Joints with their own axes, oblique axes, a slider and a fixed joint, and names that the format
+// does not allow.
 JointMotion OddFigure(int frames) {
   const Eigen::Matrix3d c = AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
   JointMotion motion = Motion(
@@ -75,20 +75,21 @@ JointMotion WriteAndRead(const JointMotion& motion, const core::ReadOptions& opt
   return Joints(ReadText(core::FileFormat::kBvh, *text, options));
 }
 
-// The furthest that any joint of `motion` is from the joint of that name in `read` (m).
-double FurthestJoint(const JointMotion& motion, const JointMotion& read) {
+// Returns the maximum distance between joints of `motion` and the joints of the same name in
+// `read`, m.
+double MaxJointDistance(const JointMotion& motion, const JointMotion& read) {
   REQUIRE(read.angles.rows() == motion.angles.rows());
-  double furthest = 0;
+  double max_distance = 0;
   for (Eigen::Index frame = 0; frame < motion.angles.rows(); ++frame) {
     const auto a = core::ForwardKinematics(*motion.skeleton, motion.angles.row(frame));
     const auto b = core::ForwardKinematics(*read.skeleton, read.angles.row(frame));
     for (int j = 0; j < motion.skeleton->joint_count(); ++j) {
       const int at = read.skeleton->FindJoint(motion.skeleton->joints()[j].name);
       REQUIRE(at >= 0);
-      furthest = std::max(furthest, (a[j].translation() - b[at].translation()).norm());
+      max_distance = std::max(max_distance, (a[j].translation() - b[at].translation()).norm());
     }
   }
-  return furthest;
+  return max_distance;
 }
 
 core::MotionFile ReadPath(const std::filesystem::path& path, const std::filesystem::path& asf) {
@@ -106,7 +107,7 @@ core::MotionFile ReadPath(const std::filesystem::path& path, const std::filesyst
 
 }  // namespace
 
-TEST_CASE("WriteBvh: a small figure, word for word", "[core][format]") {
+TEST_CASE("WriteBvh: exact text of a small figure", "[core][format]") {
   JointMotion motion =
       Motion({{.name = "Hips",
                .dofs = {Slide(Vector3d::UnitX()), Slide(Vector3d::UnitY()),
@@ -117,7 +118,8 @@ TEST_CASE("WriteBvh: a small figure, word for word", "[core][format]") {
   motion.angles << 1, 2, 3, std::numbers::pi / 2;
   const auto text = core::WriteBvh(motion);
   REQUIRE(text.ok());
-  // World z is the file's y and world y its -z. The root turns from the world's axes to the file's.
+  // World z is the file's y, and world y its -z. The root rotates from the world's axes to the
+  // file's.
   CHECK(*text ==
         "HIERARCHY\n"
         "ROOT Hips\n"
@@ -141,11 +143,11 @@ TEST_CASE("WriteBvh: a small figure, word for word", "[core][format]") {
         "0.00000000 0.00000000 0.00000000\n");
 }
 
-TEST_CASE("WriteBvh: read back, every joint of an odd figure is where it was", "[core][format]") {
+TEST_CASE("WriteBvh: joint positions of an unusual figure are preserved", "[core][format]") {
   JointMotion motion = OddFigure(50);
   JointMotion read = WriteAndRead(motion);
   CHECK(read.frame_rate_hz == 120);
-  // Names were made safe: "the root", "gauge{}".
+  // Names were made valid: "the root", "gauge{}".
   CHECK(read.skeleton->FindJoint("the_root") == 0);
   CHECK(read.skeleton->FindJoint("gauge__") > 0);
   std::vector<Joint> joints = motion.skeleton->joints();
@@ -153,14 +155,14 @@ TEST_CASE("WriteBvh: read back, every joint of an odd figure is where it was", "
   joints[7].name = "gauge__";
   motion.skeleton =
       std::make_shared<core::Skeleton>(*core::Skeleton::Create("safe", std::move(joints)));
-  CHECK(FurthestJoint(motion, read) < 1e-8);
+  CHECK(MaxJointDistance(motion, read) < 1e-8);
 }
 
 TEST_CASE("WriteBvh: end sites", "[core][format]") {
   const auto text = core::WriteBvh(OddFigure(1));
   REQUIRE(text.ok());
-  // The leg's end is its end site. The slider has two children, so its end is a joint, which needs
-  // an end site itself, as the gauge does.
+  // The end of the leg is its end site. The slider has two children, so its end is a joint, which
+  // needs an end site like the gauge.
   CHECK_THAT(*text, !Contains("leg_end") && Contains("JOINT slider_end"));
   std::size_t sites = 0;
   for (std::size_t at = text->find("End Site"); at != text->npos; ++sites) {
@@ -169,7 +171,7 @@ TEST_CASE("WriteBvh: end sites", "[core][format]") {
   CHECK(sites == 3);
 }
 
-TEST_CASE("WriteBvh: angles run on through whole turns", "[core][format]") {
+TEST_CASE("WriteBvh: angles are continuous through full turns", "[core][format]") {
   constexpr int kFrames = 361;
   const Vector3d axis = GENERATE(Vector3d(0, 0, 1), Vector3d(1, 0, 0), Vector3d(0, 1, 0));
   JointMotion motion = Motion({{.name = "a", .dofs = {}},
@@ -181,7 +183,7 @@ TEST_CASE("WriteBvh: angles run on through whole turns", "[core][format]") {
   motion = Motion(std::move(joints), kFrames);
   for (int frame = 0; frame < kFrames; ++frame) motion.angles(frame, 0) = 0.05 * frame;
   const JointMotion read = WriteAndRead(motion);
-  CHECK(FurthestJoint(motion, read) < 1e-8);
+  CHECK(MaxJointDistance(motion, read) < 1e-8);
   const int first = read.skeleton->first_dof(read.skeleton->FindJoint("b"));
   const auto angles = read.angles.middleCols(first, 3);
   CHECK((angles.bottomRows(kFrames - 1) - angles.topRows(kFrames - 1)).cwiseAbs().maxCoeff() <
@@ -189,7 +191,7 @@ TEST_CASE("WriteBvh: angles run on through whole turns", "[core][format]") {
   CHECK((angles.row(kFrames - 1) - angles.row(0)).norm() == Approx(0.05 * (kFrames - 1)));
 }
 
-TEST_CASE("WriteBvh: refuses what cannot be written", "[core][format]") {
+TEST_CASE("WriteBvh: refuses invalid motion", "[core][format]") {
   const auto refusal = [](const JointMotion& motion) {
     const auto text = core::WriteBvh(motion);
     REQUIRE_FALSE(text.ok());
@@ -216,7 +218,7 @@ TEST_CASE("WriteBvh: refuses what cannot be written", "[core][format]") {
   CHECK_THAT(refusal(bad), Contains("frame 2"));
 }
 
-TEST_CASE("WriteBvh: a chain of 20,000 joints takes no stack", "[core][format]") {
+TEST_CASE("WriteBvh: a chain of 20,000 joints does not overflow the stack", "[core][format]") {
   const auto written = [](int count) {
     std::vector<Joint> joints(count);
     for (int j = 0; j < count; ++j) {
@@ -225,14 +227,13 @@ TEST_CASE("WriteBvh: a chain of 20,000 joints takes no stack", "[core][format]")
     return core::WriteBvh(Motion(std::move(joints), 1));
   };
   CHECK(written(20'000).ok());
-  // The longest that readers take, with its end.
+  // The longest chain that readers accept, including its end.
   const auto text = written(core::kMostJoints - 1);
   REQUIRE(text.ok());
   CHECK(ReadText(core::FileFormat::kBvh, *text, kWritten).ok());
 }
 
-TEST_CASE("WriteBvh: real ASF and BVH motion read back in place, with nothing said of it",
-          "[core][format][data]") {
+TEST_CASE("WriteBvh: real ASF and BVH motion is preserved, without notes", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   struct Source {
     const char* motion;
@@ -251,7 +252,7 @@ TEST_CASE("WriteBvh: real ASF and BVH motion read back in place, with nothing sa
     std::vector<Joint> joints = motion.skeleton->joints();
     const JointMotion read = WriteAndRead(motion, {});
     CHECK(read.frame_rate_hz == Approx(motion.frame_rate_hz));
-    CHECK(FurthestJoint(motion, read) < 1e-7);
+    CHECK(MaxJointDistance(motion, read) < 1e-7);
   }
 }
 

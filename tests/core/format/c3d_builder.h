@@ -1,4 +1,4 @@
-// Builds small C3D files, as each kind of processor writes them.
+// Builds small C3D files for each type of processor.
 #pragma once
 
 #include <bit>
@@ -18,12 +18,11 @@ struct C3dPoint {
   int residual = 0;  // negative: the point is invalid
 };
 
-// Set the fields that a test is about, then Build(). Frames that are given count from
-// `first_frame`.
+// Set the fields of interest, then call Build(). Frames are numbered from `first_frame`.
 struct C3dBuilder {
   core::C3dProcessor processor = core::C3dProcessor::kIntel;
   bool real = true;
-  float scale = 0.1F;  // of whole numbers; the sign is set by `real`
+  float scale = 0.1F;  // of integer data; `real` sets the sign
   float rate_hz = 100;
   int first_frame = 1;
   int analog_per_frame = 0;
@@ -32,7 +31,7 @@ struct C3dBuilder {
   std::vector<std::string> labels;
   std::vector<std::string> labels2;
   std::vector<std::string> angles;
-  bool long_count = false;  // frames counted by TRIAL, as in files beyond 65535
+  bool long_count = false;  // frame count in TRIAL, as in files with more than 65535 frames
   std::vector<std::vector<C3dPoint>> frames;
 
   std::string Build() const {

@@ -18,7 +18,7 @@ absl::StatusOr<core::MotionFile> ReadC3d(std::string_view bytes, const ReadOptio
   return ReadText(FileFormat::kC3d, bytes, options);
 }
 
-// A head and a toe in millimetres, z up; the toe is missing in the second frame.
+// A head and a toe in mm, z up; the toe is missing in the second frame.
 C3dBuilder TwoMarkers() {
   C3dBuilder builder;
   builder.labels = {"LFHD", "LTOE"};
@@ -30,7 +30,7 @@ C3dBuilder TwoMarkers() {
 
 }  // namespace
 
-TEST_CASE("C3D: every processor, whole and real numbers", "[core][format]") {
+TEST_CASE("C3D: every processor, integer and real data", "[core][format]") {
   for (const C3dProcessor processor :
        {C3dProcessor::kIntel, C3dProcessor::kDec, C3dProcessor::kMips}) {
     for (const bool real : {true, false}) {
@@ -88,7 +88,7 @@ TEST_CASE("C3D: units and up axes, stated, deduced, assumed and given", "[core][
   CHECK(Markers(given).frame_rate_hz == 10);
 }
 
-TEST_CASE("C3D: labels lose their subject, are distinct, and may go on in LABELS2",
+TEST_CASE("C3D: labels lose their subject, are distinct, and may continue in LABELS2",
           "[core][format]") {
   C3dBuilder builder = TwoMarkers();
   builder.labels = {"Anna:LFHD"};
@@ -106,7 +106,7 @@ TEST_CASE("C3D: labels lose their subject, are distinct, and may go on in LABELS
   CHECK_THAT(core::Describe(unnamed->report), Contains("1 points without a label"));
 }
 
-TEST_CASE("C3D: computed points are left out", "[core][format]") {
+TEST_CASE("C3D: computed points are ignored", "[core][format]") {
   C3dBuilder builder = TwoMarkers();
   builder.angles = {"LFHD"};
   const auto file = ReadC3d(builder.Build());
@@ -117,7 +117,7 @@ TEST_CASE("C3D: computed points are left out", "[core][format]") {
   CHECK_THAT(Refusal(ReadC3d(builder.Build())), Contains("expected at least one marker"));
 }
 
-TEST_CASE("C3D: frames may start late and number beyond 65535", "[core][format]") {
+TEST_CASE("C3D: frames may start late and exceed 65535", "[core][format]") {
   C3dBuilder builder = TwoMarkers();
   builder.first_frame = 27;
   const auto late = ReadC3d(builder.Build());
@@ -130,7 +130,7 @@ TEST_CASE("C3D: frames may start late and number beyond 65535", "[core][format]"
   CHECK(Markers(ReadC3d(builder.Build())).positions_m.rows() == 70000);
 }
 
-TEST_CASE("C3D: headers that mean nothing are refused with their place", "[core][format]") {
+TEST_CASE("C3D: invalid headers are refused with their position", "[core][format]") {
   const std::string good = TwoMarkers().Build();
   REQUIRE(ReadC3d(good).ok());
   const auto with = [&good](std::size_t offset, char byte) {
@@ -141,7 +141,7 @@ TEST_CASE("C3D: headers that mean nothing are refused with their place", "[core]
   CHECK_THAT(with(0, 0), Contains("walk: byte 0: expected the parameters' block"));
   CHECK_THAT(with(0, 100), Contains("of parameters, the file has only"));
   CHECK_THAT(with(1, 0), Contains("walk: byte 1: expected the key"));
-  CHECK_THAT(with(2, 3), Contains("walk: byte 2: expected 2 points, as POINT:USED says, found 3"));
+  CHECK_THAT(with(2, 3), Contains("walk: byte 2: expected 2 points, as in POINT:USED, found 3"));
   CHECK_THAT(with(9, 127), Contains("truncated"));  // the last frame
   CHECK_THAT(with(8, 0), Contains("expected at least one frame"));
   CHECK_THAT(with(16, 1), Contains("expected the data's block"));
@@ -153,7 +153,7 @@ TEST_CASE("C3D: headers that mean nothing are refused with their place", "[core]
   }
 }
 
-TEST_CASE("C3D: every byte of header and parameters may be wrong without harm", "[core][format]") {
+TEST_CASE("C3D: any wrong byte of header and parameters is harmless", "[core][format]") {
   const std::string good = TwoMarkers().Build();
   for (std::size_t offset = 0; offset < 1024; ++offset) {
     for (const int byte : {0x00, 0x01, 0x7F, 0x80, 0xFF}) {
@@ -165,7 +165,7 @@ TEST_CASE("C3D: every byte of header and parameters may be wrong without harm", 
   }
 }
 
-TEST_CASE("C3D: every truncation is refused in words", "[core][format]") {
+TEST_CASE("C3D: every truncation is refused with a message", "[core][format]") {
   const std::string bytes = TwoMarkers().Build();
   CheckEveryTruncation(
       bytes, [](std::string_view cut) { return ReadC3d(cut); },

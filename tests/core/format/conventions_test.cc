@@ -10,7 +10,7 @@ using core::UpAxis;
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-TEST_CASE("WorldFromFile: a proper rotation that takes up to z", "[core][format]") {
+TEST_CASE("WorldFromFile: a proper rotation from the up axis to z", "[core][format]") {
   const std::array<std::pair<UpAxis, Vector3d>, 6> axes = {{{UpAxis::kX, Vector3d::UnitX()},
                                                             {UpAxis::kY, Vector3d::UnitY()},
                                                             {UpAxis::kZ, Vector3d::UnitZ()},
@@ -30,19 +30,19 @@ TEST_CASE("DeduceUpAxis: heads above feet, in most frames", "[core][format]") {
   core::FrameMatrix positions(5, 9);
   for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 1, 17, 2, 0, 9, 0, 1, 1, 3;
   CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
-  positions.row(1) << 17, 1, 2, 9, 0, 0, 1, 1, 3;  // lies down for a while
+  positions.row(1) << 17, 1, 2, 9, 0, 0, 1, 1, 3;  // lies down for some frames
   positions.row(2) = positions.row(1);
   CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
   CHECK(core::DeduceUpAxis(names, -positions) == UpAxis::kMinusY);
-  positions.row(0).setConstant(std::numeric_limits<float>::quiet_NaN());  // not seen at all
+  positions.row(0).setConstant(std::numeric_limits<float>::quiet_NaN());  // not seen
   positions.row(1).setConstant(std::numeric_limits<float>::quiet_NaN());
   CHECK(core::DeduceUpAxis(names, positions) == UpAxis::kY);
   for (int frame = 0; frame < 5; ++frame) positions.row(frame) << 9, 9, 2, 0, 9, 0, 1, 1, 3;
-  CHECK_FALSE(core::DeduceUpAxis(names, positions).has_value());  // no axis stands out
+  CHECK_FALSE(core::DeduceUpAxis(names, positions).has_value());  // ambiguous
   CHECK_FALSE(core::DeduceUpAxis(std::vector<std::string>{"a", "b", "c"}, positions).has_value());
 }
 
-TEST_CASE("SnapFrameRate: to the nearest customary rate, or not at all", "[core][format]") {
+TEST_CASE("SnapFrameRate: to a near customary rate, or unchanged", "[core][format]") {
   std::vector<std::string> notes;
   CHECK(core::SnapFrameRate(120.0, notes) == 120);
   CHECK(core::SnapFrameRate(0.3, notes) == 0.3);

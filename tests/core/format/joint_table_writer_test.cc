@@ -1,4 +1,4 @@
-// A table is read back as robot code reads it, and the robot must be where the motion had it.
+// Tables are parsed as robot code does; the robot's pose must be preserved.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <charconv>
@@ -32,7 +32,7 @@ struct Table {
   }
 };
 
-// RFC 4180, with lines that end in LF.
+// RFC 4180, with LF line ends.
 Table Parse(std::string_view text) {
   std::vector<std::vector<std::string>> lines(1, std::vector<std::string>(1));
   bool quoted = false;
@@ -56,7 +56,7 @@ Table Parse(std::string_view text) {
       field += text[i];
     }
   }
-  REQUIRE(lines.back() == std::vector<std::string>(1));  // the text ended in a line's end
+  REQUIRE(lines.back() == std::vector<std::string>(1));  // the text ends with a line end
   lines.pop_back();
   Table table{.columns = lines.at(0), .rows = {}};
   for (std::size_t line = 1; line < lines.size(); ++line) {
@@ -86,7 +86,7 @@ std::vector<Dof> FreeDofs() {
   return dofs;
 }
 
-// A base, a hinge with an odd name, a joint of two axes, a fixed joint and one that mimics.
+// A base, a hinge with a special name, a joint of two axes, a fixed joint and a mimic joint.
 std::vector<Joint> OddJoints() {
   return {{.name = "base", .offset_m = {0, 0, 1}, .dofs = FreeDofs()},
           {.name = "hinge, \"left\"", .parent = 0, .dofs = {{.axis = Vector3d::UnitY()}}},
@@ -112,7 +112,7 @@ JointMotion Motion(std::vector<Joint> joints, int frames, unsigned seed = 3) {
 
 }  // namespace
 
-TEST_CASE("WriteJointTable: a small robot, word for word", "[core][format]") {
+TEST_CASE("WriteJointTable: exact text of a small robot", "[core][format]") {
   JointMotion motion = Motion(OddJoints(), 2);
   motion.angles.setZero();
   motion.angles(0, 0) = -0.0;
@@ -126,7 +126,7 @@ TEST_CASE("WriteJointTable: a small robot, word for word", "[core][format]") {
         "0.02,1,2,1.5,0,0,0,1,0.1,-0.25,3,0.3\n");
 }
 
-TEST_CASE("WriteJointTable: read back, every number is the same double", "[core][format]") {
+TEST_CASE("WriteJointTable: every double is preserved", "[core][format]") {
   const JointMotion motion = Motion(OddJoints(), 40);
   const Table table = WriteAndParse(motion, {&kFollower, 1});
   REQUIRE(table.rows.size() == 40);
@@ -147,7 +147,7 @@ TEST_CASE("WriteJointTable: read back, every number is the same double", "[core]
   }
 }
 
-TEST_CASE("WriteJointTable: the quaternion runs on through whole turns", "[core][format]") {
+TEST_CASE("WriteJointTable: the quaternion is continuous through full turns", "[core][format]") {
   JointMotion motion = Motion({{.name = "base", .dofs = FreeDofs()}}, 400);
   motion.angles.setZero();
   for (int t = 0; t < 400; ++t) motion.angles(t, 3) = 3 + 0.05 * t;
@@ -162,7 +162,7 @@ TEST_CASE("WriteJointTable: the quaternion runs on through whole turns", "[core]
   }
 }
 
-TEST_CASE("WriteJointTable: refuses what cannot be written", "[core][format]") {
+TEST_CASE("WriteJointTable: refuses invalid motion", "[core][format]") {
   const auto refusal = [](const JointMotion& motion, std::vector<MimicJoint> mimics = {}) {
     return Refusal(core::WriteJointTable(motion, mimics));
   };
@@ -201,7 +201,7 @@ TEST_CASE("WriteJointTable: refuses what cannot be written", "[core][format]") {
              Contains("not finite"));
 }
 
-TEST_CASE("WriteJointTable: real robots, read back and by forward kinematics in place",
+TEST_CASE("WriteJointTable: real robots keep their pose by forward kinematics",
           "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   for (const char* name :
@@ -216,7 +216,7 @@ TEST_CASE("WriteJointTable: real robots, read back and by forward kinematics in 
     CHECK(table.columns.size() ==
           8 + static_cast<std::size_t>(skeleton.dof_count()) - 6 + robot->mimics.size());
     for (std::size_t t = 0; t < table.rows.size(); ++t) {
-      // The robot's own controller: the base's pose, then each joint by its name.
+      // As in a robot controller: the pose of the base, then each joint by name.
       Eigen::RowVectorXd q = Eigen::RowVectorXd::Zero(skeleton.dof_count());
       for (int j = 1; j < skeleton.joint_count(); ++j) {
         const Joint& joint = skeleton.joints()[j];
@@ -230,12 +230,13 @@ TEST_CASE("WriteJointTable: real robots, read back and by forward kinematics in 
       const auto relative = core::ForwardKinematics(skeleton, q);
       const auto expected =
           core::ForwardKinematics(skeleton, motion.angles.row(static_cast<Eigen::Index>(t)));
-      double furthest = 0;
+      double max_difference = 0;
       for (int j = 0; j < skeleton.joint_count(); ++j) {
-        furthest = std::max(
-            furthest, ((base * relative[j]).matrix() - expected[j].matrix()).cwiseAbs().maxCoeff());
+        max_difference =
+            std::max(max_difference,
+                     ((base * relative[j]).matrix() - expected[j].matrix()).cwiseAbs().maxCoeff());
       }
-      CHECK(furthest < 1e-12);
+      CHECK(max_difference < 1e-12);
       for (const MimicJoint& mimic : robot->mimics) {
         CHECK(table.At(t, mimic.joint) ==
               mimic.multiplier * table.At(t, mimic.master) + mimic.offset);

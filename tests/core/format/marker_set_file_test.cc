@@ -69,7 +69,7 @@ TEST_CASE("MarkerSetFile: names, hips, rules, quotes, comments, any line end", "
   CHECK(rig.rules[2].points[0].name == "3");
 }
 
-TEST_CASE("MarkerSetFile: a default rule is made of the mapping's own", "[core][format]") {
+TEST_CASE("MarkerSetFile: a default rule uses the mapping's own rules", "[core][format]") {
   std::string text = kGood.substr(0, kGood.find("Right = 2"));
   text += "Right = 3 r + -2 s\n";
   const auto scheme = core::ReadMarkerSetFile({"my.markers", text});
@@ -83,7 +83,7 @@ TEST_CASE("MarkerSetFile: a default rule is made of the mapping's own", "[core][
   CHECK(points[2].weight == -1);
 }
 
-TEST_CASE("MarkerSetFile: written and read back is the same", "[core][format]") {
+TEST_CASE("MarkerSetFile: writing and reading preserves the scheme", "[core][format]") {
   for (const core::MarkerScheme& scheme :
        {core::StandardScheme(), *core::ReadMarkerSetFile({"my.markers", kGood})}) {
     const std::string text = core::WriteMarkerSetFile(scheme);
@@ -121,7 +121,7 @@ TEST_CASE("MarkerSetFile: errors name file, line and what was expected", "[core]
   CHECK_THAT(ErrorOf(head + "mapping m\nA = x offset j 1 2\n"), Contains("offset JOINT X Y Z"));
   CHECK_THAT(ErrorOf(head + "mapping m\nA = x offset j 1 2 z\n"), Contains("'z'"));
   CHECK_THAT(ErrorOf(head + "mapping m\nA = x y\n"), Contains("'y'"));
-  CHECK_THAT(ErrorOf(head + "mapping m\nA = x\nA = y\n"), Contains("two rules"));
+  CHECK_THAT(ErrorOf(head + "mapping m\nA = x\nA = y\n"), Contains("got a second"));
   CHECK_THAT(ErrorOf(head + "marker \"C\n"), Contains("closing quote"));
   CHECK_THAT(ErrorOf(head + "mapping m\nmarker C\n"), Contains("before the first mapping"));
   CHECK_THAT(ErrorOf("motiondb-marker-set 1\nname n\nmarker A\n"), Contains("hips LEFT RIGHT"));

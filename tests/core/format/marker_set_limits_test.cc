@@ -1,4 +1,4 @@
-// Marker-set files that ask for more than a set should cost: each limit has its line.
+// Marker-set files beyond the limits: each limit is reported with its line.
 #include <fmt/format.h>
 
 #include "core/format/marker_set_file.h"
@@ -24,7 +24,7 @@ std::string Points(std::size_t count) {
   return rule;
 }
 
-TEST_CASE("Marker set: too many markers, mappings, legs and points are refused where they are",
+TEST_CASE("Marker set: too many markers, mappings, legs and points are refused with their line",
           "[core][format][hostile]") {
   std::string text = kHead;
   for (std::size_t m = 2; m <= core::kMostMarkers; ++m) text += fmt::format("marker m{}\n", m);
@@ -44,9 +44,8 @@ TEST_CASE("Marker set: too many markers, mappings, legs and points are refused w
   CHECK_THAT(RefusalOf(text), Contains("'lhip' is made of more than 32 points"));
 }
 
-TEST_CASE("Marker set: a rule made of rules is held to the same number of points",
-          "[core][format][hostile]") {
-  // Twenty points of twenty points would be four hundred, in every mapping.
+TEST_CASE("Marker set: nested rules have the same limit of points", "[core][format][hostile]") {
+  // 20 points of 20 points each would be 400, in every mapping.
   std::string text = kHead;
   std::string middle = "middle = ";
   for (int i = 0; i < 20; ++i) {
@@ -58,9 +57,9 @@ TEST_CASE("Marker set: a rule made of rules is held to the same number of points
   CHECK_THAT(RefusalOf(text), Contains("'middle' is made of more than 32 points"));
 }
 
-// A `source` database keeps its first clip's names as such a file: one that cannot be read back
-// would be lost at the next start.
-TEST_CASE("Marker set: names with quotes, signs and blanks come back as they were",
+// A `source` database stores the names of its first clip in such a file. If it could not be read
+// back, the next start would lose it.
+TEST_CASE("Marker set: names with quotes, signs and spaces are preserved",
           "[core][format][hostile]") {
   core::MarkerScheme scheme;
   scheme.set.name = "an \"odd\" set";

@@ -1,4 +1,4 @@
-// A URDF file with something of everything, and how tests read it.
+// A URDF file with all features, and helpers to read it.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@
 
 namespace motiondb::tests {
 
-// Every type of joint, children before their parents, and what a reader has to pass over.
+// Every type of joint, children before their parents, and elements that a reader ignores.
 inline constexpr std::string_view kRobot = R"(<?xml version="1.0"?>
 <!-- A robot > with everything. -->
 <robot name="odd">
@@ -86,7 +86,7 @@ inline core::UrdfRobot GoodRobot(std::string_view text) {
   return *std::move(robot);
 }
 
-// The refusal of kRobot with `from` replaced.
+// Returns the refusal of kRobot with `from` replaced.
 inline std::string RefusalWith(std::string_view from, std::string_view to) {
   return Refusal(ReadRobot(Replaced(std::string(kRobot), from, to)));
 }

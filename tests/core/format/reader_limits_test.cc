@@ -1,4 +1,4 @@
-// Files of some kilobytes that would take gigabytes or hours if their readers were not careful.
+// Small files that would need gigabytes or hours in a careless reader.
 #include <fmt/format.h>
 
 #include "core/format/motion_file.h"
@@ -16,9 +16,8 @@ std::string Motion(int channels) {
   return text + "\n";
 }
 
-TEST_CASE("BVH: a body of heads and feet alone takes time in proportion",
-          "[core][format][hostile]") {
-  // A chain, so that the way from each head to each foot leads over many bones.
+TEST_CASE("BVH: a body of only heads and feet takes linear time", "[core][format][hostile]") {
+  // A chain, so that the path from each head to each foot has many bones.
   std::string text = "HIERARCHY\n";
   for (int j = 0; j < kMany; ++j) {
     text += fmt::format("{} {}{}\n{{\nOFFSET 0 1 0\nCHANNELS {}\n", j == 0 ? "ROOT" : "JOINT",
@@ -30,7 +29,7 @@ TEST_CASE("BVH: a body of heads and feet alone takes time in proportion",
   REQUIRE(Joints(file).skeleton->joint_count() == kMany);
 }
 
-// A root with joints and end sites, one a line.
+// A root with joints and end sites, one per line.
 std::string Comb(int joints, int ends) {
   std::string text = "HIERARCHY\nROOT r { OFFSET 0 0 0 CHANNELS 1 Xrotation\n";
   for (int j = 1; j < joints; ++j) text += fmt::format("JOINT j{} {{ OFFSET 0 1 0 }}\n", j);
@@ -50,7 +49,7 @@ TEST_CASE("BVH: more joints than a skeleton may have", "[core][format][hostile]"
   CHECK_THAT(refusal(250'000, 0), Catch::StartsWith("walk:2002: expected at most 2000 joints"));
 }
 
-// An ASF of a root and bones, nine lines each from line 10 on: in a chain, or each at the root.
+// An ASF with a root and bones, nine lines each from line 10 on: in a chain, or all on the root.
 std::string Bones(int bones, bool chain) {
   std::string text =
       ":version 1.10\n:units\n mass 1\n length 1\n angle deg\n:root\n order TX TY TZ RX RY RZ\n"
@@ -73,7 +72,7 @@ TEST_CASE("ASF: more joints than a skeleton may have", "[core][format][hostile]"
                                 {.name = "walk", .bytes = ":DEGREES\n1\nroot 0 0 0 0 0 0\n"},
                                 core::SourceFile{.name = "body", .bytes = asf});
   };
-  // The root, the bones and the tip of the last.
+  // The root, the bones and the tip of the last one.
   CHECK(Joints(read(Bones(1998, true))).skeleton->joint_count() == 2000);
   CHECK_THAT(Refusal(read(Bones(1999, true))),
              Catch::Contains("expected at most 2000 joints, found 2000 bones that end in 1 tips"));
@@ -84,7 +83,7 @@ TEST_CASE("ASF: more joints than a skeleton may have", "[core][format][hostile]"
         "body:14008: expected at most 2000 joints, found bone 'b2000' after them");
 }
 
-// One joint a line.
+// One joint per line.
 std::string Links(int joints) {
   std::string text = "<robot><link name='l0'/>\n";
   for (int j = 1; j <= joints; ++j) {
@@ -118,7 +117,7 @@ TEST_CASE("BVH: a long name is cut, not copied to every end site", "[core][forma
     longest = std::max(longest, joint.name.size());
   }
   CHECK(longest < 300);
-  // A name is not cut within a character.
+  // Names are not cut within a character.
   std::string umlauts;
   for (int i = 0; i < 200; ++i) umlauts += "\xC3\xA4";
   const auto cut = ReadText(

@@ -1,4 +1,4 @@
-// What the tests of the readers share.
+// Helpers for the tests of the readers.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -19,7 +19,7 @@ inline std::string MessageOf(const absl::Status& status) {
   return std::string(status.message().data(), status.message().size());
 }
 
-// The message of the error that reading must end in.
+// Returns the message of the error with which reading must fail.
 template <typename File>
 std::string Refusal(const absl::StatusOr<File>& file) {
   if (file.ok()) return "it was read";
@@ -59,12 +59,12 @@ inline std::string WithLineEnds(std::string_view text, std::string_view line_end
   return changed;
 }
 
-// Reads every beginning of `bytes` by `read`. Those that `is_complete` must be read, all others
-// refused with words on what was expected.
+// Reads every prefix of `bytes`. Those with `is_complete` must succeed; all others must fail with a
+// message that has "expected".
 template <typename Read, typename IsComplete>
 void CheckEveryTruncation(std::string_view bytes, Read read, IsComplete is_complete) {
   for (std::size_t length = 0; length <= bytes.size(); ++length) {
-    // A copy of its own, so that the sanitizer sees a step beyond its end.
+    // A separate copy, so that the sanitizer detects reads beyond its end.
     const std::string cut(bytes.substr(0, length));
     CAPTURE(length);
     const auto file = read(cut);

@@ -1,4 +1,4 @@
-// Real motion: that it is read, that it stands on the floor, and that two readers agree on one
+// Recorded motion: all files are read, people stand on the floor, and two readers agree on one
 // motion.
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -43,7 +43,7 @@ FrameMatrix Positions(const core::MotionFile& file) {
   return std::get<core::MarkerMotion>(file.motion).positions_m;
 }
 
-// Heights of all points over all frames, in order.
+// Returns the heights of all points over all frames, ascending.
 std::vector<float> Heights(const core::MotionFile& file) {
   const FrameMatrix positions = Positions(file);
   std::vector<float> heights;
@@ -92,7 +92,8 @@ TEST_CASE("Real files: every clip of the index is read, with all its frames",
   CHECK(clips > 300);
 }
 
-TEST_CASE("Real files: people of a person's height stand on the floor", "[core][format][data]") {
+TEST_CASE("Real files: people have a normal height and stand on the floor",
+          "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   std::vector<fs::path> paths = FilesIn(DataDir() / "formats/same-motion", ".bvh");
   for (const char* folder : {"formats/other", "cmu/10", "cmu/11", "cmu/13"}) {
@@ -112,8 +113,7 @@ TEST_CASE("Real files: people of a person's height stand on the floor", "[core][
   }
 }
 
-TEST_CASE("Real files: what the readers say of the files with odd conventions",
-          "[core][format][data]") {
+TEST_CASE("Real files: reports of the files with unusual conventions", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   const std::map<std::string, std::string> expected = {
       {"formats/other/sinusoidal.bvh", "unit 0.01 m (assumed), y up (assumed)"},
@@ -131,7 +131,7 @@ TEST_CASE("Real files: what the readers say of the files with odd conventions",
   }
 }
 
-TEST_CASE("Real files: TRC and C3D are read, damaged files are refused", "[core][format][data]") {
+TEST_CASE("Real files: TRC and C3D are read, corrupt files are refused", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   for (const fs::path& path : FilesIn(DataDir() / "prediction/train", ".trc")) {
     const auto file = ReadPath(path);
@@ -164,7 +164,7 @@ TEST_CASE("Real files: four byte orders of one C3D recording agree", "[core][for
   }
 }
 
-TEST_CASE("Real files: AMC and BVH of one motion have one root path and turn their limbs alike",
+TEST_CASE("Real files: AMC and BVH of one motion have the same root path and limb directions",
           "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   const auto amc_file = ReadPath(DataDir() / "cmu/02/02_01.amc", DataDir() / "cmu/02/02.asf");
@@ -174,7 +174,7 @@ TEST_CASE("Real files: AMC and BVH of one motion have one root path and turn the
   const FrameMatrix a = core::JointPositions(amc);
   const FrameMatrix b = core::JointPositions(bvh);
   REQUIRE(a.rows() == b.rows());
-  // The conversion has another skeleton, about 6 % larger, and scales the root's path with it.
+  // The conversion has another skeleton, about 6 % larger, and scales the root path with it.
   const FrameMatrix root_a = JointPath(amc, a, "root");
   const FrameMatrix root_b = JointPath(bvh, b, "Hips");
   const float scale = root_a.cwiseProduct(root_b).sum() / root_b.squaredNorm();
@@ -195,11 +195,11 @@ TEST_CASE("Real files: AMC and BVH of one motion have one root path and turn the
     const FrameMatrix v = JointPath(bvh, b, limb.bvh[1]) - JointPath(bvh, b, limb.bvh[0]);
     const auto cosines = u.cwiseProduct(v).rowwise().sum().array() /
                          (u.rowwise().norm().array() * v.rowwise().norm().array());
-    CHECK(cosines.minCoeff() > std::cos(0.11));  // 6 degrees: the limbs of the skeletons differ
+    CHECK(cosines.minCoeff() > std::cos(0.11));  // 6 degrees: the skeletons' limbs differ
   }
 }
 
-TEST_CASE("Real files: motion that Debian's assimp-testmodels ships", "[core][format][data]") {
+TEST_CASE("Real files: the motion of Debian's assimp-testmodels", "[core][format][data]") {
   const fs::path folder = "/usr/share/assimp/models/BVH";
   if (!fs::exists(folder)) {
     WARN("skipped: assimp-testmodels is not installed");

@@ -1,4 +1,4 @@
-// The standard markers on robots: where they are when all joints are at zero.
+// The standard markers on robots with all joints at zero.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -28,7 +28,7 @@ struct Pose {
   }
 };
 
-// The robot with all joints at zero, but for those whose name `bends` says otherwise.
+// The robot with all joints at zero, except those in `bends`.
 Pose PoseOf(const core::UrdfRobot& robot,
             const std::vector<std::pair<std::string, double>>& bends) {
   core::JointMotion motion = {std::make_shared<core::Skeleton>(robot.skeleton), 60,
@@ -56,13 +56,12 @@ struct Case {
   const char* file;
   const char* mapping;
   double leg_m;     // hip, knee, ankle
-  double height_m;  // of the head's top above the sole
+  double height_m;  // top of the head above the sole
 };
 
 }  // namespace
 
-TEST_CASE("Robot markers: a body that stands, faces x and is alike on both sides",
-          "[core][format][data]") {
+TEST_CASE("Robot markers: a standing, symmetric body that faces x", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   const Case robot = GENERATE(
       Case{"g1_29dof_rev_1_0", "unitree-g1", 0.637, 1.25}, Case{"h1", "unitree-h1", 0.8, 1.73},
@@ -75,7 +74,7 @@ TEST_CASE("Robot markers: a body that stands, faces x and is alike on both sides
   CHECK(mapping->name == robot.mapping);
   const Pose at = PoseOf(read, {});
 
-  // Left and right to within a millimetre or what the file's own asymmetries make.
+  // Symmetric to 1 mm, or to the file's own asymmetry.
   for (const std::string& marker : core::StandardScheme().set.markers) {
     if (marker[0] != 'L') {
       if (marker[0] != 'R') CHECK(std::abs(at(marker).y()) < 1e-3);
@@ -106,7 +105,7 @@ TEST_CASE("Robot markers: a body that stands, faces x and is alike on both sides
   CHECK(at("LHeel").x() < at("LAnkle").x());
   CHECK((at("LHand") - at("LElbow")).norm() > (at("LWrist") - at("LElbow")).norm());
 
-  // Leg length, straight from the markers, is the size that the project works with.
+  // The leg length, computed from the markers, is the project's measure of size.
   const double leg = (at("LHip") - at("LKnee")).norm() + (at("LKnee") - at("LAnkle")).norm();
   const auto estimated = core::EstimateLegLength(core::StandardScheme().set, at.motion);
   REQUIRE(estimated.ok());
@@ -135,7 +134,7 @@ TEST_CASE("Robot markers: H1's legs keep their length and stay below its hips",
   CHECK(at("LToe").y() == Approx(at("LHip").y()));
 }
 
-TEST_CASE("Robot markers: G1's thigh keeps its length as it swings", "[core][format][data]") {
+TEST_CASE("Robot markers: G1's thigh keeps its length while it swings", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   const core::UrdfRobot g1 = Robot("g1_29dof_rev_1_0");
   const double still = (PoseOf(g1, {})("LHip") - PoseOf(g1, {})("LKnee")).norm();

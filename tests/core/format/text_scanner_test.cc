@@ -13,12 +13,12 @@ using core::ParseNumber;
 using core::TextScanner;
 using core::ToUtf8;
 
-TEST_CASE("CountWords: as a stream reads them", "[core][format]") {
+TEST_CASE("CountWords: equals the words of a stream", "[core][format]") {
   std::mt19937 random(5);
   const std::string letters = "ab7.-# \t\n\r\v\f\x1f\x80\xff";
   for (int round = 0; round < 300; ++round) {
     std::string text(random() % 1200, ' ');
-    // Long words, long gaps, and both alike.
+    // Long words, long gaps, or both.
     const std::size_t first = round % 3 == 0 ? 6 : 0;
     const std::size_t count = round % 3 == 1 ? 7 : letters.size() - first;
     for (char& c : text) c = letters[first + random() % count];
@@ -31,7 +31,7 @@ TEST_CASE("CountWords: as a stream reads them", "[core][format]") {
   CHECK(core::CountWords("a " + std::string(1000, ' ') + "b") == 2);
 }
 
-TEST_CASE("ParseNumber: every form that motion files write", "[core][format]") {
+TEST_CASE("ParseNumber: every form in motion files", "[core][format]") {
   CHECK(ParseNumber("0") == 0.0);
   CHECK(ParseNumber("-0.5") == -0.5);
   CHECK(ParseNumber("1e-5") == 1e-5);
@@ -55,7 +55,7 @@ TEST_CASE("ParseNumber: anything else is no number", "[core][format]") {
   CHECK_FALSE(ParseNumber(std::string_view()).has_value());
 }
 
-TEST_CASE("ParseNumber: the fast way rounds as std::from_chars does", "[core][format]") {
+TEST_CASE("ParseNumber: the fast path rounds like std::from_chars", "[core][format]") {
   std::mt19937 random(1);
   std::uniform_int_distribution<int> digit(0, 9);
   std::uniform_int_distribution<int> length(0, 17);
@@ -83,7 +83,7 @@ TEST_CASE("TextScanner: tokens, punctuation and the byte order mark", "[core][fo
     CHECK(scanner.Token() == expected);
 }
 
-TEST_CASE("TextScanner: LF, CRLF and lone CR end lines alike", "[core][format]") {
+TEST_CASE("TextScanner: LF, CRLF and lone CR all end lines", "[core][format]") {
   for (const char* text : {"one  two \n\nthree", "one  two \r\n\r\nthree", "one  two \r\rthree",
                            "one  two \r\n\rthree", "one  two \n\rthree"}) {
     TextScanner scanner({.name = "f", .bytes = text});
@@ -98,7 +98,8 @@ TEST_CASE("TextScanner: LF, CRLF and lone CR end lines alike", "[core][format]")
   }
 }
 
-TEST_CASE("TextScanner: errors tell an end of line from the end of the file", "[core][format]") {
+TEST_CASE("TextScanner: errors distinguish the end of a line from the end of the file",
+          "[core][format]") {
   TextScanner scanner({.name = "f", .bytes = "1\n2"});
   double value = 0;
   REQUIRE(scanner.TryNumberOnLine(value));
@@ -111,7 +112,7 @@ TEST_CASE("TextScanner: errors tell an end of line from the end of the file", "[
   CHECK(scanner.EndsInToken());
 }
 
-TEST_CASE("TextScanner: whole numbers are whole and in range", "[core][format]") {
+TEST_CASE("TextScanner: integers must be whole and in range", "[core][format]") {
   int value = 0;
   CHECK(TextScanner({.name = "f", .bytes = "12"}).ReadInteger("n", 0, 12, value).ok());
   CHECK(value == 12);
@@ -120,7 +121,7 @@ TEST_CASE("TextScanner: whole numbers are whole and in range", "[core][format]")
   }
 }
 
-TEST_CASE("ToUtf8: valid text stays, other bytes are read as Latin-1", "[core][format]") {
+TEST_CASE("ToUtf8: valid text is kept, other bytes are read as Latin-1", "[core][format]") {
   CHECK(ToUtf8("Hips") == "Hips");
   CHECK(ToUtf8("H\xC3\xBC"
                "fte") ==
@@ -132,13 +133,13 @@ TEST_CASE("ToUtf8: valid text stays, other bytes are read as Latin-1", "[core][f
         "fte");
   CHECK(ToUtf8("a\x01\x7F") == "a??");
   CHECK(ToUtf8("a\xC2\x9B\xE2\x80\xAE\xE2\x80\xA8") == "a???");
-  CHECK(ToUtf8("\xE2\x82") == "\xC3\xA2?");              // cut short
+  CHECK(ToUtf8("\xE2\x82") == "\xC3\xA2?");              // truncated
   CHECK(ToUtf8("\xC0\xAF") == "\xC3\x80\xC2\xAF");       // overlong
   CHECK(ToUtf8("\xED\xA0\x80") == "\xC3\xAD\xC2\xA0?");  // surrogate
   CHECK(ToUtf8("\xF0\x9F\x98\x80") == "\xF0\x9F\x98\x80");
 }
 
-TEST_CASE("UniqueNames: the second of a name is numbered, and told", "[core][format]") {
+TEST_CASE("UniqueNames: a duplicate name is numbered and reported", "[core][format]") {
   core::UniqueNames names;
   CHECK(names.Add("Hand") == "Hand");
   CHECK(names.Note().empty());

@@ -85,8 +85,7 @@ TEST_CASE("TRC: line ends, trailing tabs and spaces for tabs do not matter", "[c
   CHECK(same(ReadTrc(Trc("\n\n1", "\n1"))));
 }
 
-TEST_CASE("TRC: names, frame numbers and times that differ from custom are told",
-          "[core][format]") {
+TEST_CASE("TRC: names, frame numbers and times that are unusual are reported", "[core][format]") {
   const auto twice = ReadTrc(Trc("Left Toe", "Head"));
   CHECK(Markers(twice).names[1] == "Head_2");
   CHECK_THAT(core::Describe(twice->report), Contains("made distinct"));
@@ -96,10 +95,11 @@ TEST_CASE("TRC: names, frame numbers and times that differ from custom are told"
   CHECK_THAT(core::Describe(late->report), Contains("frames start at 11"));
   const auto slow = ReadTrc(Trc("3\t0.04", "3\t0.08"));
   CHECK(Markers(slow).frame_rate_hz == 50);
-  CHECK_THAT(core::Describe(slow->report), Contains("times span 0.08 s, DataRate says 0.04 s"));
+  CHECK_THAT(core::Describe(slow->report),
+             Contains("the time column spans 0.08 s, DataRate implies 0.04 s"));
 }
 
-TEST_CASE("TRC: a header that does not hold is refused", "[core][format]") {
+TEST_CASE("TRC: an invalid header is refused", "[core][format]") {
   CHECK_THAT(Refusal(ReadTrc(Trc("PathFileType", "File"))), Contains("walk:1: expected"));
   for (const char* rate : {"0", "-50", "nan", "", "fast"}) {
     CHECK_THAT(Refusal(ReadTrc(Trc("50\t50", fmt::format("{}\t50", rate)))),
@@ -110,11 +110,11 @@ TEST_CASE("TRC: a header that does not hold is refused", "[core][format]") {
                Contains("walk:3: expected NumFrames"));
   }
   CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t3\t3"))),
-             Contains("walk:4: expected 3 marker names, as NumMarkers says, found 2"));
+             Contains("walk:4: expected 3 marker names, as in NumMarkers, found 2"));
   CHECK_THAT(Refusal(ReadTrc(Trc("Frame#", "Index"))), Contains("expected 'Frame#'"));
 }
 
-TEST_CASE("TRC: errors in frames are told with their line", "[core][format]") {
+TEST_CASE("TRC: errors in frames name their line", "[core][format]") {
   CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t4\t2"))),
              Contains("truncated") && Contains("expected 4 frames, found 3"));
   CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t500000000\t2"))), Contains("found 3"));
@@ -134,7 +134,7 @@ TEST_CASE("TRC: errors in frames are told with their line", "[core][format]") {
   CHECK_THAT(Refusal(ReadTrc(Trc("4\t50\t6", "4\t50\t6\t7"))), Contains("found '7' after them"));
 }
 
-TEST_CASE("TRC: every truncation is refused in words", "[core][format]") {
+TEST_CASE("TRC: every truncation is refused with a message", "[core][format]") {
   const std::size_t complete = kTrc.size() - 1;  // without the last line end
   CheckEveryTruncation(
       kTrc, [](std::string_view text) { return ReadTrc(text); },

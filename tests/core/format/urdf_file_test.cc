@@ -1,4 +1,4 @@
-// URDF files that are damaged, hostile or no URDF at all.
+// URDF files that are corrupt, hostile or not URDF.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@ namespace motiondb::tests::urdf_file_test {
 using Catch::Contains;
 using core::UrdfRobot;
 
-TEST_CASE("ReadUrdf: what is missing or makes no sense, with its line", "[core][format]") {
+TEST_CASE("ReadUrdf: missing or invalid parts are reported with their line", "[core][format]") {
   CHECK_THAT(RefusalWith("name=\"elbow\" type", "type"),
              Contains("robot.urdf:5: expected <joint> to have a name, found none"));
   CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link/>"), Contains("<link> to have a name"));
@@ -20,7 +20,7 @@ TEST_CASE("ReadUrdf: what is missing or makes no sense, with its line", "[core][
   CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", ""), Contains("<parent link=...>"));
   CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", "<parent/>"), Contains("<parent> to have"));
   CHECK_THAT(RefusalWith("xyz=\"0 2 0\"", "xyz=\"0 0 0\""),
-             Contains("robot.urdf:9: joint 'elbow': expected an axis of some length"));
+             Contains("robot.urdf:9: joint 'elbow': expected a nonzero axis"));
   CHECK_THAT(RefusalWith("<limit lower=\"-0.5\" upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""),
              Contains("joint 'elbow': expected <limit>"));
   CHECK_THAT(RefusalWith("lower=\"-0.5\"", "lower=\"2.5\""), Contains("expected lower <= upper"));
@@ -35,7 +35,7 @@ TEST_CASE("ReadUrdf: what is missing or makes no sense, with its line", "[core][
              Contains("expected 1 finite number as lower of <limit>, found 'low'"));
 }
 
-TEST_CASE("ReadUrdf: what is no URDF", "[core][format]") {
+TEST_CASE("ReadUrdf: other files are refused", "[core][format]") {
   for (const char* text : {"", "   \n", "hello", "HIERARCHY\nROOT Hips\n{\n", "<", "<robot",
                            "<robot/", "<robot/><", "<robot/>x", "x<robot/>", "<robot/><robot/>",
                            "<sdf><model/></sdf>", "<!-- no -->", "<robot><link name='a'></robot>",
@@ -49,14 +49,13 @@ TEST_CASE("ReadUrdf: what is no URDF", "[core][format]") {
              Contains("robot.urdf:2: expected URDF, found <xacro:arg>"));
 }
 
-TEST_CASE("ReadUrdf: refused wherever it is cut short", "[core][format]") {
+TEST_CASE("ReadUrdf: every truncation is refused", "[core][format]") {
   CheckEveryTruncation(
       kRobot, [](std::string_view text) { return ReadRobot(text); },
-      [](std::size_t length) { return length + 1 >= kRobot.size(); });  // but for the last line end
+      [](std::size_t length) { return length + 1 >= kRobot.size(); });  // except the last line end
 }
 
-TEST_CASE("ReadUrdf: entities of a document type are not expanded, nor read over",
-          "[core][format]") {
+TEST_CASE("ReadUrdf: entities of a document type are refused, not expanded", "[core][format]") {
   std::string bomb = "<?xml version='1.0'?>\n<!DOCTYPE robot [\n<!ENTITY e0 'boom'>\n";
   for (int i = 1; i < 30; ++i) {
     bomb += fmt::format("<!ENTITY e{} '&e{};&e{};'>\n", i, i - 1, i - 1);
@@ -70,7 +69,7 @@ TEST_CASE("ReadUrdf: entities of a document type are not expanded, nor read over
         "&<A");
 }
 
-TEST_CASE("ReadUrdf: no file takes long, or much memory or stack", "[core][format]") {
+TEST_CASE("ReadUrdf: every file takes little time, memory and stack", "[core][format]") {
   const auto repeated = [](std::string_view part, std::size_t bytes) {
     std::string text;
     while (text.size() < bytes) text += part;
@@ -81,14 +80,14 @@ TEST_CASE("ReadUrdf: no file takes long, or much memory or stack", "[core][forma
   CHECK_THAT(Refusal(ReadRobot(repeated("<a>", kJustUnder))), Contains("DEPTH"));
   CHECK_THAT(Refusal(ReadRobot("<robot>" + repeated("<a/>", kJustUnder) + "</robot>")),
              Contains("at least one <link>"));
-  // Attributes of one tag, which the parser compares each with each; quotes may hold a '>'.
+  // Attributes of one tag, which the parser compares pairwise; quotes may contain a '>'.
   std::string attributes = "<robot>\n<link";
   for (int i = 0; attributes.size() < kJustUnder; ++i) attributes += fmt::format(" a{}='>'", i);
   CHECK_THAT(Refusal(ReadRobot(attributes + "/></robot>")),
              Contains("robot.urdf:2: expected a tag"));
-  // Long comments are no tags.
+  // Long comments are not tags.
   CHECK(ReadRobot("<robot><!--" + repeated(" a='", 1 << 20) + "--><link name='a'/></robot>").ok());
-  // A chain of mimic joints, the last first.
+  // A chain of mimic joints, last first.
   std::string mimics = "<robot><link name='l0'/>";
   for (int i = 1999; i > 0; --i) {
     mimics += fmt::format(
@@ -103,7 +102,7 @@ TEST_CASE("ReadUrdf: no file takes long, or much memory or stack", "[core][forma
   CHECK(robot.mimics.back().master == "j1");
 }
 
-TEST_CASE("ReadUrdf: names that are not UTF-8, and line ends of any kind", "[core][format]") {
+TEST_CASE("ReadUrdf: names that are not UTF-8, and any line ends", "[core][format]") {
   const UrdfRobot robot = GoodRobot(
       "<robot><link name='H\xfc"
       "fte'/></robot>");

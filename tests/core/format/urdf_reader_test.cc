@@ -72,7 +72,7 @@ TEST_CASE("ReadUrdf: joints in depth-first order under a floating base", "[core]
 TEST_CASE("ReadUrdf: axes, limits and origins", "[core][format]") {
   const UrdfRobot robot = GoodRobot(kRobot);
   const Dof& shoulder = JointNamed(robot, "shoulder").dofs[0];
-  CHECK(shoulder.axis == Vector3d::UnitX());  // where the file names none
+  CHECK(shoulder.axis == Vector3d::UnitX());  // the default axis
   CHECK(shoulder.lower == -kInfinity);
   CHECK(shoulder.upper == kInfinity);
   const Joint& elbow = JointNamed(robot, "elbow");
@@ -80,9 +80,9 @@ TEST_CASE("ReadUrdf: axes, limits and origins", "[core][format]") {
   CHECK(elbow.dofs[0].lower == -0.5);
   CHECK(elbow.dofs[0].upper == 2);
   CHECK((elbow.pre_rotation * Vector3d::UnitX() - Vector3d::UnitY()).norm() < 1e-15);
-  // The rail slides along its own z, which its origin turns to the parent's x.
+  // The rail slides along its own z axis, which its origin rotates to the parent's x.
   CHECK((JointNamed(robot, "slide").dofs[0].axis - Vector3d::UnitX()).norm() < 1e-15);
-  // The puck slides in the plane across its axis and turns about it.
+  // The puck slides in the plane normal to its axis and rotates about it.
   const std::vector<Dof>& puck = JointNamed(robot, "puck").dofs;
   REQUIRE(puck.size() == 3);
   CHECK((puck[0].axis.cross(puck[1].axis) - puck[2].axis).norm() < 1e-15);
@@ -107,22 +107,23 @@ TEST_CASE("ReadUrdf: forward kinematics of a bent arm", "[core][format]") {
   const auto set = [&](std::string_view name, double value) {
     q[robot.skeleton.first_dof(robot.skeleton.FindJoint(name))] = value;
   };
-  set("shoulder", std::numbers::pi / 2);  // the upper arm, which hangs down, swings to the left
+  set("shoulder", std::numbers::pi / 2);  // the hanging upper arm swings to the left
   set("slide", 0.1);
   q[0] = 5;                     // the base
-  q[3] = std::numbers::pi / 2;  // turned to the left
+  q[3] = std::numbers::pi / 2;  // rotated to the left
   const auto pose = core::ForwardKinematics(robot.skeleton, q);
   const auto at = [&](std::string_view name) -> Vector3d {
     return pose[robot.skeleton.FindJoint(name)].translation();
   };
   // In the base: shoulder (0, 0.2, 0.4), elbow (0, 0.5, 0.4). The lower arm's x is the upper arm's
-  // y, which now points up; the rail is 1.1 m along it.
+  // y and points up; the rail is 1.1 m along it.
   CHECK((at("elbow") - Vector3d(5 - 0.5, 0, 0.4)).norm() < 1e-12);
   CHECK((at("slide") - Vector3d(5 - 0.5, 0, 1.5)).norm() < 1e-12);
 }
 
-TEST_CASE("ReadUrdf: mimic joints rest at their offset, and name the master of the chain",
-          "[core][format]") {
+TEST_CASE(
+    "ReadUrdf: mimic joints are zero at their offset and refer to the first master of a chain",
+    "[core][format]") {
   const UrdfRobot robot = GoodRobot(kRobot);
   REQUIRE(robot.mimics.size() == 2);
   CHECK(robot.mimics[0].joint == "finger");
@@ -139,8 +140,8 @@ TEST_CASE("ReadUrdf: mimic joints rest at their offset, and name the master of t
             .norm() < 1e-15);
   CHECK((JointNamed(robot, "thumb").offset_m - Vector3d(0, 0.25, 0)).norm() < 1e-15);
 
-  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"thumb\" mult"), Contains("circle"));
-  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"finger\" mult"), Contains("circle"));
+  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"thumb\" mult"), Contains("cycle"));
+  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"finger\" mult"), Contains("cycle"));
   for (const char* master : {"nobody", "puck", "tip_joint"}) {
     CHECK_THAT(RefusalWith("joint=\"elbow\" mult", fmt::format("joint=\"{}\" mult", master)),
                Contains("robot.urdf:") && Contains(master));
@@ -148,7 +149,7 @@ TEST_CASE("ReadUrdf: mimic joints rest at their offset, and name the master of t
   CHECK_THAT(RefusalWith("multiplier=\"2\"", "multiplier=\"inf\""), Contains("multiplier"));
 }
 
-TEST_CASE("ReadUrdf: a link that carries one floating joint is the world", "[core][format]") {
+TEST_CASE("ReadUrdf: a root link with one floating joint is the world", "[core][format]") {
   const UrdfRobot robot = GoodRobot(
       "<robot><link name='world'/><link name='body'/><link name='leg'/>"
       "<joint name='free' type='floating'><parent link='world'/><child link='body'/>"
@@ -161,7 +162,7 @@ TEST_CASE("ReadUrdf: a link that carries one floating joint is the world", "[cor
   CHECK_THAT(core::Describe(robot.report), Contains("'world'"));
 }
 
-TEST_CASE("ReadUrdf: a joint may be named as the root link", "[core][format]") {
+TEST_CASE("ReadUrdf: a joint may have the name of the root link", "[core][format]") {
   const UrdfRobot robot = GoodRobot(
       "<robot><link name='hip'/><link name='leg'/><joint name='hip' type='fixed'>"
       "<parent link='hip'/><child link='leg'/></joint></robot>");
@@ -170,13 +171,13 @@ TEST_CASE("ReadUrdf: a joint may be named as the root link", "[core][format]") {
   CHECK_THAT(core::Describe(robot.report), Contains("'hip_2'"));
 }
 
-TEST_CASE("ReadUrdf: one link is a robot, and a chain of as many as there may be",
+TEST_CASE("ReadUrdf: a robot may have one link, or a chain of the maximum length",
           "[core][format]") {
   CHECK(GoodRobot("<robot><link name='a'/></robot>").skeleton.joint_count() == 1);
   CHECK(GoodRobot(Chain(2000)).skeleton.joint_count() == 2000);
 }
 
-TEST_CASE("ReadUrdf: no more joints move than can be solved for in time", "[core][format]") {
+TEST_CASE("ReadUrdf: the number of moving joints is limited", "[core][format]") {
   std::string chain = Chain(400);
   for (std::size_t at = 0; (at = chain.find("'fixed'", at)) != std::string::npos;) {
     chain.replace(at, 7, "'continuous'");
@@ -184,7 +185,7 @@ TEST_CASE("ReadUrdf: no more joints move than can be solved for in time", "[core
   CHECK_THAT(Refusal(ReadRobot(chain)), Contains("at most 300 degrees of freedom, found 405"));
 }
 
-TEST_CASE("ReadUrdf: links and joints that are no tree", "[core][format]") {
+TEST_CASE("ReadUrdf: links and joints must form a tree", "[core][format]") {
   CHECK_THAT(Refusal(ReadRobot("<robot/>")), Contains("expected at least one <link>"));
   CHECK_THAT(RefusalWith("<child link=\"rail\"/>", "<child link=\"rial\"/>"),
              Contains("robot.urdf:26: joint 'slide': expected the name of a link, found 'rial'"));
@@ -203,22 +204,22 @@ TEST_CASE("ReadUrdf: links and joints that are no tree", "[core][format]") {
                         "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>"
                         "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>"
                         "</robot>")),
-      Contains("circle"));
+      Contains("cycle"));
   CHECK_THAT(
       Refusal(ReadRobot("<robot><link name='r'/><link name='a'/>"
                         "<joint name='j' type='fixed'><parent link='a'/><child link='a'/></joint>"
                         "</robot>")),
-      Contains("joint 'j' in a circle"));
+      Contains("joint 'j' in a cycle"));
 }
 
 TEST_CASE("ReadUrdf: robots of several makers", "[core][format][data]") {
   MOTIONDB_REQUIRE_DATA();
   struct Expected {
     int joints;
-    int moving;  // joints, the base and those that mimic left out
+    int moving;  // joints without the base and mimic joints
     int mimics;
     const char* base;
-    const char* limited;  // a joint, and its limits
+    const char* limited;  // a joint; its limits follow
     double lower;
     double upper;
   };

@@ -9,7 +9,7 @@
 namespace motiondb::tests::generation_test {
 namespace {
 
-// The forward algorithm as it is written, every pair of nodes and every exponential taken.
+// The forward algorithm without optimization: all pairs of nodes, all exponentials.
 double PlainLogGeneration(const core::TransitionGraph& graph, const core::EmissionMatrix& emission,
                           double floor) {
   const auto nodes = static_cast<int>(emission.cols());
@@ -37,7 +37,7 @@ double PlainLogGeneration(const core::TransitionGraph& graph, const core::Emissi
 
 }  // namespace
 
-TEST_CASE("LogGeneration: equals the plain sum, however hopeless most nodes are", "[core][graph]") {
+TEST_CASE("LogGeneration: equals the plain sum, also with improbable nodes", "[core][graph]") {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> part(0, 1);
   for (const int nodes : {1, 7, 8, 9, 30}) {
@@ -61,7 +61,7 @@ TEST_CASE("LogGeneration: equals the plain sum, however hopeless most nodes are"
   }
 }
 
-TEST_CASE("LogGenerationAmong: as if all other nodes were impossible", "[core][graph]") {
+TEST_CASE("LogGenerationAmong: equals a sum with all other nodes impossible", "[core][graph]") {
   constexpr int kNodes = 30;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> part(0, 1);
@@ -70,7 +70,7 @@ TEST_CASE("LogGenerationAmong: as if all other nodes were impossible", "[core][g
   const core::TransitionGraph graph =
       core::CountTransitions(std::vector<std::vector<std::int32_t>>{path}, kNodes);
   std::vector<double> scratch(kNodes, 0);
-  for (const float share : {0.0F, 0.2F, 1.0F}) {  // of nodes that are listed, beside one
+  for (const float share : {0.0F, 0.2F, 1.0F}) {  // of listed nodes, in addition to one
     std::vector<std::vector<core::LikelyNode>> frames(12);
     core::EmissionMatrix emission(12, kNodes);
     emission.setConstant(-std::numeric_limits<double>::infinity());

@@ -42,8 +42,7 @@ TEST_CASE("TransitionGraph: counts successive frames of one clip, never across c
   CHECK(graph.edge_count() == edges);
 }
 
-TEST_CASE("TransitionGraph: a row's probabilities sum to 1 where it has any count",
-          "[core][graph]") {
+TEST_CASE("TransitionGraph: probabilities of a row with counts sum to 1", "[core][graph]") {
   const core::TransitionGraph graph = core::CountTransitions(RandomSequences(9, 2), 12);
   for (int from = 0; from < 12; ++from) {
     double sum = 0;
@@ -52,7 +51,7 @@ TEST_CASE("TransitionGraph: a row's probabilities sum to 1 where it has any coun
   }
 }
 
-TEST_CASE("ClipGraph: the clip's own nodes, with frames and transitions", "[core][graph]") {
+TEST_CASE("ClipGraph: only the clip's nodes, with frames and transitions", "[core][graph]") {
   const std::vector<std::int32_t> sequence{8, 8, 3, 8, 5, 5, 5};
   const core::ClipGraph graph = core::CountClipTransitions(sequence);
   CHECK(graph.nodes == std::vector<std::int32_t>{3, 5, 8});
@@ -65,17 +64,17 @@ TEST_CASE("ClipGraph: the clip's own nodes, with frames and transitions", "[core
   CHECK(graph.transitions.edge_count() == 5);
 }
 
-TEST_CASE("LogGeneration: the strict rule's path counts, however far another node lies above it",
+TEST_CASE("LogGeneration: the strict path counts, however probable forbidden nodes are",
           "[core][graph]") {
   const std::vector<std::vector<std::int32_t>> sequences{{0, 0, 0}, {1, 1, 1}};
   const auto graph = core::CountTransitions(sequences, 2);
   core::EmissionMatrix emission(3, 2);
-  emission << 0, -5000, -5000, 0, 0, -5000;  // each frame is nearest to the node not allowed
+  emission << 0, -5000, -5000, 0, 0, -5000;  // each frame is nearest to the forbidden node
   Eigen::VectorXd last;
   CHECK(core::LogGeneration(graph, emission, 0, &last) == Approx(-5000));
   CHECK(last[0] == Approx(1));
 
-  // The first frame is best in a node that leads nowhere.
+  // The first frame is most probable in a node without transitions.
   const auto dead_end =
       core::CountTransitions(std::vector<std::vector<std::int32_t>>{{0}, {1, 1}}, 2);
   emission.col(0).setZero();

@@ -1,4 +1,4 @@
-// The oracle of node paths: every path through a lattice, one by one.
+// Reference for node paths: enumeration of all paths through a lattice.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ inline double LogTransition(const core::TransitionGraph& graph, int from, int to
   return std::log(seen > 0 ? seen : floor);
 }
 
-// All paths with a probability above 0, most probable first.
+// Returns all paths with a probability above 0, most probable first.
 inline std::vector<core::NodePath> AllPaths(const core::Lattice& lattice,
                                             const core::TransitionGraph& graph, double floor) {
   std::vector<core::NodePath> paths{{}};
@@ -39,7 +39,7 @@ inline std::vector<core::NodePath> AllPaths(const core::Lattice& lattice,
   return paths;
 }
 
-// Exact Viterbi over all nodes of a layer: the best path alone, by the textbook.
+// Returns the best path by the textbook Viterbi algorithm over all nodes of a layer.
 inline core::NodePath Viterbi(const core::Lattice& lattice, const core::TransitionGraph& graph,
                               double floor) {
   std::vector<std::vector<double>> best(lattice.size());

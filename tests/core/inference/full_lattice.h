@@ -1,4 +1,4 @@
-// The lattice of exact Viterbi: no candidate is left out.
+// The lattice of exact Viterbi: all nodes are candidates.
 #pragma once
 
 #include "core/inference/lattice.h"
@@ -6,7 +6,7 @@
 
 namespace motiondb::tests {
 
-// Every node of a layer for every frame, with eq. 8 over all of them.
+// Returns every node of a layer for every frame, with eq. 8 over all of them.
 inline core::Lattice FullLattice(const core::Model& model, int layer,
                                  const core::FrameMatrix& scaled) {
   core::Lattice lattice;

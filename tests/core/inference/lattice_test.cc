@@ -14,7 +14,8 @@ struct Case {
   double floor = 0;
 };
 
-// A random graph of up to 6 nodes and an observation of up to 5 frames, some candidates left out.
+// A random graph of up to 6 nodes and an observation of up to 5 frames; some candidates are
+// omitted.
 Case RandomCase(unsigned seed) {
   std::mt19937 random(seed);
   const int nodes = 2 + static_cast<int>(random() % 5);
@@ -56,7 +57,7 @@ TEST_CASE("BestPaths: the k best equal exhaustive search", "[core][inference]") 
       REQUIRE(found.size() == std::min<std::size_t>(all.size(), count));
       for (std::size_t i = 0; i < found.size(); ++i) {
         CHECK(found[i].log_probability == Approx(all[i].log_probability).margin(1e-9));
-        // Equal scores may come in either order: the path itself must be worth its score.
+        // Equal scores may be in either order: the path itself must have its score.
         const auto same = std::find_if(all.begin(), all.end(), [&](const core::NodePath& path) {
           return path.nodes == found[i].nodes;
         });
@@ -90,7 +91,7 @@ TEST_CASE("MaxMarginals: the best path through each candidate", "[core][inferenc
   }
 }
 
-TEST_CASE("LastNodeDistribution: the strict rule's node counts, however far another lies above it",
+TEST_CASE("LastNodeDistribution: the strict node counts, however probable forbidden nodes are",
           "[core][inference]") {
   const std::vector<std::vector<std::int32_t>> sequences{{0, 0, 0}, {1, 1, 1}};
   const auto graph = core::CountTransitions(sequences, 2);
@@ -100,7 +101,7 @@ TEST_CASE("LastNodeDistribution: the strict rule's node counts, however far anot
   CHECK(last[0] == Approx(1));
   CHECK(last[1] == Approx(0).margin(1e-12));
 
-  // The first frame is best in a node that leads nowhere.
+  // The first frame is most probable in a node without transitions.
   const auto dead_end =
       core::CountTransitions(std::vector<std::vector<std::int32_t>>{{0}, {1, 1}}, 2);
   CHECK(core::LastNodeDistribution(core::Lattice(3, {{0, 1}, Eigen::Vector2d(0, -2000)}), dead_end,

@@ -68,7 +68,7 @@ TEST_CASE("FindNodePaths: with pruning off equals exact Viterbi on every layer o
   CHECK(beam_equals >= model.layer_count() - 2);
 }
 
-TEST_CASE("FindNodePaths: the strict rule finds a clip's own path, and says where there is none",
+TEST_CASE("FindNodePaths: the strict rule finds a clip's own path, or reports that there is none",
           "[core][inference]") {
   const core::Model model = SmallModel(2, 200, 2, 4, 8);
   const auto clip = WanderingClips(2, 200, model.marker_set(), 8)[1].states;
@@ -78,7 +78,7 @@ TEST_CASE("FindNodePaths: the strict rule finds a clip's own path, and says wher
     CHECK(model.global_graph(own->layer).count(own->paths[0].nodes[t - 1], own->paths[0].nodes[t]) >
           0);
   }
-  // Pruned to almost nothing, the search must still find what the strict rule allows.
+  // Even with extreme pruning, the search must find the path that the strict rule allows.
   const auto pruned = core::FindNodePaths(model, Scaled(model, clip), {0, 1, 0, 1});
   CHECK(pruned.ok());
 }

@@ -1,4 +1,4 @@
-// What a search for node paths refuses to hold in memory, and how it ends when nobody waits.
+// Memory limits of the node path search, and its cancellation.
 #include <catch2/catch.hpp>
 #include <limits>
 
@@ -21,7 +21,7 @@ core::FrameMatrix Observation(const core::Model& model, int frames) {
   return *std::move(scaled);
 }
 
-// Nodes that each go on to themselves and to the next.
+// Nodes with transitions to themselves and to the next node.
 core::TransitionGraph Ring(int nodes) {
   std::vector<std::int32_t> row_begin{0};
   std::vector<core::Edge> edges;
@@ -47,11 +47,11 @@ core::Lattice AllNodes(int frames, int nodes) {
   return lattice;
 }
 
-TEST_CASE("FindNodePaths: a beam as wide as the layer is held to the limit of the exact search",
+TEST_CASE("FindNodePaths: a beam as wide as the layer has the limit of the exact search",
           "[core][inference][hostile]") {
   const core::Model model = SmallModel(6, 400, 2, 2, 4);
   const int nodes = model.tree().node_count(model.layer_count());
-  // States alone: the search is refused before it takes memory for candidates.
+  // Only the size of the states matters: the search is refused before candidates are allocated.
   const core::FrameMatrix observation =
       Observation(model, 2).colwise().mean().replicate((1 << 25) / nodes + 1, 1);
   for (const int candidates : {0, kAny}) {
@@ -74,33 +74,33 @@ TEST_CASE("FindNodePaths: many paths of many frames are refused", "[core][infere
   CHECK_THAT(std::string(search.status().message()), Contains("path_count: "));
 }
 
-TEST_CASE("FindNodePaths: a search that nobody waits for ends", "[core][inference][hostile]") {
+TEST_CASE("FindNodePaths: a cancelled search ends", "[core][inference][hostile]") {
   const core::Model model = SmallModel(3, 60, 2, 4, 4);
-  int asked = 0;
+  int checks = 0;
   const auto search =
-      core::FindNodePaths(model, Observation(model, 50), {}, [&] { return ++asked > 1; });
+      core::FindNodePaths(model, Observation(model, 50), {}, [&] { return ++checks > 1; });
   CHECK(search.status().code() == absl::StatusCode::kCancelled);
-  CHECK(asked < 10);
+  CHECK(checks < 10);
 }
 
-TEST_CASE("Lattice: large frames end between two looks at the clock",
+TEST_CASE("Lattice: large frames end between two checks for cancellation",
           "[core][inference][hostile]") {
   constexpr int kNodes = 1500;
   const core::Lattice lattice = AllNodes(40, kNodes);
   const core::TransitionGraph graph = Ring(kNodes);
-  int asked = 0;
-  const core::Cancelled cancelled = [&] { return ++asked > 0; };
+  int checks = 0;
+  const core::Cancelled cancelled = [&] { return ++checks > 0; };
   CHECK(core::BestPaths(lattice, graph, 1e-6, 5, cancelled).empty());
-  CHECK(asked == 1);
+  CHECK(checks == 1);
   core::MaxMarginals(lattice, graph, 1e-6, cancelled);
-  CHECK(asked == 2);
+  CHECK(checks == 2);
   CHECK(core::LastNodeDistribution(lattice, graph, 1e-6, cancelled).sum() == 0);
-  CHECK(asked == 3);
+  CHECK(checks == 3);
 }
 
-TEST_CASE("LastNodeDistribution: many candidates have the probabilities that they have one by one",
+TEST_CASE("LastNodeDistribution: many candidates have the same probabilities as single ones",
           "[core][inference][hostile]") {
-  constexpr int kNodes = 1100;  // squared, more than are kept in a table
+  constexpr int kNodes = 1100;  // squared, more than the size of the table
   const core::Lattice lattice = AllNodes(4, kNodes);
   const core::TransitionGraph graph = Ring(kNodes);
   for (const double floor : {0.0, 1e-6}) {

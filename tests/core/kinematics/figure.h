@@ -1,4 +1,4 @@
-// What the tests of kinematics share: a small made-up body with virtual markers, and motion on it.
+// A small synthetic body with virtual markers and motion, for the tests of kinematics.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -21,8 +21,8 @@ inline core::Dof Slide(const Eigen::Vector3d& axis) {
   return {.kind = core::Dof::Kind::kTranslation, .axis = axis};
 }
 
-// A free root whose third axis makes its rotations left-handed, two legs with axes of their own, a
-// spine that turns freely, and a neck that slides. Limits on hips and knees.
+// A free root whose rotations are left-handed because of its third axis, two legs with their own
+// axes, a freely rotating spine, and a sliding neck. Hips and knees have limits.
 inline std::shared_ptr<const core::Skeleton> Figure() {
   using Eigen::Vector3d;
   const Vector3d x = Vector3d::UnitX();
@@ -61,7 +61,7 @@ inline std::shared_ptr<const core::Skeleton> Figure() {
   return std::make_shared<core::Skeleton>(*std::move(skeleton));
 }
 
-// Markers at joints, between joints of different limbs, beyond a joint, and off to a link's side.
+// Markers at joints, between joints of different limbs, beyond a joint, and beside a link.
 inline core::MarkerScheme FigureScheme() {
   core::MarkerScheme scheme;
   scheme.set.name = "figure";
@@ -97,8 +97,8 @@ inline core::MarkerKinematics Kinematics(const core::MarkerScheme& scheme,
   return *std::move(made);
 }
 
-// A robot's legs: joints of one rotation each, with limits, on a base that moves freely. At zero
-// the legs are straight and the knees at their limits: a singular pose.
+// A robot's legs: joints of one rotation each, with limits, on a free base. At zero the legs are
+// straight and the knees at their limits: a singular pose.
 inline std::shared_ptr<const core::Skeleton> RobotLegs() {
   using Eigen::Vector3d;
   const Vector3d x = Vector3d::UnitX();
@@ -140,8 +140,7 @@ inline core::MarkerScheme RobotScheme() {
   return scheme;
 }
 
-// Poses one after the other that have nothing to do with each other: each angle anywhere within its
-// limits, and no further than `reach` (rad, m) from zero.
+// Unrelated poses: each angle is random within its limits and at most `reach` (rad, m) from zero.
 inline core::JointMotion RandomPoses(std::shared_ptr<const core::Skeleton> skeleton, int frames,
                                      double reach) {
   core::JointMotion poses{skeleton, 60, core::JointMatrix(frames, skeleton->dof_count())};
@@ -158,8 +157,8 @@ inline core::JointMotion RandomPoses(std::shared_ptr<const core::Skeleton> skele
   return poses;
 }
 
-// A smooth motion within all limits; free degrees of freedom swing by up to 1.2, whole turns about
-// the root's first axis beside.
+// A smooth motion within all limits. Unlimited degrees of freedom swing by up to 1.2, and the root
+// also makes full turns about its first axis.
 inline core::JointMotion Swing(std::shared_ptr<const core::Skeleton> skeleton, int frames,
                                double frame_rate_hz = 60) {
   core::JointMotion motion{skeleton, frame_rate_hz,

@@ -29,7 +29,7 @@ double LargestError(const IkMotion& solved) {
   return largest;
 }
 
-// An arm of two links of 1 m each in the plane z = 0, which reaches no further than 2 m.
+// An arm of two links of 1 m each in the plane z = 0, with a reach of 2 m.
 std::shared_ptr<const Skeleton> Arm(double elbow_lower, double elbow_upper) {
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
   auto skeleton = Skeleton::Create("arm", {{.name = "shoulder", .dofs = {Turn(z)}},
@@ -50,7 +50,8 @@ core::MarkerScheme HandScheme() {
 
 }  // namespace
 
-TEST_CASE("SolveInverseKinematics: markers of a made-up motion come back", "[core][kinematics]") {
+TEST_CASE("SolveInverseKinematics: markers of a synthetic motion are reproduced",
+          "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerMotion markers = MarkersOf(FigureScheme(), Swing(skeleton, 300));
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
@@ -74,7 +75,7 @@ TEST_CASE("SolveInverseKinematics: a root that turns through gimbal lock", "[cor
   CHECK(LargestError(solved) < 1e-3);
 }
 
-TEST_CASE("SolveInverseKinematics: missing markers are left out", "[core][kinematics]") {
+TEST_CASE("SolveInverseKinematics: missing markers are ignored", "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerMotion whole = MarkersOf(FigureScheme(), Swing(skeleton, 100));
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
@@ -94,7 +95,8 @@ TEST_CASE("SolveInverseKinematics: missing markers are left out", "[core][kinema
   CHECK(solved.errors[50].rms_m == 0);
 }
 
-TEST_CASE("SolveInverseKinematics: out of reach, the nearest pose", "[core][kinematics]") {
+TEST_CASE("SolveInverseKinematics: returns the nearest pose if targets are out of reach",
+          "[core][kinematics]") {
   MarkerMotion hand{{"hand"}, 60, {}};
   hand.positions_m.resize(4, 3);
   hand.positions_m << 1.5F, 0.5F, 0, 0, 3, 0, -1e6F, 0, 0, 0.1F, 0.1F, 5;
@@ -110,8 +112,7 @@ TEST_CASE("SolveInverseKinematics: out of reach, the nearest pose", "[core][kine
     const MarkerKinematics kinematics = Kinematics(HandScheme(), Arm(0.5, 1.0));
     const IkMotion solved = Solve(kinematics, hand);
     CHECK(core::CountLimitViolations(solved.motion, 0) == 0);
-    // The hand is furthest from the shoulder with the elbow as straight as it
-    // may be.
+    // The hand is furthest from the shoulder with the elbow as straight as its limit allows.
     const double reach = 2 * std::cos(0.25);
     CHECK(solved.motion.angles(1, 1) == 0.5);
     CHECK(solved.errors[1].largest_m == Approx(3 - reach).margin(1e-3));
@@ -134,8 +135,9 @@ TEST_CASE("SolveInverseKinematics: random targets keep poses finite and within l
   for (const core::IkError& error : solved.errors) CHECK(error.largest_m >= error.rms_m);
 }
 
-TEST_CASE("SolveInverseKinematics: a marker that weighs more is nearer", "[core][kinematics]") {
-  // Markers of a body a tenth larger, which fit nowhere.
+TEST_CASE("SolveInverseKinematics: a marker with a larger weight has a smaller error",
+          "[core][kinematics]") {
+  // Markers of a body that is 10 % larger, which cannot be met.
   const auto skeleton = Figure();
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
   MarkerMotion markers = MarkersOf(FigureScheme(), Swing(skeleton, 60));
@@ -147,11 +149,11 @@ TEST_CASE("SolveInverseKinematics: a marker that weighs more is nearer", "[core]
     return (found - markers.positions_m).middleCols<3>(3 * ankle).rowwise().norm().mean();
   };
   core::IkOptions options;
-  const double alike = ankle_error(options);
+  const double unweighted_error = ankle_error(options);
   options.marker_weights.assign(kinematics.marker_names().size(), 1);
-  CHECK(ankle_error(options) == Approx(alike));
+  CHECK(ankle_error(options) == Approx(unweighted_error));
   options.marker_weights[ankle] = 100;
-  CHECK(ankle_error(options) < 0.2 * alike);
+  CHECK(ankle_error(options) < 0.2 * unweighted_error);
   SECTION("only ratios count") {
     core::IkOptions tenfold = options;
     for (double& weight : tenfold.marker_weights) weight *= 10;
@@ -159,10 +161,10 @@ TEST_CASE("SolveInverseKinematics: a marker that weighs more is nearer", "[core]
   }
 }
 
-TEST_CASE("SolveInverseKinematics: angles run on over whole turns", "[core][kinematics]") {
+TEST_CASE("SolveInverseKinematics: angles are continuous over full turns", "[core][kinematics]") {
   const auto skeleton = Figure();
   JointMotion motion = Swing(skeleton, 400);
-  const int turn = 3;  // about the vertical, three times around
+  const int turn = 3;  // about the vertical, three full turns
   for (int frame = 0; frame < 400; ++frame) motion.angles(frame, turn) = 0.047 * frame;
   motion.angles.middleCols<2>(4) *= 0.3;
   const IkMotion solved =
@@ -172,9 +174,8 @@ TEST_CASE("SolveInverseKinematics: angles run on over whole turns", "[core][kine
   CHECK(angles(399, turn) - angles(0, turn) == Approx(0.047 * 399).margin(0.01));
 }
 
-TEST_CASE("SolveInverseKinematics: markers that cannot be met move the pose without jumps",
-          "[core][kinematics]") {
-  // Those of a body a tenth larger: poses of bent and of straight legs are equally near.
+TEST_CASE("SolveInverseKinematics: unreachable markers cause no jumps", "[core][kinematics]") {
+  // Those of a body that is 10 % larger: poses with bent and with straight legs are equally near.
   const auto skeleton = RobotLegs();
   const JointMotion motion = Swing(skeleton, 400);
   MarkerMotion markers = MarkersOf(RobotScheme(), motion);
@@ -187,8 +188,9 @@ TEST_CASE("SolveInverseKinematics: markers that cannot be met move the pose with
   CHECK(largest_turn(solved.motion.angles) < 3 * largest_turn(motion.angles));
 }
 
-TEST_CASE("SolveInverseKinematics: what the markers hardly tell stays calm", "[core][kinematics]") {
-  // Nearly straight legs: the markers, here with noise of 1 mm, hardly tell how the thighs twist.
+TEST_CASE("SolveInverseKinematics: poorly determined angles stay calm", "[core][kinematics]") {
+  // With nearly straight legs and marker noise of 1 mm, the twist of the thighs is poorly
+  // determined.
   const auto skeleton = RobotLegs();
   JointMotion motion = Swing(skeleton, 200);
   for (const char* knee : {"lknee", "rknee", "lankle", "rankle"}) {
@@ -208,7 +210,7 @@ TEST_CASE("SolveInverseKinematics: what the markers hardly tell stays calm", "[c
   CHECK(roughness(1e-2) < 0.5 * rough);
 }
 
-TEST_CASE("SolveInverseKinematics: refuses other markers and bad options, and stops when cancelled",
+TEST_CASE("SolveInverseKinematics: refuses other markers and invalid options, and can be cancelled",
           "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerMotion markers = MarkersOf(FigureScheme(), Swing(skeleton, 5));
@@ -238,9 +240,9 @@ TEST_CASE("SolveInverseKinematics: refuses other markers and bad options, and st
   CHECK(option_code({.marker_weights = std::vector<double>(all, -1)}) ==
         absl::StatusCode::kInvalidArgument);
   CHECK(option_code({.smoothness = std::nan("")}) == absl::StatusCode::kInvalidArgument);
-  int asked = 0;
+  int checks = 0;
   const auto cancelled =
-      core::SolveInverseKinematics(kinematics, markers, {}, [&] { return ++asked == 3; });
+      core::SolveInverseKinematics(kinematics, markers, {}, [&] { return ++checks == 3; });
   CHECK(cancelled.status().code() == absl::StatusCode::kCancelled);
 }
 

@@ -3,7 +3,7 @@
 
 namespace motiondb::tests::joint_limits_test {
 
-TEST_CASE("CountLimitViolations: frames times degrees of freedom beyond a limit",
+TEST_CASE("CountLimitViolations: counts degrees of freedom beyond a limit over all frames",
           "[core][kinematics]") {
   const auto skeleton = Figure();
   core::JointMotion motion = Swing(skeleton, 10);
@@ -16,7 +16,7 @@ TEST_CASE("CountLimitViolations: frames times degrees of freedom beyond a limit"
   CHECK(core::CountLimitViolations(motion, 0) == 3);
   CHECK(core::CountLimitViolations(motion, 0.015) == 2);
   CHECK(core::CountLimitViolations(motion, 0.1) == 1);
-  SECTION("what is not a number is not within limits") {
+  SECTION("NaN is beyond limits") {
     motion.angles(9, 0) = std::nan("");
     CHECK(core::CountLimitViolations(motion, 0.1) == 2);
   }

@@ -11,8 +11,8 @@ namespace {
 using core::MarkerKinematics;
 using core::MarkerPose;
 
-// The largest difference (m for a unit of speed) between the Jacobian at a row
-// of angles and central differences of the markers.
+// Returns the maximum difference between the Jacobian at a row of angles and central differences of
+// the markers, m per unit of speed.
 double JacobianError(const MarkerKinematics &kinematics, const Eigen::RowVectorXd &angles) {
   constexpr double kStep = 1e-5;
   MarkerPose pose = kinematics.NewPose();
@@ -45,13 +45,12 @@ double JacobianError(const MarkerKinematics &kinematics, const Eigen::RowVectorX
 
 }  // namespace
 
-TEST_CASE("MarkerKinematics: markers are where ApplyScheme has them", "[core][kinematics]") {
+TEST_CASE("MarkerKinematics: markers equal those of ApplyScheme", "[core][kinematics]") {
   const auto skeleton = Figure();
   const core::JointMotion motion = Swing(skeleton, 20);
   const auto leg_length_m = GENERATE(std::optional<double>(), std::optional<double>(0.7));
   const core::MarkerMotion expected = MarkersOf(FigureScheme(), motion, leg_length_m);
-  // The legs are 0.8 m long in any pose, so measuring gives the same at zero as
-  // over the motion.
+  // The legs are 0.8 m long in any pose, so the zero pose and the motion give the same length.
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton, leg_length_m);
   CHECK(kinematics.marker_names() == expected.names);
   MarkerPose pose = kinematics.NewPose();
@@ -76,14 +75,14 @@ TEST_CASE("MarkerKinematics: the Jacobian equals central differences", "[core][k
   for (int frame = 0; frame < 40; ++frame) {
     CHECK(JacobianError(kinematics, motion.angles.row(frame)) < 1e-8);
   }
-  SECTION("also where the root's angles are locked") {
+  SECTION("also in gimbal lock of the root") {
     Eigen::RowVectorXd angles = motion.angles.row(0);
     angles[4] = M_PI / 2;
     CHECK(JacobianError(kinematics, angles) < 1e-8);
   }
 }
 
-TEST_CASE("MarkerKinematics: angles that run on mean the same pose", "[core][kinematics]") {
+TEST_CASE("MarkerKinematics: angles beyond full turns give the same pose", "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
   const core::JointMotion motion = Swing(skeleton, 2, 4);
@@ -102,14 +101,15 @@ TEST_CASE("MarkerKinematics: angles that run on mean the same pose", "[core][kin
   CHECK((pose.markers_m - markers).cwiseAbs().maxCoeff() < 1e-9);
 }
 
-TEST_CASE("SkeletonLegLength: hip to knee to ankle, whatever the root", "[core][kinematics]") {
+TEST_CASE("SkeletonLegLength: hip to knee to ankle, independent of the root",
+          "[core][kinematics]") {
   CHECK(core::SkeletonLegLength(FigureScheme(), Figure()).value() == Approx(0.8));
   CHECK(core::SkeletonLegLength(RobotScheme(), RobotLegs()).value() == Approx(0.8));
   CHECK(core::SkeletonLegLength(core::StandardScheme(), Figure()).status().code() ==
         absl::StatusCode::kInvalidArgument);
 }
 
-TEST_CASE("MarkerKinematics: refuses a skeleton that no mapping fits", "[core][kinematics]") {
+TEST_CASE("MarkerKinematics: refuses a skeleton without a matching mapping", "[core][kinematics]") {
   const auto made = MarkerKinematics::Create(core::StandardScheme(), Figure());
   REQUIRE_FALSE(made.ok());
   CHECK(made.status().code() == absl::StatusCode::kInvalidArgument);

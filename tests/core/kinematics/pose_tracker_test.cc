@@ -10,8 +10,8 @@ using core::MarkerKinematics;
 using core::MarkerMotion;
 using core::PoseTracker;
 
-// The share of frames that are found to a millimetre, each without a frame before it.
-double ShareFound(const core::MarkerScheme& scheme, const core::JointMotion& poses) {
+// Returns the fraction of frames that are found to 1 mm, each without a previous frame.
+double FractionFound(const core::MarkerScheme& scheme, const core::JointMotion& poses) {
   const MarkerKinematics kinematics = Kinematics(scheme, poses.skeleton);
   const MarkerMotion markers = MarkersOf(scheme, poses);
   int found = 0;
@@ -24,19 +24,20 @@ double ShareFound(const core::MarkerScheme& scheme, const core::JointMotion& pos
 
 }  // namespace
 
-TEST_CASE("PoseTracker: finds random poses without a pose before", "[core][kinematics]") {
+TEST_CASE("PoseTracker: finds random poses without a previous pose", "[core][kinematics]") {
   SECTION("of a figure") {
     const double reach = GENERATE(0.6, 1.2);
-    CHECK(ShareFound(FigureScheme(), RandomPoses(Figure(), 200, reach)) >= 0.98);
+    CHECK(FractionFound(FigureScheme(), RandomPoses(Figure(), 200, reach)) >= 0.98);
   }
   SECTION("of a robot's legs") {
-    CHECK(ShareFound(RobotScheme(), RandomPoses(RobotLegs(), 200, 3)) >= 0.95);
+    CHECK(FractionFound(RobotScheme(), RandomPoses(RobotLegs(), 200, 3)) >= 0.95);
   }
 }
 
 TEST_CASE("PoseTracker: a robot that squats straight down from straight legs",
           "[core][kinematics]") {
-  // Hips, knees and ankles in one line: nothing tells the first step which way the knees bend.
+  // Hips, knees and ankles in one line: the first step does not determine the direction in which
+  // the knees bend.
   const auto skeleton = RobotLegs();
   core::JointMotion motion{skeleton, 60, core::JointMatrix::Zero(101, skeleton->dof_count())};
   const auto column = [&](const std::string& joint) {
@@ -76,7 +77,7 @@ TEST_CASE("PoseTracker: a frame without markers keeps the pose", "[core][kinemat
   CHECK(tracker.pose().angles == angles);
 }
 
-TEST_CASE("PoseTracker: a cut in the motion is searched for anew", "[core][kinematics]") {
+TEST_CASE("PoseTracker: a cut in the motion restarts the search", "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
   const MarkerMotion markers = MarkersOf(FigureScheme(), RandomPoses(skeleton, 60, 1.2));
@@ -93,7 +94,7 @@ TEST_CASE("PoseTracker: a cut in the motion is searched for anew", "[core][kinem
     found += tracker.Follow(markers.positions_m.row(pose)).largest_m < 1e-3;
   }
   CHECK(found >= 57);
-  CHECK(largest_turn <= 4);  // a hip from one limit to the other; half a turn of what has none
+  CHECK(largest_turn <= 4);  // a hip between its limits; half a turn without limits
 }
 
 }  // namespace motiondb::tests::pose_tracker_test

@@ -1,5 +1,5 @@
-// How near inverse kinematics comes to recorded motion, and how near a recording keeps to the
-// limits of its own skeleton file.
+// Accuracy of inverse kinematics on recorded motion, and limit violations of recordings on their
+// own skeleton.
 #include "tests/support/real_motion.h"
 
 #include <fmt/format.h>
@@ -20,8 +20,7 @@ namespace {
 using core::JointMotion;
 using core::MarkerMotion;
 
-// Distances between markers and those that inverse kinematics gives back, over several clips, in
-// cm.
+// Distances between markers and those of inverse kinematics over several clips, cm.
 struct Distances {
   std::vector<double> cm;
   int violations = 0;
@@ -51,14 +50,14 @@ struct Distances {
   }
 };
 
-// The recorded angles beyond the file's own limits, by degree of freedom.
-struct Overstep {
+// Recorded angles beyond the file's own limits, per degree of freedom.
+struct LimitViolation {
   int frames = 0;
-  double most_deg = 0;
+  double max_deg = 0;
 };
 
-std::map<std::string, Overstep> Oversteps(const JointMotion& motion) {
-  std::map<std::string, Overstep> oversteps;
+std::map<std::string, LimitViolation> LimitViolations(const JointMotion& motion) {
+  std::map<std::string, LimitViolation> limit_violations;
   int column = 0;
   for (const core::Joint& joint : motion.skeleton->joints()) {
     for (std::size_t k = 0; k < joint.dofs.size(); ++k, ++column) {
@@ -66,16 +65,16 @@ std::map<std::string, Overstep> Oversteps(const JointMotion& motion) {
         const double beyond =
             std::max(joint.dofs[k].lower - angle, angle - joint.dofs[k].upper) * 180 / M_PI;
         if (!(beyond > 1e-6)) continue;
-        Overstep& overstep = oversteps[fmt::format("{}.{}", joint.name, k + 1)];
-        ++overstep.frames;
-        overstep.most_deg = std::max(overstep.most_deg, beyond);
+        LimitViolation& violation = limit_violations[fmt::format("{}.{}", joint.name, k + 1)];
+        ++violation.frames;
+        violation.max_deg = std::max(violation.max_deg, beyond);
       }
     }
   }
-  return oversteps;
+  return limit_violations;
 }
 
-// The clips of a list, or all of a subject.
+// Returns the clips of a list, or all clips of a subject.
 std::vector<std::filesystem::path> Clips(const std::string& name) {
   std::vector<std::filesystem::path> clips;
   if (name.ends_with(".tsv")) {
@@ -90,7 +89,7 @@ std::vector<std::filesystem::path> Clips(const std::string& name) {
 
 }  // namespace
 
-TEST_CASE("Inverse kinematics: recorded motion comes back", "[core][kinematics][data]") {
+TEST_CASE("Inverse kinematics: recorded motion is reproduced", "[core][kinematics][data]") {
   MOTIONDB_REQUIRE_DATA();
   const std::string name = GENERATE("sets/database2.tsv", "cmu/16", "cmu/09", "cmu/02", "cmu/07");
   std::vector<JointMotion> motions;
@@ -99,7 +98,7 @@ TEST_CASE("Inverse kinematics: recorded motion comes back", "[core][kinematics][
   }
   Distances free;
   Distances limited;
-  std::map<std::string, Overstep> oversteps;
+  std::map<std::string, LimitViolation> limit_violations;
   Eigen::Index frames = 0;
   int beyond = 0;
   for (const JointMotion& motion : motions) {
@@ -107,9 +106,9 @@ TEST_CASE("Inverse kinematics: recorded motion comes back", "[core][kinematics][
     limited.Add(motion, {});
     frames += motion.angles.rows();
     beyond += core::CountLimitViolations(motion, 1e-8);
-    for (const auto& [dof, more] : Oversteps(motion)) {
-      oversteps[dof].frames += more.frames;
-      oversteps[dof].most_deg = std::max(oversteps[dof].most_deg, more.most_deg);
+    for (const auto& [dof, more] : LimitViolations(motion)) {
+      limit_violations[dof].frames += more.frames;
+      limit_violations[dof].max_deg = std::max(limit_violations[dof].max_deg, more.max_deg);
     }
   }
   std::printf(
@@ -119,8 +118,8 @@ TEST_CASE("Inverse kinematics: recorded motion comes back", "[core][kinematics][
       free.Quantile(1), limited.Quantile(0.5), limited.Quantile(0.95), limited.Quantile(1));
   std::printf("  recorded angles beyond the file's limits: %d (frames x degrees of freedom):",
               beyond);
-  for (const auto& [dof, overstep] : oversteps) {
-    std::printf(" %s %d (%.1f deg)", dof.c_str(), overstep.frames, overstep.most_deg);
+  for (const auto& [dof, violation] : limit_violations) {
+    std::printf(" %s %d (%.1f deg)", dof.c_str(), violation.frames, violation.max_deg);
   }
   std::printf("\n");
   CHECK(free.Quantile(0.5) < 0.1);

@@ -24,7 +24,7 @@ TEST_CASE("FitRigid: finds the motion that moved the points", "[core][kinematics
   Eigen::Matrix3Xd to = Moved() * from;
   Eigen::VectorXd weights(6);
   weights << 1, 2, 0.1, 1, 3, 0;
-  to.col(5).setConstant(100);  // of no weight
+  to.col(5).setConstant(100);  // has no weight
   const Eigen::Isometry3d fit = core::FitRigid(from, to, weights);
   CHECK((fit * from - to).leftCols<5>().cwiseAbs().maxCoeff() < 1e-4);
   CHECK(fit.linear().isUnitary(1e-12));
@@ -36,19 +36,19 @@ TEST_CASE("FitRigid: points in a plane, on a line, one point, none", "[core][kin
   from.row(2).setZero();
   const Eigen::VectorXd weights = Eigen::VectorXd::Ones(4);
   CHECK((core::FitRigid(from, Moved() * from, weights) * from - Moved() * from).norm() < 1e-4);
-  SECTION("a line turns as little as it can") {
+  SECTION("a line has the minimum rotation") {
     from.bottomRows<2>().setZero();
     const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitZ()).matrix();
     const Eigen::Isometry3d fit = core::FitRigid(from, turn * from, weights);
     CHECK((fit.linear() - turn).norm() < 1e-3);
   }
-  SECTION("one point moves without a turn") {
+  SECTION("one point has no rotation") {
     const Eigen::Isometry3d fit =
         core::FitRigid(from.leftCols<1>(), Moved() * from.leftCols<1>(), weights.head<1>());
     CHECK(fit.linear().isIdentity(1e-12));
     CHECK((fit * from.col(0) - Moved() * from.col(0)).norm() < 1e-12);
   }
-  SECTION("nothing stays") {
+  SECTION("no points: identity") {
     CHECK(core::FitRigid(from, Moved() * from, Eigen::VectorXd::Zero(4))
               .isApprox(Eigen::Isometry3d::Identity()));
   }

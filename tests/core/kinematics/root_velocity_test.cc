@@ -21,7 +21,7 @@ using core::PlanarVelocity;
 using core::RootVelocity;
 using core::SingularityRobustInverse;
 
-// Central differences of the root joint itself.
+// Central differences of the root joint.
 RootVelocity MeasuredRootVelocity(const MarkerKinematics& kinematics, const JointMotion& motion,
                                   Eigen::Index frame) {
   MarkerPose before = kinematics.NewPose();
@@ -38,8 +38,8 @@ RootVelocity MeasuredRootVelocity(const MarkerKinematics& kinematics, const Join
           turn.angle() * turn.axis() * per_second};
 }
 
-// The largest error over the motion's inner frames, of eq. 9 on central
-// differences of the markers.
+// Returns the maximum error of eq. 9 over the motion's inner frames, with central differences of
+// the markers.
 RootVelocity LargestError(const core::MarkerScheme& scheme, const JointMotion& motion,
                           const std::vector<int>& missing = {}) {
   const MarkerKinematics kinematics = Kinematics(scheme, motion.skeleton);
@@ -62,8 +62,8 @@ RootVelocity LargestError(const core::MarkerScheme& scheme, const JointMotion& m
   return worst;
 }
 
-// The reference frame's velocity from the root's by eq. 9: the hips go with the root joint as one
-// rigid body, and the frame with the hips. Leg lengths/s and rad/s; the pose stands in the frame.
+// Converts the root velocity of eq. 9 to the velocity of the reference frame: root joint, hips and
+// frame move as one rigid body. Leg lengths/s and rad/s; the pose is in the frame.
 PlanarVelocity InReferenceFrame(const RootVelocity& root, const core::Landmarks& hips,
                                 const MarkerPose& pose, double leg_length_m) {
   const Eigen::Vector3d left = pose.markers_m.col(hips.left_hip);
@@ -76,10 +76,12 @@ PlanarVelocity InReferenceFrame(const RootVelocity& root, const core::Landmarks&
           (across.x() * turning.y() - across.y() * turning.x()) / across.head<2>().squaredNorm()};
 }
 
-// Compares eq. 9 on the pose that inverse kinematics finds for a state with the hips' velocity.
-class BothWays {
+// Compares eq. 9, on the pose that inverse kinematics finds for a state, with the velocity of the
+// hips.
+class VelocityComparison {
  public:
-  BothWays(const core::MarkerScheme& scheme, std::shared_ptr<const core::Skeleton> skeleton)
+  VelocityComparison(const core::MarkerScheme& scheme,
+                     std::shared_ptr<const core::Skeleton> skeleton)
       : set_(scheme.set),
         kinematics_(Kinematics(scheme, skeleton)),
         leg_length_m_(core::SkeletonLegLength(scheme, skeleton).value()),
@@ -156,19 +158,20 @@ TEST_CASE("RootVelocityFromHips: integrates to the reference frame's own path",
   }
 }
 
-TEST_CASE("RootVelocityFromHips: hips that turn about a point of the floor", "[core][kinematics]") {
+TEST_CASE("RootVelocityFromHips: hips that rotate about a point on the floor",
+          "[core][kinematics]") {
   core::MarkerSet set{"hips", {"left", "other", "right"}, {0, 2, {}}};
   Eigen::RowVectorXf state = Eigen::RowVectorXf::Zero(18);
   state.segment<3>(0) << 0, 0.5F, 1;
   state.segment<3>(12) << 0, -0.5F, 1.2F;
-  // 0.3 rad/s about (0, 2): the middle moves by 0.6 to the front.
+  // 0.3 rad/s about (0, 2): the middle moves forward at 0.6.
   state.segment<3>(3) << 0.45F, 0, 9;
   state.segment<3>(15) << 0.75F, 0, -9;
   const PlanarVelocity velocity = core::RootVelocityFromHips(set, state);
   CHECK(velocity.x == Approx(0.6));
   CHECK(velocity.y == Approx(0).margin(1e-7));
   CHECK(velocity.yaw_rate == Approx(0.3));
-  SECTION("one hip above the other: no turn") {
+  SECTION("one hip above the other: no rotation") {
     state[1] = state[13] = 0;
     CHECK(core::RootVelocityFromHips(set, state).yaw_rate == 0);
   }
@@ -179,15 +182,15 @@ TEST_CASE("RootVelocityFromHips: hips that turn about a point of the floor", "[c
   }
 }
 
-TEST_CASE("Root velocity: eq. 9 and the hips agree on a made-up motion", "[core][kinematics]") {
+TEST_CASE("Root velocity: eq. 9 and the hips agree on a synthetic motion", "[core][kinematics]") {
   const auto skeleton = Figure();
   const auto markers = MarkersOf(FigureScheme(), Swing(skeleton, 300, 600));
   const auto states = core::ComputeStates(FigureScheme().set, markers);
   REQUIRE(states.ok());
-  BothWays both(FigureScheme(), skeleton);
-  for (Eigen::Index frame = 1; frame + 1 < 300; ++frame) both.Add(states->states.row(frame));
-  CHECK(both.speed_apart(1) < 0.02);
-  CHECK(both.yaw_apart(1) < 0.05);
+  VelocityComparison comparison(FigureScheme(), skeleton);
+  for (Eigen::Index frame = 1; frame + 1 < 300; ++frame) comparison.Add(states->states.row(frame));
+  CHECK(comparison.speed_apart(1) < 0.02);
+  CHECK(comparison.yaw_apart(1) < 0.05);
 }
 
 TEST_CASE("Root velocity: eq. 9 and the hips agree on real walking", "[core][kinematics][data]") {
@@ -195,44 +198,44 @@ TEST_CASE("Root velocity: eq. 9 and the hips agree on real walking", "[core][kin
   const std::filesystem::path clip = DataDir() / "cmu/16/16_18.amc";
   const auto skeleton = std::get<JointMotion>(LoadMotion(clip).motion).skeleton;
   SECTION("on a clip's own frames") {
-    BothWays both(core::StandardScheme(), skeleton);
+    VelocityComparison comparison(core::StandardScheme(), skeleton);
     const core::StateSequence states = LoadStates(clip, 60);
     for (Eigen::Index frame = 1; frame + 1 < states.frame_count(); ++frame) {
-      both.Add(states.states.row(frame));
+      comparison.Add(states.states.row(frame));
     }
-    both.Print("16_18 at 60 Hz");
-    CHECK(both.speed_apart(0.95) < 0.05);
-    CHECK(both.yaw_apart(0.95) < 0.2);
+    comparison.Print("16_18 at 60 Hz");
+    CHECK(comparison.speed_apart(0.95) < 0.05);
+    CHECK(comparison.yaw_apart(0.95) < 0.2);
   }
   SECTION("on the means of the bottom nodes") {
     const core::Model model = BuildFromList(DataDir() / "sets/database2.tsv", {});
     core::FrameMatrix means = model.gaussians().means();
     model.scale().Revert(means);
-    BothWays both(core::StandardScheme(), skeleton);
+    VelocityComparison comparison(core::StandardScheme(), skeleton);
     const int bottom = model.layer_count();
     for (int node = 0; node < model.tree().node_count(bottom); ++node) {
-      both.Add(means.row(model.tree().branch(bottom, node)));
+      comparison.Add(means.row(model.tree().branch(bottom, node)));
     }
-    both.Print("bottom nodes of database2 at 60 Hz");
-    CHECK(both.speed_apart(0.95) < 0.1);
-    CHECK(both.yaw_apart(0.95) < 0.5);
+    comparison.Print("bottom nodes of database2 at 60 Hz");
+    CHECK(comparison.speed_apart(0.95) < 0.1);
+    CHECK(comparison.yaw_apart(0.95) < 0.5);
   }
 }
 
 TEST_CASE("SolveRootVelocity: equals the velocity of a known motion", "[core][kinematics]") {
-  // At 1000 Hz; single-precision positions alone leave 1e-4 m/s.
+  // At 1000 Hz; single precision of positions alone causes 1e-4 m/s.
   const RootVelocity error = LargestError(FigureScheme(), Swing(Figure(), 2000, 1000));
   CHECK(error.linear.maxCoeff() < 5e-3);
   CHECK(error.angular.maxCoeff() < 2e-2);
 }
 
-TEST_CASE("SolveRootVelocity: markers without a velocity are left out", "[core][kinematics]") {
+TEST_CASE("SolveRootVelocity: markers without a velocity are ignored", "[core][kinematics]") {
   const RootVelocity error = LargestError(FigureScheme(), Swing(Figure(), 500, 1000), {3, 12});
   CHECK(error.linear.maxCoeff() < 5e-3);
   CHECK(error.angular.maxCoeff() < 2e-2);
 }
 
-TEST_CASE("SolveRootVelocity: a body that turns as one", "[core][kinematics]") {
+TEST_CASE("SolveRootVelocity: a rigidly rotating body", "[core][kinematics]") {
   const auto skeleton = Figure();
   const MarkerKinematics kinematics = Kinematics(FigureScheme(), skeleton);
   MarkerPose pose = kinematics.NewPose();

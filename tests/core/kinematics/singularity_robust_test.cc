@@ -10,7 +10,7 @@ namespace {
 
 using core::SingularityRobustInverse;
 
-// Adds all of J x = r, three rows at a time.
+// Adds J x = r, three rows at a time.
 void AddAll(const Eigen::MatrixXd &jacobian, const Eigen::VectorXd &right_side,
             SingularityRobustInverse &inverse) {
   std::vector<int> unknowns(static_cast<std::size_t>(jacobian.cols()));
@@ -29,7 +29,7 @@ Eigen::MatrixXd Random(int rows, int columns, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("SingularityRobustInverse: least squares where the equations tell all",
+TEST_CASE("SingularityRobustInverse: least squares for determined equations",
           "[core][kinematics]") {
   const Eigen::MatrixXd jacobian = Random(30, 12, 1);
   const Eigen::VectorXd right_side = Random(30, 1, 2);
@@ -44,7 +44,7 @@ TEST_CASE("SingularityRobustInverse: least squares where the equations tell all"
     const Eigen::VectorXd damped = normal.ldlt().solve(jacobian.transpose() * right_side);
     CHECK((inverse.Solve(0.3) - damped).norm() < 1e-12);
   }
-  SECTION("with weights and a pull") {
+  SECTION("with weights and a bias") {
     SingularityRobustInverse weighted(12);
     std::vector<int> unknowns(12);
     std::iota(unknowns.begin(), unknowns.end(), 0);
@@ -64,7 +64,7 @@ TEST_CASE("SingularityRobustInverse: least squares where the equations tell all"
     CHECK((weighted.gradient() - gradient).norm() < 1e-10);
     CHECK((weighted.Solve() - normal.ldlt().solve(gradient)).norm() < 1e-12);
   }
-  SECTION("with unknowns held") {
+  SECTION("with fixed unknowns") {
     const double value = GENERATE(0.0, 0.7);
     inverse.Hold(3, value);
     inverse.Hold(11, -value);
@@ -84,10 +84,8 @@ TEST_CASE("SingularityRobustInverse: least squares where the equations tell all"
   }
 }
 
-TEST_CASE("SingularityRobustInverse: sparse equations give what dense ones do",
-          "[core][kinematics]") {
-  // A root (0, 1) and two limbs (2, 3) and (4, 5), and one marker that hangs on
-  // both.
+TEST_CASE("SingularityRobustInverse: sparse equations equal dense ones", "[core][kinematics]") {
+  // A root (0, 1), two limbs (2, 3) and (4, 5), and a marker that depends on both limbs.
   const std::vector<std::vector<int>> moved_by = {{0, 1, 2, 3}, {0, 1, 4, 5}, {0, 1}, {1, 2, 4}};
   SingularityRobustInverse inverse(6);
   Eigen::MatrixXd jacobian = Eigen::MatrixXd::Zero(12, 6);
@@ -106,10 +104,9 @@ TEST_CASE("SingularityRobustInverse: sparse equations give what dense ones do",
 
 TEST_CASE(
     "SingularityRobustInverse: damping grows towards a singularity and "
-    "stays out of the rest",
+    "does not affect other unknowns",
     "[core][kinematics]") {
-  // The second unknown moves the marker less and less; the plain inverse would
-  // grow without bound.
+  // The second unknown moves the marker less and less; the plain inverse would grow without bound.
   double before = INFINITY;
   for (const double reach : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 0.0}) {
     SingularityRobustInverse inverse(3);
@@ -120,8 +117,8 @@ TEST_CASE(
     CHECK(x[0] == Approx(1));
     CHECK(x[2] == Approx(2));
     if (reach >= 1e-2) CHECK(x[1] == Approx(0.01 / reach));
-    CHECK(std::abs(x[1]) < 2.5);        // at its most halfway; the plain inverse has 10000 at 1e-6
-    const double share = x[1] * reach;  // of the marker's way that is gone
+    CHECK(std::abs(x[1]) < 2.5);        // peak is halfway; the plain inverse has 10000 at 1e-6
+    const double share = x[1] * reach;  // fraction of the marker's distance that is covered
     CHECK(share <= before + 1e-12);
     before = share;
   }

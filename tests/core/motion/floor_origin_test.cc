@@ -1,4 +1,4 @@
-// A motion far from the origin is the motion at the origin.
+// A motion far from the origin has the states of the motion at the origin.
 #include "core/motion/floor_origin.h"
 
 #include <catch2/catch.hpp>
@@ -10,7 +10,7 @@
 namespace motiondb::core::floor_origin_test {
 namespace {
 
-// A body that walks ahead and turns, with legs that swing; its root stands at `place` at first.
+// A body that walks ahead and turns, with swinging legs; its root starts at `place`.
 JointMotion Walk(const Eigen::Vector2d& place, double frame_rate_hz) {
   const auto moves = [] {
     std::vector<Dof> dofs;
@@ -55,7 +55,7 @@ StateSequence StatesOf(const Motion& motion) {
   return *states;
 }
 
-TEST_CASE("Represent: a clip anywhere has the states of the clip at the origin", "[motion]") {
+TEST_CASE("Represent: a clip anywhere has the states of a clip at the origin", "[motion]") {
   for (const double rate : {60.0, 120.0, 25.0}) {
     const StateSequence here = StatesOf(Walk({0, 0}, rate));
     for (const Eigen::Vector2d& place :
@@ -64,12 +64,12 @@ TEST_CASE("Represent: a clip anywhere has the states of the clip at the origin",
       const StateSequence there = StatesOf(Walk(place, rate));
       REQUIRE(there.states.rows() == here.states.rows());
       CHECK(std::abs(there.leg_length_m - here.leg_length_m) < 1e-6);
-      // Velocities are differences of floats within 16 m, times the frame rate.
+      // Velocities are differences of floats within 16 m, multiplied by the frame rate.
       CHECK((there.states - here.states).cwiseAbs().maxCoeff() < 2e-4F);
       const Eigen::MatrixXd moved = there.root_path.leftCols<2>().rowwise() - place.transpose();
       CHECK((moved - here.root_path.leftCols<2>()).cwiseAbs().maxCoeff() < 1e-5);
       CHECK((there.root_path.col(2) - here.root_path.col(2)).cwiseAbs().maxCoeff() < 1e-5);
-      // The velocity of the last frame of a past, too.
+      // Also the velocity of the last frame of a past.
       const StateSequence past_here = PastAt(here, 20, 10);
       const StateSequence past_there = PastAt(there, 20, 10);
       CHECK((past_there.states - past_here.states).cwiseAbs().maxCoeff() < 1e-3F);
@@ -77,7 +77,7 @@ TEST_CASE("Represent: a clip anywhere has the states of the clip at the origin",
   }
 }
 
-TEST_CASE("Represent: positions beyond a body's are refused where they are", "[motion]") {
+TEST_CASE("Represent: impossible positions are refused with their frame", "[motion]") {
   const Motion far = Walk({2e5, 0}, 60);
   const auto scheme = SourceScheme(far);
   REQUIRE(scheme.ok());
@@ -86,7 +86,7 @@ TEST_CASE("Represent: positions beyond a body's are refused where they are", "[m
   CHECK(std::string(refused.status().message()).find("(20000") != std::string::npos);
 }
 
-TEST_CASE("FloorOrigin: near the origin nothing moves", "[motion]") {
+TEST_CASE("FloorOrigin: motion near the origin is unchanged", "[motion]") {
   CHECK(FloorOrigin(Walk({0, 0}, 60)) == Eigen::Vector2d(0, 0));
   CHECK(FloorOrigin(Walk({7, -7}, 60)) == Eigen::Vector2d(0, 0));
   CHECK(FloorOrigin(Walk({90'000, 0}, 60)) == Eigen::Vector2d(90'000, 0));

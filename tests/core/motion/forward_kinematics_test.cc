@@ -34,7 +34,7 @@ RowVectorXd Row(std::initializer_list<double> values) {
 
 bool Near(const Vector3d& a, const Vector3d& b) { return (a - b).norm() < 1e-12; }
 
-// Shoulder at the origin, elbow 1 m and hand 1.5 m along x, both turning about z.
+// Shoulder at the origin, elbow at 1 m and hand at 1.5 m along x; both rotate about z.
 Skeleton TwoLinkArm() {
   return Make({{.name = "shoulder", .dofs = {Rotation(Vector3d::UnitZ())}},
                {.name = "elbow",
@@ -46,15 +46,15 @@ Skeleton TwoLinkArm() {
 
 }  // namespace
 
-TEST_CASE("ForwardKinematics: some joints alone are where they are among all", "[core][motion]") {
+TEST_CASE("ForwardKinematics: a subset of joints has the same poses", "[core][motion]") {
   const Skeleton arm = TwoLinkArm();
   const RowVectorXd angles = Row({0.3, -0.7});
   const auto all = core::ForwardKinematics(arm, angles);
-  std::vector<Eigen::Isometry3d> some(3, Eigen::Isometry3d::Identity());
-  core::ForwardKinematics(arm, angles, std::vector<int>{0, 1}, some);
-  CHECK(some[0].matrix() == all[0].matrix());
-  CHECK(some[1].matrix() == all[1].matrix());
-  CHECK(some[2].matrix() == Eigen::Isometry3d::Identity().matrix());
+  std::vector<Eigen::Isometry3d> subset(3, Eigen::Isometry3d::Identity());
+  core::ForwardKinematics(arm, angles, std::vector<int>{0, 1}, subset);
+  CHECK(subset[0].matrix() == all[0].matrix());
+  CHECK(subset[1].matrix() == all[1].matrix());
+  CHECK(subset[2].matrix() == Eigen::Isometry3d::Identity().matrix());
 }
 
 TEST_CASE("ForwardKinematics: a two-link arm", "[core][motion]") {
@@ -73,12 +73,12 @@ TEST_CASE("ForwardKinematics: a two-link arm", "[core][motion]") {
 }
 
 TEST_CASE("ForwardKinematics: rotations apply leftmost first", "[core][motion]") {
-  // R = Rz Rx: y goes to z by Rx, and z stays by Rz.
+  // R = Rz Rx: Rx takes y to z, and Rz keeps z.
   const Skeleton zx =
       Make({{.name = "a", .dofs = {Rotation(Vector3d::UnitZ()), Rotation(Vector3d::UnitX())}}});
   const auto pose = core::ForwardKinematics(zx, Row({kRightAngle, kRightAngle}));
   CHECK(Near(pose[0].linear() * Vector3d::UnitY(), Vector3d::UnitZ()));
-  // R = Rx Rz: y goes to -x by Rz, and stays by Rx.
+  // R = Rx Rz: Rz takes y to -x, and Rx keeps it.
   const Skeleton xz =
       Make({{.name = "a", .dofs = {Rotation(Vector3d::UnitX()), Rotation(Vector3d::UnitZ())}}});
   const auto other = core::ForwardKinematics(xz, Row({kRightAngle, kRightAngle}));
@@ -101,8 +101,8 @@ TEST_CASE("ForwardKinematics: translations add to the offset in the parent's fra
   CHECK(Near(pose[1].translation(), {2.5, 2, 0}));
 }
 
-TEST_CASE("ForwardKinematics: a bone with its own axes, as ASF has them", "[core][motion]") {
-  // The bone's axes are the parent's turned by 90 degrees about z: its x is the parent's y.
+TEST_CASE("ForwardKinematics: a bone with its own axes, as in ASF", "[core][motion]") {
+  // The bone's axes are the parent's, rotated by 90 degrees about z: its x is the parent's y.
   const Matrix3d c = AngleAxisd(kRightAngle, Vector3d::UnitZ()).toRotationMatrix();
   const Skeleton bone =
       Make({{.name = "bone",
@@ -111,7 +111,7 @@ TEST_CASE("ForwardKinematics: a bone with its own axes, as ASF has them", "[core
              .dofs = {Rotation(Vector3d::UnitX())}},
             {.name = "tip", .parent = 0, .offset_m = Vector3d(1, 0, 0), .dofs = {}}});
   CHECK(Near(core::ForwardKinematics(bone, Row({0}))[1].translation(), {1, 0, 0}));
-  // A turn by 90 degrees about the parent's y takes x to -z.
+  // A rotation by 90 degrees about the parent's y takes x to -z.
   CHECK(Near(core::ForwardKinematics(bone, Row({kRightAngle}))[1].translation(), {0, 0, -1}));
 }
 

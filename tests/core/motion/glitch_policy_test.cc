@@ -13,7 +13,7 @@ using core::GlitchPolicy;
 
 constexpr int kFrames = 240;
 
-// Hips, knee and ankle that sway while they go along x, 120 frames a second.
+// Hips, knee and ankle that sway while they move along x, at 120 Hz.
 core::MarkerMotion Sway() {
   core::MarkerMotion motion{{"m0", "m1", "m2", "m3"}, 120, core::FrameMatrix(kFrames, 12)};
   const Eigen::Vector3d body[] = {{0, 0.1, 0.9}, {0, -0.1, 0.9}, {0.05, 0.1, 0.5}, {0, 0.1, 0.1}};
@@ -27,7 +27,7 @@ core::MarkerMotion Sway() {
   return motion;
 }
 
-// With all markers 100 m away in some frames, from 0.
+// Moves all markers 100 m away in some frames, numbered from 0.
 core::MarkerMotion Displaced(const std::vector<core::FrameSpan>& spans) {
   core::MarkerMotion motion = Sway();
   for (const core::FrameSpan& span : spans) {
@@ -53,7 +53,7 @@ Stored Store(GlitchPolicy policy, const core::MarkerMotion& motion) {
 
 }  // namespace
 
-TEST_CASE("Represent: a clip without glitches is the same by every policy, and has no note",
+TEST_CASE("Represent: a clip without glitches is unchanged by every policy, without a note",
           "[motion][glitches]") {
   const core::StateSequence states = *Store(GlitchPolicy::kKeep, Sway()).states;
   for (const auto policy : {GlitchPolicy::kRepair, GlitchPolicy::kReject, GlitchPolicy::kDrop}) {
@@ -97,22 +97,23 @@ TEST_CASE("Represent: reject refuses every glitch with its position", "[motion][
              Contains("frame 101") && Contains("'m3'"));
 }
 
-TEST_CASE("Represent: drop stores the longest stretch without glitches", "[motion][glitches]") {
+TEST_CASE("Represent: drop stores the longest section without glitches", "[motion][glitches]") {
   const Stored stored = Store(GlitchPolicy::kDrop, Displaced({{60, 60}, {190, 220}}));
   REQUIRE(stored.states.ok());
   CHECK_THAT(stored.note, Contains("dropped, frames 62-190 of 240 stored") && Contains("frame 61"));
-  CHECK(stored.states->frame_count() == 65);  // 129 at half the rate
+  CHECK(stored.states->frame_count() == 65);  // 129 frames at half the rate
   CHECK(stored.states->root_path(0, 0) == Approx(61 / 120.0).margin(1e-3));
   CHECK(stored.states->glitches.empty());
 }
 
-TEST_CASE("Represent: keep stores the clip as it is and knows the frames", "[motion][glitches]") {
+TEST_CASE("Represent: keep stores the clip unchanged and records the frames",
+          "[motion][glitches]") {
   const Stored stored = Store(GlitchPolicy::kKeep, Displaced({{100, 100}, {160, 219}}));
   REQUIRE(stored.states.ok());
   CHECK_THAT(stored.note, Contains("kept") && Contains("frame 101") && Contains("frames 161-220"));
   CHECK(stored.states->root_path(50, 0) > 100);
   REQUIRE(stored.states->glitches.size() == 2);
-  // Every frame that differs from the clean clip's is known.
+  // All frames that differ from the clean clip are recorded.
   const core::StateSequence clean = *Store(GlitchPolicy::kKeep, Sway()).states;
   for (int t = 0; t < clean.frame_count(); ++t) {
     const bool differs = !stored.states->states.row(t).isApprox(clean.states.row(t), 1e-3F) ||
@@ -125,7 +126,7 @@ TEST_CASE("Represent: keep stores the clip as it is and knows the frames", "[mot
   }
 }
 
-TEST_CASE("Represent: a huge place in the first frame does not move the others",
+TEST_CASE("Represent: a huge position in the first frame does not affect the others",
           "[motion][glitches]") {
   const core::StateSequence clean = *Store(GlitchPolicy::kKeep, Sway()).states;
   for (const float huge : {1e6F, 1e30F}) {
@@ -140,7 +141,7 @@ TEST_CASE("Represent: a huge place in the first frame does not move the others",
   }
 }
 
-TEST_CASE("Represent: an observation is not searched", "[motion][glitches]") {
+TEST_CASE("Represent: an observation is not searched for glitches", "[motion][glitches]") {
   const core::MarkerScheme scheme{SmallMarkerSet(4), {}};
   const auto states = core::Represent(scheme, Displaced({{100, 130}}), 60, core::kObservation);
   REQUIRE(states.ok());

@@ -31,8 +31,8 @@ enum {
 const std::vector<std::string> kNames = {"LHip",  "RHip", "Chest", "Shoulder", "Elbow", "Forearm",
                                          "Wrist", "Hand", "Knee",  "Ankle",    "Heel",  "Toe"};
 
-// A body that jogs at 3 m/s along x and swings an arm and a leg as links of one length. For the
-// first seconds it may stand still; then it starts softly.
+// A body that jogs at 3 m/s along x and swings an arm and a leg with constant link lengths. It may
+// stand still first; then it starts smoothly.
 MarkerMotion Jog(double rate_hz, double seconds, double noise_m = 0, double still_seconds = 0) {
   const auto frames = static_cast<Eigen::Index>(seconds * rate_hz);
   MarkerMotion motion{kNames, rate_hz, core::FrameMatrix(frames, 3 * std::ssize(kNames))};
@@ -84,7 +84,7 @@ std::string Text(const std::vector<Glitch>& glitches) {
 
 }  // namespace
 
-TEST_CASE("FindGlitches: nothing in motion that a body makes, at any rate, with and without noise",
+TEST_CASE("FindGlitches: finds nothing in natural motion, at any rate, with and without noise",
           "[motion][glitches]") {
   for (const double rate : {1.0, 2.0, 5.0, 10.0, 25.0, 30.0, 60.0, 120.0, 250.0, 1000.0}) {
     for (const double noise : {0.0, 0.01, 0.03, 0.05}) {
@@ -94,7 +94,7 @@ TEST_CASE("FindGlitches: nothing in motion that a body makes, at any rate, with 
   }
 }
 
-TEST_CASE("FindGlitches: one frame far away is found at every rate, in that frame alone",
+TEST_CASE("FindGlitches: one frame far away is found at every rate, in exactly that frame",
           "[motion][glitches]") {
   for (const double rate : {10.0, 30.0, 60.0, 120.0, 1000.0}) {
     INFO(rate << " Hz");
@@ -110,7 +110,7 @@ TEST_CASE("FindGlitches: one frame far away is found at every rate, in that fram
   }
 }
 
-TEST_CASE("FindGlitches: one marker 0.3 m off, in any direction, for one frame and for many",
+TEST_CASE("FindGlitches: one marker 0.3 m away, in any direction, for one or many frames",
           "[motion][glitches]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     for (const int marker : {int{kHand}, int{kAnkle}, int{kHeel}}) {
@@ -132,7 +132,7 @@ TEST_CASE("FindGlitches: one marker 0.3 m off, in any direction, for one frame a
   }
 }
 
-TEST_CASE("FindGlitches: two markers that change places are named together", "[motion][glitches]") {
+TEST_CASE("FindGlitches: two swapped markers are reported together", "[motion][glitches]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     INFO(rate << " Hz");
     MarkerMotion motion = Jog(rate, 4);
@@ -149,8 +149,7 @@ TEST_CASE("FindGlitches: two markers that change places are named together", "[m
   }
 }
 
-TEST_CASE("FindGlitches: a marker at the origin, in some frames and in most of them",
-          "[motion][glitches]") {
+TEST_CASE("FindGlitches: a marker at the origin, in some or most frames", "[motion][glitches]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     for (const double share : {0.05, 0.6}) {
       INFO(rate << " Hz, " << share);
@@ -163,10 +162,10 @@ TEST_CASE("FindGlitches: a marker at the origin, in some frames and in most of t
   }
   MarkerMotion fixed = Jog(60, 4);
   for (int f = 0; f < fixed.positions_m.rows(); ++f) Place(fixed, f, kChest).setZero();
-  CHECK(Find(fixed).empty());  // the root of motion whose own path was taken out
+  CHECK(Find(fixed).empty());  // a root at rest: its path was removed
 }
 
-TEST_CASE("FindGlitches: a marker, or all, that freeze for half a second while the body goes on",
+TEST_CASE("FindGlitches: a frozen marker, or all markers, for 0.5 s while the body moves",
           "[motion][glitches]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     INFO(rate << " Hz");
@@ -182,7 +181,7 @@ TEST_CASE("FindGlitches: a marker, or all, that freeze for half a second while t
   }
 }
 
-TEST_CASE("FindGlitches: a body that stands still and goes on by itself is no glitch",
+TEST_CASE("FindGlitches: a body that stops and starts by itself is no glitch",
           "[motion][glitches]") {
   for (const double rate : {10.0, 30.0, 60.0, 120.0}) {
     INFO(rate << " Hz");
@@ -190,7 +189,7 @@ TEST_CASE("FindGlitches: a body that stands still and goes on by itself is no gl
   }
 }
 
-TEST_CASE("FindGlitches: what is missing is no glitch, what is huge is one", "[motion][glitches]") {
+TEST_CASE("FindGlitches: missing positions are no glitch, huge ones are", "[motion][glitches]") {
   MarkerMotion motion = Jog(60, 4);
   for (int f = 50; f < 90; ++f) {
     Place(motion, f, kWrist).setConstant(std::numeric_limits<float>::quiet_NaN());
@@ -206,7 +205,7 @@ TEST_CASE("FindGlitches: what is missing is no glitch, what is huge is one", "[m
   }
 }
 
-TEST_CASE("FindGlitches: the same in leg lengths for every body size", "[motion][glitches]") {
+TEST_CASE("FindGlitches: scales with leg length", "[motion][glitches]") {
   MarkerMotion motion = Jog(60, 4);
   Place(motion, 100, kHand)[0] += 0.3F;
   const auto found = Find(motion);

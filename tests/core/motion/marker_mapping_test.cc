@@ -29,7 +29,7 @@ core::MarkerScheme Scheme() {
 
 }  // namespace
 
-TEST_CASE("RecognizeLandmarks: knows the customs of files in use", "[core][motion]") {
+TEST_CASE("RecognizeLandmarks: knows the names used in common files", "[core][motion]") {
   const std::vector<std::vector<std::string>> customs = {
       {"Hips", "LeftUpLeg", "LeftLeg", "LeftFoot", "RightUpLeg", "RightLeg", "RightFoot"},
       {"root", "lfemur", "ltibia", "lfoot", "rfemur", "rtibia", "rfoot"},
@@ -62,7 +62,7 @@ TEST_CASE("ApplyScheme: weighted sums of named points", "[core][motion]") {
                                                     0.75f * motion.positions_m.middleCols<3>(3)));
 }
 
-TEST_CASE("ApplyScheme: the set's own names need no mapping; the fullest signature wins",
+TEST_CASE("ApplyScheme: the set's own names need no mapping; the largest signature wins",
           "[core][motion]") {
   const core::MarkerMotion own = Markers({"B", "A"});
   const auto mapped = core::ApplyScheme(Scheme(), own);
@@ -78,7 +78,7 @@ TEST_CASE("ApplyScheme: the set's own names need no mapping; the fullest signatu
   CHECK(fuller->positions_m.leftCols<3>() == three.positions_m.rightCols<3>());
 }
 
-TEST_CASE("ApplyScheme: offsets turn with their link and grow with the leg", "[core][motion]") {
+TEST_CASE("ApplyScheme: offsets rotate with their link and scale with the leg", "[core][motion]") {
   core::Joint root{.name = "p"};
   root.dofs = {{core::Dof::Kind::kRotation, Eigen::Vector3d::UnitZ()}};
   core::Joint child{.name = "q", .parent = 0, .offset_m = {1, 0, 0}};
@@ -97,7 +97,7 @@ TEST_CASE("ApplyScheme: offsets turn with their link and grow with the leg", "[c
   CHECK((along_y - Eigen::RowVector3f(0, 2, 0)).norm() < 1e-5f);
 }
 
-TEST_CASE("ApplyScheme: says what the closest mapping lacks", "[core][motion]") {
+TEST_CASE("ApplyScheme: reports the missing names of the closest mapping", "[core][motion]") {
   const auto mapped = core::ApplyScheme(Scheme(), Markers({"p", "z"}));
   REQUIRE_FALSE(mapped.ok());
   CHECK(mapped.status().code() == absl::StatusCode::kInvalidArgument);
@@ -105,10 +105,10 @@ TEST_CASE("ApplyScheme: says what the closest mapping lacks", "[core][motion]") 
              Catch::Matchers::Contains("'plain'") && Catch::Matchers::Contains("'q'"));
 }
 
-TEST_CASE("SourceScheme: the motion's own names, end sites left out", "[core][motion]") {
+TEST_CASE("SourceScheme: the motion's own names, without end sites", "[core][motion]") {
   const auto scheme = core::SourceScheme(Markers({"LHip", "RHip", "Nose_end"}));
   REQUIRE(scheme.ok());
-  CHECK(scheme->set.markers.size() == 3);  // a marker may be called what it likes
+  CHECK(scheme->set.markers.size() == 3);  // a marker may have any name
   core::Joint hips{.name = "Hips"};
   core::Joint left{.name = "LeftUpLeg", .parent = 0};
   core::Joint right{.name = "RightUpLeg", .parent = 0};

@@ -4,7 +4,7 @@
 
 namespace motiondb::tests::mirror_test {
 
-TEST_CASE("OtherSides: names tell the sides", "[core][motion]") {
+TEST_CASE("OtherSides: sides are deduced from names", "[core][motion]") {
   CHECK(core::OtherSides({"Pelvis", "LHip", "RHip", "LowerBack", "LeftFoot", "RightFoot"}) ==
         std::vector<int>{0, 2, 1, 3, 5, 4});
   CHECK(core::OtherSides({"LHand", "Head"}).empty());
@@ -13,7 +13,8 @@ TEST_CASE("OtherSides: names tell the sides", "[core][motion]") {
   CHECK(core::OtherSides({}).empty());
 }
 
-TEST_CASE("MirrorStates: left and right change places, and twice is nothing", "[core][motion]") {
+TEST_CASE("MirrorStates: exchanges left and right; applied twice it is the identity",
+          "[core][motion]") {
   const std::vector<int> sides = core::OtherSides({"LHip", "Head", "RHip"});
   core::FrameMatrix states = core::FrameMatrix::Random(4, 18);
   const core::FrameMatrix mirrored = core::MirrorStates(sides, states);

@@ -1,4 +1,4 @@
-// Motion that is no body's: markers at the end of the world, sets as large as crowds.
+// Impossible motion: extreme marker positions and very large marker sets.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -27,7 +27,7 @@ absl::StatusOr<core::StateSequence> Represented(const core::MarkerMotion& motion
   return core::Represent(*scheme, motion, 30, cleaning);
 }
 
-TEST_CASE("Represent: a marker too far away is refused by frame and name",
+TEST_CASE("Represent: a marker too far away is refused with frame and name",
           "[core][motion][hostile]") {
   for (const float far : {2e5F, 3e38F, -INFINITY}) {
     core::MarkerMotion motion = Hips(0.9F);
@@ -41,8 +41,8 @@ TEST_CASE("Represent: a marker too far away is refused by frame and name",
   REQUIRE(Represented(Hips(0.9F), core::GlitchPolicy::kRepair).ok());
 }
 
-// Hips that are so high in every frame.
-core::JointMotion Lifted(int frame_count, double height_m) {
+// Hips at this height in every frame.
+core::JointMotion HipsAtHeight(int frame_count, double height_m) {
   core::Joint root{.name = "hips"};
   root.dofs = {{.kind = core::Dof::Kind::kTranslation, .axis = Eigen::Vector3d::UnitZ()}};
   const core::Joint left{.name = "lhip", .parent = 0, .offset_m = {0, 0.1, 0}};
@@ -53,15 +53,15 @@ core::JointMotion Lifted(int frame_count, double height_m) {
           core::JointMatrix::Constant(frame_count, 1, height_m)};
 }
 
-TEST_CASE("Represent: joints that slide out of the world are refused", "[core][motion][hostile]") {
-  core::JointMotion motion = Lifted(3, 1e300);
+TEST_CASE("Represent: joints that slide too far are refused", "[core][motion][hostile]") {
+  core::JointMotion motion = HipsAtHeight(3, 1e300);
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
   const auto states = core::Represent(*scheme, motion, 60, core::GlitchPolicy::kRepair, 0.9);
   CHECK(states.status().code() == absl::StatusCode::kInvalidArgument);
 }
 
-TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
+TEST_CASE("Represent: a leg length that makes floats overflow is refused",
           "[core][motion][hostile]") {
   const core::MarkerMotion motion = Hips(0.9F);
   const auto scheme = core::SourceScheme(motion);
@@ -71,33 +71,33 @@ TEST_CASE("Represent: a leg that makes numbers outgrow a float is refused",
     REQUIRE(states.status().code() == absl::StatusCode::kInvalidArgument);
     CHECK_THAT(std::string(states.status().message()), Contains("leg_length_m: "));
   }
-  // The same size told by the markers themselves.
+  // The same size, measured from the markers.
   CHECK(Represented(Hips(1e-9F), core::kObservation).status().code() ==
         absl::StatusCode::kInvalidArgument);
 }
 
-TEST_CASE("Represent: stops soon after it is no longer wanted, wherever it is", "[core][motion]") {
-  const core::JointMotion motion = Lifted(1000, 1);
+TEST_CASE("Represent: stops soon after cancellation, at any point", "[core][motion]") {
+  const core::JointMotion motion = HipsAtHeight(1000, 1);
   const auto scheme = core::SourceScheme(motion);
   REQUIRE(scheme.ok());
-  int asked = 0;
-  int wanted = 1000;
+  int checks = 0;
+  int allowed_checks = 1000;
   const auto represent = [&] {
-    asked = 0;
+    checks = 0;
     return core::Represent(*scheme, motion, 60, core::kObservation, 0.9, nullptr,
-                           [&] { return ++asked > wanted; });
+                           [&] { return ++checks > allowed_checks; });
   };
   REQUIRE(represent().ok());
-  // In the mapping, and between what follows it.
-  const int in_all = asked;
-  CHECK(in_all >= 4);
-  for (wanted = 0; wanted < in_all; ++wanted) {
+  // In the mapping and between the later steps.
+  const int total_checks = checks;
+  CHECK(total_checks >= 4);
+  for (allowed_checks = 0; allowed_checks < total_checks; ++allowed_checks) {
     CHECK(represent().status().code() == absl::StatusCode::kCancelled);
-    CHECK(asked == wanted + 1);
+    CHECK(checks == allowed_checks + 1);
   }
 }
 
-TEST_CASE("SourceScheme: a crowd of markers makes no set", "[core][motion][hostile]") {
+TEST_CASE("SourceScheme: too many markers are refused", "[core][motion][hostile]") {
   core::MarkerMotion motion = Hips(0.9F);
   while (motion.names.size() <= core::kMostMarkers) {
     motion.names.push_back("m" + std::to_string(motion.names.size()));

@@ -9,8 +9,8 @@
 namespace motiondb::tests::states_test {
 namespace {
 
-// Four markers (left and right hip, left knee and ankle) that walk along `heading` at `speed`, m
-// and m/s, at `rate`.
+// Four markers (left and right hip, left knee and ankle) that walk along `heading` (rad) at `speed`
+// (m/s), sampled at `rate` (Hz).
 core::MarkerMotion Walk(double heading, double speed, double rate, int frames) {
   core::MarkerMotion motion{{"m0", "m1", "m2", "m3"}, rate, core::FrameMatrix(frames, 12)};
   const Eigen::Rotation2Dd turn(heading);
@@ -53,20 +53,22 @@ TEST_CASE("ComputeStates: positions and velocities in the reference frame, in le
       CHECK(knee[0] == Approx(0.05 / leg).margin(1e-5));
       CHECK(knee[1] == Approx(0.1 / leg).margin(1e-5));
       CHECK(knee[2] == Approx(0.5 / leg).margin(1e-5));
-      CHECK(knee[3] == Approx(1.2 / leg).margin(1e-3));  // world velocity: the root's motion stays
+      CHECK(knee[3] == Approx(1.2 / leg).margin(1e-3));  // world velocity: includes root motion
       CHECK(knee[4] == Approx(0).margin(1e-3));
       CHECK(knee[5] == Approx(0).margin(1e-3));
     }
   }
 }
 
-TEST_CASE("WorldPositions: the way back from states", "[core][motion]") {
+TEST_CASE("WorldPositions: inverts ComputeStates", "[core][motion]") {
   const core::MarkerMotion motion = Walk(0.7, 1.5, 60, 30);
   CHECK(core::WorldPositions(States(motion)).isApprox(motion.positions_m, 1e-5f));
 }
 
-TEST_CASE("ComputeStates: a missing marker is missing, and its neighbours' velocity one-sided",
-          "[core][motion]") {
+TEST_CASE(
+    "ComputeStates: a missing marker stays missing, and neighbouring frames have one-sided "
+    "velocities",
+    "[core][motion]") {
   core::MarkerMotion motion = Walk(0, 1, 60, 10);
   motion.positions_m.row(4).segment<3>(6).setConstant(std::nanf(""));
   const core::StateSequence states = States(motion);
@@ -76,7 +78,7 @@ TEST_CASE("ComputeStates: a missing marker is missing, and its neighbours' veloc
   CHECK(states.states(5, 15) == Approx(states.states(6, 15)).epsilon(1e-3));
 }
 
-TEST_CASE("ReferenceFrames: interpolated where the hips are missing or one above the other",
+TEST_CASE("ReferenceFrames: interpolated if hips are missing or one is above the other",
           "[core][motion]") {
   core::MarkerMotion motion = Walk(0.5, 1, 60, 11);
   motion.positions_m.row(3).segment<3>(0).setConstant(std::nanf(""));
@@ -91,7 +93,7 @@ TEST_CASE("ReferenceFrames: interpolated where the hips are missing or one above
   CHECK(core::ReferenceFrames(kSet, motion).status().code() == absl::StatusCode::kInvalidArgument);
 }
 
-TEST_CASE("ReferenceFrames: heading is unwrapped through full turns", "[core][motion]") {
+TEST_CASE("ReferenceFrames: heading is continuous through full turns", "[core][motion]") {
   core::MarkerMotion motion = Walk(0, 0, 60, 200);
   for (int t = 0; t < 200; ++t) {
     const Eigen::Rotation2Df turn(0.1f * static_cast<float>(t));
@@ -105,7 +107,7 @@ TEST_CASE("ReferenceFrames: heading is unwrapped through full turns", "[core][mo
   CHECK((*path)(199, 2) == Approx(19.9).margin(1e-3));
 }
 
-TEST_CASE("Resample: keeps positions in time, and smooth motion closely", "[core][motion]") {
+TEST_CASE("Resample: preserves smooth motion", "[core][motion]") {
   core::MarkerMotion fast = Walk(0, 0, 120, 241);
   for (int t = 0; t < 241; ++t) {
     fast.positions_m(t, 0) = std::sin(2 * static_cast<float>(std::numbers::pi) * t / 120);
@@ -125,19 +127,20 @@ TEST_CASE("Resample: keeps positions in time, and smooth motion closely", "[core
   CHECK_FALSE(core::Resample(Walk(0, 0, 60, 1), 30).ok());
 }
 
-TEST_CASE("Resample: recorded frames survive beside missing ones", "[core][motion]") {
+TEST_CASE("Resample: keeps recorded frames next to missing ones", "[core][motion]") {
   core::MarkerMotion motion = Walk(0, 1, 120, 9);
   motion.positions_m.row(3).setConstant(std::nanf(""));
   const auto half = core::Resample(motion, 60);
   REQUIRE(half.ok());
   CHECK(half->positions_m.allFinite());
-  const auto thrice = core::Resample(motion, 360);
-  REQUIRE(thrice.ok());
-  CHECK(thrice->positions_m.row(7).hasNaN());     // between frames 2 and 3
-  CHECK(thrice->positions_m.row(4).allFinite());  // between 1 and 2: linear, for 3 is missing
+  const auto upsampled = core::Resample(motion, 360);
+  REQUIRE(upsampled.ok());
+  CHECK(upsampled->positions_m.row(7).hasNaN());  // between frames 2 and 3
+  CHECK(
+      upsampled->positions_m.row(4).allFinite());  // between 1 and 2: linear, because 3 is missing
 }
 
-TEST_CASE("FillGaps: short gaps are filled along a line, long ones named", "[core][motion]") {
+TEST_CASE("FillGaps: short gaps are interpolated, long ones reported", "[core][motion]") {
   core::MarkerMotion motion = Walk(0, 1.2, 60, 60);
   const core::FrameMatrix whole = motion.positions_m;
   for (const int t : {0, 1, 10, 11, 12, 59}) {
@@ -160,7 +163,7 @@ TEST_CASE("FillGaps: short gaps are filled along a line, long ones named", "[cor
              Catch::Matchers::Contains("all 60 frames"));
 }
 
-TEST_CASE("EstimateLegLength: whole legs first, height where there are none", "[core][motion]") {
+TEST_CASE("EstimateLegLength: uses whole legs, otherwise height", "[core][motion]") {
   const core::MarkerMotion motion = Walk(0, 1, 60, 5);
   CHECK(*core::EstimateLegLength(kSet, motion) == Approx(2 * std::hypot(0.05, 0.4)).epsilon(1e-5));
   core::MarkerSet bare = kSet;

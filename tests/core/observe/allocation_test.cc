@@ -1,4 +1,4 @@
-// Counts allocations: this program's malloc, which operator new and Eigen use, counts its calls.
+// Counts the calls of this program's malloc, which operator new and Eigen use.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <cstddef>
@@ -14,7 +14,7 @@ std::atomic<std::int64_t> allocations{0};
 
 }  // namespace
 
-// Sanitizers have a malloc of their own; nothing is counted there.
+// Sanitizers have their own malloc; nothing is counted there.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define MOTIONDB_COUNTS_ALLOCATIONS
 extern "C" void* __libc_malloc(std::size_t size);
@@ -37,8 +37,7 @@ TEST_CASE("Allocations are counted", "[core][observe]") {
 }
 #endif
 
-TEST_CASE("Observer: frames at the model's rate are taken without allocation, after a second",
-          "[core][observe]") {
+TEST_CASE("Observer: frames at the model's rate need no allocation after 1 s", "[core][observe]") {
   const core::Model model = PointModel(3, 3);
   const core::MarkerMotion motion = PointMotion(600, 1, 77);
   const auto observer =

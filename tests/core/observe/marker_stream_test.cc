@@ -26,7 +26,7 @@ bool Same(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
 
 }  // namespace
 
-TEST_CASE("MarkerStream: gives what Resample gives, as soon as it is settled", "[core][observe]") {
+TEST_CASE("MarkerStream: equals Resample, with minimum delay", "[core][observe]") {
   for (const double rate : {60.0, 120.0, 100.0, 50.0, 30.0, 25.0, 59.94, 480.0, 1.5}) {
     core::MarkerMotion motion = PointMotion(120, 3, 0, rate);
     Hide(motion, 2, 30, 34);
@@ -43,13 +43,13 @@ TEST_CASE("MarkerStream: gives what Resample gives, as soon as it is settled", "
         REQUIRE(Same(*frame, whole->positions_m.row(given)));
         ++given;
       }
-      // Never behind by more than two of its own frames.
+      // The delay is at most two of its own frames.
       CHECK(static_cast<double>(given) >= (static_cast<double>(t) - 2) * 60 / rate);
     }
   }
 }
 
-TEST_CASE("MarkerStream: a marker that lacks a number is missing whole", "[core][observe]") {
+TEST_CASE("MarkerStream: a marker with one NaN is missing", "[core][observe]") {
   core::MarkerStream stream = Stream(60, 60);
   core::MarkerMotion motion = PointMotion(2, 3, 0);
   motion.positions_m(0, 7) = std::nanf("");
@@ -63,8 +63,7 @@ TEST_CASE("MarkerStream: a marker that lacks a number is missing whole", "[core]
   CHECK(stream.Next() == nullptr);
 }
 
-TEST_CASE("MarkerStream: maps names by the scheme, and refuses what does not fit",
-          "[core][observe]") {
+TEST_CASE("MarkerStream: maps names by the scheme, and refuses unknown names", "[core][observe]") {
   core::MarkerScheme scheme = PointScheme();
   core::MarkerMapping mapping{"two", {"left", "right"}, {}};
   for (int m = 0; m < 6; ++m) {

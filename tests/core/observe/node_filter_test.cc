@@ -12,7 +12,7 @@
 namespace motiondb::tests::node_filter_test {
 namespace {
 
-// A motion of the same kind as the model's, with markers missing here and there.
+// A motion similar to the model's, with some markers missing.
 core::FrameMatrix Observation(const core::Model& model, int frames) {
   core::MarkerMotion motion = PointMotion(frames, 1, 77);
   Hide(motion, 3, 10, 14);
@@ -44,7 +44,7 @@ double Sum(const core::NodeFilter& filter) {
 
 }  // namespace
 
-TEST_CASE("NodeFilter: with all nodes kept it is the last node's distribution, on every layer",
+TEST_CASE("NodeFilter: with all nodes it equals LastNodeDistribution, on every layer",
           "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::FrameMatrix observation = Observation(model, 60);
@@ -67,7 +67,7 @@ TEST_CASE("NodeFilter: with all nodes kept it is the last node's distribution, o
   }
 }
 
-TEST_CASE("NodeFilter: the beam is close to all nodes", "[core][observe]") {
+TEST_CASE("NodeFilter: the beam approximates the result with all nodes", "[core][observe]") {
   const core::Model model = PointModel(3, 3);
   const core::FrameMatrix observation = Observation(model, 120);
   core::NodeFilter beam(model, model.layer_count(), 1e-6);
@@ -78,7 +78,7 @@ TEST_CASE("NodeFilter: the beam is close to all nodes", "[core][observe]") {
     all.Advance(observation.row(t).data());
     CHECK(beam.nodes().size() <= 32);
     CHECK(Sum(beam) == Approx(1));
-    if (t >= 30 && t <= 33) continue;  // nothing is seen
+    if (t >= 30 && t <= 33) continue;  // all markers are missing
     for (std::size_t i = 0; i < all.nodes().size(); ++i) {
       apart += std::abs(all.probability()[i] - ProbabilityOf(beam, all.nodes()[i])) / 2;
     }
@@ -86,12 +86,12 @@ TEST_CASE("NodeFilter: the beam is close to all nodes", "[core][observe]") {
   CHECK(apart / 116 < 0.01);
 }
 
-TEST_CASE("NodeFilter: the strict rule starts anew where it allows no way on", "[core][observe]") {
+TEST_CASE("NodeFilter: the strict rule restarts if no transition is allowed", "[core][observe]") {
   const core::Model model = PointModel(2, 1);
   const int layer = model.layer_count();
   const core::NodeGaussians& gaussians = model.gaussians();
   core::NodeFilter filter(model, layer, 0);
-  // Two nodes between which the graph knows no way.
+  // Two nodes without a path between them in the graph.
   int from = 0;
   int to = 0;
   for (int node = 0; node < model.tree().node_count(layer); ++node) {
@@ -105,7 +105,7 @@ TEST_CASE("NodeFilter: the strict rule starts anew where it allows no way on", "
   CHECK(filter.Peek(state(to)).probability > 0);
   for (int i = 0; i < 5; ++i) filter.Advance(state(to));
   CHECK(Sum(filter) == Approx(1));
-  // So far off that every density is 0.
+  // So far away that every density is 0.
   const Eigen::RowVectorXf far = Eigen::RowVectorXf::Constant(model.states().cols(), 1e30F);
   filter.Advance(far.data());
   CHECK(Sum(filter) == Approx(1));

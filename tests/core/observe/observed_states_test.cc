@@ -29,8 +29,8 @@ void CheckSame(const core::StateSequence& a, const core::StateSequence& b) {
 
 }  // namespace
 
-TEST_CASE("ObservedStates: after each frame they are the past as it was known", "[core][observe]") {
-  core::MarkerMotion motion = PointMotion(400, 2, 1);  // it turns round more than once
+TEST_CASE("ObservedStates: after each frame they equal the states of the past", "[core][observe]") {
+  core::MarkerMotion motion = PointMotion(400, 2, 1);  // makes more than one full turn
   Hide(motion, 3, 40, 41);
   Hide(motion, 4, 60, 90);
   Hide(motion, 5, 0, 3);
@@ -49,7 +49,7 @@ TEST_CASE("ObservedStates: after each frame they are the past as it was known", 
   }
 }
 
-TEST_CASE("ObservedStates: without hips the reference frame stays; it begins with them",
+TEST_CASE("ObservedStates: without hips the reference frame is kept; hips start it",
           "[core][observe]") {
   core::MarkerMotion motion = PointMotion(30, 2, 1);
   Hide(motion, 0, 0, 5);
@@ -61,10 +61,10 @@ TEST_CASE("ObservedStates: without hips the reference frame stays; it begins wit
   CHECK(states.next() == 15);
   const core::StateSequence last = states.Last(15);
   for (int t = 5; t < 15; ++t) CHECK(last.root_path.row(t) == last.root_path.row(4));
-  // In the frame that stayed, where the marker is in the world.
+  // World position of the marker in the kept reference frame.
   const core::FrameMatrix world = core::WorldPositions(last);
   CHECK((world.row(14).segment<3>(9) - motion.positions_m.row(19).segment<3>(9)).norm() < 1e-4F);
-  // Hips one above the other tell no front.
+  // Hips one above the other do not define the front.
   core::ObservedStates upright = Empty();
   motion.positions_m.row(25).segment<3>(0) =
       motion.positions_m.row(25).segment<3>(3) + Eigen::RowVector3f(0, 0, 0.2F);

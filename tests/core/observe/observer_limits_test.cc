@@ -1,4 +1,4 @@
-// Streams that ask for more than their frames weigh.
+// Streams with excessive options.
 #include <catch2/catch.hpp>
 
 #include "core/observe/observer.h"
@@ -9,7 +9,7 @@ namespace {
 
 using Catch::Contains;
 
-TEST_CASE("Observer: a window of very many frames is refused by its field",
+TEST_CASE("Observer: a window of too many frames is refused with its field",
           "[core][observe][hostile]") {
   core::ModelParts parts = PointModel(3, 1).parts();
   parts.settings.frame_rate_hz = 10'000;
@@ -29,17 +29,17 @@ TEST_CASE("Observer: a window of very many frames is refused by its field",
   CHECK_THAT(std::string(history.message()), Contains("history_seconds: expected at most 16384"));
 }
 
-TEST_CASE("Observer: taking many frames ends when nobody waits", "[core][observe][hostile]") {
+TEST_CASE("Observer: adding many frames can be cancelled", "[core][observe][hostile]") {
   const core::Model model = PointModel(3, 1);
   auto observer =
       core::Observer::Create(model, PointScheme(), PointScheme().set.markers, 60, kLegLength_m, {});
   REQUIRE(observer.ok());
   const core::MarkerMotion motion = PointMotion(1000, 1, 5);
-  int asked = 0;
+  int checks = 0;
   const absl::Status status =
-      (*observer)->Append(0, motion.positions_m, [&] { return ++asked == 3; });
+      (*observer)->Append(0, motion.positions_m, [&] { return ++checks == 3; });
   CHECK(status.code() == absl::StatusCode::kCancelled);
-  CHECK(asked == 3);
+  CHECK(checks == 3);
 }
 
 }  // namespace

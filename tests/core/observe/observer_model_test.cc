@@ -1,4 +1,4 @@
-// Observers whose model is replaced.
+// Observers during a change of the model.
 #include <catch2/catch.hpp>
 
 #include "core/observe/observer.h"
@@ -6,7 +6,7 @@
 
 namespace motiondb::tests::observer_model_test {
 
-TEST_CASE("Observer: another model takes over the window", "[core][observe]") {
+TEST_CASE("Observer: a new model continues with the window", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::Model other = PointModel(3, 2);
   const core::MarkerMotion motion = Stream(140);
@@ -34,7 +34,7 @@ TEST_CASE("Observer: another model takes over the window", "[core][observe]") {
   CheckSame(Answer(*observer), Answer(*fresh));
 }
 
-TEST_CASE("Observer: a model without the layer asked for answers by its bottom layer",
+TEST_CASE("Observer: a model without the requested layer uses its bottom layer",
           "[core][observe]") {
   const core::Model deep = PointModel(4, 3);
   const core::Model shallow = PointModel(1, 1);

@@ -1,4 +1,4 @@
-// The observer on recorded motion that the model has not seen.
+// The observer on recorded motion that is not in the model.
 #include <catch2/catch.hpp>
 #include <cmath>
 
@@ -9,8 +9,9 @@
 
 namespace motiondb::tests::observer_real_test {
 
-TEST_CASE("Observer: on real motion it is Recognize of the window, and near the exact filter",
-          "[core][observe][data]") {
+TEST_CASE(
+    "Observer: on real motion it equals Recognize of the window and approximates the exact filter",
+    "[core][observe][data]") {
   MOTIONDB_REQUIRE_DATA();
   core::Model model = BuildFromList(DataDir() / "sets/database1.train.tsv", {.frame_rate_hz = 60});
   core::RecognitionCalibration recognition;

@@ -1,4 +1,4 @@
-// What an observer refuses.
+// Invalid input of an observer.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <functional>
@@ -16,8 +16,7 @@ constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
 
 }  // namespace
 
-TEST_CASE("Observer: what does not fit is refused by name, and nothing is taken",
-          "[core][observe]") {
+TEST_CASE("Observer: invalid input is refused by name, and no frame is added", "[core][observe]") {
   const core::Model model = PointModel(2, 1);
   const core::MarkerMotion motion = Stream(60);
   const auto observer = Observe(model);

@@ -1,4 +1,4 @@
-// Streams as they come: late, with gaps, of a body whose size nobody told, at another rate.
+// Realistic streams: late frames, gaps, unknown body size, another frame rate.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ constexpr std::int64_t kLeast = std::numeric_limits<std::int64_t>::min();
 
 }  // namespace
 
-TEST_CASE("Observer: late frames are passed over, numbers left out are missing frames",
+TEST_CASE("Observer: late frames are ignored, skipped numbers are missing frames",
           "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::MarkerMotion motion = Stream(100);
@@ -30,13 +30,13 @@ TEST_CASE("Observer: late frames are passed over, numbers left out are missing f
 
   core::MarkerMotion with_gap = motion;
   for (int m = 0; m < 6; ++m) Hide(with_gap, m, 45, 50);
-  const auto told = Observe(model);
-  Append(*told, 0, with_gap.positions_m);
-  CHECK(told->missing_frames() == 0);
-  CheckSame(Answer(*observer), Answer(*told));
+  const auto expected = Observe(model);
+  Append(*expected, 0, with_gap.positions_m);
+  CHECK(expected->missing_frames() == 0);
+  CheckSame(Answer(*observer), Answer(*expected));
 }
 
-TEST_CASE("Observer: a gap longer than the window starts anew", "[core][observe]") {
+TEST_CASE("Observer: a gap longer than the window restarts it", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::MarkerMotion motion = Stream(100);
   const auto fresh = Observe(model);
@@ -58,7 +58,7 @@ TEST_CASE("Observer: a gap longer than the window starts anew", "[core][observe]
   CHECK(observer->late_frames() == 1);
 }
 
-TEST_CASE("Observer: has nothing to say before it has seen both hips", "[core][observe]") {
+TEST_CASE("Observer: has no answer before it has seen both hips", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   core::MarkerMotion motion = Stream(100);
   Hide(motion, 0, 0, 10);
@@ -73,7 +73,7 @@ TEST_CASE("Observer: has nothing to say before it has seen both hips", "[core][o
   }
 }
 
-TEST_CASE("Observer: measures the leg over a second, and answers as if it had been told",
+TEST_CASE("Observer: measures the leg length over 1 s, then answers as with a given length",
           "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::MarkerMotion motion = Stream(150);
@@ -90,9 +90,9 @@ TEST_CASE("Observer: measures the leg over a second, and answers as if it had be
     }
     if (t >= 59) CHECK(measured->leg_length_m() == settled);
     if (t % 10 != 9) continue;
-    const auto told = Observe(model, {}, measured->leg_length_m());
-    Append(*told, 0, motion.positions_m.topRows(t + 1));
-    CheckSame(answer, Answer(*told));
+    const auto expected = Observe(model, {}, measured->leg_length_m());
+    Append(*expected, 0, motion.positions_m.topRows(t + 1));
+    CheckSame(answer, Answer(*expected));
   }
 }
 
@@ -106,22 +106,22 @@ TEST_CASE("Observer: frames at another rate are resampled", "[core][observe]") {
   const auto expected = Observe(model);
   Append(*expected, 0, halved->positions_m);
   CheckSame(Answer(*observer), Answer(*expected));
-  CHECK(Answer(*observer).frame == 198);  // 199 is between two frames of the model
+  CHECK(Answer(*observer).frame == 198);  // frame 199 is between two frames of the model
   const auto slow = Observe(model, {}, kLegLength_m, 25);
   Append(*slow, 0, motion.positions_m.topRows(40));
   CHECK(Answer(*slow).frame == 39);
 }
 
-TEST_CASE("Observer: odd streams do no harm", "[core][observe]") {
+TEST_CASE("Observer: invalid positions do no harm", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   core::ObserverOptions options;
   options.horizon_seconds = {0.2};
   const auto observer = Observe(model, options, std::nullopt);
   core::MarkerMotion motion = Stream(200);
-  Hide(motion, 0, 80, 150);                               // one hip for long
-  for (int m = 0; m < 6; ++m) Hide(motion, m, 100, 140);  // and then nothing at all
+  Hide(motion, 0, 80, 150);                               // one hip for a long time
+  for (int m = 0; m < 6; ++m) Hide(motion, m, 100, 140);  // then all markers
   motion.positions_m.row(160).setConstant(5);             // all in one point
-  motion.positions_m.row(161).setConstant(-1e5F);         // far off
+  motion.positions_m.row(161).setConstant(-1e5F);         // far away
   motion.positions_m.row(162) *= 1000;
   for (int t = 0; t < 200; ++t) {
     Append(*observer, t, motion.positions_m.row(t));

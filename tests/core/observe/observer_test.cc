@@ -11,7 +11,7 @@
 namespace motiondb::tests::observer_test {
 namespace {
 
-// What the questions to the whole say of the window that ends at `frame`.
+// Compares an answer with Recognize and Predict for the window that ends at `frame`.
 void CheckAgainstQuestions(const core::Model& model, const core::MarkerMotion& motion, int frame,
                            const core::ObserverOptions& options, const core::Observed& answer) {
   core::MarkerMotion prefix = motion;
@@ -41,7 +41,7 @@ void CheckAgainstQuestions(const core::Model& model, const core::MarkerMotion& m
 
 }  // namespace
 
-TEST_CASE("Observer: says what Recognize and Predict say of the window at every frame",
+TEST_CASE("Observer: equals Recognize and Predict of the window at every frame",
           "[core][observe]") {
   const core::MarkerMotion motion = Stream(150);
   for (const bool calibrated : {true, false}) {
@@ -53,7 +53,7 @@ TEST_CASE("Observer: says what Recognize and Predict say of the window at every 
       const auto observer = Observe(model, options);
       for (int t = 0; t < 150; ++t) {
         Append(*observer, 1000 + t, motion.positions_m.row(t));
-        // Sometimes an answer is asked for at each frame, sometimes at a few.
+        // Requests an answer sometimes at each frame, sometimes at every few frames.
         if (t % 50 > 20 && t % 4 != 3) continue;
         const core::Observed answer = Answer(*observer);
         CHECK(answer.frame == 1000 + t);
@@ -64,7 +64,7 @@ TEST_CASE("Observer: says what Recognize and Predict say of the window at every 
   }
 }
 
-TEST_CASE("Observer: compares the clips that Recognize compares, of many", "[core][observe]") {
+TEST_CASE("Observer: compares the same shortlist of clips as Recognize", "[core][observe]") {
   const core::Model model = PointModel(9, 9);
   const core::MarkerMotion motion = Stream(90);
   core::ObservedStates states(PointScheme().set, 60, 30);
@@ -95,7 +95,7 @@ TEST_CASE("Observer: compares the clips that Recognize compares, of many", "[cor
   CHECK(shortlists > 60);
 }
 
-TEST_CASE("Observer: a model without a metric answers by the paper", "[core][observe]") {
+TEST_CASE("Observer: a model without a metric uses the paper's method", "[core][observe]") {
   core::ModelParts parts = PointModel(2, 2).parts();
   parts.metric = {};
   const auto model = core::Model::Create(std::move(parts));
@@ -106,7 +106,7 @@ TEST_CASE("Observer: a model without a metric answers by the paper", "[core][obs
   CheckAgainstQuestions(*model, motion, 59, {}, Answer(*observer));
 }
 
-TEST_CASE("Observer: how frames are parted into messages does not matter", "[core][observe]") {
+TEST_CASE("Observer: does not depend on the split of frames into messages", "[core][observe]") {
   const core::Model model = PointModel(2, 2);
   const core::MarkerMotion motion = Stream(100);
   const auto at_once = Observe(model);
@@ -117,7 +117,7 @@ TEST_CASE("Observer: how frames are parted into messages does not matter", "[cor
     Answer(*one_by_one);
   }
   CheckSame(Answer(*at_once), Answer(*one_by_one));
-  CheckSame(Answer(*at_once), Answer(*at_once));  // asking changes nothing
+  CheckSame(Answer(*at_once), Answer(*at_once));  // an answer changes nothing
 }
 
 }  // namespace motiondb::tests::observer_test

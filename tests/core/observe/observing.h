@@ -1,4 +1,4 @@
-// Observers that tests feed and ask, each step required to succeed. Functions keep no state.
+// Creates and feeds observers; each step is required to succeed.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace motiondb::tests {
 
-// Of the points' own markers.
+// Returns an observer on the points' own markers.
 std::unique_ptr<core::Observer> Observe(const core::Model& model,
                                         const core::ObserverOptions& options = {},
                                         std::optional<double> leg_length_m = kLegLength_m,
@@ -22,7 +22,7 @@ core::Observed Answer(core::Observer& observer);
 void CheckLabels(const std::vector<core::LabelScore>& a, const std::vector<core::LabelScore>& b);
 void CheckSame(const core::Observed& a, const core::Observed& b);
 
-// A stream with markers missing here and there; hips are there.
+// Returns a motion with some markers missing, but never the hips.
 core::MarkerMotion Stream(int frames);
 
 }  // namespace motiondb::tests

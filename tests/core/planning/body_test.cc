@@ -26,7 +26,7 @@ Eigen::Vector3f At(const FrameMatrix& positions, Eigen::Index t, int marker) {
   return positions.row(t).segment<3>(3 * marker).transpose();
 }
 
-TEST_CASE("Body: a robot's size and soles are its own", "[planning]") {
+TEST_CASE("Body: a robot has its own size and soles", "[planning]") {
   const Body robot = Robot();
   CHECK(robot.leg_length_m() == Approx(tests::kRobotLeg_m));
   for (const Foot& foot : robot.feet()) {
@@ -37,7 +37,7 @@ TEST_CASE("Body: a robot's size and soles are its own", "[planning]") {
   }
 }
 
-TEST_CASE("Body: bare markers stay as they are", "[planning]") {
+TEST_CASE("Body: markers without a skeleton are unchanged", "[planning]") {
   const Body body = Body::OfSize(WalkingDatabase(), 0.5);
   FrameMatrix positions = tests::WalkingFigure{}.Motion().positions_m;
   const FrameMatrix before = positions;
@@ -77,7 +77,7 @@ TEST_CASE("Body: on soles, feet keep their direction and stand on the floor", "[
   CHECK(standing > 100);
 }
 
-TEST_CASE("Plan: a robot arrives within its limits, feet on the floor, as its angles say",
+TEST_CASE("Plan: a robot arrives within its joint limits, with its feet on the floor",
           "[planning]") {
   PlanProblem problem;
   problem.start.clip = ClipMoment{"straight", 0.2};

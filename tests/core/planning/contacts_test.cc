@@ -20,7 +20,7 @@ std::set<std::string> Names(const std::vector<int>& markers, const core::MarkerS
   return names;
 }
 
-// The set of one clip's own joints or markers, and its feet.
+// Returns the feet of a clip, and its own joints or markers as `set`.
 core::Feet FeetOfSource(const std::filesystem::path& path, core::MarkerSet& set) {
   const core::Motion motion = LoadMotion(path).motion;
   const auto scheme = core::SourceScheme(motion);
@@ -39,7 +39,7 @@ core::Feet FeetOfSource(const std::filesystem::path& path, core::MarkerSet& set)
 
 }  // namespace
 
-TEST_CASE("FindFeet: tells what belongs to a foot and how high it rests", "[core][planning]") {
+TEST_CASE("FindFeet: finds the markers of a foot and their rest heights", "[core][planning]") {
   const core::MarkerSet set = WalkerSet();
   for (const core::Scaling scaling : {core::Scaling::kNone, core::Scaling::kKind}) {
     const core::Feet feet = core::FindFeet(WalkingFigure{}.Model(scaling));
@@ -61,7 +61,7 @@ TEST_CASE("FindFeet: tells what belongs to a foot and how high it rests", "[core
   }
 }
 
-TEST_CASE("FindFeet: a set without a whole leg has no feet, one without a foot stands on ankles",
+TEST_CASE("FindFeet: a set without a whole leg has no feet, without foot markers it uses ankles",
           "[core][planning]") {
   CHECK(core::FindFeet(SmallModel(2, 60, 3, 8, 1)).empty());
   const core::Feet feet = core::FindFeet(SmallModel(2, 60, 4, 8, 1));
@@ -71,7 +71,7 @@ TEST_CASE("FindFeet: a set without a whole leg has no feet, one without a foot s
   CHECK(core::DetectContacts({}, core::FrameMatrix::Zero(5, 12), 60, 1).cols() == 0);
 }
 
-TEST_CASE("DetectContacts: finds when heel and toe of a walker stand, at any rate",
+TEST_CASE("DetectContacts: finds the contacts of heel and toe of a walker, at any rate",
           "[core][planning]") {
   const core::Feet feet = core::FindFeet(WalkingFigure{}.Model());
   for (const double rate : {30.0, 60.0, 120.0}) {
@@ -82,7 +82,7 @@ TEST_CASE("DetectContacts: finds when heel and toe of a walker stand, at any rat
           core::DetectContacts(feet, positions, rate, WalkingFigure::kLeg_m);
       const core::ContactMatrix truth = figure.Contacts(feet, positions.rows());
       REQUIRE(found.cols() == truth.cols());
-      // Wrong only near a landing or a take-off, where a foot is slow and low before it stands.
+      // Errors only near a landing or take-off, where a foot in the air is slow and low.
       const auto near = static_cast<Eigen::Index>(std::lround(0.08 * rate));
       int wrong = 0;
       for (Eigen::Index c = 0; c < truth.cols(); ++c) {
@@ -97,7 +97,7 @@ TEST_CASE("DetectContacts: finds when heel and toe of a walker stand, at any rat
   }
 }
 
-TEST_CASE("DetectContacts: closes short gaps, drops short runs, passes over missing markers",
+TEST_CASE("DetectContacts: closes short gaps, drops short runs, ignores missing markers",
           "[core][planning]") {
   core::Foot foot;
   foot.leg = {0, 0, 0};
@@ -109,13 +109,13 @@ TEST_CASE("DetectContacts: closes short gaps, drops short runs, passes over miss
     return core::DetectContacts({foot}, positions, 60, 1).col(0).cast<int>().sum();
   };
   CHECK(contacts() == 120);
-  positions(50, 2) = 0.2f;  // one frame up and two of speed beside it
+  positions(50, 2) = 0.2f;  // one raised frame, and two with speed
   CHECK(contacts() == 117);
   for (int t = 0; t < 120; ++t) positions(t, 2) = t >= 50 && t < 53 ? 0.04f : 0.5f;
   CHECK(contacts() == 0);
   for (int t = 0; t < 120; ++t) positions(t, 0) = 0.7f * static_cast<float>(t) / 60;
   positions.col(2).setConstant(0.04f);
-  CHECK(contacts() == 0);  // low but not slow
+  CHECK(contacts() == 0);  // low, but not slow
   positions.setConstant(std::nanf(""));
   CHECK(contacts() == 0);
 }
@@ -125,7 +125,7 @@ TEST_CASE("DetectContacts: recorded walking", "[core][planning][data]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     core::BuildSettings settings;
     settings.frame_rate_hz = rate;
-    settings.min_frames = 10000;  // a small tree will do
+    settings.min_frames = 10000;  // a small tree is enough
     const core::Model model = BuildFromList(DataDir() / "sets" / "database2.tsv", settings);
     const core::Feet feet = core::FindFeet(model);
     REQUIRE(feet.size() == 2);
@@ -149,10 +149,10 @@ TEST_CASE("DetectContacts: recorded walking", "[core][planning][data]") {
       duties.push_back(static_cast<double>(right.count()) / frames);
       CHECK((duties.back() > 0.5 && duties.back() < 0.8));
       CHECK(static_cast<double>((!left && !right).count()) <= 0.01 * frames);
-      // One foot after the other: between two landings of one there is one of the other.
+      // Feet alternate: between two landings of one foot there is one of the other.
       int last = -1;
       int repeats = 0;
-      // A run at either end may be the rest of another.
+      // A run at either end may be incomplete.
       const Eigen::Index end = std::lround(0.1 * rate);
       for (Eigen::Index t = end; t < contacts.rows() - end; ++t) {
         for (const int side : {0, 1}) {

@@ -1,4 +1,4 @@
-// A robot with a walker's legs of other proportions and flat soles, for planning on skeletons.
+// A robot with a walker's legs in other proportions and flat soles, for planning on skeletons.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -11,8 +11,8 @@
 
 namespace motiondb::tests {
 
-inline constexpr double kRobotLeg_m = 0.5;     // thigh and shin together
-inline constexpr double kRobotAnkle_m = 0.04;  // of the ankles above the soles
+inline constexpr double kRobotLeg_m = 0.5;     // thigh plus shin
+inline constexpr double kRobotAnkle_m = 0.04;  // height of the ankles above the soles
 
 inline std::shared_ptr<const core::Skeleton> FlatFootedRobot() {
   using Eigen::Vector3d;

@@ -22,8 +22,8 @@ float Distance(const core::FrameMatrix& positions, Eigen::Index t, int a, int b)
   return (positions.row(t).segment<3>(3 * a) - positions.row(t).segment<3>(3 * b)).norm();
 }
 
-// Locks the feet, and checks what holds for every motion: segments and feet keep their lengths,
-// what is not of legs and feet moves up and down only, all together.
+// Locks the feet and checks the invariants of every motion: segments and feet keep their length;
+// all other markers move only vertically, by the same amount.
 Outcome Lock(const core::Feet& feet, const core::ContactMatrix& contacts, double leg_length_m,
              core::MarkerMotion& motion) {
   const core::FrameMatrix old = motion.positions_m;
@@ -74,7 +74,8 @@ Outcome Lock(const core::Feet& feet, const core::ContactMatrix& contacts, double
   return outcome;
 }
 
-// The walker's feet and their true contacts, with all places times `stretch` and a drift aside.
+// The walker's feet and true contacts, with all positions multiplied by `stretch` and a sideways
+// drift.
 Outcome LockWalker(const WalkingFigure& figure, float stretch, float drift_m_s) {
   const core::Feet feet = core::FindFeet(WalkingFigure{}.Model());
   core::MarkerMotion motion = figure.Motion();
@@ -95,7 +96,7 @@ double Share(std::vector<double> values, double share) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1))];
 }
 
-// Root mean square of the markers' third differences in each frame, m/s^3.
+// Returns the root mean square of the markers' third differences in each frame, m/s^3.
 std::vector<double> Jerks(const core::MarkerMotion& motion) {
   const core::FrameMatrix& p = motion.positions_m;
   std::vector<double> jerks;
@@ -109,7 +110,7 @@ std::vector<double> Jerks(const core::MarkerMotion& motion) {
 
 }  // namespace
 
-TEST_CASE("LockFeet: what stands already stays almost where it is", "[core][planning]") {
+TEST_CASE("LockFeet: feet that do not slide hardly move", "[core][planning]") {
   const WalkingFigure figure;
   const core::Feet feet = core::FindFeet(figure.Model());
   core::MarkerMotion motion = figure.Motion();
@@ -120,7 +121,7 @@ TEST_CASE("LockFeet: what stands already stays almost where it is", "[core][plan
   CHECK((motion.positions_m - old).cwiseAbs().maxCoeff() < 0.01);
 }
 
-TEST_CASE("LockFeet: feet that slide are held, at any rate, without a jerk", "[core][planning]") {
+TEST_CASE("LockFeet: sliding feet are locked, at any rate, without a jerk", "[core][planning]") {
   for (const double rate : {30.0, 60.0, 120.0}) {
     for (const float stretch : {0.95f, 1.05f}) {
       for (const float drift_m_s : {0.0f, 0.05f}) {
@@ -142,15 +143,15 @@ TEST_CASE("LockFeet: feet below the floor are raised", "[core][planning]") {
   CHECK(outcome.after.foot_slide_cm_per_s < 0.2);
 }
 
-TEST_CASE("LockFeet: a foot that the leg cannot reach gives way", "[core][planning]") {
+TEST_CASE("LockFeet: a foot out of the leg's reach is released", "[core][planning]") {
   const core::Feet feet = core::FindFeet(WalkingFigure{}.Model());
   core::MarkerMotion motion = WalkingFigure{}.Motion();
-  // The body walks on and both feet are said to stand all the time.
+  // The body walks, but both feet are marked as in contact all the time.
   Lock(feet, core::ContactMatrix::Constant(motion.positions_m.rows(), 4, true),
        WalkingFigure::kLeg_m, motion);
 }
 
-TEST_CASE("LockFeet: without feet, contacts or frames there is nothing to do", "[core][planning]") {
+TEST_CASE("LockFeet: without feet, contacts or frames it changes nothing", "[core][planning]") {
   const core::Feet feet = core::FindFeet(WalkingFigure{}.Model());
   core::MarkerMotion motion = WalkingFigure{}.Motion();
   const core::FrameMatrix old = motion.positions_m;
@@ -166,13 +167,13 @@ TEST_CASE("LockFeet: without feet, contacts or frames there is nothing to do", "
   }
 }
 
-TEST_CASE("LockFeet: recorded walking, and the same with its path stretched",
+TEST_CASE("LockFeet: recorded walking, original and with a stretched path",
           "[core][planning][data]") {
   MOTIONDB_REQUIRE_DATA();
   constexpr double kRate = 60;
   core::BuildSettings settings;
   settings.frame_rate_hz = kRate;
-  settings.min_frames = 10000;  // a small tree will do
+  settings.min_frames = 10000;  // a small tree is enough
   const core::Model model = BuildFromList(DataDir() / "sets" / "database2.tsv", settings);
   const core::Feet feet = core::FindFeet(model);
   for (const double stretch : {1.0, 0.95, 1.05}) {
@@ -194,7 +195,7 @@ TEST_CASE("LockFeet: recorded walking, and the same with its path stretched",
           core::DetectContacts(feet, motion.positions_m, kRate, clip.leg_length_m);
       const core::MotionQuality source =
           core::MeasureQuality(feet, motion, contacts, clip.leg_length_m, nullptr);
-      // Recordings have frames where a joint leaps: the peak is theirs, whatever the feet do.
+      // Recordings have frames with a jump of a joint, which set the peak.
       source_jerk.push_back(source.peak_marker_jerk_m_s3);
       const double usual_jerk = Share(Jerks(motion), 0.98);
       states.root_path.leftCols<2>() *= stretch;

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kGlitch = 200;
 
-// Two walks; in the first, which keeps its glitches, every marker is far away for one frame.
+// Two walks. The first keeps its glitches: every marker is far away in one frame.
 Model GlitchedDatabase() {
   std::vector<BuildInput> inputs;
   for (const char* id : {"glitched", "sound"}) {
@@ -29,7 +29,7 @@ Model GlitchedDatabase() {
   return *std::move(model);
 }
 
-TEST_CASE("HasGlitch: the frames that a kept glitch reaches, and no others", "[planning]") {
+TEST_CASE("HasGlitch: exactly the frames affected by a kept glitch", "[planning]") {
   const Model model = GlitchedDatabase();
   for (int f = 0; f < model.frame_count(); ++f) {
     CHECK(model.HasGlitch(f, f) == (std::abs(f - kGlitch) <= 3));
@@ -38,9 +38,8 @@ TEST_CASE("HasGlitch: the frames that a kept glitch reaches, and no others", "[p
   CHECK_FALSE(model.HasGlitch(kGlitch + 10, kGlitch + 30));
 }
 
-TEST_CASE(
-    "SegmentGraph: a run with a kept glitch is known, and no join leads to it or fades over it",
-    "[planning]") {
+TEST_CASE("SegmentGraph: no join leads to a run with a kept glitch or fades over it",
+          "[planning]") {
   const Model model = GlitchedDatabase();
   const StoredFloor floor(model, tests::WalkingFigure::kLeg_m);
   SegmentGraph graph(model, floor, model.layer_count(), {});

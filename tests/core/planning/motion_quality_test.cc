@@ -33,8 +33,7 @@ core::MotionQuality Measure(const core::MarkerMotion& motion, const core::Contac
 
 }  // namespace
 
-TEST_CASE("MeasureQuality: a foot slides by its way on the floor while it stands",
-          "[core][planning]") {
+TEST_CASE("MeasureQuality: foot slide is the speed of a foot in contact", "[core][planning]") {
   core::MarkerMotion motion = Still(101);
   for (int t = 0; t < 101; ++t) {
     motion.positions_m(t, 0) = 0.1f * static_cast<float>(t / kRate);  // heel: 0.1 m/s
@@ -42,15 +41,15 @@ TEST_CASE("MeasureQuality: a foot slides by its way on the floor while it stands
   }
   core::ContactMatrix contacts = core::ContactMatrix::Constant(101, 2, true);
   CHECK(Measure(motion, contacts).foot_slide_cm_per_s == Approx(10).epsilon(1e-4));
-  contacts.col(0).head(51).setConstant(false);  // half the time on the toe alone
+  contacts.col(0).head(51).setConstant(false);  // half of the time only the toe is in contact
   CHECK(Measure(motion, contacts).foot_slide_cm_per_s == Approx(20).epsilon(0.02));
   contacts.setConstant(false);
   CHECK(Measure(motion, contacts).foot_slide_cm_per_s == 0);
-  contacts.row(3).setConstant(true);  // a single frame has no way
+  contacts.row(3).setConstant(true);  // a single frame has no speed
   CHECK(Measure(motion, contacts).foot_slide_cm_per_s == 0);
 }
 
-TEST_CASE("MeasureQuality: a foot that turns about its toe does not slide", "[core][planning]") {
+TEST_CASE("MeasureQuality: a foot that rotates about its toe does not slide", "[core][planning]") {
   core::MarkerMotion motion = Still(60);
   for (int t = 0; t < 60; ++t) {
     motion.positions_m(t, 0) = 0.2f * std::cos(0.03f * static_cast<float>(t));
@@ -81,7 +80,7 @@ TEST_CASE("MeasureQuality: marker jerk is the root mean square over markers", "[
   CHECK(Measure(Still(0), core::ContactMatrix(0, 2)).foot_slide_cm_per_s == 0);
 }
 
-TEST_CASE("MeasureQuality: joint speed and jerk pass over whole turns and translations",
+TEST_CASE("MeasureQuality: joint speed and jerk ignore full turns and translations",
           "[core][planning]") {
   std::vector<core::Joint> joints(2);
   joints[0].name = "root";
@@ -105,7 +104,8 @@ TEST_CASE("MeasureQuality: joint speed and jerk pass over whole turns and transl
   CHECK(quality.peak_joint_jerk_rad_s3 == Approx(3).epsilon(1e-4));
 }
 
-TEST_CASE("MeasureQuality: a slow turn through gimbal lock is slow", "[core][planning]") {
+TEST_CASE("MeasureQuality: a slow rotation through gimbal lock has a low speed",
+          "[core][planning]") {
   using Eigen::AngleAxisd;
   using Eigen::Vector3d;
   std::vector<core::Joint> joints(1);
@@ -117,7 +117,7 @@ TEST_CASE("MeasureQuality: a slow turn through gimbal lock is slow", "[core][pla
   REQUIRE(skeleton.ok());
   core::JointMotion motion{std::make_shared<core::Skeleton>(*std::move(skeleton)), kRate,
                            core::JointMatrix::Zero(60, 3)};
-  // One radian a second about an axis that takes the second angle to 90 degrees and past it.
+  // 1 rad/s about an axis that takes the second angle through 90 degrees.
   const Vector3d axis = Vector3d(1, 0.02, 0.03).normalized();
   double fastest_angle = 0;
   for (int t = 0; t < 60; ++t) {

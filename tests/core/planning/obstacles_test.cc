@@ -15,11 +15,11 @@ TEST_CASE("Obstacles: distance to a disc is negative inside", "[planning]") {
   CHECK(Distance(obstacles, {1, 3}) == Approx(0.5));
 }
 
-TEST_CASE("Obstacles: nothing is infinitely far", "[planning]") {
+TEST_CASE("Obstacles: distance without obstacles is infinite", "[planning]") {
   CHECK(std::isinf(Distance(Obstacles{}, {0, 0})));
 }
 
-TEST_CASE("Obstacles: distance to a bent polygon, either way round", "[planning]") {
+TEST_CASE("Obstacles: distance to a concave polygon, in either orientation", "[planning]") {
   // An L: the inner corner at (1, 1).
   std::vector<Eigen::Vector2d> corners = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
   for (int turn = 0; turn < 2; ++turn) {
@@ -32,8 +32,8 @@ TEST_CASE("Obstacles: distance to a bent polygon, either way round", "[planning]
   }
 }
 
-TEST_CASE("Obstacles: the sign of a distance is that of even and odd crossings", "[planning]") {
-  // A star-shaped polygon, whose inside is known: nearer than its edge in that direction.
+TEST_CASE("Obstacles: the sign of a distance follows the even-odd rule", "[planning]") {
+  // A star-shaped polygon: inside is nearer than the edge in the same direction.
   Polygon star;
   const auto radius = [](double angle) { return 1 + 0.4 * std::sin(5 * angle); };
   for (int i = 0; i < 400; ++i) {
@@ -56,9 +56,9 @@ TEST_CASE("Floor field: without obstacles it is the straight line", "[planning]"
   CHECK(field.DistanceToGoal({0, 0}) == Approx(5));
 }
 
-TEST_CASE("Floor field: never longer than the way round a wall, and longer than through it",
-          "[planning]") {
-  // A wall across the way, 4 m long; round its end it is 2 * hypot(1, 2) m and a little.
+TEST_CASE("Floor field: between the path through a wall and the path around it", "[planning]") {
+  // A wall across the path, 4 m long; the path around its end is slightly longer than 2 * hypot(1,
+  // 2) m.
   const Obstacles wall{.polygons = {{{{0.95, -2}, {1.05, -2}, {1.05, 2}, {0.95, 2}}}},
                        .clearance_m = 0.2};
   const FloorField field(wall, {0, 0}, {2, 0});
@@ -66,11 +66,11 @@ TEST_CASE("Floor field: never longer than the way round a wall, and longer than 
   CHECK(field.DistanceToGoal({0, 0}) < round);
   CHECK(field.DistanceToGoal({0, 0}) > 0.8 * round);
   CHECK(field.DistanceToGoal({1.5, 0}) == Approx(0.5));
-  // Far outside the grid it is the straight line.
+  // Far outside the grid the distance is a straight line.
   CHECK(field.DistanceToGoal({-50, 0}) == Approx(52));
 }
 
-TEST_CASE("Floor field: what it says of being clear is what the distance says", "[planning]") {
+TEST_CASE("Floor field: clear positions agree with the distance", "[planning]") {
   const Obstacles obstacles{.discs = {{{1, 0.5}, 0.4}},
                             .polygons = {{{{-1, -1}, {0.5, -1.5}, {0.2, -0.4}}}},
                             .clearance_m = 0.25};
@@ -85,7 +85,7 @@ TEST_CASE("Floor field: what it says of being clear is what the distance says", 
   CHECK(FloorField(none, {0, 0}, {1, 0}).Keeps({0, 0}, 5));
 }
 
-TEST_CASE("Floor field: no way into a closed room", "[planning]") {
+TEST_CASE("Floor field: no path into a closed room", "[planning]") {
   Obstacles room{.clearance_m = 0.3};
   const auto wall = [&](double x0, double y0, double x1, double y1) {
     room.polygons.push_back({{{x0, y0}, {x1, y0}, {x1, y1}, {x0, y1}}});

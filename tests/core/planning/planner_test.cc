@@ -25,7 +25,7 @@ PlanAnswer Solve(const PlanProblem& problem, const PlanControl& control = {}) {
   return *std::move(answer);
 }
 
-TEST_CASE("Plan: an exact one ends at the goal, on the markers that are returned", "[planning]") {
+TEST_CASE("Plan: an exact plan's returned markers end at the goal", "[planning]") {
   const PlanProblem problem = Problem({1.6, 0.5, 0.6});
   const PlanAnswer answer = Solve(problem);
   REQUIRE(answer.outcome == PlanOutcome::kExact);
@@ -39,14 +39,14 @@ TEST_CASE("Plan: an exact one ends at the goal, on the markers that are returned
   CHECK(error.position_m <= problem.position_tolerance_m);
   CHECK(error.heading_rad <= problem.heading_tolerance_rad);
   CHECK(error.position_m == Approx(motion.quality.position_error_m));
-  // It begins where the start is.
+  // It begins at the start.
   CHECK((*root)(0, 0) == Approx(0).margin(1e-4));
   CHECK((*root)(0, 1) == Approx(0).margin(1e-4));
   CHECK((*root)(0, 2) == Approx(0).margin(1e-4));
   CHECK(motion.quality.correction_m <= kLargestCorrection * motion.quality.length_m * 1.01);
 }
 
-TEST_CASE("Plan: node paths and segments say what is played", "[planning]") {
+TEST_CASE("Plan: node paths and segments describe the played frames", "[planning]") {
   const Model& model = WalkingDatabase();
   const PlannedMotion motion = Solve(Problem({1.6, 0.5, 0.6})).motions.front();
   std::size_t frames = 0;
@@ -65,7 +65,7 @@ TEST_CASE("Plan: node paths and segments say what is played", "[planning]") {
   }
 }
 
-TEST_CASE("Plan: the answer's frame rate and size are those asked for", "[planning]") {
+TEST_CASE("Plan: the answer has the requested frame rate and size", "[planning]") {
   PlanProblem problem = Problem({1.2, 0, 0});
   problem.frame_rate_hz = 100;
   problem.leg_length_m = 0.5;
@@ -81,7 +81,7 @@ TEST_CASE("Plan: the answer's frame rate and size are those asked for", "[planni
   CHECK(*leg == Approx(0.5).epsilon(0.03));
 }
 
-TEST_CASE("Plan: what cannot be reached is said to be, with the reason, in no time", "[planning]") {
+TEST_CASE("Plan: unreachable goals are reported fast, with the reason", "[planning]") {
   PlanProblem far = Problem({100, 0, 0});
   far.max_duration_seconds = 5;
   PlanProblem inside = Problem({2, 0, 0});
@@ -104,7 +104,7 @@ TEST_CASE("Plan: what cannot be reached is said to be, with the reason, in no ti
       {&far, "100.00 m away"},
       {&inside, "inside an obstacle"},
       {&close, "0.5 m from an obstacle"},
-      {&enclosed, "no way to the goal"},
+      {&enclosed, "block every path to the goal"},
       {&round, "3.00 rad"},
       {&trapped, "the start is 0.1 m from an obstacle"}};
   for (const auto& [problem, why] : cases) {
@@ -117,20 +117,19 @@ TEST_CASE("Plan: what cannot be reached is said to be, with the reason, in no ti
   }
 }
 
-TEST_CASE("Plan: where all was tried in vain it is unreachable, where time was up, a deadline",
-          "[planning]") {
-  PlanProblem problem = Problem({0.3, 0, 0.9});  // no clip turns on the spot
+TEST_CASE("Plan: unreachable after an exhaustive search, deadline after a timeout", "[planning]") {
+  PlanProblem problem = Problem({0.3, 0, 0.9});  // no clip rotates on the spot
   problem.max_duration_seconds = 1.5;
   const PlanAnswer tried = Solve(problem);
   CHECK(tried.outcome == PlanOutcome::kUnreachable);
-  CHECK_THAT(tried.missing, Catch::Contains("nothing was left to try"));
-  REQUIRE(tried.motions.size() == 1);  // what comes nearest
+  CHECK_THAT(tried.missing, Catch::Contains("the search was exhaustive"));
+  REQUIRE(tried.motions.size() == 1);  // the nearest motion
   CHECK(tried.motions.front().outcome == PlanOutcome::kApproximate);
 
   problem.goal = {-6, 5, 2};
   problem.max_duration_seconds = 30;
-  int asked = 0;
-  const PlanAnswer cut = Solve(problem, {.time_up = [&] { return ++asked > 5; }});
+  int checks = 0;
+  const PlanAnswer cut = Solve(problem, {.time_up = [&] { return ++checks > 5; }});
   CHECK(cut.outcome == PlanOutcome::kDeadline);
   CHECK_FALSE(cut.missing.empty());
   CHECK(cut.motions.size() == 1);
@@ -151,7 +150,7 @@ TEST_CASE("Plan: alternatives are other motions to the same goal", "[planning]")
   }
 }
 
-TEST_CASE("Plan: only clips with the labels allowed are played", "[planning]") {
+TEST_CASE("Plan: only clips with allowed labels are played", "[planning]") {
   const Model& model = WalkingDatabase();
   PlanProblem problem = Problem({1.2, 0.5, 0.8});
   problem.labels = {"bend"};
@@ -162,14 +161,14 @@ TEST_CASE("Plan: only clips with the labels allowed are played", "[planning]") {
   }
 }
 
-TEST_CASE("Plan: the paper's random sampling gives the bottom nodes' means", "[planning]") {
+TEST_CASE("Plan: the paper's random sampling returns the bottom nodes' means", "[planning]") {
   const Model& model = WalkingDatabase();
   PlanProblem problem = Problem({1.0, 0.1, 0.1});
   problem.method = PlanMethod::kRandomSampling;
   const PlanAnswer answer = Solve(problem);
   REQUIRE_FALSE(answer.motions.empty());
   const PlannedMotion& motion = answer.motions.front();
-  // The first frame is at the origin: nothing but the mean, in metres.
+  // The first frame is at the origin: it is the mean, in metres.
   const int branch = model.tree().branch(model.layer_count(), motion.bottom_nodes.front());
   const Eigen::RowVectorXf mean =
       model.gaussians().means().row(branch).cwiseProduct(model.scale().divisor);
@@ -180,7 +179,7 @@ TEST_CASE("Plan: the paper's random sampling gives the bottom nodes' means", "[p
   }
 }
 
-TEST_CASE("Plan: a wrong number is refused by its name", "[planning]") {
+TEST_CASE("Plan: an invalid number is refused with its field", "[planning]") {
   const auto refused = [](const PlanProblem& problem) {
     const auto answer = PlanMotion(WalkingDatabase(), tests::WalkerScheme(), problem);
     CHECK(answer.status().code() == absl::StatusCode::kInvalidArgument);
@@ -202,32 +201,31 @@ TEST_CASE("Plan: a wrong number is refused by its name", "[planning]") {
   CHECK_THAT(refused(problem), Catch::Contains("leg_length_m"));
 }
 
-TEST_CASE("Plan: a call that is cancelled ends at the next question, wherever it is",
-          "[planning]") {
+TEST_CASE("Plan: a cancelled call ends at the next check, at any point", "[planning]") {
   PlanProblem problem = Problem({1.6, 0.5, 0.6});
   problem.obstacles.discs = {{{0.8, -0.8}, 0.2}};
   problem.skeleton = tests::FlatFootedRobot();
   problem.flat_soles = true;
-  int questions = 0;
+  int total_checks = 0;
   bool searched = false;
   int after_search = 0;
   const auto whole = PlanMotion(WalkingDatabase(), tests::RobotScheme(), problem,
                                 {.cancelled =
                                      [&] {
-                                       ++questions;
+                                       ++total_checks;
                                        after_search += searched;
                                        return false;
                                      },
                                  .search_over = [&] { searched = true; }});
   REQUIRE(whole.ok());
-  REQUIRE(questions > 100);
-  REQUIRE(after_search > 50);  // while the motion is made
-  for (int at = 1; at <= questions; at += 1 + questions / 20) {
-    int asked = 0;
+  REQUIRE(total_checks > 100);
+  REQUIRE(after_search > 50);  // during synthesis
+  for (int at = 1; at <= total_checks; at += 1 + total_checks / 20) {
+    int checks = 0;
     const auto answer = PlanMotion(WalkingDatabase(), tests::RobotScheme(), problem,
-                                   {.cancelled = [&] { return ++asked >= at; }});
+                                   {.cancelled = [&] { return ++checks >= at; }});
     CHECK(answer.status().code() == absl::StatusCode::kCancelled);
-    CHECK(asked == at);
+    CHECK(checks == at);
   }
 }
 
@@ -235,14 +233,14 @@ TEST_CASE("Plan: a goal near an obstacle is approached from the clear side", "[p
   PlanProblem problem = Problem({2, 0, 0});
   problem.heading_tolerance_rad = 0.5;
   problem.position_tolerance_m = 0.3;
-  problem.obstacles.discs = {{{2, 0.55}, 0.4}};  // the goal itself is 0.15 m from it
+  problem.obstacles.discs = {{{2, 0.55}, 0.4}};  // 0.15 m from the goal
   problem.obstacles.clearance_m = 0.2;
   const PlanAnswer answer = Solve(problem);
   CHECK(answer.outcome == PlanOutcome::kExact);
   CHECK(answer.motions.front().quality.smallest_clearance_m.value() >= 0.2);
 }
 
-TEST_CASE("Plan: the end is there at any frame rate", "[planning]") {
+TEST_CASE("Plan: the end is exact at any frame rate", "[planning]") {
   PlanProblem problem = Problem({1.6, 0.5, 0.6});
   for (const double rate : {1.0, 7.0, 25.0, 60.0, 240.0}) {
     problem.frame_rate_hz = rate;
@@ -252,13 +250,13 @@ TEST_CASE("Plan: the end is there at any frame rate", "[planning]") {
   }
 }
 
-TEST_CASE("Plan: a start late in its clip goes on in another", "[planning]") {
+TEST_CASE("Plan: a start late in its clip continues in another clip", "[planning]") {
   PlanProblem problem = Problem({1.2, 0, 0});
   problem.start.clip = ClipMoment{"straight", 3.9};
   CHECK(Solve(problem).outcome == PlanOutcome::kExact);
 }
 
-TEST_CASE("Plan: once there is a motion, no more are made when time is up", "[planning]") {
+TEST_CASE("Plan: after a timeout, no alternatives are added to an existing motion", "[planning]") {
   PlanProblem problem = Problem({1.6, 0.3, 0.3});
   problem.alternative_count = 4;
   bool searched = false;

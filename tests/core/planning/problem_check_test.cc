@@ -26,7 +26,7 @@ PlanProblem GoodProblem() {
   return problem;
 }
 
-// The field that is refused after `change`; empty: none.
+// Returns the field that is refused after `change`; empty if none.
 template <typename Change>
 std::string RefusedAfter(Change change) {
   PlanProblem problem = GoodProblem();
@@ -40,7 +40,7 @@ std::string RefusedAfter(Change change) {
   return std::string(*field);
 }
 
-TEST_CASE("CheckProblem: a sensible one is accepted", "[core][planning]") {
+TEST_CASE("CheckProblem: a valid problem is accepted", "[core][planning]") {
   CHECK(RefusedAfter([](PlanProblem&) {}).empty());
   CHECK(RefusedAfter([](PlanProblem& p) { p.obstacles = {}; }).empty());
   CHECK(RefusedAfter([](PlanProblem& p) { p.obstacles.clearance_m = 0; }).empty());
@@ -75,7 +75,7 @@ TEST_CASE("CheckProblem: each wrong number is named", "[core][planning]") {
         }) == "labels[1]");
 }
 
-TEST_CASE("CheckProblem: what would be too many frames together is refused", "[core][planning]") {
+TEST_CASE("CheckProblem: too many frames in total are refused", "[core][planning]") {
   CHECK(RefusedAfter([](PlanProblem& p) {
           p.frame_rate_hz = 1000;
           p.max_duration_seconds = 120;
@@ -99,7 +99,7 @@ TEST_CASE("CheckProblem: each wrong obstacle is named", "[core][planning]") {
         "obstacles.polygons[0].corners");
   CHECK(refused([](Obstacles& o) { o.polygons.emplace_back(); }) ==
         "obstacles.polygons[1].corners");
-  // It crosses itself.
+  // The polygon intersects itself.
   CHECK(refused([](Obstacles& o) {
           o.polygons[0].corners.push_back({1, 1});
         }) == "obstacles.polygons[0].corners");

@@ -12,7 +12,7 @@ using tests::WalkingDatabase;
 
 constexpr double kLeg = tests::WalkingFigure::kLeg_m;
 
-TEST_CASE("Random sampling: walks by transitions that were seen, to where its means say",
+TEST_CASE("Random sampling: follows stored transitions; the means determine its end",
           "[planning]") {
   const Model& model = WalkingDatabase();
   const int layer = model.layer_count() - 1;
@@ -37,7 +37,7 @@ TEST_CASE("Random sampling: walks by transitions that were seen, to where its me
   CHECK(again->paths.front().coarse_nodes == path.coarse_nodes);
 }
 
-TEST_CASE("Random sampling: keeps to the labels allowed", "[planning]") {
+TEST_CASE("Random sampling: uses only allowed labels", "[planning]") {
   const Model& model = WalkingDatabase();
   const int layer = model.layer_count();
   SearchSettings settings;
@@ -59,7 +59,7 @@ TEST_CASE("Random sampling: keeps to the labels allowed", "[planning]") {
   }
 }
 
-TEST_CASE("Random sampling: ends though no walk has time for a step", "[planning]") {
+TEST_CASE("Random sampling: ends even if no walk has time for a step", "[planning]") {
   SearchSettings settings;
   settings.goal = {1, 0, 0};
   settings.max_duration_seconds = 0.001;
@@ -69,7 +69,7 @@ TEST_CASE("Random sampling: ends though no walk has time for a step", "[planning
   CHECK_FALSE(sampled->reached);
 }
 
-TEST_CASE("Random sampling: ends when told to", "[planning]") {
+TEST_CASE("Random sampling: can be cancelled", "[planning]") {
   SearchSettings settings;
   settings.goal = {-6, 5, 2};
   const auto cut = SampleWalks(WalkingDatabase(), 3, 10, {}, kLeg, {}, settings,

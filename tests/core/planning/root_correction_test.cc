@@ -16,7 +16,7 @@ double Length(const std::vector<FloorPose>& root) {
   return length;
 }
 
-// A walk that wanders.
+// A wandering walk.
 std::vector<FloorPose> Wander(std::uint64_t seed) {
   SeededSequence random(seed);
   std::vector<FloorPose> root{{}};
@@ -28,7 +28,7 @@ std::vector<FloorPose> Wander(std::uint64_t seed) {
   return root;
 }
 
-TEST_CASE("Floor pose: seen from a frame and put back, a pose is itself", "[planning]") {
+TEST_CASE("Floor pose: conversion to a frame and back is the identity", "[planning]") {
   const FloorPose frame{1, -2, 0.7};
   const FloorPose pose{3, 0.5, -2.1};
   const FloorPose back = frame * RelativeTo(frame, pose);
@@ -37,17 +37,16 @@ TEST_CASE("Floor pose: seen from a frame and put back, a pose is itself", "[plan
   CHECK(back.heading == Approx(pose.heading));
 }
 
-TEST_CASE("Root correction: a near goal is reached, and no pose is shifted beyond what is allowed",
-          "[planning]") {
+TEST_CASE("Root correction: a near goal is reached within the limits of the shift", "[planning]") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const std::vector<FloorPose> root = Wander(seed);
     const double length = Length(root);
     SeededSequence random(seed + 1000);
-    const FloorPose off{0.03 * length * (random.Next() - 0.5),
-                        0.03 * length * (random.Next() - 0.5),
-                        0.04 * length * (random.Next() - 0.5)};
-    const FloorPose goal{root.back().x + off.x, root.back().y + off.y,
-                         root.back().heading + off.heading};
+    const FloorPose offset{0.03 * length * (random.Next() - 0.5),
+                           0.03 * length * (random.Next() - 0.5),
+                           0.04 * length * (random.Next() - 0.5)};
+    const FloorPose goal{root.back().x + offset.x, root.back().y + offset.y,
+                         root.back().heading + offset.heading};
     const CorrectedRoot corrected = CorrectRoot(root, goal);
     const GoalError error = ErrorAt(corrected.poses.back(), goal);
     CHECK(error.position_m == Approx(0).margin(1e-9));
@@ -58,7 +57,7 @@ TEST_CASE("Root correction: a near goal is reached, and no pose is shifted beyon
   }
 }
 
-TEST_CASE("Root correction: a far goal is approached as far as is allowed", "[planning]") {
+TEST_CASE("Root correction: a far goal is approached up to the limits", "[planning]") {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     const std::vector<FloorPose> root = Wander(seed);
     const double length = Length(root);
@@ -73,7 +72,7 @@ TEST_CASE("Root correction: a far goal is approached as far as is allowed", "[pl
   }
 }
 
-TEST_CASE("Root correction: who stands still is not moved", "[planning]") {
+TEST_CASE("Root correction: a body at rest is not moved", "[planning]") {
   std::vector<FloorPose> root = Wander(3);
   root.insert(root.begin() + 100, 30, root[100]);
   const FloorPose goal{root.back().x + 0.01, root.back().y, root.back().heading + 0.01};

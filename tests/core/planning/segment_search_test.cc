@@ -37,8 +37,8 @@ FloorPose SomeGoal(SeededSequence& random) {
           bearing + random.Next() - 0.5};
 }
 
-// Where a way with one join, taken at random, ends.
-FloorPose EndOfSomeWay(SegmentGraph& graph, const StoredFloor& floor, SeededSequence& random) {
+// Returns the end of a random path with one join.
+FloorPose EndOfRandomPath(SegmentGraph& graph, const StoredFloor& floor, SeededSequence& random) {
   for (;;) {
     const int leave_after = kStart + 2 * graph.half_window() + static_cast<int>(60 * random.Next());
     const auto& joins = graph.Joins(graph.run_of_frame(leave_after));
@@ -54,7 +54,8 @@ FloorPose EndOfSomeWay(SegmentGraph& graph, const StoredFloor& floor, SeededSequ
   }
 }
 
-// The shortest way there with at most `joins` joins, by trying all; infinite if there is none.
+// Returns the length of the shortest path with at most `joins` joins by enumeration; infinite if
+// there is none.
 double ShortestByExhaustion(SegmentGraph& graph, const StoredFloor& floor, const FloorPose& goal,
                             SplicedPath path, int joins, double longest) {
   double best = std::numeric_limits<double>::infinity();
@@ -86,14 +87,14 @@ double ShortestByExhaustion(SegmentGraph& graph, const StoredFloor& floor, const
   }
 }
 
-TEST_CASE("Segment search: finds a way wherever trying all finds one, and not a much longer one",
+TEST_CASE("Segment search: finds a path whenever enumeration does, and not a much longer one",
           "[planning]") {
   const Ground ground;
   SeededSequence random(11);
   SegmentGraph graph = ground.Graph();
   for (int i = 0; i < 20; ++i) {
     SearchSettings settings;
-    settings.goal = EndOfSomeWay(graph, ground.floor, random);
+    settings.goal = EndOfRandomPath(graph, ground.floor, random);
     const double shortest =
         ShortestByExhaustion(graph, ground.floor, settings.goal, {.start = kStart}, 1, 3.5);
     REQUIRE(std::isfinite(shortest));
@@ -106,8 +107,7 @@ TEST_CASE("Segment search: finds a way wherever trying all finds one, and not a 
   }
 }
 
-TEST_CASE("Segment search: what it says reaches the goal does, by the root path itself",
-          "[planning]") {
+TEST_CASE("Segment search: the root path of a found path reaches the goal", "[planning]") {
   const Ground ground;
   SeededSequence random(5);
   int reached = 0;
@@ -138,7 +138,7 @@ TEST_CASE("Segment search: what it says reaches the goal does, by the root path 
   CHECK(reached >= 10);
 }
 
-TEST_CASE("Segment search: a wide tolerance is reached as soon as it is", "[planning]") {
+TEST_CASE("Segment search: stops as soon as it is within a wide tolerance", "[planning]") {
   const Ground ground;
   SearchSettings settings;
   settings.goal = {2.5, 0, 0};
@@ -149,28 +149,28 @@ TEST_CASE("Segment search: a wide tolerance is reached as soon as it is", "[plan
   CHECK(found->reached);
 }
 
-TEST_CASE("Segment search: the same again, and another way with another seed", "[planning]") {
+TEST_CASE("Segment search: deterministic; another seed gives another path", "[planning]") {
   const Ground ground;
   SearchSettings settings;
   settings.goal = {1.5, 0.5, 0.6};
-  const auto one = Find(ground, settings);
-  const auto two = Find(ground, settings);
-  REQUIRE(one.ok());
-  REQUIRE(one->reached);
-  CHECK(one->paths[0].cost == two->paths[0].cost);
-  CHECK(one->paths[0].path.end == two->paths[0].path.end);
-  CHECK(one->effort.expansions == two->effort.expansions);
+  const auto first = Find(ground, settings);
+  const auto second = Find(ground, settings);
+  REQUIRE(first.ok());
+  REQUIRE(first->reached);
+  CHECK(first->paths[0].cost == second->paths[0].cost);
+  CHECK(first->paths[0].path.end == second->paths[0].path.end);
+  CHECK(first->effort.expansions == second->effort.expansions);
   int other = 0;
   for (settings.seed = 1; settings.seed <= 5; ++settings.seed) {
     const auto seeded = Find(ground, settings);
     REQUIRE(seeded.ok());
     REQUIRE(seeded->reached);
-    other += seeded->paths[0].cost != one->paths[0].cost;
+    other += seeded->paths[0].cost != first->paths[0].cost;
   }
   CHECK(other > 0);
 }
 
-TEST_CASE("Segment search: goes round an obstacle, with its clearance", "[planning]") {
+TEST_CASE("Segment search: avoids an obstacle with its clearance", "[planning]") {
   const Ground ground;
   SearchSettings settings;
   settings.goal = {3, 0, 0};
@@ -185,12 +185,12 @@ TEST_CASE("Segment search: goes round an obstacle, with its clearance", "[planni
   }
 }
 
-TEST_CASE("Segment search: ends when told to, with the best so far or not at all", "[planning]") {
+TEST_CASE("Segment search: can be stopped, with the best path so far or none", "[planning]") {
   const Ground ground;
   SearchSettings settings;
   settings.goal = {-6, 5, 2};
-  int asked = 0;
-  const auto cut = Find(ground, settings, {}, {.time_up = [&] { return ++asked > 5; }});
+  int checks = 0;
+  const auto cut = Find(ground, settings, {}, {.time_up = [&] { return ++checks > 5; }});
   REQUIRE(cut.ok());
   CHECK(cut->time_up);
   CHECK(cut->effort.expansions <= 6 * 64);
@@ -202,9 +202,8 @@ TEST_CASE("Segment search: ends when told to, with the best so far or not at all
   CHECK(cancelled.status().code() == absl::StatusCode::kCancelled);
 }
 
-TEST_CASE("Segment search: who stands before walking on is not taken to be going nowhere",
-          "[planning]") {
-  // A clip that marches on the spot for three seconds, always the same, and then walks on.
+TEST_CASE("Segment search: standing before walking is not treated as a dead end", "[planning]") {
+  // A clip that marches on the spot for 3 s without variation, then walks.
   tests::WalkingFigure marching;
   marching.seconds = 3.3;  // three cycles
   marching.speed_m_s = 0;
@@ -231,10 +230,10 @@ TEST_CASE("Segment search: who stands before walking on is not taken to be going
   CHECK(found->reached);
 }
 
-TEST_CASE("Segment search: says when there was nothing left to try", "[planning]") {
+TEST_CASE("Segment search: reports an exhaustive search", "[planning]") {
   const Ground ground;
   SearchSettings settings;
-  settings.goal = {0.3, 0, 0.9};  // no clip turns on the spot
+  settings.goal = {0.3, 0, 0.9};  // no clip rotates on the spot
   settings.max_duration_seconds = 1.5;
   const auto found = Find(ground, settings);
   REQUIRE(found.ok());

@@ -15,7 +15,7 @@ TEST_CASE("Ease: from 0 to 1, at rest at both ends", "[core][planning]") {
   CHECK(core::Ease(h) / (h * h) < 0.02);
 }
 
-TEST_CASE("Smooth: keeps what is constant and the sum of a peak inside", "[core][planning]") {
+TEST_CASE("Smooth: keeps constants and the sum of an inner peak", "[core][planning]") {
   CHECK(core::Smooth(Eigen::ArrayXXd::Constant(9, 2, 3.5), 4).isApproxToConstant(3.5));
   Eigen::ArrayXXd peak = Eigen::ArrayXXd::Zero(21, 1);
   peak(10, 0) = 1;
@@ -26,7 +26,7 @@ TEST_CASE("Smooth: keeps what is constant and the sum of a peak inside", "[core]
   CHECK(smooth(6, 0) == 0);
 }
 
-TEST_CASE("Cover: is nowhere below the values", "[core][planning]") {
+TEST_CASE("Cover: is never below the values", "[core][planning]") {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   Eigen::ArrayXd values(200);

@@ -15,11 +15,11 @@ using tests::WalkingDatabase;
 
 constexpr double kLeg = tests::WalkingFigure::kLeg_m;
 
-// A path of three runs, by joins that the graph offers and that leave room for more.
-SplicedPath SomePath(SegmentGraph& graph) {
+// A path of three runs with joins of the graph, which leave room for more.
+SplicedPath PathOfThreeRuns(SegmentGraph& graph) {
   const Model& model = WalkingDatabase();
   SplicedPath path{.start = 20};
-  int since = path.start;  // where the run that is played began
+  int since = path.start;  // first frame of the current run
   for (int run = graph.run_of_frame(since); path.joins.size() < 2;) {
     const auto& joins = graph.Joins(run);
     const auto fits = std::find_if(joins.begin(), joins.end(), [&](const RunJoin& join) {
@@ -40,17 +40,16 @@ SplicedPath SomePath(SegmentGraph& graph) {
   return path;
 }
 
-TEST_CASE("Splice: frames and root poses go together, and joins agree with the search's figures",
-          "[planning]") {
+TEST_CASE("Splice: frames match root poses, and joins match the search's values", "[planning]") {
   const Model& model = WalkingDatabase();
   const StoredFloor floor(model, kLeg);
   SegmentGraph graph(model, floor, model.layer_count(), {});
-  const SplicedPath path = SomePath(graph);
+  const SplicedPath path = PathOfThreeRuns(graph);
   const auto played = PlayedFrames(path);
   const auto root = PlayedRoot(floor, path);
   REQUIRE(played.size() == root.size());
 
-  // The end by the pieces that the search adds up: along a clip, across a join, along a clip.
+  // The end as the search computes it: along a clip, across a join, along a clip.
   FloorPose end;
   int at = path.start;
   for (const Join& join : path.joins) {
@@ -63,7 +62,7 @@ TEST_CASE("Splice: frames and root poses go together, and joins agree with the s
   CHECK(end.heading == Approx(root.back().heading));
 }
 
-TEST_CASE("Splice: one run fades into the next, and each is all there is outside the join",
+TEST_CASE("Splice: one run fades into the next; outside the join only one run counts",
           "[planning]") {
   const SplicedPath path{.start = 10, .joins = {{30, 100, 5}}, .end = 120};
   const auto played = PlayedFrames(path);
@@ -87,7 +86,7 @@ TEST_CASE("Splice: one run fades into the next, and each is all there is outside
   CHECK(played[25].share == Approx(0).margin(1e-12));
 }
 
-TEST_CASE("Segment graph: a join is between like states of one node, in clips that may be played",
+TEST_CASE("Segment graph: a join connects similar states of one node, in allowed clips",
           "[planning]") {
   const Model& model = WalkingDatabase();
   const StoredFloor floor(model, kLeg);
@@ -118,14 +117,14 @@ TEST_CASE("Synthesis: no jump at a join, in place or speed", "[planning]") {
   const Model& model = WalkingDatabase();
   const StoredFloor floor(model, kLeg);
   SegmentGraph graph(model, floor, model.layer_count(), {});
-  const SplicedPath path = SomePath(graph);
+  const SplicedPath path = PathOfThreeRuns(graph);
   const auto origin = FindOrigins(model, {.clip = ClipMoment{"straight", 20 / 60.0}}, {});
   REQUIRE(origin.ok());
   const SynthesisedMotion motion =
       Synthesise(model, Body::OfSize(model, kLeg), origin->front(), path, PlayedRoot(floor, path));
   const FrameMatrix& p = motion.markers.positions_m;
   REQUIRE(p.rows() == static_cast<Eigen::Index>(PlayedFrames(path).size()));
-  // The stored clips' own largest change of speed from frame to frame.
+  // The largest change of speed between frames of the stored clips.
   float stored = 0;
   const auto& straight = tests::WalkingFigure{}.Motion().positions_m;
   for (Eigen::Index t = 2; t < straight.rows(); ++t) {

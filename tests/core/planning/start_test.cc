@@ -15,7 +15,7 @@ TEST_CASE("Start: a moment of a clip is its own frame", "[planning]") {
   CHECK(origin->front().frame == WalkingDatabase().clips()[1].first_frame + 90);
 }
 
-TEST_CASE("Start: outside a clip, or in none, is an error that says so", "[planning]") {
+TEST_CASE("Start: a moment outside a clip, or in an unknown clip, is an error", "[planning]") {
   const auto outside = FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", 4.5}}, {});
   CHECK(outside.status().code() == absl::StatusCode::kOutOfRange);
   CHECK_THAT(std::string(outside.status().message()), Catch::Contains("slower"));
@@ -27,8 +27,7 @@ TEST_CASE("Start: outside a clip, or in none, is an error that says so", "[plann
       FindOrigins(WalkingDatabase(), {.clip = ClipMoment{"slower", std::nan("")}}, {}).ok());
 }
 
-TEST_CASE("Start: where the clip may not be played, the most like frame of those that may",
-          "[planning]") {
+TEST_CASE("Start: if its clip is not allowed, the most similar allowed frame", "[planning]") {
   const Model& model = WalkingDatabase();
   const auto origin = FindOrigins(model, {.clip = ClipMoment{"straight", 1.5}}, {"bend"});
   REQUIRE(origin.ok());
@@ -40,13 +39,14 @@ TEST_CASE("Start: where the clip may not be played, the most like frame of those
     CHECK((model.states().row(f) - model.states().row(own)).squaredNorm() >=
           (model.states().row(origin->front().frame) - model.states().row(own)).squaredNorm());
   }
-  // It begins in the state of the clip, all the same.
+  // It still begins in the state of the clip.
   const Eigen::RowVectorXf state = model.states().row(own).cwiseProduct(model.scale().divisor);
   CHECK((origin->front().state - state).norm() == 0);
 }
 
-TEST_CASE("Start: an observation begins at the frame most like its last, markers missing or not",
-          "[planning]") {
+TEST_CASE(
+    "Start: an observation begins at the frame most similar to its last, also with missing markers",
+    "[planning]") {
   const Model& model = WalkingDatabase();
   StateSequence seen;
   seen.frame_rate_hz = 60;

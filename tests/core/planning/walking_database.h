@@ -1,4 +1,4 @@
-// A small database to plan on: the walking figure going straight on and round bends of both hands.
+// A small database for planning: the walking figure, straight and in bends to both sides.
 #pragma once
 
 #include <catch2/catch.hpp>
@@ -10,8 +10,8 @@
 
 namespace motiondb::tests {
 
-// Bends a walk along x to an arc of that curvature (1/m, to the left). What stood still before
-// stands still after.
+// Bends a walk along x to an arc of this curvature (1/m, to the left). Markers at rest stay at
+// rest.
 inline void Bend(double curvature, core::MarkerMotion& motion) {
   if (curvature == 0) return;
   for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
@@ -27,7 +27,7 @@ inline void Bend(double curvature, core::MarkerMotion& motion) {
 
 inline core::MarkerScheme WalkerScheme() { return {WalkerSet(), {}}; }
 
-// Clips "straight", "left-1" ... labelled "straight" and "bend", four seconds each at 60 Hz.
+// Clips "straight", "left-1" ... with labels "straight" and "bend", 4 s each at 60 Hz.
 inline const core::Model& WalkingDatabase() {
   static const core::Model kModel = [] {
     std::vector<core::BuildInput> inputs;

@@ -1,4 +1,4 @@
-// A walker whose feet are known at every moment: legs, feet and a head, made by formulas.
+// A synthetic walker with known foot contacts: legs, feet and a head.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace motiondb::tests {
 
-// Markers of one side, in this order, after the head; left, then right.
+// Markers of one side in this order, after the head; first left, then right.
 enum WalkerMarker { kHip, kThigh, kKnee, kShin, kAnkle, kHeel, kToe, kWalkerMarkers };
 
 inline int WalkerIndex(int side, WalkerMarker marker) { return 1 + side * kWalkerMarkers + marker; }
@@ -39,20 +39,20 @@ struct WalkingFigure {
   double rate_hz = 60;
   double seconds = 6;
   double speed_m_s = 0.7;
-  double floor_m = 0;  // how far everything is above it
+  double floor_m = 0;  // height of the floor
 
   static constexpr double kThigh_m = 0.45;
   static constexpr double kShin_m = 0.43;
   static constexpr double kLeg_m = kThigh_m + kShin_m;
   static constexpr double kCycle = 1.1;     // s
-  static constexpr double kHeelOff = 0.42;  // parts of a cycle from where the heel lands
+  static constexpr double kHeelOff = 0.42;  // fractions of a cycle after the heel's landing
   static constexpr double kToeDown = 0.08;
   static constexpr double kToeOff = 0.62;
   static constexpr double kFoot_m = 0.18;  // heel to toe
   static constexpr double kHeelRest_m = 0.035;
   static constexpr double kToeRest_m = 0.03;
 
-  // Part of its cycle that a foot is in, and which cycle.
+  // Returns the fraction of a foot's cycle, and the number of the cycle.
   std::pair<double, double> Phase(int side, double t) const {
     const double cycles = t / kCycle + 0.5 * side + 0.31;
     return {cycles - std::floor(cycles), std::floor(cycles)};
@@ -75,7 +75,7 @@ struct WalkingFigure {
     return motion;
   }
 
-  // The truth, in the columns that `feet` give.
+  // Returns the true contacts, in the columns of `feet`.
   core::ContactMatrix Contacts(const core::Feet& feet, Eigen::Index frames) const {
     core::ContactMatrix contacts(frames, 4);
     Eigen::Index column = 0;
@@ -122,10 +122,10 @@ struct WalkingFigure {
     const auto [phase, cycle] = Phase(side, t);
     const double y = side == 0 ? 0.1 : -0.1;
     const double stride = speed_m_s * kCycle;
-    // The heel lands before the hip; cycle 0 began before t = 0.
+    // The heel lands in front of the hip; cycle 0 began before t = 0.
     const double landing = stride * (cycle - 0.5 * side - 0.31) + 0.3 * stride;
-    constexpr double kToesUp = 0.3;  // rad, when the heel lands
-    constexpr double kHeelUp = 0.8;  // rad, when the toe leaves
+    constexpr double kToesUp = 0.3;  // rad, at the heel's landing
+    constexpr double kHeelUp = 0.8;  // rad, at the toe's take-off
     const auto along = [](double pitch) {
       return Eigen::Vector3d(std::cos(pitch), 0, std::sin(pitch));
     };
@@ -144,7 +144,7 @@ struct WalkingFigure {
       heel = toe_rest - kFoot_m * along(pitch);
     } else {
       const double swing = Between(kToeOff, 1, phase);
-      const double eased = swing * (1 + swing * (3 - 2 * swing)) / 2;  // not from rest
+      const double eased = swing * (1 + swing * (3 - 2 * swing)) / 2;  // does not start at rest
       pitch = -kHeelUp + (kToesUp + kHeelUp) * eased;
       const Eigen::Vector3d left = toe_rest - kFoot_m * along(-kHeelUp);
       const Eigen::Vector3d next = heel_rest + Eigen::Vector3d(stride, 0, 0);

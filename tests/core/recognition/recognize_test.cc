@@ -249,16 +249,16 @@ TEST_CASE("Recognize: bad settings and observations are refused by name", "[core
   CHECK_THAT(message(clip, [](auto& o) { o.layer = -1; }), Contains("layer"));
   core::StateSequence wrong = clip;
   wrong.frame_rate_hz = 30;
-  CHECK_THAT(message(wrong, [](auto&) {}), Contains("frames a second"));
+  CHECK_THAT(message(wrong, [](auto&) {}), Contains("frame rate of"));
   wrong = clip;
   wrong.states.conservativeResize(Eigen::NoChange, 6);
   CHECK_THAT(message(wrong, [](auto&) {}), Contains("numbers"));
   wrong = clip;
   wrong.states(3, 3) = std::numeric_limits<float>::infinity();
-  CHECK_THAT(message(wrong, [](auto&) {}), Contains("infinite"));
+  CHECK_THAT(message(wrong, [](auto&) {}), Contains("finite numbers"));
   wrong.states.resize(0, wrong.states.cols());
   wrong.root_path.resize(0, 3);
-  CHECK_THAT(message(wrong, [](auto&) {}), Contains("no frames"));
+  CHECK_THAT(message(wrong, [](auto&) {}), Contains("at least one frame"));
   CHECK(core::Recognize(model, clip, {}, [] { return true; }).status().code() ==
         absl::StatusCode::kCancelled);
 }

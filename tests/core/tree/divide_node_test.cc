@@ -25,8 +25,8 @@ core::Tree Build(const core::FrameMatrix& states,
   return *std::move(tree);
 }
 
-// Throws pairs of frames far away, as glitches do that last two frames: each pair in a dimension
-// of its own, and half as far again as the one before.
+// Moves pairs of consecutive frames far away, like glitches of two frames: each pair in its own
+// dimension and 1.5 times as far as the previous pair.
 core::FrameMatrix WithGlitches(core::FrameMatrix states, const Frames& first_frames) {
   float far = 500;
   Eigen::Index dimension = 0;
@@ -47,21 +47,21 @@ core::FrameMatrix Without(const core::FrameMatrix& states, const Frames& first_f
   return states(others, Eigen::all);
 }
 
-// A branch's frames, ascending.
+// Returns a branch's frames, ascending.
 Frames FramesOf(const core::Tree& tree, const core::Branch& branch) {
   Frames frames(tree.frame_order().begin() + branch.begin, tree.frame_order().begin() + branch.end);
   std::ranges::sort(frames);
   return frames;
 }
 
-// The frames of each branch by the paper's rule alone.
+// Returns the frames of each branch by the paper's rule alone.
 std::vector<Frames> NodesOfPaper(const core::FrameMatrix& states) {
   core::PermutedStates permuted(states, core::Serially);
   std::vector<core::NodePlaces> nodes{{0, static_cast<std::int32_t>(states.rows())}};
   std::vector<Frames> frames;
   std::vector<float> scratch;
   core::SplitPlane plane;
-  for (std::size_t n = 0; n < nodes.size(); ++n) {  // children are put behind: layer by layer
+  for (std::size_t n = 0; n < nodes.size(); ++n) {  // children are appended: layer by layer
     const auto [begin, end] = nodes[n];
     const auto first = permuted.order().begin();
     std::ranges::sort(frames.emplace_back(first + begin, first + end));
@@ -85,8 +85,7 @@ void CheckIsPapers(const core::FrameMatrix& states) {
 
 }  // namespace
 
-TEST_CASE("DivideNode: a few frames far away leave the others the tree that they have alone",
-          "[core][tree]") {
+TEST_CASE("DivideNode: a few outlier frames do not change the tree of the others", "[core][tree]") {
   const core::FrameMatrix clean = WanderingStates(3000, 18, 5);
   for (const Frames& glitches :
        {Frames{700}, Frames{0, 2998}, Frames{100, 600, 1400, 1402, 2000, 2500}}) {
@@ -100,7 +99,7 @@ TEST_CASE("DivideNode: a few frames far away leave the others the tree that they
     int far = 0;
     for (int f = 0; f < 3000; ++f) {
       const int leaf = tree.branch(tree.layer_count(), tree.node_of_frame(tree.layer_count(), f));
-      CHECK(tree.LeafOf(states.row(f).data()) == leaf);  // the far ones as well
+      CHECK(tree.LeafOf(states.row(f).data()) == leaf);  // the outliers too
       if (states.row(f) != clean.row(f)) {
         ++far;
         continue;
@@ -118,27 +117,27 @@ TEST_CASE("DivideNode: a few frames far away leave the others the tree that they
   }
 }
 
-TEST_CASE("DivideNode: what is set aside does not depend on threads", "[core][tree]") {
+TEST_CASE("DivideNode: outliers do not depend on threads", "[core][tree]") {
   for (const int frames : {9000, 70'000}) {
     const core::FrameMatrix states =
         WithGlitches(WanderingStates(frames, 12, 23), {50, 4000, 5000, 8997});
     REQUIRE(NodesOfPaper(states).size() == 1);
-    const core::Tree once = Build(states);
+    const core::Tree serial = Build(states);
     const core::Tree other = Build(states, OnFourThreads);
-    CHECK(once.layer_count() > 5);
-    CHECK(other.frame_order() == once.frame_order());
-    CHECK(other.branches().size() == once.branches().size());
-    CHECK(other.planes().thresholds == once.planes().thresholds);
+    CHECK(serial.layer_count() > 5);
+    CHECK(other.frame_order() == serial.frame_order());
+    CHECK(other.branches().size() == serial.branches().size());
+    CHECK(other.planes().thresholds == serial.planes().thresholds);
   }
 }
 
-TEST_CASE("DivideNode: small nodes, and those of a small part of all frames, are the paper's",
+TEST_CASE("DivideNode: small nodes, and nodes of few frames, follow the paper's rule",
           "[core][tree]") {
-  // A leaf for two far frames, where it has few frames ...
+  // A leaf for two outliers in a small tree ...
   CheckIsPapers(WithGlitches(WanderingStates(20 * kMinFrames, 18, 5), {100}));
   CHECK(Build(WithGlitches(WanderingStates(20 * kMinFrames, 18, 5), {100})).layer_count() == 1);
-  // ... and where the others are many: six groups far apart, two far frames in one of them, but
-  // not as far as the groups.
+  // ... and in a large one: six groups far apart, with two outliers in one of them that are nearer
+  // than the groups.
   core::FrameMatrix states = WanderingStates(6000, 18, 5);
   for (int f = 0; f < 6000; ++f) states(f, f / 1000) += 1000;
   states(5500, 17) += 300;
@@ -150,8 +149,7 @@ TEST_CASE("DivideNode: small nodes, and those of a small part of all frames, are
   }));
 }
 
-TEST_CASE("DivideNode: frames too many to be set aside leave a single node, which is said",
-          "[core][tree]") {
+TEST_CASE("DivideNode: too many outliers leave a single node, which is reported", "[core][tree]") {
   const core::FrameMatrix clean = WanderingStates(600, 24, 5);
   CHECK_FALSE(core::IsUndivided(Build(clean), kMinFrames));
   Frames glitches;
@@ -162,12 +160,11 @@ TEST_CASE("DivideNode: frames too many to be set aside leave a single node, whic
   CHECK(tree.frame_order()[17] == 17);
   CHECK(core::IsUndivided(tree, kMinFrames));
   CHECK_FALSE(core::IsUndivided(Build(states.topRows(31 * kMinFrames)), kMinFrames));
-  // Frames all alike have no threshold at all.
+  // Equal frames have no threshold.
   CHECK(core::IsUndivided(Build(core::FrameMatrix::Zero(600, 18)), kMinFrames));
 }
 
-TEST_CASE("DivideNode: a tree of one node that a build would divide by now is stale",
-          "[core][tree]") {
+TEST_CASE("DivideNode: a tree of one node that a new build would split is stale", "[core][tree]") {
   const core::FrameMatrix states = WithGlitches(WanderingStates(1500, 18, 5), {700});
   Frames all(1500);
   std::iota(all.begin(), all.end(), 0);
@@ -176,10 +173,10 @@ TEST_CASE("DivideNode: a tree of one node that a build would divide by now is st
   CHECK(core::DriftFraction(*single, 1400, states, kMinFrames, core::Serially) == 1);
 }
 
-TEST_CASE("DivideNode: a glitch of one recorded clip does not spoil the tree of all",
+TEST_CASE("DivideNode: a glitch of one recorded clip does not affect the tree of all",
           "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
-  // 09_10 begins with its arms stretched out, and jumps into its first step.
+  // 09_10 begins with its arms stretched out and jumps into its first step.
   const auto jogging = [](const ListedClip& clip) {  // the index has more columns
     return clip.label.find("\tjog\t") != std::string::npos;
   };
@@ -188,7 +185,7 @@ TEST_CASE("DivideNode: a glitch of one recorded clip does not spoil the tree of 
   };
   for (const double frame_rate_hz : {60.0, 120.0}) {
     CAPTURE(frame_rate_hz);
-    // Robust scales soften its jump: a frame farther away makes sure of it.
+    // Robust scales reduce its jump: a frame further away is added.
     const core::FrameMatrix states =
         WithGlitches(ScaledStatesOf("index.tsv", frame_rate_hz, jogging), {100});
     REQUIRE(NodesOfPaper(states).size() == 1);
@@ -202,7 +199,7 @@ TEST_CASE("DivideNode: a glitch of one recorded clip does not spoil the tree of 
   }
 }
 
-TEST_CASE("DivideNode: recorded motion without far frames gets the paper's tree",
+TEST_CASE("DivideNode: recorded motion without outliers has the paper's tree",
           "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
   for (const double frame_rate_hz : {30.0, 60.0, 120.0}) {

@@ -18,7 +18,7 @@ core::FrameMatrix Rows(const core::FrameMatrix& states, const std::vector<std::i
   return rows;
 }
 
-// The frames left and right of the threshold, each ascending; empty if they are not split.
+// Returns the frames left and right of the threshold, each ascending; empty if there is no split.
 std::pair<std::vector<std::int32_t>, std::vector<std::int32_t>> Split(
     const core::FrameMatrix& states, const std::vector<std::int32_t>& frames, int min_frames) {
   const core::FrameMatrix rows = Rows(states, frames);
@@ -84,7 +84,7 @@ std::vector<std::vector<std::int32_t>> ExactNodes(const core::FrameMatrix& state
   std::vector<std::vector<std::int32_t>> nodes(1);
   nodes[0].resize(static_cast<std::size_t>(states.rows()));
   std::iota(nodes[0].begin(), nodes[0].end(), 0);
-  for (std::size_t n = 0; n < nodes.size(); ++n) {  // children are put behind: layer by layer
+  for (std::size_t n = 0; n < nodes.size(); ++n) {  // children are appended: layer by layer
     if (static_cast<int>(nodes[n].size()) < 2 * min_frames) continue;
     auto [left, right] = Split(states, nodes[n], min_frames);
     if (left.empty()) continue;

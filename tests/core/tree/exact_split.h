@@ -1,5 +1,5 @@
-// The split of a node as section III-B writes it, slowly: the exact covariance, its full
-// decomposition, a comparing sort. What the fast build is measured against.
+// Slow reference for the split of a node (section III-B): exact covariance, full
+// eigendecomposition, comparison sort.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,22 +14,22 @@ namespace motiondb::tests {
 struct ExactAxes {
   Eigen::RowVectorXd mean;
   Eigen::VectorXd scatters;
-  Eigen::MatrixXd axes;  // a column each
+  Eigen::MatrixXd axes;  // one per column
 
   double total() const { return scatters.sum(); }
 };
 ExactAxes FindExactAxes(const core::FrameMatrix& states);
 
-// Projections of states onto an axis about the mean, ascending.
+// Returns projections of states onto an axis through the mean, ascending.
 std::vector<double> SortedProjections(const core::FrameMatrix& states,
                                       const Eigen::RowVectorXd& mean, const Eigen::VectorXd& axis);
 
-// The smallest J (eq. 5, with variances) of cuts that leave either side two values; 0 if all values
-// are equal.
+// Returns the minimum J (eq. 5, with variances) over cuts with at least two values on each side; 0
+// if all values are equal.
 double LeastCutCost(const std::vector<double>& sorted);
 
-// The tree's frame ranges by splitting with these: which frames (ascending) each node has, in the
-// order of branches.
+// Splits recursively with these functions. Returns each node's frames (ascending) in the order of
+// branches.
 std::vector<std::vector<std::int32_t>> ExactNodes(const core::FrameMatrix& states, int min_frames);
 
 }  // namespace motiondb::tests

@@ -28,7 +28,7 @@ core::FrameMatrix Both(const core::FrameMatrix& a, const core::FrameMatrix& b) {
 
 }  // namespace
 
-TEST_CASE("Tree: the frames that it was built from come to their own leaves", "[core][tree]") {
+TEST_CASE("Tree: frames of the build are in their own leaves", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(3000, 18, 5);
   const core::Tree tree = Build(states);
   REQUIRE(tree.layer_count() > 4);
@@ -39,7 +39,7 @@ TEST_CASE("Tree: the frames that it was built from come to their own leaves", "[
   }
 }
 
-TEST_CASE("GrowTree: added frames are where the thresholds send them, the others where they were",
+TEST_CASE("GrowTree: added frames follow the thresholds, the others keep their nodes",
           "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(1500, 18, 5);
   const core::FrameMatrix added = WanderingStates(200, 18, 6);
@@ -53,7 +53,7 @@ TEST_CASE("GrowTree: added frames are where the thresholds send them, the others
     for (int f = 0; f < 1500; ++f) {
       CHECK(grown->node_of_frame(layer, f) == tree.node_of_frame(layer, f));
     }
-    // Down the tree by hand, one layer at a time.
+    // Descends the tree manually, one layer at a time.
     for (int i = 0; i < added.rows() && layer < tree.layer_count(); ++i) {
       const int node = grown->node_of_frame(layer, 1500 + i);
       const core::Branch& branch = tree.branches()[tree.branch(layer, node)];
@@ -68,7 +68,7 @@ TEST_CASE("GrowTree: added frames are where the thresholds send them, the others
             (left ? branch.left : branch.right));
     }
   }
-  // Again and again comes to the same as at once.
+  // Growing in two steps equals growing in one.
   const auto first = core::GrowTree(tree, added.topRows(90));
   REQUIRE(first.ok());
   const auto second = core::GrowTree(*first, added.bottomRows(110));
@@ -90,7 +90,7 @@ TEST_CASE("GrowTree: a tree without thresholds is refused, one of a single node 
   CHECK(grown->frame_count() == 12);
 }
 
-TEST_CASE("Tree: planes that are not those of its branches are refused", "[core][tree]") {
+TEST_CASE("Tree: planes that do not match its branches are refused", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(300, 18, 5);
   const core::Tree tree = Build(states);
   const auto refused = [&](const std::function<void(core::SplitPlanes&)>& damage) {
@@ -106,12 +106,12 @@ TEST_CASE("Tree: planes that are not those of its branches are refused", "[core]
   CHECK(refused([](core::SplitPlanes& p) { p.axes(0, 0) = INFINITY; }));
 }
 
-TEST_CASE("DriftFraction: the frames of leaves that a build would divide", "[core][tree]") {
+TEST_CASE("DriftFraction: the frames of leaves that a build would split", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(1500, 18, 5);
   const core::Tree tree = Build(states);
-  // Nothing added: the rule that made the leaves does not divide them.
+  // Nothing is added: the rule that made the leaves does not split them.
   CHECK(core::DriftFraction(tree, 1500, states, kMinFrames, core::Serially) == 0);
-  // Two heaps far from each other, in what was one leaf.
+  // Two distant clusters in a former leaf.
   core::FrameMatrix heaps(60, 18);
   for (int i = 0; i < 60; ++i) {
     heaps.row(i) = states.row(0);
@@ -125,7 +125,7 @@ TEST_CASE("DriftFraction: the frames of leaves that a build would divide", "[cor
     const auto order =
         std::span(grown->frame_order()).subspan(branch.begin, branch.end - branch.begin);
     if (branch.left >= 0 || std::ranges::max(order) < 1500) continue;
-    // A tree of its own over the leaf's frames says whether it divides.
+    // Builds a tree from the leaf's frames alone to see whether they split.
     const std::vector<int> members(order.begin(), order.end());
     if (Build(all(members, Eigen::all)).layer_count() > 1)
       frames += static_cast<double>(members.size());
@@ -134,7 +134,7 @@ TEST_CASE("DriftFraction: the frames of leaves that a build would divide", "[cor
   CHECK(core::DriftFraction(*grown, 1500, all, kMinFrames, core::Serially) == frames / 1560);
 }
 
-TEST_CASE("NodeGaussians: grown ones follow those that are fitted to all frames", "[core][tree]") {
+TEST_CASE("NodeGaussians: grown Gaussians approximate those fitted to all frames", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(1500, 18, 5);
   const core::FrameMatrix added = WanderingStates(120, 18, 6);
   const core::Tree tree = Build(states);

@@ -14,33 +14,33 @@ namespace motiondb::tests::node_axis_test {
 namespace {
 
 constexpr int kDimensions = 48;
-constexpr double kRounding = 3e-6;  // of single precision, as part of the largest scatter
+constexpr double kRounding = 3e-6;  // single precision, relative to the largest scatter
 
 core::NodeAxis AxisOf(const core::FrameMatrix& states,
                       const core::ParallelFor& parallel = core::Serially) {
   core::FrameMatrix padded(states.rows() + core::kRowLanes, states.cols());
   padded.topRows(states.rows()) = states;
-  padded.bottomRows(core::kRowLanes).setConstant(1e6);  // is read, and must not matter
+  padded.bottomRows(core::kRowLanes).setConstant(1e6);  // is read, but must not matter
   std::vector<float> scratch;
   return core::FindNodeAxis(
       {padded.data(), static_cast<int>(states.rows()), static_cast<int>(states.cols())}, scratch,
       parallel);
 }
 
-// That the axis is within its stated bounds, and that its best cut is as good as the exact axis's,
-// unless another axis has almost the same scatter: of two such, each has a cut of its own.
+// Checks that the axis is within its stated bounds and that its best cut is as good as the exact
+// axis's. The cuts are not compared if another axis has almost the same scatter.
 void CheckSplit(const core::FrameMatrix& states, bool compare_cuts = true) {
   const bool tight = states.rows() <= core::kTightFrames;
   const double tolerance = tight ? core::kTightTolerance : core::kLooseTolerance;
   const ExactAxes exact = FindExactAxes(states);
-  const double most = exact.scatters.tail<1>()[0];
+  const double largest = exact.scatters.tail<1>()[0];
   const double second = exact.scatters[exact.scatters.size() - 2];
   const core::NodeAxis node = AxisOf(states);
   const Eigen::VectorXd& axis = node.principal.axis;
-  CAPTURE(states.rows(), most / exact.total(), second / most, node.principal.residual);
+  CAPTURE(states.rows(), largest / exact.total(), second / largest, node.principal.residual);
 
   CHECK((node.mean.transpose() - exact.mean).norm() <=
-        1e-6 * (exact.mean.norm() + std::sqrt(most / static_cast<double>(states.rows()))));
+        1e-6 * (exact.mean.norm() + std::sqrt(largest / static_cast<double>(states.rows()))));
   CHECK(node.principal.residual <= tolerance);
   const Eigen::VectorXd product =
       exact.axes * (exact.scatters.asDiagonal() * (exact.axes.transpose() * axis));
@@ -49,7 +49,7 @@ void CheckSplit(const core::FrameMatrix& states, bool compare_cuts = true) {
   const Eigen::VectorXd true_axis = exact.axes.rightCols<1>();
   const double sine = (axis - true_axis * true_axis.dot(axis)).norm();
   CHECK(sine * (scatter - second) <= (tolerance + kRounding) * scatter);
-  CHECK(scatter >= most * (1 - (tight ? 1e-9 : tolerance)));
+  CHECK(scatter >= largest * (1 - (tight ? 1e-9 : tolerance)));
 
   if (!compare_cuts) return;
   const double cost = LeastCutCost(SortedProjections(states, exact.mean, axis));
@@ -65,7 +65,7 @@ TEST_CASE("NodeAxis: axis and split are as good as the exact ones", "[core][tree
   }
 }
 
-TEST_CASE("NodeAxis: also far from the origin", "[core][tree]") {
+TEST_CASE("NodeAxis: is accurate far from the origin", "[core][tree]") {
   for (const int frames : {300, 6000, 20'000}) {
     core::FrameMatrix states = WanderingStates(frames, kDimensions, 8);
     states.rowwise() += Eigen::RowVectorXf::LinSpaced(kDimensions, -5, 5);
@@ -85,14 +85,14 @@ TEST_CASE("NodeAxis: two axes of almost the same scatter", "[core][tree]") {
 TEST_CASE("NodeAxis: does not depend on threads", "[core][tree]") {
   for (const int frames : {1000, 10'000, 50'000}) {
     const core::FrameMatrix states = WanderingStates(frames, kDimensions, 4);
-    const core::NodeAxis one = AxisOf(states);
+    const core::NodeAxis serial = AxisOf(states);
     const core::NodeAxis four = AxisOf(states, OnFourThreads);
-    CHECK(one.mean == four.mean);
-    CHECK(one.principal.axis == four.principal.axis);
+    CHECK(serial.mean == four.mean);
+    CHECK(serial.principal.axis == four.principal.axis);
   }
 }
 
-TEST_CASE("NodeAxis: frames that are all alike have an axis", "[core][tree]") {
+TEST_CASE("NodeAxis: equal frames have an axis", "[core][tree]") {
   for (const int frames : {1, 100, 5000}) {
     const core::NodeAxis node = AxisOf(core::FrameMatrix::Constant(frames, kDimensions, 0.5f));
     CHECK(node.mean == Eigen::VectorXd::Constant(kDimensions, 0.5));
@@ -109,7 +109,7 @@ TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree
     REQUIRE(tree.ok());
     int checked = 0;
     for (const core::Branch& branch : tree->branches()) {
-      if (branch.left < 0 || checked++ >= 40) continue;  // the large ones come first
+      if (branch.left < 0 || checked++ >= 40) continue;  // large ones come first
       core::FrameMatrix rows(branch.end - branch.begin, states.cols());
       for (int i = branch.begin; i < branch.end; ++i) {
         rows.row(i - branch.begin) = states.row(tree->frame_order()[i]);

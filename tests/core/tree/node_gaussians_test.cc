@@ -34,7 +34,7 @@ TEST_CASE("NodeGaussians: mean and shrunk variance of each node's frames", "[cor
   }
 }
 
-TEST_CASE("NodeGaussians: log density is the Gaussian's, missing dimensions left out",
+TEST_CASE("NodeGaussians: log density is the Gaussian's, without missing dimensions",
           "[core][tree]") {
   const core::FrameMatrix means = core::FrameMatrix::Random(3, 7);
   const core::FrameMatrix variances = core::FrameMatrix::Random(3, 7).cwiseAbs().array() + 0.1f;
@@ -102,7 +102,7 @@ TEST_CASE("FeatureScale: a few corrupt frames do not change it", "[core][tree]")
       const auto clean = core::MakeFeatureScale(scaling, states);
       CHECK(core::MakeFeatureScale(scaling, corrupt).divisor.isApprox(clean.divisor, 0.01F));
     }
-    // Without them it is the plain deviation.
+    // Without the corrupt frames it is the plain deviation.
     const Eigen::RowVectorXd plain =
         (states.cast<double>().rowwise() - states.cast<double>().colwise().mean())
             .cwiseAbs2()

@@ -44,7 +44,7 @@ TEST_CASE("PrincipalAxis: is the first left singular vector of the centred data"
   }
 }
 
-TEST_CASE("PrincipalAxis: its residual, variance and angle are within what it states",
+TEST_CASE("PrincipalAxis: its residual, variance and angle are within its stated bounds",
           "[core][tree]") {
   for (const double decay : {0.3, 0.8, 0.97}) {
     for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-6}) {
@@ -87,14 +87,14 @@ TEST_CASE("PrincipalAxis: a zero matrix has an axis too", "[core][tree]") {
   CHECK(found.residual == 0);
 }
 
-TEST_CASE("PrincipalAxis: two axes of equal length give one of their plane", "[core][tree]") {
+TEST_CASE("PrincipalAxis: two axes of equal length give one in their plane", "[core][tree]") {
   Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(4, 4);
   covariance(0, 0) = covariance(1, 1) = 5;
   const Eigen::VectorXd axis = Find(covariance, Eigen::VectorXd::Ones(4), 1e-9).axis;
   CHECK(axis.head<2>().norm() == Approx(1));
 }
 
-TEST_CASE("PrincipalAxis: a matrix of rank 1 takes two products", "[core][tree]") {
+TEST_CASE("PrincipalAxis: a matrix of rank 1 needs two products", "[core][tree]") {
   const Eigen::VectorXd axis = Eigen::VectorXd::LinSpaced(30, 1, 5).normalized();
   const core::PrincipalAxis found =
       Find(3 * axis * axis.transpose(), Eigen::VectorXd::Unit(30, 4), 1e-6);

@@ -1,4 +1,4 @@
-// Recorded motion as the tree is built from it.
+// Recorded motion as input of the tree build.
 #pragma once
 
 #include <functional>
@@ -9,7 +9,7 @@
 
 namespace motiondb::tests {
 
-// The scaled states of those clips of a list that are wanted (frames x dimensions), on the standard
+// Returns the scaled states of the selected clips of a list (frames x dimensions) on the standard
 // markers. Fails the test on an error.
 core::FrameMatrix ScaledStatesOf(
     const std::string& list, double frame_rate_hz,

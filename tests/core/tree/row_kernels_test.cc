@@ -10,7 +10,7 @@
 namespace motiondb::tests::row_kernels_test {
 namespace {
 
-// Rows of which whole steps can be read, also from the last.
+// Rows with padding, so that whole steps can be read from the last row.
 struct Rows {
   core::FrameMatrix all;
   int count;
@@ -31,7 +31,7 @@ TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]"
       const Eigen::MatrixXd exact = rows.exact();
       const int padded = core::PaddedDimensions(dimensions);
 
-      Eigen::VectorXd sum = Eigen::VectorXd::Ones(dimensions);  // it is added to
+      Eigen::VectorXd sum = Eigen::VectorXd::Ones(dimensions);  // the kernel adds to it
       core::AddRows(rows.all.data(), count, dimensions, sum.data());
       const Eigen::VectorXd exact_sum = exact.colwise().sum().transpose();
       CHECK((sum - exact_sum - Eigen::VectorXd::Ones(dimensions)).norm() <=
@@ -72,8 +72,8 @@ TEST_CASE("Row kernels: equal the same sums in double precision", "[core][tree]"
   }
 }
 
-// The release build runs in the widest vectors of the processor, builds with sanitizers in those of
-// every processor: one digest for both.
+// The release build uses the processor's widest vectors, sanitizer builds the baseline: both have
+// the same digest.
 TEST_CASE("Row kernels: the same bits on every processor", "[core][tree]") {
   BitDigest digest;
   for (const int dimensions : {1, 2, 3, 5, 7, 15, 16, 17, 31, 33, 50, 102, 203, 204, 205, 600}) {
@@ -113,7 +113,7 @@ TEST_CASE("Row kernels: the same bits on every processor", "[core][tree]") {
   CHECK(digest.value() == 0xc03538841c95083fU);
 }
 
-TEST_CASE("Row kernels: scaled squares within limits are those of each frame", "[core][tree]") {
+TEST_CASE("Row kernels: scaled squares within limits equal those of each frame", "[core][tree]") {
   constexpr int kBlocks = 3;
   constexpr int kFrames = kBlocks * core::kSquaresLanes;
   for (const int dimensions : {1, 11, 12, 13, 40, 204}) {
@@ -125,7 +125,7 @@ TEST_CASE("Row kernels: scaled squares within limits are those of each frame", "
       blocks.block(f / core::kSquaresLanes * dimensions, f % core::kSquaresLanes, dimensions, 1) =
           frames.row(f).transpose();
     }
-    // Of the first block nothing is within its limits, of the second one frame, of the last all.
+    // In the first block no frame is within its limit, in the second one frame, in the last all.
     Eigen::RowVectorXf limits = Eigen::RowVectorXf::Constant(kFrames, -1);
     limits[core::kSquaresLanes + 3] = limits.tail(core::kSquaresLanes).setConstant(1e9F)[0];
     Eigen::RowVectorXf squares(kFrames);
@@ -144,7 +144,8 @@ TEST_CASE("Row kernels: scaled squares within limits are those of each frame", "
   }
 }
 
-TEST_CASE("Row product: equals the exact one, whatever the rows beside it", "[core][tree]") {
+TEST_CASE("Row product: equals the exact product, independent of neighbouring rows",
+          "[core][tree]") {
   for (const int dimensions : {1, 3, 40, 204}) {
     for (const int columns : {1, 2, 3, 4, 7, 8, 12, 15, 16, 17, 31, 40, 63, 64, 65, 204}) {
       for (const int count : {1, 2, 3, 4, 5, 8, 13}) {
@@ -161,7 +162,7 @@ TEST_CASE("Row product: equals the exact one, whatever the rows beside it", "[co
   }
 }
 
-TEST_CASE("Row kernels: a missing number anywhere makes the scaled squares NaN", "[core][tree]") {
+TEST_CASE("Row kernels: a missing value makes the scaled squares NaN", "[core][tree]") {
   for (const int dimensions : {1, 7, 16, 27, 204}) {
     const Eigen::RowVectorXf ones = Eigen::RowVectorXf::Ones(dimensions);
     for (int d = 0; d < dimensions; ++d) {
@@ -174,7 +175,7 @@ TEST_CASE("Row kernels: a missing number anywhere makes the scaled squares NaN",
   }
 }
 
-TEST_CASE("Row kernels: alike rows project alike wherever they stand", "[core][tree]") {
+TEST_CASE("Row kernels: equal rows have equal projections at every position", "[core][tree]") {
   const int dimensions = 21;
   core::FrameMatrix rows = core::FrameMatrix::Random(50, dimensions);
   rows.rowwise() = rows.row(0).eval();

@@ -47,7 +47,7 @@ std::vector<double> Values(Shape shape, int count) {
 
 }  // namespace
 
-TEST_CASE("SortValues: sorts whatever the values look like, on any threads", "[core][tree]") {
+TEST_CASE("SortValues: sorts all distributions, on any threads", "[core][tree]") {
   for (const Shape shape : {Shape::kEven, Shape::kNormal, Shape::kHeavyTails, Shape::kTwoFar,
                             Shape::kFew, Shape::kSame, Shape::kSorted}) {
     for (const int count : {0, 1, 2, 64, 65, 1000, 32767, 32768, 100'000}) {

@@ -1,4 +1,4 @@
-// Threads to lend to the tree build in tests.
+// Threads for the tree build in tests.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace motiondb::tests {
 
-// Runs the body's indices on four threads in an order of their own.
+// Runs the body's indices on four threads, in descending order.
 inline void OnFourThreads(int count, const std::function<void(int)>& body) {
   std::atomic<int> next = count;
   std::vector<std::thread> threads;

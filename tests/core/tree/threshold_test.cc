@@ -19,7 +19,7 @@ double Variance(const std::vector<double>& values, std::size_t begin, std::size_
   return sum / static_cast<double>(end - begin);
 }
 
-// Eq. 5 as written, minimised: two passes for every cut.
+// Eq. 5 literally, minimized: two passes for every cut.
 int SlowThreshold(const std::vector<double>& sorted) {
   const std::size_t n = sorted.size();
   double best = std::numeric_limits<double>::infinity();
@@ -42,11 +42,12 @@ int SlowThreshold(const std::vector<double>& sorted) {
 TEST_CASE("Threshold: equals eq. 5 computed cut by cut", "[core][tree]") {
   std::mt19937 random(1);
   for (int trial = 0; trial < 200; ++trial) {
-    std::normal_distribution<double> one(0, 1);
-    std::normal_distribution<double> two(trial % 7, 0.5);
+    std::normal_distribution<double> first_group(0, 1);
+    std::normal_distribution<double> second_group(trial % 7, 0.5);
     std::vector<double> values;
     const int n = 4 + trial;
-    for (int i = 0; i < n; ++i) values.push_back(i % 3 == 0 ? two(random) : one(random));
+    for (int i = 0; i < n; ++i)
+      values.push_back(i % 3 == 0 ? second_group(random) : first_group(random));
     std::sort(values.begin(), values.end());
     CHECK(core::MinimumErrorThreshold(values) == SlowThreshold(values));
   }
@@ -59,13 +60,13 @@ TEST_CASE("Threshold: two groups far apart are cut between them", "[core][tree]"
   CHECK(core::MinimumErrorThreshold(values) == 30);
 }
 
-TEST_CASE("Threshold: no cut where there is nothing to tell apart", "[core][tree]") {
+TEST_CASE("Threshold: no cut without separate groups", "[core][tree]") {
   CHECK(core::MinimumErrorThreshold(std::vector<double>{}) == 0);
   CHECK(core::MinimumErrorThreshold(std::vector<double>{1, 2, 3}) == 0);
   CHECK(core::MinimumErrorThreshold(std::vector<double>(100, 2.5)) == 0);
 }
 
-TEST_CASE("Threshold: runs of equal values do not upset it", "[core][tree]") {
+TEST_CASE("Threshold: handles runs of equal values", "[core][tree]") {
   std::vector<double> values(40, 0.0);
   values.insert(values.end(), 40, 1.0);
   CHECK(core::MinimumErrorThreshold(values) == 40);

@@ -38,7 +38,7 @@ TEST_CASE("BuildTree: every frame is in exactly one node of each layer", "[core]
   }
 }
 
-TEST_CASE("BuildTree: layers hang together", "[core][tree]") {
+TEST_CASE("BuildTree: layers are consistent", "[core][tree]") {
   const core::Tree tree = Build(WanderingStates(700, 12, 5), 4);
   CHECK(tree.node_count(1) == 1);
   CHECK(tree.parent(1, 0) == -1);
@@ -58,7 +58,7 @@ TEST_CASE("BuildTree: layers hang together", "[core][tree]") {
       next += children;
     }
     CHECK(next == tree.node_count(layer + 1));
-    CHECK(split);  // a layer that splits nothing is the last
+    CHECK(split);  // a layer without splits is the last
   }
 }
 
@@ -70,34 +70,33 @@ TEST_CASE("BuildTree: no node has fewer frames than the minimum", "[core][tree]"
   }
 }
 
-TEST_CASE("BuildTree: the tree does not depend on threads, and comes out the same again",
-          "[core][tree]") {
+TEST_CASE("BuildTree: the tree is deterministic and does not depend on threads", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(9000, 12, 17);  // the root is summed in runs
-  const core::Tree once = Build(states, 8);
+  const core::Tree serial = Build(states, 8);
   for (const core::Tree& other : {Build(states, 8), Build(states, 8, OnFourThreads)}) {
-    CHECK(other.frame_order() == once.frame_order());
-    REQUIRE(other.branches().size() == once.branches().size());
-    for (std::size_t b = 0; b < once.branches().size(); ++b) {
-      CHECK(other.branches()[b].begin == once.branches()[b].begin);
-      CHECK(other.branches()[b].left == once.branches()[b].left);
+    CHECK(other.frame_order() == serial.frame_order());
+    REQUIRE(other.branches().size() == serial.branches().size());
+    for (std::size_t b = 0; b < serial.branches().size(); ++b) {
+      CHECK(other.branches()[b].begin == serial.branches()[b].begin);
+      CHECK(other.branches()[b].left == serial.branches()[b].left);
     }
   }
 }
 
-TEST_CASE("BuildTree: large nodes, whose frames all threads divide, do not depend on them either",
+TEST_CASE("BuildTree: large nodes, whose frames all threads share, do not depend on them either",
           "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(70'000, 12, 23);
-  const core::Tree once = Build(states, 16);
+  const core::Tree serial = Build(states, 16);
   const core::Tree other = Build(states, 16, OnFourThreads);
-  CHECK(other.frame_order() == once.frame_order());
-  CHECK(other.branches().size() == once.branches().size());
+  CHECK(other.frame_order() == serial.frame_order());
+  CHECK(other.branches().size() == serial.branches().size());
 }
 
-TEST_CASE("BuildTree: nodes are those of exact covariance, decomposition and sort",
+TEST_CASE("BuildTree: nodes equal those of exact covariance, decomposition and sort",
           "[core][tree]") {
   for (const int frames : {200, 3000, 6000}) {
     core::FrameMatrix states = WanderingStates(frames, 24, static_cast<unsigned>(frames));
-    states.row(7) = states.row(150);  // frames that project alike go by their numbers
+    states.row(7) = states.row(150);  // equal projections are ordered by frame number
     states.row(8) = states.row(150);
     const core::Tree tree = Build(states, 8);
     const auto exact = ExactNodes(states, 8);
@@ -121,7 +120,7 @@ TEST_CASE("BuildTree: frames of a leaf are in order", "[core][tree]") {
   }
 }
 
-TEST_CASE("BuildTree: many frames alike are divided by their numbers", "[core][tree]") {
+TEST_CASE("BuildTree: many equal frames are split by their numbers", "[core][tree]") {
   core::FrameMatrix states = core::FrameMatrix::Zero(400, 6);
   for (int f = 0; f < 400; ++f) states(f, 0) = static_cast<float>(f % 5);
   const core::Tree tree = Build(states, 16);
@@ -137,14 +136,14 @@ TEST_CASE("BuildTree: many frames alike are divided by their numbers", "[core][t
   }
 }
 
-TEST_CASE("BuildTree: frames that are all alike make one node", "[core][tree]") {
+TEST_CASE("BuildTree: equal frames make one node", "[core][tree]") {
   const core::Tree tree = Build(core::FrameMatrix::Constant(50, 6, 1.5f), 2);
   CHECK(tree.layer_count() == 1);
   CHECK(tree.total_node_count() == 1);
   CHECK(Build(core::FrameMatrix::Zero(1, 6), 16).layer_count() == 1);
 }
 
-TEST_CASE("BuildTree: refuses what it cannot build and stops when told", "[core][tree]") {
+TEST_CASE("BuildTree: refuses invalid input and can be cancelled", "[core][tree]") {
   const auto code = [](const auto& result) { return result.status().code(); };
   CHECK(code(core::BuildTree(core::FrameMatrix(0, 6), 16, core::Serially)) ==
         absl::StatusCode::kInvalidArgument);

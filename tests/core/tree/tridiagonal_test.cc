@@ -21,7 +21,7 @@ struct Tridiagonal {
   }
 };
 
-// As the Lanczos method makes them: positive beside the diagonal.
+// As in the Lanczos method: positive off-diagonal elements.
 Tridiagonal RandomTridiagonal(int size, double decay, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> uniform(0.2, 1);

@@ -1,4 +1,4 @@
-// How often the right label is named.
+// Accuracy of labels.
 #pragma once
 
 #include <string>
@@ -11,13 +11,13 @@ struct Named {
   std::string named;
 };
 
-// Share of right names, 0 to 1. NaN where there is none.
+// Returns the fraction of correct labels. NaN if there are none.
 double Accuracy(const std::vector<Named>& names);
 
-// The same over those whose truth is `label`.
+// Returns the accuracy over the names whose truth is `label`.
 double AccuracyOf(const std::vector<Named>& names, const std::string& label);
 
-// Mean over the labels that occur as truth of the accuracy of each.
+// Returns the mean of the accuracies of all labels that occur as truth.
 double MacroAccuracy(const std::vector<Named>& names);
 
 }  // namespace motiondb::tests

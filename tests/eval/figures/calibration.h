@@ -1,4 +1,4 @@
-// Does a confidence mean what it says?
+// Calibration of confidences.
 #pragma once
 
 #include <vector>
@@ -11,18 +11,18 @@ struct Claim {
 };
 
 struct ReliabilityBin {
-  double lower = 0;  // confidences in (lower, upper]; the first bin has 0 too
+  double lower = 0;  // confidences in (lower, upper]; the first bin includes 0
   double upper = 0;
   int count = 0;
-  double confidence = 0;  // mean; 0 where the bin is empty
+  double confidence = 0;  // mean; 0 if the bin is empty
   double accuracy = 0;
 };
 
-// Claims in `bins` bins of equal width.
+// Distributes claims over `bins` bins of equal width.
 std::vector<ReliabilityBin> Reliability(const std::vector<Claim>& claims, int bins = 10);
 
-// Expected calibration error: |accuracy - confidence| of each bin, weighted by its share of the
-// claims. NaN where there is none.
+// Returns the expected calibration error: the mean of |accuracy - confidence| over the bins,
+// weighted by their claims. NaN if there are none.
 double CalibrationError(const std::vector<ReliabilityBin>& reliability);
 
 }  // namespace motiondb::tests

@@ -9,18 +9,19 @@ core::FrameMatrix FillByInterpolation(const core::StateSequence& observation) {
   const Eigen::Index frames = positions.rows();
   for (Eigen::Index m = 0; m < positions.cols() / 3; ++m) {
     auto marker = positions.middleCols<3>(3 * m);
-    Eigen::Index seen = -1;  // the last frame that has the marker
+    Eigen::Index last_seen = -1;  // the last frame with the marker
     for (Eigen::Index t = 0; t <= frames; ++t) {
       if (t < frames && std::isnan(marker(t, 0))) continue;
-      for (Eigen::Index gap = seen + 1; gap < t; ++gap) {
-        if (seen >= 0 && t < frames) {
-          const float share = static_cast<float>(gap - seen) / static_cast<float>(t - seen);
-          marker.row(gap) = (1 - share) * marker.row(seen) + share * marker.row(t);
-        } else if (seen >= 0 || t < frames) {
-          marker.row(gap) = marker.row(seen >= 0 ? seen : t);
+      for (Eigen::Index gap = last_seen + 1; gap < t; ++gap) {
+        if (last_seen >= 0 && t < frames) {
+          const float share =
+              static_cast<float>(gap - last_seen) / static_cast<float>(t - last_seen);
+          marker.row(gap) = (1 - share) * marker.row(last_seen) + share * marker.row(t);
+        } else if (last_seen >= 0 || t < frames) {
+          marker.row(gap) = marker.row(last_seen >= 0 ? last_seen : t);
         }
       }
-      seen = t;
+      last_seen = t;
     }
   }
   return positions;

@@ -1,4 +1,4 @@
-// Peers of filling in missing markers. Safe to call from any thread.
+// Peers of the estimation of missing markers.
 #pragma once
 
 #include "core/motion/states.h"
@@ -7,18 +7,17 @@
 
 namespace motiondb::tests {
 
-// Marker positions in the world (m, frames x 3 N_v): a missing marker is on the line from where it
-// was last seen to where it is next seen; where it has only one of them, there; NaN where it is
+// Returns marker positions in the world (m, frames x 3 N_v). A missing marker is interpolated
+// linearly between the frames before and after with it, or copied from the only one. NaN if it is
 // never seen.
 core::FrameMatrix FillByInterpolation(const core::StateSequence& observation);
 
-// The missing markers of each frame as the stored frame has them that is nearest by the numbers
-// present.
+// Copies the missing markers of each frame from the nearest stored frame, by the numbers present.
 class FillFromNearest {
  public:
   explicit FillFromNearest(const ClipSet& training);
 
-  // As above.
+  // Returns positions as above.
   core::FrameMatrix Fill(const core::StateSequence& observation) const;
 
  private:

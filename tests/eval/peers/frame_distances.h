@@ -1,5 +1,4 @@
-// Distances between the frames of two motions, missing numbers left out. Safe to call from any
-// thread.
+// Distances between the frames of two motions. Missing numbers are ignored.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,22 +7,22 @@
 
 namespace motiondb::tests {
 
-// A stored motion, made ready for many distances to it. It has no NaN.
+// A stored motion without NaN, prepared for many distances.
 struct StoredFrames {
   StoredFrames() = default;
   explicit StoredFrames(core::FrameMatrix stored)
       : frames(std::move(stored)), squares(frames.cwiseAbs2()) {}
 
   core::FrameMatrix frames;   // frames x dimensions
-  core::FrameMatrix squares;  // of each number
+  core::FrameMatrix squares;  // of each element
 };
 
 struct FrameDistances {
   core::FrameMatrix squares;  // observed x stored frames: sum of squared differences
-  Eigen::VectorXf present;    // how many numbers of each observed frame are not NaN
+  Eigen::VectorXf present;    // number of values that are not NaN, per observed frame
 };
 
-// Exact up to rounding: |a - b|^2 = |a|^2 - 2 a b + |b|^2 over the numbers present, by matrix
+// Exact up to rounding: |a - b|^2 = |a|^2 - 2 a b + |b|^2 over the values present, by matrix
 // products.
 FrameDistances DistancesTo(const StoredFrames& stored, const core::FrameMatrix& observed);
 

@@ -14,10 +14,10 @@ using Eigen::VectorXd;
 
 constexpr double kNever = -std::numeric_limits<double>::infinity();
 
-// Beside the greatest term, one this far below is lost in rounding and costs no exponential.
+// A term this far below the maximum is lost in rounding, so its exponential is skipped.
 constexpr double kLostInRounding = -40;
 
-// Of a row or column; takes no memory, for this is what Baum-Welch does most.
+// Log-sum-exp of a row or column. Allocates nothing: Baum-Welch spends most of its time here.
 template <typename Logs>
 double LogSum(const Logs& logs) {
   const double peak = logs.maxCoeff();
@@ -30,7 +30,7 @@ double LogSum(const Logs& logs) {
   return peak + std::log(sum);
 }
 
-// log P(x_1 .. x_t, state at t): frames x states.
+// Returns log P(x_1 .. x_t, state at t): frames x states.
 MatrixXd Forward(const VectorXd& log_initial, const MatrixXd& log_transition,
                  const MatrixXd& emission) {
   MatrixXd alpha(emission.rows(), emission.cols());
@@ -43,7 +43,7 @@ MatrixXd Forward(const VectorXd& log_initial, const MatrixXd& log_transition,
   return alpha;
 }
 
-// log P(x_t+1 .. x_T | state at t): frames x states.
+// Returns log P(x_t+1 .. x_T | state at t): frames x states.
 MatrixXd Backward(const MatrixXd& log_transition, const MatrixXd& emission) {
   MatrixXd beta = MatrixXd::Zero(emission.rows(), emission.cols());
   for (Index t = emission.rows() - 2; t >= 0; --t) {
@@ -66,7 +66,7 @@ MatrixXd Stack(const std::vector<MatrixXd>& sequences) {
   return all;
 }
 
-// Each sequence in equal parts: frames x states, one 1 a row.
+// Splits each sequence into equal parts: frames x states, one 1 per row.
 MatrixXd EqualParts(const std::vector<MatrixXd>& sequences, int states) {
   std::vector<MatrixXd> weights;
   for (const MatrixXd& sequence : sequences) {
@@ -76,7 +76,8 @@ MatrixXd EqualParts(const std::vector<MatrixXd>& sequences, int states) {
   return Stack(weights);
 }
 
-// k-means from the frame nearest the mean and then always the frame furthest from those taken.
+// k-means, initialized with the frame nearest the mean and then repeatedly the frame furthest from
+// the chosen ones.
 MatrixXd Clusters(const MatrixXd& frames, int states) {
   constexpr int kRounds = 10;
   MatrixXd centres(states, frames.cols());
@@ -138,7 +139,7 @@ void GaussianHmm::SetGaussians(const MatrixXd& weights, const MatrixXd& frames, 
   const MatrixXd squares = weights.transpose() * frames.cwiseAbs2();
   for (Index s = 0; s < weights.cols(); ++s) {
     const double weight = weights.col(s).sum();
-    if (weight < 1e-9) continue;  // a state that nothing is in stays as it was
+    if (weight < 1e-9) continue;  // keeps the parameters of an empty state
     means_.row(s) = sums.row(s) / weight;
     variances_.row(s) = (squares.row(s) / weight - means_.row(s).cwiseAbs2()).cwiseMax(floor);
   }

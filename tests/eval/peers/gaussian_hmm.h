@@ -1,5 +1,5 @@
-// A hidden Markov model with a diagonal Gaussian in each state, learned by Baum-Welch in log space.
-// Immutable once fitted; safe to share between threads.
+// A hidden Markov model with a diagonal Gaussian in each state, trained by Baum-Welch in log space.
+// Immutable once fitted.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,35 +8,34 @@
 namespace motiondb::tests {
 
 enum class Topology {
-  kLeftRight,  // begins in the first state; stays or goes on to the next
-  kErgodic,    // any state may follow any
+  kLeftRight,  // starts in the first state; stays or moves to the next
+  kErgodic,    // any state may follow any state
 };
 
 struct HmmOptions {
   int states = 4;
   Topology topology = Topology::kLeftRight;
-  double variance_floor = 0.1;  // least variance of a dimension
+  double variance_floor = 0.1;  // minimum variance of a dimension
   int max_iterations = 20;
-  double least_gain = 1e-3;  // of the log likelihood a frame; stops when an iteration gains less
+  double least_gain = 1e-3;  // of the log likelihood per frame; stops if an iteration gains less
 };
 
 class GaussianHmm {
  public:
-  // frames x dimensions. NaN is a missing number and is left out of the likelihood.
+  // frames x dimensions. NaN is a missing number, ignored by the likelihood.
   using Sequence = Eigen::MatrixXd;
 
-  // From whole sequences without NaN. Begins with each sequence cut into as many equal parts as
-  // there are states (left-right), or with k-means from frames far apart (ergodic): the same input
-  // gives the same model. `likelihoods`, where given, receives the log likelihood before each
-  // iteration.
+  // Fits whole sequences without NaN. Starts from equal parts of each sequence (left-right) or from
+  // k-means (ergodic). Deterministic. Writes the log likelihood before each iteration to
+  // `likelihoods`, if given.
   static GaussianHmm Fit(const std::vector<Sequence>& sequences, const HmmOptions& options,
                          std::vector<double>* likelihoods = nullptr);
 
-  // log P(sequence), natural, summed over all state paths. With `anywhere` the sequence is a part
-  // of a motion and may begin in any state alike.
+  // Returns log P(sequence), natural, summed over all state paths. With `anywhere` the sequence is
+  // a part of a motion: all initial states are equally probable.
   double LogLikelihood(const Sequence& sequence, bool anywhere = false) const;
 
-  // log density of each frame in each state: frames x states.
+  // Returns the log density of each frame in each state: frames x states.
   Eigen::MatrixXd LogEmission(const Sequence& sequence) const;
 
   const Eigen::VectorXd& log_initial() const { return log_initial_; }

@@ -1,4 +1,4 @@
-// Peer: one hidden Markov model a label; the label whose model makes the observation likeliest.
+// Peer: one hidden Markov model per label; the label with the highest likelihood wins.
 #pragma once
 
 #include "tests/eval/peers/gaussian_hmm.h"
@@ -11,14 +11,14 @@ class HmmPerLabel : public Peer {
   explicit HmmPerLabel(const HmmOptions& options) : options_(options) {}
 
   absl::Status Learn(const ClipSet& training, const std::vector<std::string>& labels) override;
-  // The log likelihood a frame. A window may begin in any state.
+  // Returns log likelihoods per frame. A window may start in any state.
   std::vector<double> Score(const core::StateSequence& observation, Extent extent) const override;
   double model_bytes() const override;
 
  private:
   const HmmOptions options_;
   PeerScale scale_;
-  std::vector<GaussianHmm> models_;  // one a label
+  std::vector<GaussianHmm> models_;  // one per label
 };
 
 }  // namespace motiondb::tests

@@ -11,10 +11,10 @@
 namespace motiondb::tests {
 namespace {
 
-constexpr int kHistory = 10;       // frames of the past that choosing looks at
+constexpr int kHistory = 10;       // past frames that tuning compares
 constexpr int kChoosingStep = 10;  // frames
 
-// Those that differ in their last number alone follow each other: they have the same exemplars.
+// Candidates that differ only in the last number are adjacent: they share their exemplars.
 std::vector<ExemplarOptions> Candidates() {
   std::vector<ExemplarOptions> candidates;
   for (const int lags : {1, 3}) {
@@ -49,7 +49,7 @@ std::vector<int> InFrames(const std::vector<double>& horizons, double frame_rate
   return frames;
 }
 
-// Steps from the frame before; 0 in the first row.
+// Returns differences from the previous frame; the first row is 0.
 core::FrameMatrix StepsOf(const core::FrameMatrix& positions) {
   core::FrameMatrix steps = core::FrameMatrix::Zero(positions.rows(), positions.cols());
   const Eigen::Index moves = positions.rows() - 1;
@@ -134,7 +134,7 @@ Eigen::RowVectorXf NearestExemplar::Future(const core::FrameMatrix& observed,
                         positions_.frames.row(exemplar.frame));
     step += weight * steps_.frames.row(exemplar.frame);
   }
-  // decay + decay^2 + ... of the difference of the present step.
+  // The sum decay + decay^2 + ... scales the difference of the present step.
   double share = 0;
   for (int i = 1; i <= ahead; ++i) share += std::pow(step_decay, i);
   return future + static_cast<float>(share) * (observed.row(now) - observed.row(now - 1) - step);
@@ -171,8 +171,8 @@ absl::Status NearestExemplar::Fit(const ClipSet& training, const std::vector<dou
     }
   }
   chosen_ =
-      "by leaving each training clip out in turn, for each horizon lags/step weight/exemplars/step "
-      "decay ";
+      "by leaving each training clip out in turn; for each horizon: lags/step "
+      "weight/exemplars/step decay ";
   for (std::size_t h = 0; h < ahead.size(); ++h) {
     Eigen::Index best = 0;
     errors.col(static_cast<Eigen::Index>(h)).minCoeff(&best);
@@ -197,7 +197,7 @@ absl::StatusOr<Forecast> NearestExemplar::Predict(const core::MarkerMotion& past
       exemplars = Exemplars(compared, options, furthest, -1);
     }
     if (exemplars.empty()) {
-      return core::FailedPrecondition("no stored clip is longer than the furthest horizon");
+      return core::FailedPrecondition("expected a stored clip longer than the furthest horizon");
     }
     forecast.positions_m.row(static_cast<Eigen::Index>(h)) =
         Future(past.positions_m, exemplars, options.step_decay, ahead[h]);

@@ -1,4 +1,4 @@
-// A peer: another way to recognize motion, plain and exact, that the database is measured against.
+// A peer: a simple, exact recognition method that the database is compared with.
 #pragma once
 
 #include <string>
@@ -11,10 +11,10 @@
 
 namespace motiondb::tests {
 
-// What part of a motion an observation is.
+// The part of a motion that is observed.
 enum class Extent {
   kWindow,  // a part from anywhere
-  kWhole,   // all of it
+  kWhole,   // the whole motion
   kPrefix,  // its beginning
 };
 
@@ -22,19 +22,19 @@ class Peer {
  public:
   virtual ~Peer() = default;
 
-  // Learns the clips, of which there is at least one of each of `labels`. Once.
+  // Learns the clips, at least one of each of `labels`. Called once.
   virtual absl::Status Learn(const ClipSet& training, const std::vector<std::string>& labels) = 0;
 
-  // For each label how well it fits, the higher the better, in the order given to Learn. The
-  // observation (not scaled) may have NaN. Safe to call from any thread once Learn is over.
+  // Returns the score of each label (higher is better) in the order passed to Learn. The
+  // observation is not scaled and may have NaN. Thread-safe after Learn.
   virtual std::vector<double> Score(const core::StateSequence& observation,
                                     Extent extent) const = 0;
 
-  // What it keeps in memory to answer.
+  // Returns the memory needed to answer.
   virtual double model_bytes() const = 0;
 };
 
-// States brought to one scale, learned from training clips: divided as core::Scaling says.
+// Scales states as core::Scaling, fitted to the training clips.
 class PeerScale {
  public:
   PeerScale() = default;
@@ -44,10 +44,10 @@ class PeerScale {
 
  private:
   core::FeatureScale scale_;
-  Eigen::RowVectorXf mean_;  // taken away, so that sums of squares stay small
+  Eigen::RowVectorXf mean_;  // subtracted, so that sums of squares stay small
 };
 
-// The index of a clip's label among `labels`.
+// Returns the index of a clip's label in `labels`.
 int LabelIndex(const EvalClip& clip, const std::vector<std::string>& labels);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// Peers of prediction that learn nothing: the pose stays, or every marker goes on as it went.
+// Peers of prediction that learn nothing: constant pose, or constant velocity of every marker.
 #pragma once
 
 #include "tests/eval/predictors/predictor.h"
@@ -7,7 +7,8 @@ namespace motiondb::tests {
 
 class SimpleMotion : public Predictor {
  public:
-  // The share of the last frame's velocity (a backward difference) that is kept: 0 or 1.
+  // `share_of_velocity`: fraction of the last frame's velocity (a backward difference) that is
+  // kept, 0 or 1.
   explicit SimpleMotion(float share_of_velocity) : share_of_velocity_(share_of_velocity) {}
 
   absl::Status Fit(const ClipSet&, const std::vector<double>&) override { return absl::OkStatus(); }

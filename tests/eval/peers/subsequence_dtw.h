@@ -1,5 +1,5 @@
-// Peer: the label of the nearest stored clip by dynamic time warping; of its nearest part for a
-// window, of its nearest beginning for a beginning.
+// Peer: the label of the nearest stored clip by dynamic time warping. Windows match a part of a
+// clip, prefixes its beginning.
 #pragma once
 
 #include "tests/eval/peers/frame_distances.h"
@@ -9,11 +9,11 @@ namespace motiondb::tests {
 
 struct WarpEnds {
   bool free_start = false;  // the path may begin at any stored frame
-  bool free_end = false;    // and end at any
+  bool free_end = false;    // the path may end at any stored frame
 };
 
-// The least cost of a warping path through `costs` (observed x stored frames): steps (1, 0),
-// (0, 1) and (1, 1), each cell on the way counted once, from the first observed frame to the last.
+// Returns the minimum cost of a warping path through `costs` (observed x stored frames), from the
+// first to the last observed frame. Steps: (1, 0), (0, 1) and (1, 1); each cell counts once.
 // O(cells).
 double WarpCost(const core::FrameMatrix& costs, WarpEnds ends);
 
@@ -22,9 +22,9 @@ class SubsequenceDtw : public Peer {
   explicit SubsequenceDtw(core::Scaling scaling) : scaling_(scaling) {}
 
   absl::Status Learn(const ClipSet& training, const std::vector<std::string>& labels) override;
-  // Minus the cost a frame of each label's nearest clip. The local cost is the mean squared
-  // difference over the numbers present; a clip's cost is divided by the frames of both for whole
-  // clips, by the observed frames otherwise.
+  // Returns minus the cost per frame of each label's nearest clip. The local cost is the mean
+  // squared difference of the values present. The cost is divided by the frames of both motions for
+  // whole clips, by the observed frames otherwise.
   std::vector<double> Score(const core::StateSequence& observation, Extent extent) const override;
   double model_bytes() const override;
 

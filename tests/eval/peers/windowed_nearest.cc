@@ -9,18 +9,18 @@
 namespace motiondb::tests {
 namespace {
 
-// Of the window [first, first + width) of the observed frames.
+// Returns the distance of the window [first, first + width) of the observed frames.
 double Nearest(const FrameDistances& distances, Eigen::Index first, Eigen::Index width) {
   const Eigen::Index run = std::min(width, distances.squares.cols());
   const float present = distances.present.segment(first, run).sum();
   if (present == 0) return 0;
-  double least = std::numeric_limits<double>::infinity();
+  double minimum = std::numeric_limits<double>::infinity();
   for (Eigen::Index start = 0; start + run <= distances.squares.cols(); ++start) {
     double sum = 0;
     for (Eigen::Index t = 0; t < run; ++t) sum += distances.squares(first + t, start + t);
-    least = std::min(least, sum);
+    minimum = std::min(minimum, sum);
   }
-  return least / present;
+  return minimum / present;
 }
 
 }  // namespace
@@ -48,14 +48,14 @@ std::vector<double> WindowedNearest::Score(const core::StateSequence& observatio
   const Eigen::Index width = std::min(observed.rows(), in_frames(kWindowSeconds));
   const Eigen::Index hop = in_frames(kHopSeconds);
   const Eigen::Index windows = (observed.rows() - width) / hop + 1;
-  // [window][label]
+  // [window][label].
   core::FrameMatrix nearest = core::FrameMatrix::Constant(
       windows, static_cast<Eigen::Index>(label_count_), std::numeric_limits<float>::infinity());
   for (std::size_t c = 0; c < clips_.size(); ++c) {
     const FrameDistances distances = DistancesTo(clips_[c], observed);
     for (Eigen::Index w = 0; w < windows; ++w) {
-      float& least = nearest(w, labels_[c]);
-      least = std::min(least, static_cast<float>(Nearest(distances, w * hop, width)));
+      float& minimum = nearest(w, labels_[c]);
+      minimum = std::min(minimum, static_cast<float>(Nearest(distances, w * hop, width)));
     }
   }
   const Eigen::RowVectorXd means = nearest.cast<double>().colwise().mean();

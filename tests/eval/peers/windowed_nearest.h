@@ -1,4 +1,4 @@
-// Peer: the label of the nearest stored window, frame by frame, of all that there are.
+// Peer: the label of the nearest stored window by exhaustive search.
 #pragma once
 
 #include "tests/eval/peers/frame_distances.h"
@@ -6,9 +6,9 @@
 
 namespace motiondb::tests {
 
-// The smallest mean squared difference (over the numbers present) between the window `observed`
-// and a run of as many stored frames. Where fewer are stored, their mean against as many of the
-// window's frames. O(observed x stored frames x dimensions).
+// Returns the minimum mean squared difference (values present) between the window `observed` and a
+// stored run of equal length. If fewer frames are stored, compares all of them with as many frames
+// of the window. O(observed x stored frames x dimensions).
 double NearestWindow(const StoredFrames& stored, const core::FrameMatrix& observed);
 
 class WindowedNearest : public Peer {
@@ -16,8 +16,8 @@ class WindowedNearest : public Peer {
   explicit WindowedNearest(core::Scaling scaling) : scaling_(scaling) {}
 
   absl::Status Learn(const ClipSet& training, const std::vector<std::string>& labels) override;
-  // Minus the distance of each label's nearest window. A longer observation is cut into windows of
-  // 0.4 s every 0.1 s and their distances are averaged.
+  // Returns minus the distance of each label's nearest window. A longer observation is split into
+  // windows of 0.4 s every 0.1 s; their distances are averaged.
   std::vector<double> Score(const core::StateSequence& observation, Extent extent) const override;
   double model_bytes() const override;
 

@@ -1,4 +1,4 @@
-// The database itself as the protocols see it: builds a model and asks core::Predict.
+// The database as a predictor: builds a model and calls core::Predict.
 #pragma once
 
 #include <optional>
@@ -32,7 +32,7 @@ class DatabasePredictor : public Predictor {
   std::optional<core::Model> model_;
 };
 
-// One row for each way that the database predicts.
+// Returns one row per prediction method of the database.
 std::vector<PredictionMethod> DatabasePredictionMethods(const core::MarkerSet& set);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// The rows of the table of prediction: the database's methods and their peers.
+// The rows of the prediction tables: the database's methods and their peers.
 #pragma once
 
 #include <vector>

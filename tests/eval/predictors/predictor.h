@@ -1,5 +1,4 @@
-// What the protocols of prediction ask: a way to say where markers will be, the database's or a
-// peer's.
+// Interface of prediction methods for the protocols: the database's and the peers'.
 #pragma once
 
 #include <functional>
@@ -13,22 +12,22 @@
 namespace motiondb::tests {
 
 struct Forecast {
-  core::FrameMatrix positions_m;   // horizons x 3 N_v, in the world of the past
-  std::vector<double> confidence;  // one a horizon, 0 to 1; empty if the method gives none
+  core::FrameMatrix positions_m;   // horizons x 3 N_v, in the world frame of the past
+  std::vector<double> confidence;  // one per horizon, 0 to 1; empty if the method has none
 };
 
 class Predictor {
  public:
   virtual ~Predictor() = default;
 
-  // Learns the clips, with parameters chosen for these horizons (s) from these clips alone. Once.
+  // Learns the clips; chooses parameters for these horizons (s) on these clips alone. Called once.
   virtual absl::Status Fit(const ClipSet& training, const std::vector<double>& horizons) = 0;
 
-  // From the last frame of the past, at least two frames. Safe to call from any thread once fitted.
+  // Predicts from the last frame of the past, which has at least two frames. Thread-safe after Fit.
   virtual absl::StatusOr<Forecast> Predict(const core::MarkerMotion& past,
                                            const std::vector<double>& horizons) const = 0;
 
-  // How the parameters were chosen, and which they are. Once fitted.
+  // Returns how the parameters were chosen, and their values. Call after Fit.
   virtual std::string chosen() const = 0;
   virtual double model_bytes() const = 0;
 };

@@ -20,9 +20,9 @@ std::vector<Claim> ClaimsOf(const Judged& judged) {
   return claims;
 }
 
-// Bins that nothing fell into are left out.
+// Omits empty bins.
 Table ReliabilityTable(const std::string& title, const std::vector<Claim>& claims) {
-  Table table{.title = title, .columns = {{"cases", 0}, {"mean confidence, %"}, {"right, %"}}};
+  Table table{.title = title, .columns = {{"cases", 0}, {"mean confidence, %"}, {"correct, %"}}};
   for (const ReliabilityBin& bin : Reliability(claims)) {
     if (bin.count == 0) continue;
     table.rows.push_back(
@@ -60,8 +60,8 @@ absl::Status AddRecognition(RecognitionStudy& study, Tables& tables) {
     }
   }
   errors.notes.push_back(
-      "The claim is the greatest label probability; a peer's comes of its scores at a temperature "
-      "chosen on held-out training clips.");
+      "The confidence is the highest label probability; a peer's is the softmax of its scores, "
+      "with a temperature chosen on held-out training clips.");
   tables.push_back(std::move(errors));
   std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
   return absl::OkStatus();
@@ -91,10 +91,8 @@ absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
     reliability.push_back(
         ReliabilityTable(fmt::format("Reliability: {}, prediction", method.name), all));
   }
-  errors.notes.push_back(
-      fmt::format("A prediction is right if its markers are on average within {:.0f} mm of where "
-                  "they came to be.",
-                  kRightMm));
+  errors.notes.push_back(fmt::format(
+      "A prediction is correct if the mean error of its markers is at most {:.0f} mm.", kRightMm));
   tables.push_back(std::move(errors));
   std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
   return absl::OkStatus();

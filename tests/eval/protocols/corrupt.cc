@@ -20,7 +20,7 @@ constexpr core::Method kMethods[] = {core::Method::kBest, core::Method::kPaper};
 
 struct Corruption {
   const char* name;
-  // Which frames of the one clip in twenty.
+  // Returns the corrupt frames; applied to one clip in twenty.
   std::vector<int> (*frames)(int frame_count);
 };
 
@@ -44,9 +44,9 @@ constexpr std::pair<core::GlitchPolicy, const char*> kPolicies[] = {
     {core::GlitchPolicy::kDrop, "drop"},
     {core::GlitchPolicy::kKeep, "keep"}};
 
-// A database of clips of which the first of each twenty is corrupt, as its setting stores them.
+// Clips of which the first of every twenty is corrupt, stored by a glitch policy.
 struct Stored {
-  std::vector<EvalClip> clips;  // those that were not refused
+  std::vector<EvalClip> clips;  // without the rejected clips
 
   ClipSet set() const {
     ClipSet all;
@@ -98,7 +98,7 @@ absl::StatusOr<double> WindowAccuracy(const core::Model& model, const ClipSet& t
   return 100.0 * right / windows;
 }
 
-// Mean over the markers of windows every half second, mm.
+// Returns the mean marker error of predictions every half second, mm.
 absl::StatusOr<double> PredictionError(const core::Model& model, const core::MarkerSet& set,
                                        const ClipSet& test, core::Method method) {
   core::PredictOptions options;
@@ -158,8 +158,8 @@ absl::StatusOr<Row> Measure(const Corpus& corpus, const Corruption& corruption,
 absl::StatusOr<Tables> RunCorrupt(Studies& studies) {
   RecognitionStudy& study = studies.recognition;
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
-  Table table{.title = "Database 1 with corrupt frames, by what becomes of them",
-              .columns = {{"windows right, %"},
+  Table table{.title = "Database 1 with corrupt frames, by glitch policy",
+              .columns = {{"windows correct, %"},
                           {"PAPER: windows"},
                           {"error at 0.4 s, mm"},
                           {"PAPER: error"},
@@ -178,10 +178,9 @@ absl::StatusOr<Tables> RunCorrupt(Studies& studies) {
     table.rows.push_back(*row);
   }
   table.notes.push_back(
-      "One stored clip of twenty is corrupt: all its markers are 100 m away in one frame, or in "
-      "one "
-      "of a hundred. Windows of 0.4 s every 0.1 s, forecasts every 0.5 s of the clean test clips. "
-      "A clean clip may have glitches too: reject then stores fewer clips.");
+      "One stored clip in twenty is corrupt: all its markers are 100 m away in one frame, or in 1 "
+      "% of its frames. Windows of 0.4 s every 0.1 s, forecasts every 0.5 s of the clean test "
+      "clips. Clean clips may have glitches too, so that reject stores fewer clips.");
   return Tables{table};
 }
 

@@ -10,7 +10,7 @@ absl::StatusOr<Tables> RunEarly(Studies& studies) {
   RecognitionStudy& study = studies.recognition;
   constexpr auto kWhich = Experiments::kHdm05Clips;
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
-  Table table{.title = "Clips named right from their beginning, %"};
+  Table table{.title = "Clips recognized correctly from their beginning, %"};
   for (const RecognitionMethod& method : study.methods()) table.rows.push_back({method.name});
   for (const int percent : {10, 20, 40, 60, 80}) {
     const Observe beginning =
@@ -29,8 +29,8 @@ absl::StatusOr<Tables> RunEarly(Studies& studies) {
     }
   }
   table.notes.push_back(
-      "Parameters are those chosen for whole clips. Nothing after the beginning is known, so the "
-      "last velocities are backward differences. DTW may end anywhere in a stored clip.");
+      "Parameters are those of whole clips. Nothing after the beginning is known, so the last "
+      "velocities are backward differences. DTW may end anywhere in a stored clip.");
   return Tables{table};
 }
 

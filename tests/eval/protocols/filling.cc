@@ -13,13 +13,13 @@
 namespace motiondb::tests {
 namespace {
 
-// Sums over missing markers, in metres.
+// Sums over missing markers, m and m^2.
 struct Sums {
   int missing = 0;
   double error = 0;
   double squares = 0;
-  double expected_squares = 0;  // of the deviations that the database states
-  double interpolated = 0;      // NaN where a marker is never seen
+  double expected_squares = 0;  // predicted by the database's standard deviations
+  double interpolated = 0;      // NaN if a marker is never seen
   double nearest = 0;
   int frames = 0;
   double seconds = 0;
@@ -51,14 +51,15 @@ absl::StatusOr<Sums> FillClip(const core::Model& model, const FillFromNearest& n
     ++sums.frames;
     for (Eigen::Index m = 0; m < truth.cols() / 3; ++m) {
       if (!std::isnan(observation.states(filled.frame, 6 * m))) continue;
-      const Eigen::RowVector3f where = truth.row(filled.frame).segment<3>(3 * m);
-      const double error = (filled.marker_positions_m.segment<3>(3 * m).transpose() - where).norm();
+      const Eigen::RowVector3f true_position = truth.row(filled.frame).segment<3>(3 * m);
+      const double error =
+          (filled.marker_positions_m.segment<3>(3 * m).transpose() - true_position).norm();
       ++sums.missing;
       sums.error += error;
       sums.squares += error * error;
       sums.expected_squares += std::pow(static_cast<double>(filled.deviations_m[m]), 2);
-      sums.interpolated += (by_line.row(filled.frame).segment<3>(3 * m) - where).norm();
-      sums.nearest += (by_nearest.row(filled.frame).segment<3>(3 * m) - where).norm();
+      sums.interpolated += (by_line.row(filled.frame).segment<3>(3 * m) - true_position).norm();
+      sums.nearest += (by_nearest.row(filled.frame).segment<3>(3 * m) - true_position).norm();
     }
   }
   return sums;
@@ -71,13 +72,13 @@ absl::StatusOr<Table> FillingErrors(RecognitionStudy& study,
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
   MOTIONDB_ASSIGN_OR_RETURN(const core::Model model, ModelOf(corpus->set, corpus->database1_train));
   const FillFromNearest nearest(corpus->database1_train);
-  Table table{.title = "Missing markers filled in: mean error, mm, database 1's test clips",
+  Table table{.title = "Estimation of missing markers: mean error, mm, test clips of database 1",
               .columns = {{"motiondb"},
-                          {"its rms"},
-                          {"rms it expects"},
+                          {"rms"},
+                          {"expected rms"},
                           {"interpolation"},
                           {"nearest stored frame"},
-                          {"ms a frame", 2}}};
+                          {"ms per frame", 2}}};
   for (const Condition& condition : conditions) {
     if (!condition.markers_missing) continue;
     std::vector<absl::StatusOr<Sums>> of_clips(corpus->database1_test.size());
@@ -100,8 +101,8 @@ absl::StatusOr<Table> FillingErrors(RecognitionStudy& study,
           1e3 * sums.nearest / missing, 1e3 * sums.seconds / sums.frames}});
   }
   table.notes.push_back(
-      "Whole clips are observed; a dash where a marker is never seen. The nearest stored frame is "
-      "by the numbers present. Milliseconds are of one processor and include the node path.");
+      "Whole clips are observed; a dash if a marker is never seen. The nearest stored frame is by "
+      "the values present. Processor time includes the node path.");
   return table;
 }
 

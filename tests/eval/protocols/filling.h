@@ -1,4 +1,4 @@
-// How far filled-in markers are from where they were: a part of the hard conditions.
+// Errors of estimated missing markers: a part of the hard conditions.
 #pragma once
 
 #include "absl/status/statusor.h"
@@ -8,8 +8,8 @@
 
 namespace motiondb::tests {
 
-// For each condition in which markers are missing, the mean error of every missing marker of
-// database 1's test clips by core::Estimate, what it said it would be, and by the peers.
+// Returns for each condition with missing markers the mean error over all missing markers of
+// database 1's test clips: by core::Estimate (with its expected error) and by the peers.
 absl::StatusOr<Table> FillingErrors(RecognitionStudy& study,
                                     const std::vector<Condition>& conditions);
 

@@ -11,10 +11,11 @@
 namespace motiondb::tests {
 namespace {
 
-// Rows are conditions, columns the accuracy of each method and what it loses against clean.
+// Rows are conditions; columns are the accuracy of each method and its loss against the clean
+// condition.
 absl::StatusOr<Table> Losses(RecognitionStudy& study, const std::string& what, Experiments which,
                              Extent extent, const std::vector<Condition>& conditions) {
-  Table table{.title = fmt::format("{} named right, %, and points lost", what)};
+  Table table{.title = fmt::format("{} recognized correctly, %, and loss in points", what)};
   for (const RecognitionMethod& method : study.methods()) {
     table.columns.push_back({method.name});
     table.columns.push_back({"lost"});
@@ -35,14 +36,14 @@ absl::StatusOr<Table> Losses(RecognitionStudy& study, const std::string& what, E
   return table;
 }
 
-// Accuracy by the format of the observation, and where no clip of its label is stored in it.
+// Accuracy by the format of the observation, and for labels with no stored clip in that format.
 absl::StatusOr<Table> ByFormat(RecognitionStudy& study, const std::string& what, Experiments which,
                                Extent extent) {
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::vector<Judged> judged,
       study.Judge(fmt::format("{}, by format", what), which, extent, Unchanged(extent)));
-  const auto told = [](const std::string& format) {
+  const auto has_format = [](const std::string& format) {
     return [format](const EvalClip& clip) { return clip.format == format; };
   };
   const auto elsewhere = [&](const EvalClip& clip) {
@@ -52,8 +53,11 @@ absl::StatusOr<Table> ByFormat(RecognitionStudy& study, const std::string& what,
                         });
   };
   const std::pair<std::string, std::function<bool(const EvalClip&)>> parts[] = {
-      {"AMC", told("amc")}, {"BVH", told("bvh")}, {"a format not stored for the label", elsewhere}};
-  Table table{.title = fmt::format("{} named right by the observation's format, %", what)};
+      {"AMC", has_format("amc")},
+      {"BVH", has_format("bvh")},
+      {"a format not stored for the label", elsewhere}};
+  Table table{.title =
+                  fmt::format("{} recognized correctly by format of the observation, %", what)};
   for (const auto& [name, holds] : parts) {
     const auto clips =
         std::count_if(corpus->database1_test.begin(), corpus->database1_test.end(),
@@ -93,10 +97,10 @@ absl::StatusOr<Tables> RunHard(Studies& studies) {
     MOTIONDB_ASSIGN_OR_RETURN(Table table,
                               Losses(study, part.what, part.which, part.extent, conditions));
     table.notes.push_back(
-        "Stored clips are clean. Missing throughout: a window's, or a clip's, markers other than "
-        "the hips; a limb: all but the joint that it hangs on. Noise: standard deviation of each "
+        "Stored clips are clean. Missing throughout: markers of a window or clip, except the hips. "
+        "Limb: all markers except its joint with the trunk. Noise: standard deviation of each "
         "coordinate in each frame at the database's rate, before states are computed. The size of "
-        "the body is known. Methods are fitted on clean clips, as in the protocols above.");
+        "the body is known. Methods are fitted to clean clips, as in the protocols above.");
     tables.push_back(std::move(table));
   }
   MOTIONDB_ASSIGN_OR_RETURN(Table filling, FillingErrors(study, conditions));

@@ -10,7 +10,7 @@ namespace {
 
 using Errors = std::array<double, kHorizonSeconds.size()>;
 
-// Of each action, the mean over all its windows.
+// Returns for each action the mean over all its windows.
 std::map<std::string, Errors> ErrorsByAction(const MethodForecasts& method) {
   std::map<std::string, Errors> errors;
   std::map<std::string, int> windows;
@@ -37,7 +37,7 @@ void AddTables(const std::string& half, const std::string& how, int window_step,
                const std::vector<MethodForecasts>& methods, Tables& tables) {
   Table means{.title = fmt::format("Mean 3-D error, mm, {}: mean of the actions", half),
               .columns = HorizonColumns()};
-  means.columns.insert(means.columns.end(), {{"model, MB", 2}, {"ms a query", 2}});
+  means.columns.insert(means.columns.end(), {{"model, MB", 2}, {"ms per query", 2}});
   std::map<std::string, Table> by_action;
   for (const MethodForecasts& method : methods) {
     const auto errors = ErrorsByAction(method);
@@ -58,7 +58,7 @@ void AddTables(const std::string& half, const std::string& how, int window_step,
   }
   means.notes.push_back(
       fmt::format("{} Over all points; {} windows, {}.", how, methods.front().forecasts.size(),
-                  window_step == 1 ? "every one" : fmt::format("every {} frames", window_step)));
+                  window_step == 1 ? "every window" : fmt::format("every {} frames", window_step)));
   tables.push_back(std::move(means));
   for (auto& [action, table] : by_action) tables.push_back(std::move(table));
 }
@@ -70,10 +70,11 @@ absl::StatusOr<Tables> RunPrediction(Studies& studies) {
   Tables tables;
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodForecasts>* const held_out,
                             study.LeaveOneOut());
-  AddTables("training half", "Each clip held out in turn.", study.window_step(), *held_out, tables);
+  AddTables("training half", "Each clip is held out in turn.", study.window_step(), *held_out,
+            tables);
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodForecasts>* const test, study.TrainToTest());
   if (!test->empty()) {
-    AddTables("test half", "The training half learned.", study.window_step(), *test, tables);
+    AddTables("test half", "Trained on the training half.", study.window_step(), *test, tables);
   }
   return tables;
 }

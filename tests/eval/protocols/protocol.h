@@ -1,4 +1,4 @@
-// The protocols: each runs its experiments and says what it found in tables.
+// The protocols: each runs its experiments and returns tables.
 #pragma once
 
 #include <string>
@@ -22,17 +22,17 @@ using Tables = std::vector<Table>;
 absl::StatusOr<Tables> RunWindows(Studies& studies);
 // Whole clips of HDM05, leaving one actor out.
 absl::StatusOr<Tables> RunWhole(Studies& studies);
-// The same from their beginnings.
+// Beginnings of HDM05 clips.
 absl::StatusOr<Tables> RunEarly(Studies& studies);
-// Telling motion that database 1 knows from motion that it does not.
+// Separating motion that database 1 knows from unknown motion.
 absl::StatusOr<Tables> RunUnknown(Studies& studies);
-// Marker positions up to a second ahead.
+// Marker positions up to 1 s ahead.
 absl::StatusOr<Tables> RunPrediction(Studies& studies);
-// Whether confidences are what they say.
+// Calibration of confidences.
 absl::StatusOr<Tables> RunCalibration(Studies& studies);
 // Markers missing or noisy, other frame rates, other formats.
 absl::StatusOr<Tables> RunHard(Studies& studies);
-// Stored clips with frames that no body can be in.
+// Stored clips with impossible frames.
 absl::StatusOr<Tables> RunCorrupt(Studies& studies);
 
 struct Protocol {
@@ -41,7 +41,7 @@ struct Protocol {
   absl::StatusOr<Tables> (*run)(Studies&);
 };
 
-// In the order in which they are run and printed.
+// Returns the protocols in the order of running and printing.
 const std::vector<Protocol>& Protocols();
 
 }  // namespace motiondb::tests

@@ -10,7 +10,8 @@
 namespace motiondb::tests {
 namespace {
 
-// Which of database 1's labels an action of HDM05 is, by how its name begins; "" for none.
+// Returns the label of database 1 for an HDM05 action, by the beginning of its name; "" if there is
+// none.
 std::string LabelOfAction(const std::string& action) {
   static const std::map<std::string, std::string> kLabels = {
       {"jog", "jog"}, {"kick", "kick"}, {"hop", "jump"}, {"jump", "jump"}, {"walk", "walk"}};
@@ -58,12 +59,12 @@ Table Compare(RecognitionStudy& study, Experiments which, const std::string& tit
                            Auroc(all_known, unknown)},
                           study.Chosen(which, m)});
   }
-  table.notes.push_back(fmt::format(
-      "Known: {} of database 1's test. Unknown: {} of CMU's clips labelled other, {} of HDM05's "
-      "actions that are none of the four. The last column counts {} of HDM05's jog, kick and hop "
-      "as known. The database's familiarity beside the peers' least distance or greatest "
-      "likelihood.",
-      counts[0], counts[1], counts[2], counts[3]));
+  table.notes.push_back(
+      fmt::format("Known: {} of database 1's test clips. Unknown: {} of CMU's clips labelled "
+                  "other, {} of HDM05's other actions. The last column counts {} of HDM05's jog, "
+                  "kick and hop as known. The score is the database's familiarity, or the peers' "
+                  "minimum distance or maximum likelihood.",
+                  counts[0], counts[1], counts[2], counts[3]));
   return table;
 }
 

@@ -13,15 +13,15 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
       study.Judge("whole clips", kWhich, Extent::kWhole, Unchanged(Extent::kWhole)));
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Experiment>* const experiments, study.Fitted(kWhich));
 
-  Table table{.title = "Whole clips named right, %"};
+  Table table{.title = "Whole clips recognized correctly, %"};
   for (const Experiment& experiment : *experiments) {
     table.columns.push_back({experiment.fold.test.front()->source});
   }
   table.columns.insert(table.columns.end(), {{"all clips"},
                                              {"macro over actions"},
-                                             {"clips named wrong", 0},
+                                             {"wrong clips", 0},
                                              {"model, MB", 2},
-                                             {"ms a clip", 2}});
+                                             {"ms per clip", 2}});
   for (std::size_t m = 0; m < judged.size(); ++m) {
     Row& row = table.rows.emplace_back(Row{study.methods()[m].name, {}, study.Chosen(kWhich, m)});
     for (const Experiment& experiment : *experiments) {

@@ -14,10 +14,10 @@ absl::StatusOr<Tables> RunWindows(Studies& studies) {
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
   const std::vector<std::string> labels = LabelsOf(corpus->database1_test);
 
-  Table table{.title = "0.4-s windows named right, %"};
+  Table table{.title = "0.4-s windows recognized correctly, %"};
   for (const std::string& label : labels) table.columns.push_back({label});
   table.columns.insert(table.columns.end(),
-                       {{"macro"}, {"all windows"}, {"model, MB", 2}, {"ms a window", 2}});
+                       {{"macro"}, {"all windows"}, {"model, MB", 2}, {"ms per window", 2}});
   for (std::size_t m = 0; m < judged.size(); ++m) {
     const std::vector<Named> names = judged[m].names();
     Row& row = table.rows.emplace_back(Row{study.methods()[m].name, {}, study.Chosen(kWhich, m)});
@@ -29,7 +29,7 @@ absl::StatusOr<Tables> RunWindows(Studies& studies) {
                         1e-6 * study.ModelBytes(kWhich, m), judged[m].milliseconds_each()});
   }
   table.notes.push_back(fmt::format(
-      "{} windows of {} clips, every 0.1 s; {} clips learned. Milliseconds are of one processor.",
+      "{} windows of {} clips, every 0.1 s; {} clips learned. Milliseconds of processor time.",
       judged.front().judgements.size(), corpus->database1_test.size(),
       corpus->database1_train.size()));
   return Tables{table};

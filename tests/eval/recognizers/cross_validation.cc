@@ -57,9 +57,10 @@ Folds MakeFolds(const ClipSet& clips) {
 
 double HeldOutAccuracy(const std::vector<HeldOut>& held_out) {
   int right = 0;
-  for (const HeldOut& one : held_out) {
-    right +=
-        std::max_element(one.scores.begin(), one.scores.end()) - one.scores.begin() == one.truth;
+  for (const HeldOut& observation : held_out) {
+    right += std::max_element(observation.scores.begin(), observation.scores.end()) -
+                 observation.scores.begin() ==
+             observation.truth;
   }
   return held_out.empty() ? 0 : static_cast<double>(right) / static_cast<double>(held_out.size());
 }
@@ -69,7 +70,7 @@ std::vector<double> Softmax(const std::vector<double>& scores, double temperatur
   std::vector<double> probabilities;
   double sum = 0;
   for (const double score : scores) {
-    // Scores that are all -infinity say nothing.
+    // Scores that are all -infinity give equal probabilities.
     probabilities.push_back(std::isfinite(peak) ? std::exp((score - peak) / temperature) : 1);
     sum += probabilities.back();
   }
@@ -83,8 +84,9 @@ double BestTemperature(const std::vector<HeldOut>& held_out) {
   for (int i = 0; i < kTemperatures; ++i) {
     const double temperature = std::pow(10, -4 + 8.0 * i / (kTemperatures - 1));
     double likelihood = 0;
-    for (const HeldOut& one : held_out) {
-      likelihood += std::log(std::max(Softmax(one.scores, temperature)[one.truth], 1e-12));
+    for (const HeldOut& observation : held_out) {
+      likelihood +=
+          std::log(std::max(Softmax(observation.scores, temperature)[observation.truth], 1e-12));
     }
     if (likelihood > best_likelihood) {
       best_likelihood = likelihood;

@@ -1,4 +1,4 @@
-// Choosing on training clips alone: folds, and what held-out scores tell.
+// Tuning on training clips alone: folds and statistics of held-out scores.
 #pragma once
 
 #include <string>
@@ -18,27 +18,27 @@ struct Folds {
   std::vector<Fold> folds;
 };
 
-// Leaves one source (subject) out where each source's clips leave every label behind; otherwise
-// deals the clips of each label out to three folds in turn. Every fold's training has all labels
-// that have two clips.
+// Leaves out one source (subject) at a time if all labels still remain; otherwise distributes the
+// clips of each label over three folds. The training clips of every fold have all labels with at
+// least two clips.
 Folds MakeFolds(const ClipSet& clips);
 
-// Leaves out one source after the other, in order of name.
+// Leaves out each source in turn, in order of name.
 std::vector<Fold> LeaveOneSourceOut(const ClipSet& clips);
 
-// What a fold said of a motion that it did not learn.
+// The result of a fold for a held-out motion.
 struct HeldOut {
-  std::vector<double> scores;  // one a label
+  std::vector<double> scores;  // one per label
   int truth = 0;
 };
 
 double HeldOutAccuracy(const std::vector<HeldOut>& held_out);
 
-// exp(score / temperature), divided by its sum over the labels.
+// Returns exp(score / temperature), normalized over the labels.
 std::vector<double> Softmax(const std::vector<double>& scores, double temperature);
 
-// The temperature, of a geometric series from 1e-4 to 1e4, at which the softmax gives the truths
-// the greatest likelihood.
+// Returns the temperature, from a geometric series 1e-4 to 1e4, with the maximum softmax likelihood
+// of the truths.
 double BestTemperature(const std::vector<HeldOut>& held_out);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// The database itself as the protocols see it: builds a model and asks core::Recognize.
+// The database as a recognizer: builds a model and calls core::Recognize.
 #pragma once
 
 #include <optional>
@@ -26,7 +26,7 @@ class DatabaseRecognizer : public Recognizer {
   const std::vector<std::string>& labels() const override { return labels_; }
   std::string chosen_by() const override { return setting_.chosen; }
   std::string parameters() const override { return ""; }
-  // States, node statistics, graphs and what is familiar.
+  // Includes states, node statistics, graphs and familiarity statistics.
   double model_bytes() const override;
 
  private:
@@ -36,7 +36,7 @@ class DatabaseRecognizer : public Recognizer {
   std::optional<core::Model> model_;
 };
 
-// One row for each way that the database recognizes.
+// Returns one row per recognition method of the database.
 std::vector<RecognitionMethod> DatabaseMethods(const core::MarkerSet& set);
 
 }  // namespace motiondb::tests

@@ -11,7 +11,7 @@
 namespace motiondb::tests {
 namespace {
 
-// One candidate for each way to scale the states.
+// Returns one candidate per scaling of the states.
 template <typename Nearest>
 std::vector<PeerCandidate> ScaledCandidates() {
   std::vector<PeerCandidate> candidates;

@@ -1,4 +1,4 @@
-// The rows of the tables of recognition: the database's methods and their peers.
+// The rows of the recognition tables: the database's methods and their peers.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace motiondb::tests {
 
-// `set` is what observations are told on.
+// `set` is the marker set of the observations.
 std::vector<RecognitionMethod> RecognitionMethods(const core::MarkerSet& set);
 
 }  // namespace motiondb::tests

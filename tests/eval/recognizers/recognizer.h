@@ -1,4 +1,4 @@
-// What the protocols of recognition ask: a way to name a motion, the database's or a peer's.
+// Interface of recognition methods for the protocols: the database's and the peers'.
 #pragma once
 
 #include <functional>
@@ -14,38 +14,37 @@ namespace motiondb::tests {
 
 struct Recognition {
   std::string label;                  // the most probable
-  std::vector<double> probabilities;  // of Recognizer::labels(), they sum to 1
-  double familiarity = 0;             // the higher, the more like something learned
+  std::vector<double> probabilities;  // of Recognizer::labels(); sum to 1
+  double familiarity = 0;             // higher: more similar to a learned motion
 };
 
 class Recognizer {
  public:
   virtual ~Recognizer() = default;
 
-  // Learns the clips, with parameters chosen for observations of that extent from these clips
-  // alone. Once.
+  // Learns the clips; chooses parameters for observations of that extent on these clips alone.
+  // Called once.
   virtual absl::Status Fit(const ClipSet& training, Extent extent) = 0;
 
-  // The observation is not scaled; NaN is a missing number. Safe to call from any thread once
-  // fitted.
+  // The observation is not scaled; NaN is a missing value. Thread-safe after Fit.
   virtual absl::StatusOr<Recognition> Recognize(const core::StateSequence& observation,
                                                 Extent extent) const = 0;
 
   // Ascending.
   virtual const std::vector<std::string>& labels() const = 0;
-  // How the parameters were chosen, and which they are. Once fitted.
+  // Return how the parameters were chosen, and their values. Call after Fit.
   virtual std::string chosen_by() const = 0;
   virtual std::string parameters() const = 0;
   virtual double model_bytes() const = 0;
 };
 
-// A way to recognize, by name: each fold makes its own recognizer.
+// A named recognition method. Each fold makes its own recognizer.
 struct RecognitionMethod {
   std::string name;
   std::function<std::unique_ptr<Recognizer>()> make;
 };
 
-// The labels of clips, ascending.
+// Returns the labels of the clips, ascending.
 std::vector<std::string> LabelsOf(const ClipSet& clips);
 
 }  // namespace motiondb::tests

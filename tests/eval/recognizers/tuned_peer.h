@@ -1,5 +1,5 @@
-// A peer with its parameters chosen, and its scores turned into probabilities, by cross-validation
-// on the clips it learns.
+// A peer whose parameters, and the conversion of its scores to probabilities, are chosen by
+// cross-validation on the training clips.
 #pragma once
 
 #include "tests/eval/recognizers/recognizer.h"
@@ -15,9 +15,8 @@ class TunedPeer : public Recognizer {
  public:
   explicit TunedPeer(std::vector<PeerCandidate> candidates) : candidates_(std::move(candidates)) {}
 
-  // Takes the candidate with the best accuracy on held-out clips (the earlier where alike), and the
-  // temperature at which its scores' softmax makes the held-out labels likeliest; then learns all
-  // clips.
+  // Selects the candidate with the best held-out accuracy (the first of equals) and the temperature
+  // with the maximum likelihood of the held-out labels; then learns all clips.
   absl::Status Fit(const ClipSet& training, Extent extent) override;
   // Familiarity is the best score, not a probability.
   absl::StatusOr<Recognition> Recognize(const core::StateSequence& observation,

@@ -1,4 +1,4 @@
-// ASF files and the AMC files that move them: "<asf>\0<amc>".
+// ASF files with their AMC files: "<asf>\0<amc>".
 #include "core/format/readers.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/motion_properties.h"

@@ -1,4 +1,4 @@
-// Marker-set files: what is read is written and read back to the same text.
+// Marker-set files: writing and reading a parsed file preserves its text.
 #include "core/format/marker_set_file.h"
 #include "tests/fuzz/support/memory_watch.h"
 #include "tests/fuzz/support/properties.h"
@@ -13,11 +13,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!scheme.ok()) return 0;
 
   for (const core::MarkerMapping& mapping : scheme->mappings) {
-    tests::Holds(mapping.rules.size() == scheme->set.markers.size(), "a rule a marker");
+    tests::Holds(mapping.rules.size() == scheme->set.markers.size(),
+                 "a mapping has one rule per marker");
   }
   const std::string text = core::WriteMarkerSetFile(*scheme);
   const auto again = core::ReadMarkerSetFile({"written.markers", text});
-  tests::Holds(again.ok(), "what was written can be read");
-  tests::Holds(core::WriteMarkerSetFile(*again) == text, "and is the same");
+  tests::Holds(again.ok(), "a written marker set can be read");
+  tests::Holds(core::WriteMarkerSetFile(*again) == text, "a written marker set is preserved");
   return 0;
 }

@@ -19,11 +19,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   tests::Holds(read->skeleton.dof_count() >= 6, "a robot has a floating base");
   for (const core::MimicJoint& mimic : read->mimics) {
     tests::Holds(read->skeleton.FindJoint(mimic.joint) >= 0, "a mimic joint is a joint");
-    tests::Holds(read->skeleton.FindJoint(mimic.master) >= 0, "and so is its master");
+    tests::Holds(read->skeleton.FindJoint(mimic.master) >= 0,
+                 "the master of a mimic joint is a joint");
     tests::Holds(std::isfinite(mimic.multiplier) && std::isfinite(mimic.offset),
-                 "gears are finite");
+                 "multiplier and offset are finite");
   }
-  // A robot that stands still can be written.
+  // A motion of a robot at rest can be written.
   core::JointMotion still{.skeleton = std::make_shared<const core::Skeleton>(read->skeleton),
                           .frame_rate_hz = 60,
                           .angles = core::JointMatrix::Zero(2, read->skeleton.dof_count())};

@@ -1,4 +1,4 @@
-// Seeds of the codecs: blobs of the samples that tests of stores use.
+// Seeds of the codecs: blobs of the samples of the store tests.
 #include <catch2/catch.hpp>
 #include <vector>
 
@@ -25,7 +25,7 @@ std::string Length(std::size_t bytes) {
   return {reinterpret_cast<const char*>(&length), sizeof(length)};
 }
 
-// A blob's chunks, each behind its length, after two bytes for the target.
+// Returns a blob's chunks, each after its length, behind two bytes for the target.
 std::string Chunks(const std::string& payload, char seal) {
   std::string input{seal, 0};
   storage::ChunkSink sink(storage::BlobKind::kStates,
@@ -42,7 +42,7 @@ std::string Chunks(const std::string& payload, char seal) {
 TEST_CASE("Seeds: chunks", "[seeds]") {
   WriteSeed("chunk_fuzz", "empty", Chunks("", 0));
   WriteSeed("chunk_fuzz", "one", Chunks("payload", 0));
-  WriteSeed("chunk_fuzz", "sealed_anew", Chunks("payload", 1));
+  WriteSeed("chunk_fuzz", "resealed", Chunks("payload", 1));
 }
 
 TEST_CASE("Seeds: states and skeletons", "[seeds]") {

@@ -1,4 +1,4 @@
-// Seeds of the readers: small files of every format, most of them written by tests' own writers.
+// Seeds of the readers: small files of every format, mostly made with the tests' own writers.
 #include <catch2/catch.hpp>
 #include <string>
 

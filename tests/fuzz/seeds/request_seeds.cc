@@ -1,4 +1,4 @@
-// Seeds of the queries: requests about a walk, as a file, as markers and as joint angles.
+// Seeds of the queries: requests with a walk as a file, as markers and as joint angles.
 #include <catch2/catch.hpp>
 #include <vector>
 
@@ -200,7 +200,7 @@ TEST_CASE("Seeds: names and tokens", "[seeds]") {
     for (char& c : file) c = c == '/' ? '_' : c;
     WriteSeed("names_fuzz", file, name);
   }
-  // Of the list that the target asks for; a token made of letters at random is of none.
+  // A token of the list that the target reads; random letters match no list.
   WriteSeed("names_fuzz", "token", absl::WebSafeBase64Escape("databases/db/models\n3:17"));
 }
 

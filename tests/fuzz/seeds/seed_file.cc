@@ -9,7 +9,7 @@ namespace motiondb::tests {
 
 void WriteSeed(const std::string& target, const std::string& name, std::string_view bytes) {
   const char* const root = std::getenv("MOTIONDB_FUZZ_SEEDS");
-  INFO("MOTIONDB_FUZZ_SEEDS names the folder for seeds");
+  INFO("expected MOTIONDB_FUZZ_SEEDS: the folder for seeds");
   REQUIRE(root != nullptr);
   const std::filesystem::path folder = std::filesystem::path(root) / target;
   std::filesystem::create_directories(folder);

@@ -1,4 +1,4 @@
-// Where first inputs are written: MOTIONDB_FUZZ_SEEDS/TARGET/NAME.
+// Writes a seed input to MOTIONDB_FUZZ_SEEDS/TARGET/NAME.
 #pragma once
 
 #include <string>

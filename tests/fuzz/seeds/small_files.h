@@ -1,4 +1,4 @@
-// The smallest files that their readers take, with something of everything that a format has.
+// Minimal valid files that use every feature of their format.
 #pragma once
 
 #include <string>

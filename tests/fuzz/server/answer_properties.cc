@@ -14,9 +14,9 @@ using google::protobuf::Message;
 
 void HoldsNumber(const FieldDescriptor& field, double number) {
   const bool is_log = field.name().starts_with("log_");
-  const bool fine = is_log ? !std::isnan(number) && number < INFINITY : std::isfinite(number);
-  if (!fine) std::fprintf(stderr, "%s: %g\n", field.full_name().c_str(), number);
-  Holds(fine, "an answer's numbers are finite");
+  const bool is_valid = is_log ? !std::isnan(number) && number < INFINITY : std::isfinite(number);
+  if (!is_valid) std::fprintf(stderr, "%s: %g\n", field.full_name().c_str(), number);
+  Holds(is_valid, "an answer's numbers are finite");
 }
 
 }  // namespace
@@ -45,8 +45,8 @@ void HoldsRefusal(const absl::Status& status) {
                         absl::IsNotFound(status) || absl::IsFailedPrecondition(status) ||
                         absl::IsResourceExhausted(status);
   if (!expected) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  Holds(expected, "a query's error is the client's");
-  Holds(!status.message().empty(), "an error says what was wrong");
+  Holds(expected, "a query fails only by the client's fault or a limit");
+  Holds(!status.message().empty(), "an error has a message");
 }
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// What every answer to a query is promised to be. Safe to call from any thread.
+// The contract of every answer to a query.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -7,10 +7,10 @@
 
 namespace motiondb::tests {
 
-// All numbers are finite, but for log probabilities, which may be -infinity.
+// All numbers are finite, except log probabilities, which may be -infinity.
 void HoldsFinite(const google::protobuf::Message& answer);
 
-// An error that is the client's own, or one that a limit set, with words.
+// The error is the client's fault or a limit, and has a message.
 void HoldsRefusal(const absl::Status& status);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-// Estimate requests, from their bytes to the answer.
+// Estimate requests, from bytes to the answer.
 #include "core/estimation/estimate.h"
 #include "core/motion/error.h"
 #include "motiondb/v1/query.pb.h"

@@ -1,5 +1,5 @@
-// Streams of IngestClip up to the file that they bring, and the reading of it. An input is a
-// stream's messages, each behind its length (u16).
+// Streams of IngestClip, and reading the received file. An input is a sequence of messages, each
+// after its length (u16).
 #include "motiondb/v1/clip.pb.h"
 #include "server/translate/ingest_stream.h"
 #include "tests/fuzz/server/answer_properties.h"
@@ -13,12 +13,12 @@ MOTIONDB_MUTATE_STREAM_OF(v1::IngestClipRequest)
 
 namespace {
 
-constexpr std::size_t kMostBytes = 16 << 10;
+constexpr std::size_t kMaxBytes = 16 << 10;
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  server::IngestStream stream(kMostBytes);
+  server::IngestStream stream(kMaxBytes);
   bool taken = true;
   tests::ForEachMessage<v1::IngestClipRequest>(data, size,
                                                [&](const v1::IngestClipRequest& request) {
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto file = stream.Finish();
   tests::HoldsRefusal(file.status());
   if (!file.ok()) return 0;
-  tests::Holds(file->file_bytes.size() + file->skeleton_bytes.size() <= kMostBytes,
+  tests::Holds(file->file_bytes.size() + file->skeleton_bytes.size() <= kMaxBytes,
                "a file is within the limit");
   tests::Holds(file->file_name.find('/') == std::string::npos, "a file's name has no folder");
   std::optional<core::SourceFile> skeleton;

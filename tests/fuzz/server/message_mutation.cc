@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t most);
+extern "C" std::size_t LLVMFuzzerMutate(std::uint8_t* data, std::size_t size, std::size_t max_size);
 
 namespace motiondb::tests {
 namespace {
@@ -40,7 +40,7 @@ constexpr std::int64_t kIntegers[] = {0,
                                       std::numeric_limits<std::int32_t>::min(),
                                       std::numeric_limits<std::int64_t>::max(),
                                       std::numeric_limits<std::int64_t>::min()};
-constexpr std::size_t kMostGrowth = 64;  // bytes that one text gains
+constexpr std::size_t kMaxGrowth = 64;  // growth of one text in bytes
 
 template <typename Values>
 auto OneOf(const Values& values, Random& random) {
@@ -63,7 +63,7 @@ std::int64_t Integer(std::int64_t now, Random& random) {
   return static_cast<std::int64_t>(static_cast<std::uint64_t>(now) + random() % 7 - 3);
 }
 
-// Sometimes as packed floats, which keeps their number.
+// Sometimes treats the text as packed floats and preserves their number.
 std::string Text(std::string text, Random& random) {
   if (text.size() >= sizeof(float) && random() % 4 > 0) {
     const std::size_t at = random() % (text.size() / sizeof(float)) * sizeof(float);
@@ -76,7 +76,7 @@ std::string Text(std::string text, Random& random) {
     return text;
   }
   const std::size_t size = text.size();
-  text.resize(size + kMostGrowth);
+  text.resize(size + kMaxGrowth);
   text.resize(LLVMFuzzerMutate(reinterpret_cast<std::uint8_t*>(text.data()), size, text.size()));
   return text;
 }
@@ -89,7 +89,7 @@ class Mutation {
     const auto& descriptor = *message.GetDescriptor();
     if (descriptor.field_count() == 0) return;
     const Reflection& reflection = *message.GetReflection();
-    // Those that are set are the more interesting.
+    // Prefers fields that are set.
     std::vector<const FieldDescriptor*> set;
     reflection.ListFields(message, &set);
     const bool among_set = !set.empty() && random_() % 4 > 0;
@@ -164,22 +164,22 @@ class Mutation {
 
 }  // namespace
 
-std::size_t MutateMessage(Message& message, std::uint8_t* data, std::size_t size, std::size_t most,
-                          unsigned seed) {
-  static const bool kQuiet = [] {  // text that is not UTF-8 is what this is about
+std::size_t MutateMessage(Message& message, std::uint8_t* data, std::size_t size,
+                          std::size_t max_size, unsigned seed) {
+  static const bool kQuiet = [] {  // texts that are not UTF-8 are expected
     google::protobuf::SetLogHandler(nullptr);
     return true;
   }();
   (void)kQuiet;
   Random random(seed);
   if (random() % 8 == 0 || !message.ParseFromArray(data, static_cast<int>(size))) {
-    return LLVMFuzzerMutate(data, size, most);
+    return LLVMFuzzerMutate(data, size, max_size);
   }
   Mutation mutation(random);
   for (unsigned changes = 1 + random() % 4; changes > 0; --changes) mutation.Change(message);
   std::string bytes;
-  if (!message.SerializePartialToString(&bytes) || bytes.size() > most || bytes.empty()) {
-    return LLVMFuzzerMutate(data, size, most);
+  if (!message.SerializePartialToString(&bytes) || bytes.size() > max_size || bytes.empty()) {
+    return LLVMFuzzerMutate(data, size, max_size);
   }
   std::memcpy(data, bytes.data(), bytes.size());
   return bytes.size();

@@ -1,6 +1,6 @@
-// Changes a message as a client might that means harm: numbers become huge, tiny, negative or none,
-// lists grow and shrink, floats inside packed frames change. Bytes changed at random alone rarely
-// are a message with frames that fit its shape.
+// Mutates a message as a hostile client might: numbers become huge, tiny, negative or NaN, lists
+// grow and shrink, and floats in packed frames change. Random bytes alone rarely form a message
+// whose frames match its shape.
 #pragma once
 
 #include <google/protobuf/message.h>
@@ -10,16 +10,17 @@
 
 namespace motiondb::tests {
 
-// For LLVMFuzzerCustomMutator: the new size. `message` is scratch of the input's type.
+// For LLVMFuzzerCustomMutator. Returns the new size. `message` is scratch of the input's type;
+// `max_size` is the maximum size.
 std::size_t MutateMessage(google::protobuf::Message& message, std::uint8_t* data, std::size_t size,
-                          std::size_t most, unsigned seed);
+                          std::size_t max_size, unsigned seed);
 
 }  // namespace motiondb::tests
 
-// The mutator of a target whose inputs are messages of one type.
-#define MOTIONDB_MUTATE_AS(Type)                                                       \
-  extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, \
-                                                 std::size_t most, unsigned seed) {    \
-    Type message;                                                                      \
-    return motiondb::tests::MutateMessage(message, data, size, most, seed);            \
+// Defines the mutator of a target whose inputs are messages of one type.
+#define MOTIONDB_MUTATE_AS(Type)                                                        \
+  extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,  \
+                                                 std::size_t max_size, unsigned seed) { \
+    Type message;                                                                       \
+    return motiondb::tests::MutateMessage(message, data, size, max_size, seed);         \
   }

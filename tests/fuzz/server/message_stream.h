@@ -1,4 +1,4 @@
-// Streams of messages as one input: each message behind its length (u16, little-endian).
+// Streams of messages as one input: each message after its length (u16, little-endian).
 #pragma once
 
 #include <algorithm>
@@ -34,8 +34,7 @@ inline std::vector<std::string> SplitStream(const std::uint8_t* data, std::size_
   return messages;
 }
 
-// Calls take(message), while it returns true, with the messages up to the first that does not
-// parse.
+// Calls take(message) for each message until it returns false or a message does not parse.
 template <typename Message, typename Take>
 void ForEachMessage(const std::uint8_t* data, std::size_t size, const Take& take) {
   for (const std::string& bytes : SplitStream(data, size)) {
@@ -44,9 +43,10 @@ void ForEachMessage(const std::uint8_t* data, std::size_t size, const Take& take
   }
 }
 
-// For LLVMFuzzerCustomMutator: changes one message, or leaves one out, or has it twice.
+// For LLVMFuzzerCustomMutator: changes, removes or duplicates one message.
 template <typename Message>
-std::size_t MutateStream(std::uint8_t* data, std::size_t size, std::size_t most, unsigned seed) {
+std::size_t MutateStream(std::uint8_t* data, std::size_t size, std::size_t max_size,
+                         unsigned seed) {
   auto messages = SplitStream(data, size);
   if (messages.empty()) messages.emplace_back();
   const std::size_t at = seed / 8 % messages.size();
@@ -59,14 +59,14 @@ std::size_t MutateStream(std::uint8_t* data, std::size_t size, std::size_t most,
     Message message;
     std::string& bytes = *chosen;
     const std::size_t before = bytes.size();
-    bytes.resize(std::min<std::size_t>(most, UINT16_MAX));
+    bytes.resize(std::min<std::size_t>(max_size, UINT16_MAX));
     bytes.resize(MutateMessage(message, reinterpret_cast<std::uint8_t*>(bytes.data()),
                                std::min(before, bytes.size()), bytes.size(), seed));
   }
   std::string stream;
   for (const std::string& message : messages) {
     const std::string next = InStream(message);
-    if (stream.size() + next.size() <= most) stream += next;
+    if (stream.size() + next.size() <= max_size) stream += next;
   }
   std::copy(stream.begin(), stream.end(), data);
   return stream.size();
@@ -74,9 +74,9 @@ std::size_t MutateStream(std::uint8_t* data, std::size_t size, std::size_t most,
 
 }  // namespace motiondb::tests
 
-// The mutator of a target whose inputs are streams of messages of one type.
-#define MOTIONDB_MUTATE_STREAM_OF(Type)                                                \
-  extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, \
-                                                 std::size_t most, unsigned seed) {    \
-    return motiondb::tests::MutateStream<Type>(data, size, most, seed);                \
+// Defines the mutator of a target whose inputs are streams of messages of one type.
+#define MOTIONDB_MUTATE_STREAM_OF(Type)                                                 \
+  extern "C" std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size,  \
+                                                 std::size_t max_size, unsigned seed) { \
+    return motiondb::tests::MutateStream<Type>(data, size, max_size, seed);             \
   }

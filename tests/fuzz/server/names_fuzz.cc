@@ -1,4 +1,4 @@
-// Resource names and page tokens: what parses is written the same again.
+// Resource names and page tokens: formatting a parsed text returns the same text.
 #include "server/translate/page.h"
 #include "server/translate/resource_name.h"
 #include "tests/fuzz/support/properties.h"
@@ -13,10 +13,12 @@ constexpr char kScope[] = "databases/db/models";
 void HoldsNames(const std::string& name) {
   const auto database = server::ParseDatabaseName("name", name);
   tests::HoldsError(database.status(), absl::StatusCode::kInvalidArgument);
-  if (database.ok()) tests::Holds(server::DatabaseName(*database) == name, "the same database");
+  if (database.ok())
+    tests::Holds(server::DatabaseName(*database) == name, "a database name round-trips");
   const auto clip = server::ParseClipName("name", name);
   tests::HoldsError(clip.status(), absl::StatusCode::kInvalidArgument);
-  if (clip.ok()) tests::Holds(server::ClipName(clip->database, clip->id) == name, "the same clip");
+  if (clip.ok())
+    tests::Holds(server::ClipName(clip->database, clip->id) == name, "a clip name round-trips");
   const auto skeleton = server::ParseSkeletonName("name", name);
   tests::HoldsError(skeleton.status(), absl::StatusCode::kInvalidArgument);
   const auto model = server::ParseModelName("name", name);
@@ -32,16 +34,16 @@ void HoldsTokens(const std::string& text) {
   const auto position = server::DecodePageToken(kScope, text);
   tests::HoldsError(position.status(), absl::StatusCode::kInvalidArgument);
   if (position.ok() && !position->empty()) {
-    // The same text need not be: base64 may be padded and broken into lines.
+    // The text may differ: base64 may be padded and split into lines.
     const auto again = server::DecodePageToken(kScope, server::EncodePageToken(kScope, *position));
-    tests::Holds(again.ok() && *again == *position, "the same position");
+    tests::Holds(again.ok() && *again == *position, "a position round-trips");
   }
   const auto in_model = server::DecodeModelPosition(kScope, text);
   tests::HoldsError(in_model.status(), absl::StatusCode::kInvalidArgument);
-  // A token that the list itself could have given out around this position.
+  // A token that the list could have returned near this position.
   const auto around = server::DecodeModelPosition(kScope, server::EncodePageToken(kScope, text));
   tests::HoldsError(around.status(), absl::StatusCode::kInvalidArgument);
-  if (around.ok()) tests::Holds(around->index >= 0, "a list does not begin before its start");
+  if (around.ok()) tests::Holds(around->index >= 0, "an index is not negative");
 }
 
 }  // namespace
@@ -51,7 +53,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   HoldsNames(text);
   HoldsTokens(text);
   const std::string valid = text::ValidUtf8(text);
-  tests::Holds(text::ValidUtf8(valid) == valid, "valid text stays as it is");
+  tests::Holds(text::ValidUtf8(valid) == valid, "valid text is unchanged");
   tests::Holds(text::ValidUtf8(text, 100).size() <= 100, "text is cut to its limit");
   return 0;
 }

@@ -1,4 +1,4 @@
-// Streams of Observe. An input is a stream's messages, each behind its length (u16).
+// Streams of Observe. An input is a sequence of messages, each after its length (u16).
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
 #include "server/translate/observation.h"
@@ -13,13 +13,13 @@ MOTIONDB_MUTATE_STREAM_OF(v1::ObserveRequest)
 
 namespace {
 
-// As the call does it (server/rpc/observe_service.cc).
+// As in server/rpc/observe_service.cc.
 class Stream {
  public:
   absl::Status Take(const v1::ObserveRequest& request) {
     if (request.has_start()) return Open(request.start());
     if (!request.has_frames() || session_ == nullptr) {
-      return core::InvalidArgument("expected a start, then frames");
+      return core::InvalidArgument("expected a start message, then frames");
     }
     const v1::ObservedFrames& frames = request.frames();
     MOTIONDB_ASSIGN_OR_RETURN(const auto step,
@@ -32,7 +32,7 @@ class Stream {
 
  private:
   absl::Status Open(const v1::ObserveStart& start) {
-    if (session_ != nullptr) return core::InvalidArgument("start: expected once");
+    if (session_ != nullptr) return core::InvalidArgument("start: expected only one");
     MOTIONDB_ASSIGN_OR_RETURN(auto setup, server::SetupFrom(start));
     top_count_ = start.top_count();
     MOTIONDB_ASSIGN_OR_RETURN(

@@ -1,5 +1,5 @@
-// Plan requests, from their bytes to the answer. The search ends after a count of steps and not by
-// the clock, so that an input does the same whenever it is run.
+// Plan requests, from bytes to the answer. Steps limit the search instead of time, so that every
+// input is reproducible.
 #include "core/motion/error.h"
 #include "core/planning/plan.h"
 #include "motiondb/v1/plan.pb.h"
@@ -17,7 +17,7 @@ MOTIONDB_MUTATE_AS(v1::PlanRequest)
 namespace {
 
 constexpr int kSearchSteps = 30;
-constexpr int kWorkSteps = 2000;  // then it is cancelled: inverse kinematics of long motions
+constexpr int kWorkSteps = 2000;  // then cancelled, e.g. inverse kinematics of long motions
 
 absl::Status Plan(const v1::PlanRequest& request, v1::PlanResponse& response) {
   const server::Query query = tests::Trained().Ask();

@@ -1,4 +1,4 @@
-// Predict requests, from their bytes to the answer.
+// Predict requests, from bytes to the answer.
 #include "core/motion/error.h"
 #include "core/prediction/predict.h"
 #include "motiondb/v1/query.pb.h"

@@ -1,5 +1,5 @@
-// The deadline that a query has at a server, so that one which goes on after it is a finding: of
-// libFuzzer's, which ends what takes far longer.
+// The deadline of a query in a server. A query that runs much longer is a finding: libFuzzer stops
+// it.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ inline core::Cancelled AfterSeconds(double seconds) {
 
 constexpr double kQuerySeconds = 5;
 
-// HoldsRefusal, of a query that may have been ended.
+// HoldsRefusal, for a query that may have been cancelled.
 inline void HoldsEnd(const absl::Status& status) {
   if (!absl::IsCancelled(status)) HoldsRefusal(status);
 }

@@ -1,4 +1,4 @@
-// Recognize requests, from their bytes to the answer.
+// Recognize requests, from bytes to the answer.
 #include "core/motion/error.h"
 #include "core/recognition/recognize.h"
 #include "motiondb/v1/query.pb.h"

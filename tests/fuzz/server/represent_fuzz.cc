@@ -1,4 +1,4 @@
-// Represent requests, from their bytes to the answer.
+// Represent requests, from bytes to the answer.
 #include "core/motion/error.h"
 #include "motiondb/v1/observe.pb.h"
 #include "motiondb/v1/query.pb.h"

@@ -13,7 +13,7 @@
 namespace motiondb::tests {
 namespace {
 
-constexpr int kMostFrames = 2000;  // of an observation: what a target's time limit allows
+constexpr int kMaxFrames = 2000;  // of an observation; the time limit of a target allows no more
 
 void Ingest(TrainedEngine& trained, const std::string& name, const StickFigure& figure) {
   server::IngestFile file;
@@ -32,9 +32,9 @@ TrainedEngine Train() {
   options.extend_from = std::chrono::hours(1);
   options.query_threads = 1;
   options.build_threads = 1;
-  options.max_frames = kMostFrames;
+  options.max_frames = kMaxFrames;
   TrainedEngine trained;
-  static const TemporaryDirectory kDirectory;  // goes at exit
+  static const TemporaryDirectory kDirectory;  // removed at exit
   auto store = storage::SqliteMotionStore::Open(kDirectory / "store.db");
   Holds(store.ok(), "a store opens");
   auto engine = server::Engine::Open(*std::move(store), options);
@@ -64,7 +64,7 @@ TrainedEngine& Trained() {
 
 }  // namespace motiondb::tests
 
-// Before the first input, whose time it would be counted as.
+// Before the first input, so that training does not count as its time.
 extern "C" int LLVMFuzzerInitialize(int*, char***) {
   motiondb::tests::Trained();
   return 0;

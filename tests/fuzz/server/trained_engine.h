@@ -1,5 +1,5 @@
-// An engine with one database, "db", that knows a walk, a squat and a wave: what fuzzed queries are
-// put to. Made once a process; no socket.
+// An engine with one database, "db", trained on a walk, a squat and a wave, for fuzzed queries.
+// Created once per process; no socket.
 #pragma once
 
 #include <memory>
@@ -15,7 +15,7 @@ struct TrainedEngine {
   std::shared_ptr<const server::Snapshot> snapshot;
 
   const core::Model& model() const { return snapshot->model; }
-  // One that ends when `cancelled` says so.
+  // Returns a query that ends when `cancelled` returns true.
   server::Query Ask(core::Cancelled cancelled = {}) const {
     return *server::Query::Begin(*engine, "db", {.cancelled = std::move(cancelled)});
   }

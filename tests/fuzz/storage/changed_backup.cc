@@ -18,11 +18,11 @@
 namespace motiondb::tests {
 namespace {
 
-// Reads an input from its front; what is missing is zero.
+// Reads an input from its front; returns zeros after its end.
 class Input {
  public:
-  Input(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
-  bool empty() const { return left_ == 0; }
+  Input(const std::uint8_t* data, std::size_t size) : data_(data), remaining_(size) {}
+  bool empty() const { return remaining_ == 0; }
   template <typename Number>
   Number Take() {
     Number number = 0;
@@ -31,16 +31,16 @@ class Input {
     return number;
   }
   std::string Bytes(std::size_t count) {
-    count = std::min(count, left_);
+    count = std::min(count, remaining_);
     std::string bytes(reinterpret_cast<const char*>(data_), count);
     data_ += count;
-    left_ -= count;
+    remaining_ -= count;
     return bytes;
   }
 
  private:
   const std::uint8_t* data_;
-  std::size_t left_;
+  std::size_t remaining_;
 };
 
 struct Column {
@@ -48,7 +48,7 @@ struct Column {
   std::string name;
 };
 
-// A backup without its checksum, where its bytes are that are not zero, and its tables.
+// A backup without its checksum, the positions of its nonzero bytes, and its tables.
 struct Base {
   std::string bytes;
   std::vector<std::uint32_t> not_zero;
@@ -70,7 +70,7 @@ std::string BackupOfTrained() {
   return bytes;
 }
 
-// A SQLite file with these bytes, open until it is destroyed; then `bytes` are those that it has.
+// An open SQLite file with these bytes. The destructor reads the changed file back into `bytes`.
 class OpenFile {
  public:
   explicit OpenFile(std::string& bytes) : bytes_(bytes), path_(directory_ / "changed.db") {
@@ -86,7 +86,7 @@ class OpenFile {
     std::ifstream stream(path_, std::ios::binary);
     bytes_.assign(std::istreambuf_iterator<char>(stream), {});
   }
-  // False where SQLite refuses it.
+  // Returns false if SQLite refuses the script.
   bool Run(const std::string& script) {
     return sqlite3_exec(handle_, script.c_str(), nullptr, nullptr, nullptr) == SQLITE_OK;
   }
@@ -155,7 +155,7 @@ void SetValue(Input& input, std::string& bytes) {
   const bool has_rows = file.Run(fmt::format(
       "{0} WHERE rowid = (SELECT rowid FROM {1} LIMIT 1 OFFSET {2} % (SELECT count(*) FROM {1}))",
       set, column.table, row));
-  if (!has_rows) file.Run(set);  // all of a table without rowid
+  if (!has_rows) file.Run(set);  // all rows of a table without rowid
 }
 
 void WriteBytes(Input& input, std::string& bytes, bool only_where_not_zero) {

@@ -1,6 +1,6 @@
-// Chunks of a blob, as a damaged store might give them. The input is a blob's chunks one after the
-// other, each behind its length (u32); where the first byte is odd, every chunk is sealed anew, so
-// that what is behind the checksum is reached.
+// Chunks of a blob from a corrupt store. The input is a sequence of chunks, each after its length
+// (u32). If the first byte is odd, every checksum is recomputed, so that the code behind it is
+// reached.
 #include <cstring>
 #include <vector>
 
@@ -35,7 +35,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 2) return 0;
   const bool seal = (data[0] & 1) != 0;
   const auto chunks = ChunksOf(std::as_bytes(std::span(data + 2, size - 2)), seal);
-  std::size_t payload_bytes = data[1];  // what the store's own table says; nearly right
+  std::size_t payload_bytes = data[1];  // roughly the size in the store's table
   for (const auto& chunk : chunks) payload_bytes += chunk.size();
   payload_bytes -= std::min(payload_bytes, chunks.size() * storage::kChunkHeaderBytes);
 

@@ -1,4 +1,4 @@
-// What every decoder of a blob promises: DATA_LOSS, or something that encodes to the same bytes.
+// The contract of every decoder of a blob: DATA_LOSS, or a value that encodes to the same bytes.
 #pragma once
 
 #include <cstdint>
@@ -10,17 +10,17 @@
 
 namespace motiondb::tests {
 
-// Room for an error's text, and how far a decoded thing may outgrow its bytes: an empty string of 4
-// bytes lies in memory as 32.
+// Memory limits: room for an error's text, and the growth of a decoded value over its bytes. An
+// empty string has 4 bytes encoded and 32 in memory.
 inline constexpr std::size_t kDecodingBase = 64 << 10;
 inline constexpr std::size_t kDecodingFactor = 24;
 
 inline void HoldsSameBytes(const storage::StringSink& sink, std::span<const std::byte> bytes) {
   Holds(std::ranges::equal(std::as_bytes(std::span(sink.bytes())), bytes),
-        "what was decoded encodes to the same bytes");
+        "a decoded value encodes to the same bytes");
 }
 
-// decode(source) -> StatusOr<T>; encode(T, sink) -> Status. Returns what was decoded.
+// decode(source) -> StatusOr<T>; encode(T, sink) -> Status. Returns the result of decode.
 template <typename Decode, typename Encode>
 auto HoldsCodec(std::span<const std::byte> bytes, const Decode& decode, const Encode& encode) {
   const MemoryWatch watch;
@@ -30,13 +30,13 @@ auto HoldsCodec(std::span<const std::byte> bytes, const Decode& decode, const En
   HoldsError(decoded.status(), absl::StatusCode::kDataLoss);
   if (decoded.ok()) {
     storage::StringSink sink;
-    Holds(encode(*decoded, sink).ok(), "what was decoded can be encoded");
+    Holds(encode(*decoded, sink).ok(), "a decoded value can be encoded");
     HoldsSameBytes(sink, bytes);
   }
   return decoded;
 }
 
-// The same of fields of a blob: get(reader) -> T, put(writer, T).
+// HoldsCodec for fields of a blob: get(reader) -> T, put(writer, T).
 template <typename Get, typename Put>
 auto HoldsFields(std::span<const std::byte> bytes, const Get& get, const Put& put) {
   using Value = decltype(get(std::declval<storage::FieldReader&>()));

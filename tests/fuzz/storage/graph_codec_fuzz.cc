@@ -1,4 +1,4 @@
-// Transition graphs of a model. A decoded graph is walked as inference walks it.
+// Transition graphs of a model. A decoded graph is traversed as in inference.
 #include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 
@@ -12,7 +12,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (int node = 0; node < graph->node_count(); ++node) {
     for (const core::Edge& edge : graph->row(node)) {
       tests::Holds(edge.to >= 0 && edge.to < graph->node_count(), "an edge leads to a node");
-      tests::Holds(edge.count > 0, "an edge was counted");
+      tests::Holds(edge.count > 0, "an edge has a count");
     }
   }
   return 0;

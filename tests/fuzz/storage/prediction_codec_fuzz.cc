@@ -1,4 +1,4 @@
-// What a model has learned of how motion goes on. The first byte gives the markers of the model.
+// The prediction part of a model. The first byte is the model's number of markers.
 #include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 

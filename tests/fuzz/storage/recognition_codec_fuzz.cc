@@ -1,4 +1,4 @@
-// What recognition learned. The first byte gives the markers of the model.
+// The recognition part of a model. The first byte is the model's number of markers.
 #include "storage/blob/model_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 

@@ -1,5 +1,5 @@
-// Backups that somebody changed, up to the store that they are restored to. One that is refused
-// leaves the store as it was; all of one that is taken can be read. changed_backup.h has the input.
+// Modified backups, restored to a store. A refused backup leaves the store unchanged; an accepted
+// one can be read completely. changed_backup.h describes the input.
 #include <algorithm>
 #include <filesystem>
 #include <memory>
@@ -17,7 +17,7 @@ using namespace motiondb;
 namespace {
 
 constexpr std::size_t kBlockBytes = 64 << 10;
-constexpr int kMostRows = 1000;
+constexpr int kMaxRows = 1000;
 
 absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
   const auto restore = store.upkeep().BeginRestore();
@@ -30,16 +30,16 @@ absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
   const absl::Status checked = (*restore)->Check({});
   if (!checked.ok()) return checked;
   const absl::Status finished = (*restore)->Finish({});
-  tests::Holds(finished.ok(), "what passed all checks is taken");
+  tests::Holds(finished.ok(), "a backup that passes all checks is restored");
   return finished;
 }
 
 void HoldsRead(const absl::Status& status) {
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  tests::Holds(status.ok(), "what a restore took can be read");
+  tests::Holds(status.ok(), "restored data can be read");
 }
 
-// Its value, which must be there.
+// Returns the value, which must exist.
 template <typename T>
 T Read(absl::StatusOr<T> result) {
   HoldsRead(result.status());
@@ -47,23 +47,22 @@ T Read(absl::StatusOr<T> result) {
 }
 
 void ReadAll(storage::MotionStore& store) {
-  for (const auto& database : Read(store.ListDatabases({.after = "", .limit = kMostRows}))) {
+  for (const auto& database : Read(store.ListDatabases({.after = "", .limit = kMaxRows}))) {
     const std::string& name = database.name;
-    for (const auto& clip : Read(store.ListClips(name, {.after = "", .limit = kMostRows}))) {
+    for (const auto& clip : Read(store.ListClips(name, {.after = "", .limit = kMaxRows}))) {
       Read(store.ReadClipSource(name, clip.id));
       Read(store.ReadClipStates(name, clip.id));
     }
-    for (const auto& skeleton :
-         Read(store.ListSkeletons(name, {.after = "", .limit = kMostRows}))) {
+    for (const auto& skeleton : Read(store.ListSkeletons(name, {.after = "", .limit = kMaxRows}))) {
       Read(store.GetSkeleton(name, skeleton.id));
     }
-    Read(store.ListModels(name, 0, kMostRows));
+    Read(store.ListModels(name, 0, kMaxRows));
     const auto model = store.ReadModel(name, core::Serially);
     if (!absl::IsNotFound(model.status())) HoldsRead(model.status());
   }
-  Read(store.ListOperations("", "", kMostRows));
-  Read(store.access().ListTokens("", kMostRows));
-  Read(store.access().ListAuditRecords(0, kMostRows));
+  Read(store.ListOperations("", "", kMaxRows));
+  Read(store.access().ListTokens("", kMaxRows));
+  Read(store.access().ListAuditRecords(0, kMaxRows));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Blobs of skeleton.
+// Skeleton blobs.
 #include "storage/blob/clip_codec.h"
 #include "tests/fuzz/storage/codec_properties.h"
 

@@ -12,12 +12,12 @@ namespace {
 
 thread_local bool watching = false;
 thread_local std::int64_t held = 0;
-thread_local std::int64_t most = 0;
+thread_local std::int64_t peak = 0;
 
 void OnMalloc(const volatile void*, std::size_t size) {
   if (!watching) return;
   held += static_cast<std::int64_t>(size);
-  most = std::max(most, held);
+  peak = std::max(peak, held);
 }
 
 void OnFree(const volatile void* memory) {
@@ -32,7 +32,7 @@ MemoryWatch::MemoryWatch() {
   static const int kInstalled = __sanitizer_install_malloc_and_free_hooks(OnMalloc, OnFree);
   (void)kInstalled;
   held = 0;
-  most = 0;
+  peak = 0;
   watching = true;
 }
 
@@ -41,9 +41,10 @@ MemoryWatch::~MemoryWatch() { watching = false; }
 void MemoryWatch::HoldsProportional(std::size_t input_bytes, std::size_t base,
                                     std::size_t factor) const {
   const std::size_t limit = base + factor * input_bytes;
-  if (most <= static_cast<std::int64_t>(limit)) return;
-  std::fprintf(stderr, "broken promise: %zu bytes of input took %lld bytes of memory, limit %zu\n",
-               input_bytes, static_cast<long long>(most), limit);
+  if (peak <= static_cast<std::int64_t>(limit)) return;
+  std::fprintf(stderr,
+               "contract violated: %zu bytes of input needed %lld bytes of memory, limit %zu\n",
+               input_bytes, static_cast<long long>(peak), limit);
   std::abort();
 }
 

@@ -1,12 +1,12 @@
-// Counts the memory that the watching thread takes, through the address sanitizer's hooks.
+// Measures the memory of the current thread with the address sanitizer's hooks.
 #pragma once
 
 #include <cstddef>
 
 namespace motiondb::tests {
 
-// From its making to its end: takes of this thread alone, so that threads of an engine do not
-// count. One at a time.
+// Counts allocations of this thread from construction to destruction; an engine's threads do not
+// count. Only one object at a time.
 class MemoryWatch {
  public:
   MemoryWatch();
@@ -14,8 +14,7 @@ class MemoryWatch {
   MemoryWatch(const MemoryWatch&) = delete;
   MemoryWatch& operator=(const MemoryWatch&) = delete;
 
-  // Aborts if at any time since the start more than `base` bytes and `factor` times the input were
-  // held.
+  // Aborts if the peak since the start exceeds `base` + `factor` * input_bytes.
   void HoldsProportional(std::size_t input_bytes, std::size_t base, std::size_t factor) const;
 };
 

@@ -14,18 +14,19 @@ const server::RepresentationLimits kLimits{.frame_rate_hz = 60, .max_frames = 20
 
 void HoldsJoints(const core::JointMotion& motion) {
   Holds(motion.skeleton != nullptr, "joint motion has a skeleton");
-  Holds(motion.angles.cols() == motion.skeleton->dof_count(), "a column a degree of freedom");
+  Holds(motion.angles.cols() == motion.skeleton->dof_count(), "one column per degree of freedom");
   Holds(motion.angles.allFinite(), "angles are finite");
 }
 
 void HoldsMarkers(const core::MarkerMotion& motion) {
-  Holds(motion.positions_m.cols() == 3 * std::ssize(motion.names), "three columns a marker");
+  Holds(motion.positions_m.cols() == 3 * std::ssize(motion.names), "three columns per marker");
   const std::set<std::string_view> distinct(motion.names.begin(), motion.names.end());
   Holds(distinct.size() == motion.names.size(), "markers have distinct names");
   for (Eigen::Index t = 0; t < motion.positions_m.rows(); ++t) {
     for (Eigen::Index m = 0; m < motion.positions_m.cols(); m += 3) {
       const auto point = motion.positions_m.row(t).segment<3>(m);
-      Holds(point.allFinite() || point.array().isNaN().all(), "a marker is somewhere or missing");
+      Holds(point.allFinite() || point.array().isNaN().all(),
+            "a marker has three finite coordinates or none");
     }
   }
 }
@@ -36,16 +37,17 @@ void HoldsStates(const core::Motion& motion, core::Cleaning cleaning) {
   if (!scheme.ok()) return;
   const auto states = server::RepresentWithin(kLimits, *scheme, motion, cleaning, std::nullopt);
   HoldsError(states.status(), absl::IsResourceExhausted(states.status())
-                                  ? absl::StatusCode::kResourceExhausted  // it is too long
+                                  ? absl::StatusCode::kResourceExhausted  // too long
                                   : absl::StatusCode::kInvalidArgument);
   if (!states.ok()) return;
-  Holds(states->root_path.rows() == states->states.rows(), "a root pose a frame");
+  Holds(states->root_path.rows() == states->states.rows(), "one root pose per frame");
   Holds(states->root_path.allFinite(), "root poses are finite");
-  Holds(states->leg_length_m > 0 && std::isfinite(states->leg_length_m), "a leg has a length");
+  Holds(states->leg_length_m > 0 && std::isfinite(states->leg_length_m),
+        "the leg length is positive");
   Holds(!states->states.array().isInf().any(), "states are finite");
-  // A single frame, which is no clip, has no velocities.
+  // A single frame is no clip and has no velocities.
   const bool is_clip = cleaning == core::GlitchPolicy::kRepair && states->frame_count() > 1;
-  Holds(!is_clip || states->states.allFinite(), "a stored clip lacks no marker");
+  Holds(!is_clip || states->states.allFinite(), "a stored clip has all markers");
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What a motion that a reader took is promised to be. Safe to call from any thread.
+// The contract of a motion from a reader.
 #pragma once
 
 #include "core/format/motion_file.h"
@@ -6,11 +6,11 @@
 
 namespace motiondb::tests {
 
-// Shapes agree, numbers are finite (a missing marker is NaN in all three), names are distinct.
+// Shapes agree, values are finite (a missing marker is NaN in all three), names are distinct.
 void HoldsMotion(const core::Motion& motion);
 
-// The whole check of a reader of motion files: the error or the motion, and the states that a
-// database with the motion's own markers would make of it.
+// Checks the result of a reader of motion files: the error, or the motion and the states that a
+// database with the motion's own markers computes.
 void HoldsMotionFile(const absl::StatusOr<core::MotionFile>& read);
 
 }  // namespace motiondb::tests

@@ -1,5 +1,5 @@
-// The promises that every target checks. One that is broken ends the process, so that libFuzzer
-// keeps the input. Stateless; for the one thread that libFuzzer calls.
+// Checks of contracts. A violation aborts the process, so that libFuzzer keeps the input. For
+// libFuzzer's thread only.
 #pragma once
 
 #include <cstddef>
@@ -10,17 +10,17 @@
 
 namespace motiondb::tests {
 
-// Aborts, saying what was promised, unless it holds.
+// Aborts with the text `what` if `promise` is false.
 void Holds(bool promise, std::string_view what);
 
-// An error has one of the codes that its reader promises, and says what was wrong.
+// Checks that an error has this code and a message.
 void HoldsError(const absl::Status& status, absl::StatusCode code);
 
 inline std::string_view AsText(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-// "<first>\0<second>": how an input holds two files. Without a zero byte the second is empty.
+// "<first>\0<second>": an input with two files. Without a zero byte the second is empty.
 struct TwoFiles {
   std::string_view first;
   std::string_view second;

@@ -1,4 +1,4 @@
-// A damaged blob costs what it is of, and is named; the rest is built and served.
+// A corrupt blob affects only its owner and is reported; everything else is built and served.
 #include <catch2/catch.hpp>
 #include <fstream>
 #include <string>
@@ -15,7 +15,7 @@ using storage::OperationState;
 
 StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
 
-// Clips a, b and c with a model; the engine is stopped.
+// Stores clips a, b and c with a model, then stops the engine.
 void Fill(TestEngine& engine) {
   engine.Create("db");
   engine.Ingest("db", "a", Walk(0)).value();
@@ -28,7 +28,7 @@ std::string Sql(const TestEngine& engine, const std::string& script) {
   return RunSql(engine.store_path(), script);
 }
 
-// Waits for all operations there are.
+// Waits for all operations.
 void Settle(TestEngine& engine) {
   const auto operations = engine->operations().List("db", "", 100);
   REQUIRE(operations.ok());
@@ -43,7 +43,7 @@ std::string ClipsOfModel(TestEngine& engine) {
   return ids;
 }
 
-std::string Damaged(TestEngine& engine) {
+std::string CorruptResources(TestEngine& engine) {
   std::string resources;
   for (const auto& damage : engine->damages()) resources += damage.resource + " ";
   return resources;
@@ -51,49 +51,50 @@ std::string Damaged(TestEngine& engine) {
 
 }  // namespace
 
-TEST_CASE("Damage: a clip is left out and named, at start and later", "[server][damage]") {
+TEST_CASE("Damage: a corrupt clip is left out and reported, at start and later",
+          "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
   engine.Start();
   Settle(engine);
   CHECK(ClipsOfModel(engine) == "ac");
-  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/clips/b "));
+  CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db/clips/b "));
   const int version = engine.ModelVersion("db");
   const auto operations = engine->operations().List("db", "", 100)->size();
   engine.Stop();
 
-  // The model lacks a clip for good reason: it is not built again.
+  // The model lacks only the corrupt clip: it is not built again.
   engine.Start();
   CHECK(engine.ModelVersion("db") == version);
   CHECK(engine->operations().List("db", "", 100)->size() == operations);
-  CHECK(Damaged(engine) == "databases/db/clips/b ");
+  CHECK(CorruptResources(engine) == "databases/db/clips/b ");
 
-  // Others come and go.
+  // Other clips can be added and deleted.
   engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
   CHECK(ClipsOfModel(engine) == "acd");
   engine.Wait(engine->DeleteClip("db", "b")->id);
-  CHECK(Damaged(engine).empty());
+  CHECK(CorruptResources(engine).empty());
   engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
-TEST_CASE("Damage: a clip that can be read again is whole again", "[server][damage]") {
+TEST_CASE("Damage: a clip that becomes readable is used again", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, "UPDATE clip_chunk SET kind = 103 WHERE " + ChunksOf("b", 3));
   engine.Start();
   Settle(engine);
   CHECK(ClipsOfModel(engine) == "ac");
-  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/clips/b "));
-  // As when a disk gives back what it did not.
+  CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db/clips/b "));
+  // As if the disk had recovered.
   Sql(engine, "UPDATE clip_chunk SET kind = 3 WHERE " + ChunksOf("b", 103));
   engine.Wait(engine->DeleteClip("db", "c")->id);
   CHECK(ClipsOfModel(engine) == "ab");
-  CHECK(Damaged(engine).find("databases/db/clips/b ") == std::string::npos);
+  CHECK(CorruptResources(engine).find("databases/db/clips/b ") == std::string::npos);
 }
 
-TEST_CASE("Damage: a clip is left out where a model is extended", "[server][damage]") {
+TEST_CASE("Damage: an extension leaves a corrupt clip out", "[server][damage]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);
   TestEngine engine(options);
@@ -105,27 +106,27 @@ TEST_CASE("Damage: a clip is left out where a model is extended", "[server][dama
   CHECK(ClipsOfModel(engine) == "ac");
 }
 
-TEST_CASE("Damage: a model is built anew from the clips", "[server][damage]") {
+TEST_CASE("Damage: a corrupt model is rebuilt from the clips", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("model_chunk", 100, "position = 0"));
   engine.Start();
   Settle(engine);
   CHECK(ClipsOfModel(engine) == "abc");
-  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db/models/"));
+  CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db/models/"));
 }
 
-TEST_CASE("Damage: a model serves though the list of its clips is damaged", "[server][damage]") {
+TEST_CASE("Damage: a model is served although the list of its clips is corrupt",
+          "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   RuinPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_of_database"))));
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
-  CHECK_THAT(Damaged(engine), Catch::Contains("databases/db "));
+  CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db "));
 }
 
-TEST_CASE("Damage: a database serves though the history of operations is damaged",
-          "[server][damage]") {
+TEST_CASE("Damage: a database is served although its operations are corrupt", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   const int page = std::stoi(
@@ -144,19 +145,19 @@ TEST_CASE("Damage: a database serves though the history of operations is damaged
   CHECK_THAT(engine->damages().front().description, Catch::StartsWith("operations: "));
 }
 
-TEST_CASE("Damage: a source or a skeleton costs the model nothing", "[server][damage]") {
+TEST_CASE("Damage: a corrupt source or skeleton does not affect the model", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 26, ChunksOf("b", 1)));
   Sql(engine, ChangeByte("skeleton_chunk", 60, "1"));
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
-  CHECK(Damaged(engine).empty());  // nobody needed them yet
+  CHECK(CorruptResources(engine).empty());  // not read yet
   engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
-TEST_CASE("Damage: a database without a clip that can be read says so", "[server][damage]") {
+TEST_CASE("Damage: the build of a database without a readable clip fails", "[server][damage]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 100, "kind = 3"));
@@ -165,7 +166,7 @@ TEST_CASE("Damage: a database without a clip that can be read says so", "[server
   CHECK(ClipsOfModel(engine) == "none");
   const auto newest = engine->operations().List("db", "", 1)->front();
   CHECK(newest.state == OperationState::kFailed);
-  CHECK_THAT(newest.error_message, Catch::Contains("all are damaged"));
+  CHECK_THAT(newest.error_message, Catch::Contains("all are corrupt"));
   engine.Wait(engine.Ingest("db", "d", Walk(3))->operation.id);
   CHECK(ClipsOfModel(engine) == "d");
 }

@@ -1,4 +1,4 @@
-// Clips become known without a build, where a build takes long.
+// Clips become known without a build, if builds take long.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <thread>
@@ -23,7 +23,7 @@ server::EngineOptions Extending() {
   return options;
 }
 
-// A database of so many walks, built.
+// Creates a database with `clips` walks and builds its model.
 void BuildWalks(TestEngine& engine, int clips) {
   engine.Create("db");
   std::string operation;
@@ -42,7 +42,7 @@ bool Knows(const server::Snapshot& snapshot, const std::string& clip) {
                              [&](const core::ModelClip& known) { return known.id == clip; });
 }
 
-// Waits for the clip to be known, for a time in which no one would call it lost.
+// Waits up to a minute until the clip is in the model.
 std::shared_ptr<const server::Snapshot> AwaitKnown(TestEngine& engine, const std::string& clip) {
   for (int i = 0; i < 6000; ++i) {
     const auto snapshot = Current(engine);
@@ -70,7 +70,8 @@ TEST_CASE("Extend: a clip is known while its build has not begun", "[server][ext
   CHECK(engine->operations().Get(waiting->operation.id)->state == OperationState::kPending);
 }
 
-TEST_CASE("Extend: an operation ends without a build where little was added", "[server][extend]") {
+TEST_CASE("Extend: an operation ends without a build if few frames were added",
+          "[server][extend]") {
   TestEngine engine(Extending());
   BuildWalks(engine, 20);
   const auto built = Current(engine);
@@ -85,7 +86,7 @@ TEST_CASE("Extend: an operation ends without a build where little was added", "[
   CHECK(extended->model.built_clip_count() == 20);
   CHECK_FALSE(server::HasDrifted(extended->record));
 
-  SECTION("and it is so after a restart, where nothing is built") {
+  SECTION("and a restart builds nothing") {
     engine.Stop();
     engine.Start();
     const auto after = Current(engine);
@@ -97,7 +98,7 @@ TEST_CASE("Extend: an operation ends without a build where little was added", "[
     CHECK(after->model.gaussians().means() == extended->model.gaussians().means());
     CHECK(engine->operations().List("db", "", 10)->front().id == operation.id);
   }
-  SECTION("a tenth more frames, and it is built") {
+  SECTION("a tenth more frames cause a build") {
     REQUIRE(engine.Ingest("db", "x1", Walk(0.21)).ok());
     const auto last = engine.Wait(engine.Ingest("db", "x2", Walk(0.22))->operation.id);
     REQUIRE(last.state == OperationState::kSucceeded);
@@ -105,10 +106,10 @@ TEST_CASE("Extend: an operation ends without a build where little was added", "[
     CHECK(rebuilt->record.version == last.model_version);
     CHECK(rebuilt->record.added_clip_count == 0);
     CHECK(rebuilt->model.clips().size() == 23);
-    CHECK_THAT(last.stage,
-               Catch::StartsWith("done, in place of one with added clips (3): bottom nodes "));
+    CHECK_THAT(last.stage, Catch::StartsWith(
+                               "done, replaced extended model with 3 added clips: bottom nodes "));
   }
-  SECTION("a deleted clip makes it built") {
+  SECTION("a deleted clip causes a build") {
     const auto deletion = engine->DeleteClip("db", "more");
     REQUIRE(deletion.ok());
     REQUIRE(engine.Wait(deletion->id).state == OperationState::kSucceeded);
@@ -123,16 +124,16 @@ TEST_CASE("Extend: a clip that comes during a build is known before and after it
   BuildWalks(engine, 20);
   engine.model_gate().Close();
   std::string operation;
-  for (int c = 0; c < 5; ++c) {  // so many that a build follows
+  for (int c = 0; c < 5; ++c) {  // enough that a build follows
     operation = engine.Ingest("db", "new" + std::to_string(c), Walk(0.03 * c + 2.51))->operation.id;
   }
   engine.model_gate().AwaitArrival();
-  // The new model knows them by its build, and answers while it is stored.
+  // The new model has them from its build, and answers while it is stored.
   const auto built = AwaitKnown(engine, "new4");
   CHECK_FALSE(built->is_stored());
   CHECK(built->record.added_clip_count == 0);
   CHECK(built->model.clips().size() == 25);
-  // Its extension waits for the model that is just being put, and goes on from there.
+  // The extension waits until the model is stored, and extends that model.
   const auto late = engine.Ingest("db", "late", Walk(0.77));
   REQUIRE(late.ok());
   engine.model_gate().Open();
@@ -144,7 +145,7 @@ TEST_CASE("Extend: a clip that comes during a build is known before and after it
   CHECK(Current(engine)->model.clips().size() == 26);
 }
 
-TEST_CASE("Extend: queries go on while clips come", "[server][extend]") {
+TEST_CASE("Extend: queries are answered during extensions", "[server][extend]") {
   TestEngine engine(Extending());
   BuildWalks(engine, 20);
   std::atomic<bool> stop{false};
@@ -171,7 +172,7 @@ TEST_CASE("Extend: queries go on while clips come", "[server][extend]") {
   CHECK(answered > 0);
 }
 
-TEST_CASE("Extend: a model that is built quickly is built", "[server][extend]") {
+TEST_CASE("Extend: a model with short builds is rebuilt", "[server][extend]") {
   TestEngine engine;
   BuildWalks(engine, 20);
   engine.Wait(engine.Ingest("db", "more", Walk(0.77))->operation.id);

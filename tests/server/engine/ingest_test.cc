@@ -1,4 +1,4 @@
-// What an ingest stores, and that a bad one stores nothing.
+// An ingest stores a complete record; a bad file stores nothing.
 #include "server/engine/ingest.h"
 
 #include <atomic>
@@ -25,7 +25,7 @@ std::string Walk(double phase = 0) {
   return WriteBvh({.act = Act::kWalk, .frame_count = 61, .frame_rate_hz = 30, .phase = phase});
 }
 
-TEST_CASE("Ingest: the record says what the file held", "[server][ingest]") {
+TEST_CASE("Ingest: the record describes the file", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   server::IngestFile file = File("My walk.bvh", Walk());
@@ -48,7 +48,7 @@ TEST_CASE("Ingest: the record says what the file held", "[server][ingest]") {
   CHECK(live->stored().frame_count == 121);
 }
 
-// The walk, of which the hips are elsewhere in some frames (from 0).
+// A walk whose hips are displaced in `count` frames from frame `first` (from 0).
 std::string WalkWithGlitch(int first, int count) {
   std::istringstream lines(Walk());
   std::string text;
@@ -61,7 +61,7 @@ std::string WalkWithGlitch(int first, int count) {
   return text;
 }
 
-TEST_CASE("Ingest: glitches are treated as the database says, and the report names them",
+TEST_CASE("Ingest: glitches follow the database's setting, and the report names them",
           "[server][ingest]") {
   using core::GlitchPolicy;
   TestEngine engine;
@@ -97,7 +97,7 @@ TEST_CASE("Ingest: glitches are treated as the database says, and the report nam
   CHECK(kept->clip.frame_count == 121);
   CHECK_THAT(kept->clip.source_report, Catch::Contains("glitches kept (1): frames 21-32"));
   CHECK(engine->store().ReadClipStates("keep", "walk")->glitches.size() == 1);
-  // The model knows them, also when it is read.
+  // The model keeps the glitches, also after a restart.
   REQUIRE(engine.Wait(kept->operation.id).state == storage::OperationState::kSucceeded);
   engine.Stop();
   engine.Start();
@@ -107,14 +107,14 @@ TEST_CASE("Ingest: glitches are treated as the database says, and the report nam
   CHECK_FALSE((*snapshot)->model.HasGlitch(80, 120));
 }
 
-TEST_CASE("Ingest: ids from names are numbered, fixed ones are kept or refused",
+TEST_CASE("Ingest: ids from file names get a number, fixed ids are kept or refused",
           "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   CHECK(engine->Ingest(live, File("walk.bvh", Walk(0)), {})->clip.id == "walk");
   CHECK(engine->Ingest(live, File("walk.bvh", Walk(1)), {})->clip.id == "walk-2");
-  const auto same = engine->Ingest(live, File("other.bvh", Walk(1)), {});
-  CHECK(absl::IsAlreadyExists(same.status()));
+  const auto duplicate = engine->Ingest(live, File("other.bvh", Walk(1)), {});
+  CHECK(absl::IsAlreadyExists(duplicate.status()));
   server::IngestFile fixed = File("walk.bvh", Walk(2));
   fixed.clip_id = "walk";
   CHECK(absl::IsAlreadyExists(engine->Ingest(live, fixed, {}).status()));
@@ -145,7 +145,7 @@ TEST_CASE("Ingest: a bad file changes nothing", "[server][ingest]") {
   CHECK(live->stored().clip_count == 0);
 }
 
-TEST_CASE("Ingest: nothing is stored for a client that went away", "[server][ingest]") {
+TEST_CASE("Ingest: nothing is stored for a cancelled call", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   const auto ingested =
@@ -154,7 +154,7 @@ TEST_CASE("Ingest: nothing is stored for a client that went away", "[server][ing
   CHECK(engine->store().ListClips("db", {})->empty());
 }
 
-TEST_CASE("Ingest: the first clip of a `source` database decides the markers, also in a race",
+TEST_CASE("Ingest: the first clip of a `source` database sets the markers, also in a race",
           "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
@@ -171,8 +171,8 @@ TEST_CASE("Ingest: the first clip of a `source` database decides the markers, al
   CHECK((*(*engine->FindDatabase("db"))->scheme())->set.marker_count() == 10);
 }
 
-// The disk is full between the clip and the operation that builds it in, or out.
-TEST_CASE("Ingest: without room for an operation, what was stored or deleted is told so, and built",
+// The disk is full between the change of the clip and its operation.
+TEST_CASE("Ingest: a change succeeds and is built although its operation cannot be stored",
           "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
@@ -194,7 +194,7 @@ TEST_CASE("Ingest: without room for an operation, what was stored or deleted is 
   CHECK(engine->operations().Get(deleted->id)->done());
 }
 
-TEST_CASE("Ingest: a deleted database takes nothing more", "[server][ingest]") {
+TEST_CASE("Ingest: a deleted database refuses ingests", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   REQUIRE(engine->DeleteDatabase("db").ok());

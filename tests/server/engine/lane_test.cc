@@ -1,4 +1,4 @@
-// Heavy work never takes every thread.
+// Heavy work never uses all threads.
 #include "server/engine/lane.h"
 
 #include <algorithm>
@@ -16,18 +16,18 @@
 namespace motiondb::server::lane_test {
 namespace {
 
-TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[server]") {
+TEST_CASE("Lane: runs all work in order, at most `width` at a time", "[server]") {
   for (const int width : {1, 2, 3}) {
     ThreadPool pool(4);
     std::atomic<int> running{0};
-    std::atomic<int> most{0};
+    std::atomic<int> peak{0};
     std::mutex mutex;
     std::vector<int> order;
     Lane lane(pool, width);
     for (int i = 0; i < 200; ++i) {
       lane.Post("", [&, i] {
         const int now = ++running;
-        for (int seen = most; now > seen && !most.compare_exchange_weak(seen, now);) {
+        for (int seen = peak; now > seen && !peak.compare_exchange_weak(seen, now);) {
         }
         {
           const std::lock_guard lock(mutex);
@@ -37,13 +37,13 @@ TEST_CASE("Lane: at most its width runs at a time, all of it runs, in order", "[
       });
     }
     pool.Join();
-    CHECK(most <= width);
+    CHECK(peak <= width);
     CHECK(order.size() == 200);
     if (width == 1) CHECK(std::is_sorted(order.begin(), order.end()));
   }
 }
 
-TEST_CASE("Lane: clients take turns, however much one of them has waiting", "[server]") {
+TEST_CASE("Lane: clients take turns, also if one has a long queue", "[server]") {
   ThreadPool pool(1);
   Lane lane(pool, 1);
   std::string order;
@@ -58,15 +58,15 @@ TEST_CASE("Lane: clients take turns, however much one of them has waiting", "[se
   CHECK(order.substr(0, 6) == "abcaba");
 }
 
-TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server]") {
+TEST_CASE("Lane: a call in several pieces lets others run in between", "[server]") {
   ThreadPool pool(1);
   Lane lane(pool, 1);
   std::string order;
-  int left = 50;
+  int remaining = 50;
   std::promise<void> other_posted;
   std::function<void()> piece = [&] {
     order += 'a';
-    if (--left > 0) lane.Post("a", piece);
+    if (--remaining > 0) lane.Post("a", piece);
   };
   lane.Post("a", [&] {
     other_posted.get_future().wait();
@@ -79,7 +79,7 @@ TEST_CASE("Lane: a call that goes on in pieces lets others in between", "[server
   CHECK(order.find('b') <= 2);
 }
 
-TEST_CASE("Workers: work goes on beside as much of what takes turns as there is", "[server]") {
+TEST_CASE("Workers: light work runs beside any amount of work that takes turns", "[server]") {
   const Pool pool = GENERATE(Pool::kRequests, Pool::kChanges);
   EngineOptions options;
   options.query_threads = 2;
@@ -87,7 +87,7 @@ TEST_CASE("Workers: work goes on beside as much of what takes turns as there is"
   std::mutex mutex;
   std::condition_variable changed;
   bool light_is_done = false;
-  // Each would wait for ever, were it to keep the light work from running.
+  // Each waits for the light work: if they took all threads, this would deadlock.
   for (int i = 0; i < 8; ++i) {
     workers.PostInTurn(pool, "", [&] {
       std::unique_lock lock(mutex);

@@ -1,5 +1,6 @@
-// Random changes of a database, also in the midst of builds, in simulated time, with crashes: what
-// the states of its lifecycle promise (server/engine/model_lifecycle.h).
+// Simulation of the model lifecycle (server/engine/model_lifecycle.h): random changes of a
+// database, also during builds, in simulated time, with crashes. Checks the guarantees of its
+// states.
 #include <spdlog/spdlog.h>
 
 #include <algorithm>
@@ -29,14 +30,14 @@ using server::Retiring;
 using std::chrono::milliseconds;
 using storage::OperationState;
 
-// What was seen of builds.
-struct Seen {
+// Statistics of builds.
+struct BuildStatistics {
   int builds = 0;
-  int borrowing = 0;            // moments at which a model answered that was not calibrated
-  int cancelled_borrowing = 0;  // builds that were cancelled at such a moment
-  int extended_borrowing = 0;   // moments at which such a model had clips that came after its build
+  int borrowing = 0;            // checks while an uncalibrated model answered
+  int cancelled_borrowing = 0;  // builds cancelled at such a moment
+  int extended_borrowing = 0;   // checks while such a model had clips ingested after its build
 
-  Seen& operator+=(const Seen& more) {
+  BuildStatistics& operator+=(const BuildStatistics& more) {
     builds += more.builds;
     borrowing += more.borrowing;
     cancelled_borrowing += more.cancelled_borrowing;
@@ -63,7 +64,7 @@ class Simulation {
     executor_.between = [this] { Meanwhile(); };
   }
 
-  // One event: a clip, a deletion, a cancellation, a slow ingest that begins or ends, or time.
+  // Runs one event: a clip, a deletion, a cancellation, a slow ingest that begins or ends, or time.
   void Step() {
     switch (const int event = Below(6)) {
       case 3:
@@ -72,7 +73,7 @@ class Simulation {
       case 4:
         if (in_flight_.empty()) return;
         in_flight_.pop_back();
-        last_ask_ = executor_.Now();
+        last_request_ = executor_.Now();
         return;
       case 5:
         executor_.RunUntil(executor_.Now() + milliseconds(Below(500)));
@@ -82,7 +83,7 @@ class Simulation {
     }
   }
 
-  // The server dies, in the midst of the next build if it can be, and another takes over its file.
+  // The server crashes, during the next build if possible, and another server opens its file.
   void CrashAndRestart() {
     Ingest();
     crash_in_ = 1 + Below(600);
@@ -96,38 +97,38 @@ class Simulation {
     process_.emplace(directory_ / "store.db");
     for (const std::string& clip : clips_) CHECK(store().GetClip("db", clip).ok());
     Serve();
-    last_.reset();
+    previous_.reset();
     server::DamageBook damages;
-    // Nobody finds the database meanwhile.
+    // The database is not visible meanwhile.
     const auto between = std::exchange(executor_.between, nullptr);
     lifecycle().LoadStored(damages);
     executor_.between = between;
     CHECK(damages.List().empty());
-    // The stored model was made before all that came since then.
+    // The stored model is older than the changes since its build.
     const bool was_emptied = is_emptied_since_;
     const bool was_deleted = is_deleted_since_;
     CheckServed();
     is_emptied_since_ = was_emptied;
     is_deleted_since_ = was_deleted;
-    // As Engine::Load does.
+    // Like Engine::Load.
     auto undone = *store().ListOperations("db", "", 1000);
     std::erase_if(undone, [](const auto& operation) { return operation.done(); });
     std::ranges::reverse(undone);
     for (const auto& operation : undone) {
       lifecycle().Resume(operations().Adopt(operation)->id);
-      first_ask_[operation.id] = last_ask_ = executor_.Now();
-      begun_.erase(operation.id);
+      first_request_[operation.id] = last_request_ = executor_.Now();
+      started_.erase(operation.id);
     }
     if (undone.empty() && !*lifecycle().IsUpToDate()) Ask(*lifecycle().Request());
   }
 
-  // All that was begun ends, and the model is of the clips there are.
+  // Checks that all operations end and that the model has exactly the stored clips.
   void CheckEnd() {
     executor_.between = nullptr;
     in_flight_.clear();
     Ingest();
     executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
-    for (const std::string& id : asked_) {
+    for (const std::string& id : requested_) {
       const auto operation = operations().Get(id);
       REQUIRE(operation.ok());
       CHECK(operation->done());
@@ -141,21 +142,21 @@ class Simulation {
     CheckServed();
   }
 
-  // Nothing begins any more, and what waited is for the next server.
+  // Checks that after BeginStop nothing starts and a waiting operation stays PENDING.
   void CheckStop() {
     Ingest();
-    const std::string waiting = asked_.back();
+    const std::string waiting = requested_.back();
     lifecycle().BeginStop();
     executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
     lifecycle().AwaitStop();
     CHECK(operations().Get(waiting)->state == OperationState::kPending);
   }
 
-  // What is at work when the server drains is PENDING again, and queries go on. False if no build
-  // was at work for long enough.
+  // Checks that a build stopped by the drain is PENDING and the model keeps answering. Returns
+  // false if no build ran for long enough.
   bool CheckDrainInBuild() {
     Ingest();
-    const std::string id = asked_.back();
+    const std::string id = requested_.back();
     std::shared_ptr<const server::Snapshot> served;
     const bool happened = InBuild([&] {
       served = lifecycle().snapshot();
@@ -169,7 +170,7 @@ class Simulation {
     return true;
   }
 
-  // A database that is deleted in the midst of a build has no model, then and later.
+  // Checks that a database deleted during a build has no model, then and later.
   bool CheckDeletionInBuild() {
     Ingest();
     const auto deletion = [this] {
@@ -177,7 +178,7 @@ class Simulation {
       lifecycle().Forget();
       return absl::OkStatus();
     };
-    // A model that is just being put is waited for: not on this thread.
+    // Waiting for a model that is being stored would block this thread.
     const bool happened =
         InBuild([&] { return process_->live->Retire(deletion, [] { return true; }).ok(); });
     if (!happened) return false;
@@ -187,12 +188,12 @@ class Simulation {
     return true;
   }
 
-  const Seen& seen() const { return seen_; }
+  const BuildStatistics& statistics() const { return statistics_; }
 
  private:
   static constexpr core::BuildSettings kSettings{.frame_rate_hz = 60, .min_frames = 4};
 
-  // What ends with a server.
+  // State of one server process.
   struct Process {
     explicit Process(const std::string& path)
         : store(*storage::SqliteMotionStore::Open(path)), operations(*store) {}
@@ -216,13 +217,13 @@ class Simulation {
     process_->live = std::move(live);
   }
 
-  // Runs the time of the next build, and `event` at some moment of it, again until it returns true.
-  // Whether it did.
+  // Runs the next build and calls `event` at random moments of it until it returns true. Returns
+  // whether it did.
   bool InBuild(const std::function<bool()>& event) {
-    int left = 1 + Below(150);
+    int steps_left = 1 + Below(150);
     bool happened = false;
     executor_.between = [&] {
-      if (--left <= 0 && !happened) happened = event();
+      if (--steps_left <= 0 && !happened) happened = event();
     };
     executor_.RunUntil(executor_.Now() + std::chrono::hours(1));
     executor_.between = nullptr;
@@ -237,12 +238,12 @@ class Simulation {
 
   void Ask(const storage::OperationRecord& operation) {
     CHECK(operation.state == OperationState::kPending);
-    // One that waits since a restart serves again when those after it were cancelled.
-    if (std::ranges::find(asked_, operation.id) == asked_.end()) {
-      asked_.push_back(operation.id);
-      first_ask_[operation.id] = executor_.Now();
+    // An operation that waits since a restart is joined again after later ones were cancelled.
+    if (std::ranges::find(requested_, operation.id) == requested_.end()) {
+      requested_.push_back(operation.id);
+      first_request_[operation.id] = executor_.Now();
     }
-    last_ask_ = executor_.Now();
+    last_request_ = executor_.Now();
   }
 
   void Ingest() {
@@ -263,7 +264,7 @@ class Simulation {
                                          core::Serially, {}, stored);
     INFO(clip.status().ToString());
     REQUIRE(clip.ok());
-    last_ask_ = executor_.Now();
+    last_request_ = executor_.Now();
   }
 
   void Delete() {
@@ -280,10 +281,10 @@ class Simulation {
   }
 
   void Cancel() {
-    if (asked_.empty()) return;
+    if (requested_.empty()) return;
     const std::string& id =
-        asked_[asked_.size() - 1 -
-               static_cast<std::size_t>(Below(std::min<int>(2, std::ssize(asked_))))];
+        requested_[requested_.size() - 1 -
+                   static_cast<std::size_t>(Below(std::min<int>(2, std::ssize(requested_))))];
     const auto before = operations().Get(id)->state;
     const auto is_first = lifecycle().Cancel(id);
     REQUIRE(is_first.ok());
@@ -294,19 +295,20 @@ class Simulation {
     }
     const auto snapshot = lifecycle().snapshot();
     if (*is_first && before == OperationState::kRunning && snapshot && !snapshot->is_stored()) {
-      ++seen_.cancelled_borrowing;
+      ++statistics_.cancelled_borrowing;
     }
   }
 
-  // While a build is at work, on another thread. A timer does not fire: the build has its thread.
+  // Runs between the steps of a build, as another thread would. Timers do not fire: the build uses
+  // their thread.
   void Meanwhile() {
     if (crash_in_ > 0 && --crash_in_ == 0) throw Crash();
     int running = 0;
-    for (const std::string& id : asked_) {
+    for (const std::string& id : requested_) {
       if (operations().Get(id)->state != OperationState::kRunning) continue;
       ++running;
-      if (!begun_.insert(id).second) continue;
-      ++seen_.builds;
+      if (!started_.insert(id).second) continue;
+      ++statistics_.builds;
       CheckBegin(id);
     }
     CHECK(running <= 1);
@@ -314,7 +316,7 @@ class Simulation {
     Change(Below(200));
   }
 
-  // What may also come in the midst of a build; nothing for most events.
+  // Changes that may also come during a build; none for most events.
   void Change(int event) {
     if (event == 0) Ingest();
     if (event == 1) Delete();
@@ -322,9 +324,9 @@ class Simulation {
   }
 
   void CheckBegin(const std::string& id) {
-    const auto latest = first_ask_.at(id) + options_.rebuild_delay_limit;
+    const auto latest = first_request_.at(id) + options_.rebuild_delay_limit;
     const auto now = executor_.Now();
-    CHECK((now >= latest || (in_flight_.empty() && now >= last_ask_ + options_.rebuild_delay)));
+    CHECK((now >= latest || (in_flight_.empty() && now >= last_request_ + options_.rebuild_delay)));
   }
 
   static std::set<std::string> KnownTo(const server::Snapshot& snapshot) {
@@ -333,10 +335,10 @@ class Simulation {
     return known;
   }
 
-  // What answers queries at this moment, beside what did before.
+  // Checks the current model against the previous one.
   void CheckServed() {
     const auto now = lifecycle().snapshot();
-    const auto before = std::exchange(last_, now);
+    const auto before = std::exchange(previous_, now);
     const bool was_emptied = is_emptied_since_;
     const bool was_deleted = is_deleted_since_;
     if (now == nullptr) {
@@ -344,14 +346,14 @@ class Simulation {
       return;
     }
     const std::set<std::string> known = KnownTo(*now);
-    // A model of deleted clips alone was begun before the last one was deleted.
+    // The build of a model that has only deleted clips began before the last deletion.
     const auto is_stored = [this](const std::string& clip) { return clips_.contains(clip); };
     if (now != before && std::ranges::any_of(known, is_stored)) is_emptied_since_ = false;
     if (now != before) is_deleted_since_ = false;
     CheckVersion(*now);
-    const bool goes_on = before != nullptr && !was_emptied;
-    if (goes_on) CHECK(now->record.version >= before->record.version);
-    if (goes_on && !was_deleted && now != before) {
+    const bool is_successor = before != nullptr && !was_emptied;
+    if (is_successor) CHECK(now->record.version >= before->record.version);
+    if (is_successor && !was_deleted && now != before) {
       std::set<std::string> lost;
       std::ranges::set_difference(KnownTo(*before), known, std::inserter(lost, lost.end()));
       for (const std::string& clip : lost) CHECK(!clips_.contains(clip));
@@ -360,8 +362,8 @@ class Simulation {
       last_own_ = now->model.recognition();
       return;
     }
-    ++seen_.borrowing;
-    if (now->record.added_clip_count > 0) ++seen_.extended_borrowing;
+    ++statistics_.borrowing;
+    if (now->record.added_clip_count > 0) ++statistics_.extended_borrowing;
     const bool is_previous = now->calibration == Calibration::kPrevious;
     const core::RecognitionCalibration expected = is_previous ? last_own_ : decltype(last_own_)();
     CHECK(now->model.recognition().window.familiarity == expected.window.familiarity);
@@ -369,7 +371,8 @@ class Simulation {
     CHECK(now->model.recognition().whole.weight.power == expected.whole.weight.power);
   }
 
-  // A version that is reported is that of a stored model, and of the current one if it is said so.
+  // Checks that a reported version is that of a stored model, and of the current one if the
+  // snapshot is stored.
   void CheckVersion(const server::Snapshot& snapshot) {
     const auto& record = snapshot.record;
     CHECK(record.clip_count == std::ssize(snapshot.model.clips()));
@@ -395,40 +398,39 @@ class Simulation {
   std::vector<std::unique_ptr<server::ModelLifecycle::Ingest>> in_flight_;
   std::set<std::string> clips_;
   int clip_count_ = 0;
-  std::vector<std::string> asked_;  // operations, in order
-  std::set<std::string> begun_;
+  std::vector<std::string> requested_;  // operation ids, in order
+  std::set<std::string> started_;
   std::set<std::string> cancelled_;
-  std::map<std::string, Executor::Clock::time_point> first_ask_;
-  Executor::Clock::time_point last_ask_;
-  int crash_in_ = 0;  // moments of builds; 0: never
+  std::map<std::string, Executor::Clock::time_point> first_request_;
+  Executor::Clock::time_point last_request_;
+  int crash_in_ = 0;  // steps of builds until the crash; 0: never
 
-  std::shared_ptr<const server::Snapshot> last_;  // as CheckServed saw it
+  std::shared_ptr<const server::Snapshot> previous_;  // at the last CheckServed
   core::RecognitionCalibration last_own_;
-  bool is_emptied_since_ = false;  // since then the last clip was deleted
-  bool is_deleted_since_ = false;  // or some clip
-  Seen seen_;
+  bool is_emptied_since_ = false;  // all clips were deleted since the current model
+  bool is_deleted_since_ = false;  // a clip was deleted since the current model
+  BuildStatistics statistics_;
 };
 
-TEST_CASE("Lifecycle: keeps its promises whatever comes, and when", "[server][lifecycle]") {
-  Seen seen;
+TEST_CASE("Lifecycle: keeps its guarantees under random events", "[server][lifecycle]") {
+  BuildStatistics statistics;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     CAPTURE(seed);
     Simulation simulation(seed);
     for (int step = 0; step < 60; ++step) simulation.Step();
     simulation.CheckEnd();
-    seen += simulation.seen();
+    statistics += simulation.statistics();
     simulation.CheckStop();
   }
-  // Else the events were too dense, or too rare, for these.
-  CHECK(seen.builds > 40);
-  CHECK(seen.borrowing > 100);
-  CHECK(seen.cancelled_borrowing > 0);
-  CHECK(seen.extended_borrowing > 0);
+  // Otherwise the events were too dense or too rare to test these cases.
+  CHECK(statistics.builds > 40);
+  CHECK(statistics.borrowing > 100);
+  CHECK(statistics.cancelled_borrowing > 0);
+  CHECK(statistics.extended_borrowing > 0);
 }
 
-TEST_CASE("Lifecycle: a crash at any moment loses nothing that was acknowledged",
-          "[server][lifecycle]") {
-  Seen seen;
+TEST_CASE("Lifecycle: a crash at any moment loses no acknowledged change", "[server][lifecycle]") {
+  BuildStatistics statistics;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Simulation simulation(seed);
@@ -437,12 +439,12 @@ TEST_CASE("Lifecycle: a crash at any moment loses nothing that was acknowledged"
       simulation.CrashAndRestart();
     }
     simulation.CheckEnd();
-    seen += simulation.seen();
+    statistics += simulation.statistics();
   }
-  CHECK(seen.borrowing > 100);
+  CHECK(statistics.borrowing > 100);
 }
 
-TEST_CASE("Lifecycle: drains and is deleted at any moment of a build", "[server][lifecycle]") {
+TEST_CASE("Lifecycle: can drain or be deleted at any moment of a build", "[server][lifecycle]") {
   int drains = 0;
   int deletions = 0;
   for (unsigned seed = 1; seed <= 30; ++seed) {

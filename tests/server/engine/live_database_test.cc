@@ -1,4 +1,4 @@
-// The life of a database: changes side by side, its deletion alone.
+// The life of a database: concurrent changes, exclusive deletion.
 #include "server/engine/live_database.h"
 
 #include <atomic>
@@ -16,11 +16,11 @@ using server::Retiring;
 
 const auto kNothing = [] { return absl::OkStatus(); };
 
-TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off", "[server]") {
+TEST_CASE("LiveDatabase: continuous changes do not starve the deletion", "[server]") {
   LiveDatabase database("db", {});
   std::atomic<int> changes = 0;
   std::atomic<int> ended = 0;
-  // Each begins its next change while another is in the midst of one.
+  // Each thread starts its next change while another thread runs one.
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&, i] {
@@ -38,22 +38,22 @@ TEST_CASE("LiveDatabase: changes that never cease do not keep its deletion off",
     });
   }
   while (changes < 2) std::this_thread::yield();
-  int changes_meanwhile = -1;
+  int changes_during_deletion = -1;
   absl::Status refused;
   const absl::Status deleted = database.Retire([&] {
-    changes_meanwhile = changes;
+    changes_during_deletion = changes;
     refused = database.WithSharedUse(Retiring::kRefuse, kNothing);
     return absl::OkStatus();
   });
   for (std::thread& thread : threads) thread.join();
   CHECK(deleted.ok());
-  CHECK(changes_meanwhile == 0);
+  CHECK(changes_during_deletion == 0);
   CHECK(absl::IsUnavailable(refused));
   CHECK(ended == 4);
   CHECK(absl::IsNotFound(database.Retire(kNothing)));
 }
 
-TEST_CASE("LiveDatabase: lives on where its deletion fails, or does not come in time", "[server]") {
+TEST_CASE("LiveDatabase: stays alive if its deletion fails or is cancelled", "[server]") {
   LiveDatabase database("db", {});
   absl::Status late;
   CHECK(database

@@ -1,4 +1,4 @@
-// When models are rebuilt: bursts, changes during a build, cancelling, deleting.
+// When models are rebuilt: bursts, changes during a build, cancellation, deletion.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <future>
@@ -27,9 +27,9 @@ TEST_CASE("Lifecycle: a burst of ingests costs one rebuild", "[server][lifecycle
         [&, i] { ingested[i] = engine.Ingest("db", "walk", Walk(0.3 * static_cast<double>(i))); });
   }
   for (std::thread& thread : threads) thread.join();
-  for (const auto& one : ingested) {
-    REQUIRE(one.ok());
-    CHECK(one->operation.id == ingested[0]->operation.id);
+  for (const auto& each : ingested) {
+    REQUIRE(each.ok());
+    CHECK(each->operation.id == ingested[0]->operation.id);
   }
   const auto operation = engine.Wait(ingested[0]->operation.id);
   CHECK(operation.state == OperationState::kSucceeded);
@@ -39,8 +39,8 @@ TEST_CASE("Lifecycle: a burst of ingests costs one rebuild", "[server][lifecycle
   CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 8);
 }
 
-TEST_CASE("Lifecycle: says when a tree of many frames is a single node", "[server][lifecycle]") {
-  TestEngine engine;  // first: it silences the log
+TEST_CASE("Lifecycle: warns if a tree of many frames is a single node", "[server][lifecycle]") {
+  TestEngine engine;  // first, because it disables the log
   const CapturedLog log(spdlog::level::warn);
   engine.Create("walks");
   engine.Create("statues");
@@ -57,20 +57,21 @@ TEST_CASE("Lifecycle: says when a tree of many frames is a single node", "[serve
   CHECK(log.text().find("walks") == std::string::npos);
 }
 
-TEST_CASE("Lifecycle: waits for an ingest in flight, but not for ever", "[server][lifecycle]") {
+TEST_CASE("Lifecycle: waits for an ingest in flight, up to rebuild_delay_limit",
+          "[server][lifecycle]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_delay_limit = std::chrono::milliseconds(400);
   TestEngine engine(options);
   const auto live = engine.Create("db");
   const auto slow = *engine->BeginIngest(live);
-  const auto asked = std::chrono::steady_clock::now();
+  const auto requested = std::chrono::steady_clock::now();
   const auto ingested = engine.Ingest("db", "walk", Walk(0));
   REQUIRE(ingested.ok());
   CHECK(engine.Wait(ingested->operation.id).state == OperationState::kSucceeded);
-  CHECK(std::chrono::steady_clock::now() - asked >= std::chrono::milliseconds(400));
+  CHECK(std::chrono::steady_clock::now() - requested >= std::chrono::milliseconds(400));
 }
 
-// An engine whose disk can be held where an operation is stored.
+// An engine whose store can block while it stores an operation.
 class SlowEngine {
  public:
   explicit SlowEngine(const server::EngineOptions& options = TestEngine::QuickOptions())
@@ -96,12 +97,11 @@ class SlowEngine {
   const std::unique_ptr<server::Engine> engine_;
 };
 
-TEST_CASE("Lifecycle: an operation that is being stored holds up no ingest",
-          "[server][lifecycle]") {
+TEST_CASE("Lifecycle: storing an operation does not block ingests", "[server][lifecycle]") {
   SlowEngine engine;
   const auto slow = engine.Create("slow");
   const auto other = engine.Create("other");
-  const auto others_go_on = [&] {
+  const auto check_others_continue = [&] {
     engine.disk().AwaitArrival();
     CHECK(engine->BeginIngest(other).ok());
     CHECK(engine->BeginIngest(slow).ok());
@@ -111,16 +111,16 @@ TEST_CASE("Lifecycle: an operation that is being stored holds up no ingest",
   engine.disk().Close();
   absl::StatusOr<server::Ingested> ingested;
   std::thread ingesting([&] { ingested = engine.Ingest("slow"); });
-  others_go_on();  // while it is made
+  check_others_continue();  // while it is created
   ingesting.join();
   REQUIRE(ingested.ok());
   engine.disk().Close();
   waiting.reset();
-  others_go_on();  // while it begins
+  check_others_continue();  // while it starts
   CHECK(engine->operations().Get(ingested->operation.id).ok());
 }
 
-TEST_CASE("Lifecycle: who gives up before the rebuild is stored gets no operation, but the rebuild",
+TEST_CASE("Lifecycle: a rebuild happens although its request was cancelled",
           "[server][lifecycle]") {
   SlowEngine engine;
   engine.Create("db");
@@ -142,7 +142,7 @@ TEST_CASE("Lifecycle: who gives up before the rebuild is stored gets no operatio
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
 }
 
-TEST_CASE("Lifecycle: a cancellation that comes too late to be stored changes nothing",
+TEST_CASE("Lifecycle: a cancellation that is itself cancelled changes nothing",
           "[server][lifecycle]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_delay = options.rebuild_delay_limit = std::chrono::hours(1);
@@ -165,9 +165,8 @@ TEST_CASE("Lifecycle: a cancellation that comes too late to be stored changes no
   CHECK(engine->store().GetOperation(id)->state == OperationState::kCancelled);
 }
 
-TEST_CASE(
-    "Lifecycle: what begins while its database is deleted is nothing of the next of that name",
-    "[server][lifecycle]") {
+TEST_CASE("Lifecycle: a build of a deleted database does not affect a new one of the same name",
+          "[server][lifecycle]") {
   SlowEngine engine;
   auto waiting = *engine->BeginIngest(engine.Create("db"));
   const auto ingested = engine.Ingest("db");
@@ -189,7 +188,7 @@ TEST_CASE(
   CHECK(engine->operations().List("db", "", 10)->empty());
 }
 
-TEST_CASE("Lifecycle: a build that ran out of room is retried until there is some",
+TEST_CASE("Lifecycle: a build that ran out of disk space is retried until it succeeds",
           "[server][lifecycle]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_retry_delay = std::chrono::milliseconds(100);
@@ -203,7 +202,7 @@ TEST_CASE("Lifecycle: a build that ran out of room is retried until there is som
   engine.gate().Open();
   CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
   CHECK(engine.ModelVersion("db") == 0);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // in vain once or twice
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // one or two retries fail
   CHECK(engine.ModelVersion("db") == 0);
   engine.disk().Set(FullDisk::Lacks::kNothing);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
@@ -238,7 +237,7 @@ TEST_CASE("Lifecycle: a retry ends with its database and with the server", "[ser
   CHECK(engine.ModelVersion("deleted") == 0);
 }
 
-TEST_CASE("Lifecycle: what comes during a build gets the next", "[server][lifecycle]") {
+TEST_CASE("Lifecycle: requests during a build get the next build", "[server][lifecycle]") {
   TestEngine engine;
   engine.Create("db");
   engine.gate().Close();
@@ -256,7 +255,7 @@ TEST_CASE("Lifecycle: what comes during a build gets the next", "[server][lifecy
   CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }
 
-TEST_CASE("Lifecycle: the previous model answers until the new one is whole",
+TEST_CASE("Lifecycle: the previous model answers until the new one is complete",
           "[server][lifecycle]") {
   TestEngine engine;
   const auto live = engine.Create("db");
@@ -271,10 +270,10 @@ TEST_CASE("Lifecycle: the previous model answers until the new one is whole",
   engine.gate().Open();
   engine.Wait(second->operation.id);
   CHECK(live->lifecycle().snapshot()->record.version == 2);
-  CHECK(before->model.clips().size() == 1);  // those who hold the old one keep it
+  CHECK(before->model.clips().size() == 1);  // users of the old model keep it
 }
 
-TEST_CASE("Lifecycle: a new model answers before it is stored, with a calibration that is marked",
+TEST_CASE("Lifecycle: a new model answers before it is stored, and marks its calibration",
           "[server][lifecycle]") {
   TestEngine engine;
   const auto live = engine.Create("db");
@@ -289,7 +288,7 @@ TEST_CASE("Lifecycle: a new model answers before it is stored, with a calibratio
   const std::string first = build("a", 0);
   REQUIRE(served() != nullptr);
   CHECK(served()->calibration == server::Calibration::kTypical);
-  CHECK(served()->record.version == 0);  // it has none yet
+  CHECK(served()->record.version == 0);  // not stored yet
   CHECK(served()->record.clip_count == 1);
   CHECK(served()->model.recognition().window.weight.scale ==
         core::RecognitionCalibration().window.weight.scale);
@@ -320,7 +319,7 @@ TEST_CASE("Lifecycle: a new model answers before it is stored, with a calibratio
         answering->model.recognition().window.familiarity);
 }
 
-TEST_CASE("Lifecycle: a new model goes on answering where it cannot be stored",
+TEST_CASE("Lifecycle: a new model continues to answer if it cannot be stored",
           "[server][lifecycle]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_retry_delay = std::chrono::milliseconds(100);
@@ -346,7 +345,7 @@ TEST_CASE("Lifecycle: a new model goes on answering where it cannot be stored",
   CHECK(live->lifecycle().snapshot()->is_stored());
 }
 
-TEST_CASE("Lifecycle: a waiting operation is cancelled at once, a running one soon",
+TEST_CASE("Lifecycle: a waiting operation is cancelled immediately, a running one soon",
           "[server][lifecycle]") {
   TestEngine engine;
   engine.Create("db");
@@ -368,7 +367,7 @@ TEST_CASE("Lifecycle: a waiting operation is cancelled at once, a running one so
   CHECK(engine->CancelOperation(running)->operation.state == OperationState::kCancelled);
   CHECK(absl::IsNotFound(engine->CancelOperation("x").status()));
 
-  // The clips stay: the next change builds a model of them all.
+  // The clips stay: the next change builds a model of all clips.
   const auto next = engine.Ingest("db", "c", Walk(2));
   CHECK(engine.Wait(next->operation.id).state == OperationState::kSucceeded);
   CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
@@ -409,7 +408,7 @@ TEST_CASE("Lifecycle: a clip deleted during the build is not in the model", "[se
   CHECK(live->lifecycle().snapshot()->model.clips()[0].id == "a");
 }
 
-TEST_CASE("Lifecycle: deleting a database ends its work", "[server][lifecycle]") {
+TEST_CASE("Lifecycle: deleting a database ends its operations and builds", "[server][lifecycle]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   engine.gate().Close();
@@ -420,7 +419,7 @@ TEST_CASE("Lifecycle: deleting a database ends its work", "[server][lifecycle]")
   CHECK(absl::IsNotFound(engine->FindDatabase("db").status()));
   CHECK(absl::IsNotFound(engine->DeleteDatabase("db")));
 
-  // One of the same name begins empty, whatever the old build does.
+  // A new database of the same name is empty, whatever the old build does.
   engine.Create("db");
   engine.gate().Open();
   const auto fresh = engine.Ingest("db", "c", Walk(2));

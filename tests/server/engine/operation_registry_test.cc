@@ -17,9 +17,9 @@ namespace {
 
 using storage::OperationState;
 
-class Book {
+class RegistryFixture {
  public:
-  Book()
+  RegistryFixture()
       : store_(std::make_unique<tests::GatedStore>(*storage::SqliteMotionStore::Open(":memory:"),
                                                    std::make_shared<tests::Gate>(),
                                                    std::make_shared<tests::Gate>(), disk_)),
@@ -37,7 +37,7 @@ class Book {
 };
 
 TEST_CASE("OperationRegistry: states are stored, progress is not", "[server]") {
-  Book registry;
+  RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
   CHECK(registry.store().GetOperation(id)->state == OperationState::kPending);
   registry->Start(id);
@@ -54,25 +54,25 @@ TEST_CASE("OperationRegistry: states are stored, progress is not", "[server]") {
 }
 
 TEST_CASE("OperationRegistry: a failure keeps its code and message", "[server]") {
-  Book registry;
+  RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
-  registry->Fail(id, absl::DataLossError("clip 'a' is damaged"));
+  registry->Fail(id, absl::DataLossError("clip 'a' is corrupt"));
   const auto record = *registry->Get(id);
   CHECK(record.state == OperationState::kFailed);
   CHECK(record.error_code == static_cast<int>(absl::StatusCode::kDataLoss));
-  CHECK(record.error_message == "clip 'a' is damaged");
+  CHECK(record.error_message == "clip 'a' is corrupt");
 }
 
-TEST_CASE("OperationRegistry: what is done stays as it is", "[server]") {
-  Book registry;
+TEST_CASE("OperationRegistry: a finished operation does not change", "[server]") {
+  RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
   CHECK(registry->Cancel(id).ok());
   registry->Succeed(id, 1);
   CHECK(registry->Get(id)->state == OperationState::kCancelled);
 }
 
-TEST_CASE("OperationRegistry: a watcher is called once, with the end", "[server]") {
-  Book registry;
+TEST_CASE("OperationRegistry: a watcher is called once, at the end", "[server]") {
+  RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
   int calls = 0;
   OperationState seen = OperationState::kPending;
@@ -81,7 +81,7 @@ TEST_CASE("OperationRegistry: a watcher is called once, with the end", "[server]
     seen = record.state;
   };
   CHECK(registry->Watch(id, watcher) != 0);
-  const auto unwatched = registry->Watch(id, [](const auto&) { FAIL("was unwatched"); });
+  const auto unwatched = registry->Watch(id, [](const auto&) { FAIL("called after Unwatch"); });
   registry->Unwatch(id, unwatched);
   registry->Start(id);
   registry->Advance(id, 0.1, "reading");
@@ -93,8 +93,8 @@ TEST_CASE("OperationRegistry: a watcher is called once, with the end", "[server]
   CHECK(registry->Watch("no-such-operation", watcher) == 0);
 }
 
-TEST_CASE("OperationRegistry: a stopping server lets nobody wait", "[server]") {
-  Book registry;
+TEST_CASE("OperationRegistry: a stopping server ends all waits", "[server]") {
+  RegistryFixture registry;
   const std::string id = registry->Create("db")->id;
   int calls = 0;
   registry->Watch(id, [&](const auto&) { ++calls; });
@@ -103,8 +103,8 @@ TEST_CASE("OperationRegistry: a stopping server lets nobody wait", "[server]") {
   CHECK(registry->Watch(id, [&](const auto&) { ++calls; }) == 0);
 }
 
-TEST_CASE("OperationRegistry: ids differ and the newest comes first", "[server]") {
-  Book registry;
+TEST_CASE("OperationRegistry: ids are unique and the newest comes first", "[server]") {
+  RegistryFixture registry;
   std::set<std::string> ids;
   std::string last;
   for (int i = 0; i < 50; ++i) ids.insert(last = registry->Create("db")->id);
@@ -115,14 +115,14 @@ TEST_CASE("OperationRegistry: ids differ and the newest comes first", "[server]"
   CHECK(absl::IsNotFound(registry->Create("no-such-database").status()));
 }
 
-// The server's log while it lives.
+// Captures the server's log during its lifetime.
 class Log {
  public:
   Log() {
     spdlog::set_default_logger(std::make_shared<spdlog::logger>(
         "test", std::make_shared<spdlog::sinks::ostream_sink_st>(text_)));
   }
-  ~Log() { spdlog::set_default_logger(former_); }
+  ~Log() { spdlog::set_default_logger(previous_); }
   int line_count() const {
     const std::string text = text_.str();
     return static_cast<int>(std::ranges::count(text, '\n'));
@@ -130,14 +130,13 @@ class Log {
 
  private:
   std::ostringstream text_;
-  const std::shared_ptr<spdlog::logger> former_ = spdlog::default_logger();
+  const std::shared_ptr<spdlog::logger> previous_ = spdlog::default_logger();
 };
 
-TEST_CASE(
-    "OperationRegistry: without room in the store it lives in memory, and the log says so once",
-    "[server]") {
+TEST_CASE("OperationRegistry: an operation that cannot be stored is kept in memory and logged once",
+          "[server]") {
   const Log log;
-  Book registry;
+  RegistryFixture registry;
   registry.disk().Set(tests::FullDisk::Lacks::kRoomForOperations);
   const auto created = registry->Create("db");
   INFO(created.status().ToString());
@@ -150,12 +149,12 @@ TEST_CASE(
   registry->Start(created->id);
   CHECK(registry->Get(created->id)->state == OperationState::kRunning);
 
-  SECTION("there is room before it ends") {
+  SECTION("the disk has space before it ends") {
     registry.disk().Set(tests::FullDisk::Lacks::kNothing);
     registry->Succeed(created->id, 2);
     CHECK(registry.store().GetOperation(created->id)->state == OperationState::kSucceeded);
   }
-  SECTION("there is none to the end") {
+  SECTION("the disk stays full to the end") {
     registry->Succeed(created->id, 2);
     CHECK(absl::IsNotFound(registry.store().GetOperation(created->id).status()));
   }
@@ -165,17 +164,16 @@ TEST_CASE(
   CHECK(log.line_count() == 1);
 }
 
-TEST_CASE("OperationRegistry: what is no longer wanted when its turn comes changes nothing",
-          "[server]") {
+TEST_CASE("OperationRegistry: a cancelled call changes nothing", "[server]") {
   const Log log;
-  const core::Cancelled at_once = [] { return true; };
-  Book registry;
-  CHECK(absl::IsCancelled(registry->Create("db", at_once).status()));
+  const core::Cancelled immediately = [] { return true; };
+  RegistryFixture registry;
+  CHECK(absl::IsCancelled(registry->Create("db", immediately).status()));
   CHECK(registry->List("db", "", 10)->empty());
   const std::string id = registry->Create("db")->id;
   int called = 0;
   registry->Watch(id, [&](const storage::OperationRecord&) { ++called; });
-  CHECK(absl::IsCancelled(registry->Cancel(id, at_once)));
+  CHECK(absl::IsCancelled(registry->Cancel(id, immediately)));
   CHECK(registry->Get(id)->state == OperationState::kPending);
   CHECK(called == 0);
   CHECK(registry->Cancel(id).ok());
@@ -184,10 +182,9 @@ TEST_CASE("OperationRegistry: what is no longer wanted when its turn comes chang
   CHECK(log.line_count() == 0);
 }
 
-TEST_CASE("OperationRegistry: a deleted database takes its operations along, and nothing is amiss",
-          "[server]") {
+TEST_CASE("OperationRegistry: operations of a deleted database end without an error", "[server]") {
   const Log log;
-  Book registry;
+  RegistryFixture registry;
   const std::string building = registry->Create("db")->id;
   const std::string waiting = registry->Create("db")->id;
   int called = 0;

@@ -9,7 +9,7 @@ namespace {
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
-TEST_CASE("Frames: packed floats come back row by row", "[server][engine]") {
+TEST_CASE("Frames: packed floats are unpacked row by row", "[server][engine]") {
   core::FrameMatrix frames(2, 3);
   frames << 1, 2, 3, 4, 5, 6;
   const std::string bytes(reinterpret_cast<const char*>(frames.data()), 24);
@@ -19,8 +19,7 @@ TEST_CASE("Frames: packed floats come back row by row", "[server][engine]") {
   CHECK(*back == frames);
 }
 
-TEST_CASE("Frames: sizes that do not agree are refused before memory is taken",
-          "[server][engine]") {
+TEST_CASE("Frames: wrong sizes are refused before memory is allocated", "[server][engine]") {
   const std::string zeros(24, '\0');
   const auto bad = Unpack("m", "positions", {2, std::string_view(zeros).substr(4)}, 3);
   CHECK(bad.status().message() == "m.positions: expected 24 bytes, 2 frames of 3 float32, got 20");
@@ -30,7 +29,7 @@ TEST_CASE("Frames: sizes that do not agree are refused before memory is taken",
   CHECK(!Unpack("m", "positions", {huge, zeros}, 3 * 200).ok());
 }
 
-TEST_CASE("Frames: a marker is finite or missing in all three", "[server][engine]") {
+TEST_CASE("Frames: a marker is finite or NaN in all three coordinates", "[server][engine]") {
   const std::vector<std::string> names = {"A", "B"};
   core::FrameMatrix positions = core::FrameMatrix::Zero(2, 6);
   CHECK(CheckMarkers("m", names, positions).ok());

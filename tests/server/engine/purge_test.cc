@@ -1,4 +1,4 @@
-// What deleted clips leave on the disk is removed as soon as nobody needs it.
+// The data of deleted clips is removed from disk as soon as nothing needs it.
 #include <sqlite3.h>
 
 #include <catch2/catch.hpp>
@@ -15,7 +15,7 @@ using storage::OperationState;
 
 StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
 
-// The number that a query gives, beside a running engine or not.
+// Returns the number that a query returns, also while an engine uses the store.
 int Number(const TestEngine& engine, const std::string& sql) {
   sqlite3* database = nullptr;
   REQUIRE(sqlite3_open(engine.store_path().c_str(), &database) == SQLITE_OK);
@@ -35,7 +35,7 @@ int DeletedClips(const TestEngine& engine) {
   return Number(engine, "SELECT count(*) FROM clip WHERE deleted = 1");
 }
 
-// The first build is asked for and done: the model has the clip "a".
+// Builds a first model with the clip "a".
 void FillWithModel(TestEngine& engine) {
   engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
@@ -51,7 +51,7 @@ server::EngineOptions SlowOptions() {
 
 }  // namespace
 
-TEST_CASE("Purge: a clip that no model knows leaves nothing", "[server][purge]") {
+TEST_CASE("Purge: a deleted clip that is in no model is removed", "[server][purge]") {
   TestEngine engine;
   FillWithModel(engine);
   engine.Stop();
@@ -62,13 +62,13 @@ TEST_CASE("Purge: a clip that no model knows leaves nothing", "[server][purge]")
     const auto deletion = engine->DeleteClip("db", "x");
     REQUIRE(deletion.ok());
     CHECK(DeletedClips(engine) == 0);
-    // Also where no rebuild follows.
+    // Also if no rebuild follows.
     CHECK(engine->CancelOperation(deletion->id)->operation.state == OperationState::kCancelled);
   }
   CHECK(engine.ModelVersion("db") == 1);
 }
 
-TEST_CASE("Purge: a clip that the model knows stays until there is another", "[server][purge]") {
+TEST_CASE("Purge: a deleted clip of the model stays until the next model", "[server][purge]") {
   TestEngine engine;
   FillWithModel(engine);
   engine.Wait(engine.Ingest("db", "b", Walk(1))->operation.id);
@@ -83,7 +83,8 @@ TEST_CASE("Purge: a clip that the model knows stays until there is another", "[s
   CHECK(DeletedClips(engine) == 0);
 }
 
-TEST_CASE("Purge: what was kept for a build goes with it, however it ends", "[server][purge]") {
+TEST_CASE("Purge: a deleted clip that was kept for a build is removed when the build ends",
+          "[server][purge]") {
   TestEngine engine;
   FillWithModel(engine);
   engine.gate().Close();
@@ -103,7 +104,7 @@ TEST_CASE("Purge: what was kept for a build goes with it, however it ends", "[se
   CHECK(DeletedClips(engine) == 0);
 }
 
-TEST_CASE("Purge: what a former server left is removed at start", "[server][purge]") {
+TEST_CASE("Purge: remains of a previous server are removed at start", "[server][purge]") {
   TestEngine engine;
   FillWithModel(engine);
   engine.Stop();
@@ -118,7 +119,7 @@ TEST_CASE("Purge: what a former server left is removed at start", "[server][purg
   CHECK(engine.ModelVersion("db") == 1);
 }
 
-TEST_CASE("Purge: what a deleted database held is freed afterwards, or by the next server",
+TEST_CASE("Purge: a deleted database is freed in the background, or by the next server",
           "[server][purge]") {
   TestEngine engine;
   FillWithModel(engine);

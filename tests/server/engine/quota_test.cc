@@ -1,4 +1,4 @@
-// What a database may hold.
+// Limits of a database.
 #include <catch2/catch.hpp>
 #include <functional>
 #include <memory>
@@ -32,11 +32,11 @@ server::EngineOptions With(const server::DatabaseQuota& quota) {
   return options;
 }
 
-TEST_CASE("Quota: clips, frames and bytes of a database are bounded each", "[server][quota]") {
+TEST_CASE("Quota: clips, frames and bytes of a database are limited", "[server][quota]") {
   const auto [quota, setting] = GENERATE(table<server::DatabaseQuota, std::string>({
       {{.clip_count = 2}, "--max-database-clips"},
       {{.frame_count = 122}, "--max-database-frames"},
-      // A clip's states alone take 10 markers x 6 numbers x 61 frames.
+      // The states of a clip are 10 markers x 6 numbers x 61 frames.
       {{.byte_count = 3 * 61 * 60 * 4}, "--max-database-mib"},
   }));
   TestEngine engine(With(quota));
@@ -52,7 +52,7 @@ TEST_CASE("Quota: clips, frames and bytes of a database are bounded each", "[ser
   CHECK(live->stored().clip_count == stored);
   CHECK(engine->store().ListClips("db", {})->size() == static_cast<std::size_t>(stored));
 
-  // Where a clip goes, there is room for another, also after a restart.
+  // A deleted clip makes room for another, also after a restart.
   REQUIRE(engine->DeleteClip("db", "walk0").ok());
   CHECK(Ingest(engine, "again", 7).ok());
   engine.Stop();
@@ -60,7 +60,7 @@ TEST_CASE("Quota: clips, frames and bytes of a database are bounded each", "[ser
   CheckExhausted(Ingest(engine, "more", 8), setting);
 }
 
-TEST_CASE("Quota: a clip that is refused for another reason takes no room", "[server][quota]") {
+TEST_CASE("Quota: a clip that is refused for another reason is not counted", "[server][quota]") {
   TestEngine engine(With({.clip_count = 2}));
   engine.Create("db");
   REQUIRE(Ingest(engine, "walk", 1).ok());
@@ -68,7 +68,7 @@ TEST_CASE("Quota: a clip that is refused for another reason takes no room", "[se
   CHECK(Ingest(engine, "other", 2).ok());
 }
 
-TEST_CASE("Quota: what is counted is what the store tells, again after a restart",
+TEST_CASE("Quota: the count equals the store's byte count, also after a restart",
           "[server][quota]") {
   TestEngine engine;
   const auto live = engine.Create("db");
@@ -86,7 +86,7 @@ TEST_CASE("Quota: what is counted is what the store tells, again after a restart
   CHECK((*again)->stored().byte_count == 0);
 }
 
-// A store in which the id of a clip passes to another one right before a clip is deleted.
+// A store in which another clip gets the id of a clip just before that clip is deleted.
 class SwappingStore : public GatedStore {
  public:
   explicit SwappingStore(std::unique_ptr<storage::MotionStore> store)
@@ -102,7 +102,7 @@ class SwappingStore : public GatedStore {
   std::function<void()> before_deletion;
 };
 
-TEST_CASE("Quota: a deletion gives back what it deleted, though the id has changed hands",
+TEST_CASE("Quota: a deletion is counted by the deleted clip, also if its id was reused",
           "[server][quota]") {
   auto memory = storage::SqliteMotionStore::Open(":memory:");
   REQUIRE(memory.ok());
@@ -133,7 +133,7 @@ TEST_CASE("Quota: a deletion gives back what it deleted, though the id has chang
   CHECK(live->stored().byte_count == 0);
 }
 
-TEST_CASE("Quota: databases are bounded", "[server][quota]") {
+TEST_CASE("Quota: the number of databases is limited", "[server][quota]") {
   server::EngineOptions options = TestEngine::QuickOptions();
   options.max_databases = 2;
   TestEngine engine(options);

@@ -1,5 +1,5 @@
-// Clips of an older representation are derived again from their files, and are never beside others
-// in one model.
+// Clips of an older representation are derived again from their files. A model never mixes
+// versions.
 #include "server/engine/reprocess.h"
 
 #include <catch2/catch.hpp>
@@ -22,7 +22,7 @@ using storage::ClipRecord;
 using storage::OperationKind;
 using storage::OperationState;
 
-// A walk, of which the hips are elsewhere in some frames from the 20th on.
+// A walk whose hips are displaced in some frames from the 20th on.
 std::string Walk(double phase, int glitch_frames = 0) {
   std::istringstream lines(WriteBvh({.act = Act::kWalk, .frame_count = 60, .phase = phase}));
   std::string text;
@@ -52,8 +52,8 @@ std::string Sql(const TestEngine& engine, const std::string& script) {
   return RunSql(engine.store_path(), script);
 }
 
-// As a server without a detector left it: clean (no glitch), short (one that is repaired) and long
-// (one that is not), with a model.
+// The store of a server without glitch detection: clips clean (no glitch), short (repairable) and
+// long (not repairable), with a model.
 void Fill(TestEngine& engine) {
   engine.Create("db", core::GlitchPolicy::kKeep);
   Ingest(engine, "clean", Walk(0));
@@ -65,7 +65,7 @@ void Fill(TestEngine& engine) {
       "UPDATE clip SET representation_version = 1, tried_version = 1, tried_time_us = 0");
 }
 
-// Waits for all operations there are; the newest.
+// Waits for all operations. Returns the newest.
 storage::OperationRecord Settle(TestEngine& engine) {
   const auto operations = engine->operations().List("db", "", 100);
   REQUIRE(operations.ok());
@@ -92,7 +92,7 @@ std::string ClipsOfModel(TestEngine& engine) {
   return ids;
 }
 
-// Whether the model that answers has the states that are stored now of each of its clips.
+// Returns whether the current model has the stored states of each of its clips.
 bool IsOfStoredStates(TestEngine& engine) {
   const auto snapshot = (*engine->FindDatabase("db"))->lifecycle().snapshot();
   const core::Model& model = snapshot->model;
@@ -111,33 +111,31 @@ bool IsUpToDate(TestEngine& engine) { return engine->store().FindModelStaleness(
 
 }  // namespace
 
-TEST_CASE("Reprocess: after an upgrade, by itself", "[server][reprocess]") {
+TEST_CASE("Reprocess: runs automatically after an upgrade", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   engine.Start();
   const auto operation = Settle(engine);
   CHECK(operation.kind == OperationKind::kRebuild);
   CHECK(operation.state == OperationState::kSucceeded);
-  CHECK_THAT(operation.stage,
-             Catch::Contains("clips derived again: 3, with other states: 1, that could not be "
-                             "derived: 0"));
+  CHECK_THAT(operation.stage, Catch::Contains("clips derived again: 3, changed: 1, failed: 0"));
   for (const char* id : {"clean", "short", "long"}) {
     CHECK(Clip(engine, id).representation_version == core::kRepresentationVersion);
     CHECK(Clip(engine, id).derive_error.empty());
   }
   CHECK_THAT(Clip(engine, "short").source_report, Catch::Contains("glitches repaired (1)"));
   CHECK(engine->store().ReadClipStates("db", "short")->glitches.empty());
-  // Too long to be repaired, but acknowledged.
+  // Too long to be repaired, but kept because it was acknowledged.
   CHECK_THAT(Clip(engine, "long").source_report,
              Catch::Contains("glitches kept (1)") && Catch::Contains("kept because"));
   CHECK(engine->store().ReadClipStates("db", "long")->glitches.size() == 1);
   CHECK(ClipsOfModel(engine) == "clean long short ");
   CHECK(IsOfStoredStates(engine));
   CHECK(IsUpToDate(engine));
-  // What only the former model needed is gone.
+  // Data that only the former model needed is deleted.
   engine.Stop();
   CHECK(Sql(engine, "SELECT count(*) FROM clip") == "3");
-  // Nothing is left to do.
+  // A restart does nothing.
   engine.Start();
   const auto operations = OperationCount(engine);
   CHECK(engine.ModelVersion("db") == operation.model_version);
@@ -146,7 +144,7 @@ TEST_CASE("Reprocess: after an upgrade, by itself", "[server][reprocess]") {
   CHECK(OperationCount(engine) == operations);
 }
 
-TEST_CASE("Reprocess: clips that come out as they were need no model", "[server][reprocess]") {
+TEST_CASE("Reprocess: unchanged clips need no new model", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, "UPDATE database SET glitches = 'keep'");
@@ -157,7 +155,7 @@ TEST_CASE("Reprocess: clips that come out as they were need no model", "[server]
   CHECK(IsUpToDate(engine));
 }
 
-TEST_CASE("Reprocess: a new server does what the former left", "[server][reprocess]") {
+TEST_CASE("Reprocess: a new server completes an interrupted run", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine,
@@ -171,7 +169,7 @@ TEST_CASE("Reprocess: a new server does what the former left", "[server][reproce
   CHECK(IsOfStoredStates(engine));
 }
 
-TEST_CASE("Reprocess: forced, it goes on with the clips that were not tried since",
+TEST_CASE("Reprocess: a forced run resumes with the clips that were not yet tried",
           "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
@@ -188,7 +186,7 @@ TEST_CASE("Reprocess: forced, it goes on with the clips that were not tried sinc
   CHECK(Clip(engine, "clean").tried_time_us > 3000);
 }
 
-TEST_CASE("Reprocess: forced, all clips are derived, and damaged states come back",
+TEST_CASE("Reprocess: a forced run derives all clips and restores corrupt states",
           "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
@@ -200,27 +198,26 @@ TEST_CASE("Reprocess: forced, all clips are derived, and damaged states come bac
   Settle(engine);
   REQUIRE(ClipsOfModel(engine) == "clean long ");
   engine.derive_gate().Close();
-  const auto asked = engine->ReprocessDatabase("db");
-  REQUIRE(asked.ok());
-  CHECK(asked->kind == OperationKind::kReprocess);
+  const auto requested = engine->ReprocessDatabase("db");
+  REQUIRE(requested.ok());
+  CHECK(requested->kind == OperationKind::kReprocess);
   engine.derive_gate().AwaitArrival();
-  // Who asks while it is at work gets another, together with who then asks for a rebuild.
+  // A request during the run gets a new operation, which later requests join.
   const auto next = engine->ReprocessDatabase("db");
   REQUIRE(next.ok());
-  CHECK(next->id != asked->id);
+  CHECK(next->id != requested->id);
   CHECK(engine->ReprocessDatabase("db")->id == next->id);
   engine.derive_gate().Open();
-  CHECK_THAT(engine.Wait(next->id).stage,
-             Catch::Contains("clips derived again: 3, with other states: 0"));
-  const auto done = engine.Wait(asked->id);
+  CHECK_THAT(engine.Wait(next->id).stage, Catch::Contains("clips derived again: 3, changed: 0"));
+  const auto done = engine.Wait(requested->id);
   CHECK(done.state == OperationState::kSucceeded);
-  CHECK_THAT(done.stage, Catch::Contains("clips derived again: 3, with other states: 1"));
+  CHECK_THAT(done.stage, Catch::Contains("clips derived again: 3, changed: 1"));
   CHECK(ClipsOfModel(engine) == "clean long short ");
   CHECK(IsOfStoredStates(engine));
   CHECK(absl::IsNotFound(engine->ReprocessDatabase("none").status()));
 }
 
-TEST_CASE("Reprocess: versions are never in one model", "[server][reprocess]") {
+TEST_CASE("Reprocess: a model never mixes representation versions", "[server][reprocess]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);
   TestEngine engine(options);
@@ -232,7 +229,7 @@ TEST_CASE("Reprocess: versions are never in one model", "[server][reprocess]") {
   const std::string added = Ingest(engine, "added", Walk(3));
   const auto live = *engine->FindDatabase("db");
   const auto before = live->lifecycle().snapshot();
-  // Extensions have a thread of their own: what it was given runs within some rounds.
+  // Extensions have their own thread: a scheduled one runs within some rounds.
   const auto extend = [&] {
     REQUIRE(live->WithSharedUse(server::Retiring::kRefuse,
                                 [&] {
@@ -247,21 +244,21 @@ TEST_CASE("Reprocess: versions are never in one model", "[server][reprocess]") {
     }
     return ClipsOfModel(engine);
   };
-  SECTION("before the first is stored") {
+  SECTION("before the first clip is stored") {
     CHECK(extend() == "clean long short ");
     CHECK(engine.ModelVersion("db") == version);  // and it answers
   }
-  SECTION("once they are stored, before the model is") {
+  SECTION("after the clips are stored, before the model is") {
     engine.model_gate().Close();
     engine.derive_gate().Open();
     engine.model_gate().AwaitArrival();
     CHECK(Clip(engine, "short").representation_version == core::kRepresentationVersion);
-    // A crash now: the former model can be read as it was.
+    // As after a crash: the former model can be read unchanged.
     const auto former = engine->store().ReadModel("db", core::Serially);
     REQUIRE(former.ok());
     CHECK(former->states() == before->model.states());
     CHECK(former->HasGlitch(60 + 60 + 20, 60 + 60 + 22));
-    // The new one answers already, all of it of the present version.
+    // The new model already answers, with states of the current version only.
     const auto served = live->lifecycle().snapshot();
     CHECK_FALSE(served->is_stored());
     CHECK(ClipsOfModel(engine) == "added clean long short ");
@@ -276,7 +273,7 @@ TEST_CASE("Reprocess: versions are never in one model", "[server][reprocess]") {
   CHECK(IsUpToDate(engine));
 }
 
-TEST_CASE("Reprocess: cancelled, the former model stays, and the next start goes on",
+TEST_CASE("Reprocess: a cancelled run keeps the former model, and the next start resumes",
           "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
@@ -297,7 +294,7 @@ TEST_CASE("Reprocess: cancelled, the former model stays, and the next start goes
   CHECK(IsOfStoredStates(engine));
 }
 
-TEST_CASE("Reprocess: what is deleted meanwhile stays deleted", "[server][reprocess]") {
+TEST_CASE("Reprocess: a clip or database deleted meanwhile stays deleted", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   engine.derive_gate().Close();
@@ -305,7 +302,7 @@ TEST_CASE("Reprocess: what is deleted meanwhile stays deleted", "[server][reproc
   engine.derive_gate().AwaitArrival();
   SECTION("a clip") {
     REQUIRE(engine->DeleteClip("db", "short").ok());
-    Ingest(engine, "short", Walk(4));  // another of its name
+    Ingest(engine, "short", Walk(4));  // another clip with its name
     engine.derive_gate().Open();
     Settle(engine);
     CHECK(ClipsOfModel(engine) == "clean long short ");
@@ -325,13 +322,13 @@ TEST_CASE("Reprocess: what is deleted meanwhile stays deleted", "[server][reproc
   }
 }
 
-TEST_CASE("Reprocess: a clip whose file is damaged is kept, named and in no new model",
+TEST_CASE("Reprocess: a clip with a corrupt file is kept, reported and in no new model",
           "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 100, ChunksOf("short", 1)));
   engine.Start();
-  CHECK_THAT(Settle(engine).stage, Catch::Contains("that could not be derived: 1"));
+  CHECK_THAT(Settle(engine).stage, Catch::Contains("failed: 1"));
   const ClipRecord clip = Clip(engine, "short");
   CHECK(clip.representation_version == 1);
   CHECK(clip.tried_version == core::kRepresentationVersion);
@@ -345,7 +342,7 @@ TEST_CASE("Reprocess: a clip whose file is damaged is kept, named and in no new 
   const auto operations = OperationCount(engine);
   engine.Stop();
 
-  // It is no reason to build again, and is tried again when that is asked for.
+  // It does not cause another build, and is tried again on request.
   engine.Start();
   CHECK(engine.ModelVersion("db") == version);
   CHECK(OperationCount(engine) == operations);
@@ -358,7 +355,7 @@ TEST_CASE("Reprocess: a clip whose file is damaged is kept, named and in no new 
   CHECK(underived().empty());
 }
 
-TEST_CASE("Reprocess: where no clip can be derived the former model stays", "[server][reprocess]") {
+TEST_CASE("Reprocess: the former model stays if no clip can be derived", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   for (const char* id : {"clean", "short", "long"}) {
@@ -374,7 +371,7 @@ TEST_CASE("Reprocess: where no clip can be derived the former model stays", "[se
   CHECK(ClipsOfModel(engine) == "clean long short ");
 }
 
-TEST_CASE("Reprocess: with what the ingest was given", "[server][reprocess]") {
+TEST_CASE("Reprocess: uses the parameters of the ingest", "[server][reprocess]") {
   TestEngine engine;
   const auto live = engine.Create("db");
   server::IngestFile file;
@@ -391,11 +388,11 @@ TEST_CASE("Reprocess: with what the ingest was given", "[server][reprocess]") {
   CHECK(before.given.frame_rate_hz == 30);
   CHECK(before.given_leg_length_m == 1.9);
   const auto done = engine.Wait(engine->ReprocessDatabase("db")->id);
-  CHECK_THAT(done.stage, Catch::Contains("clips derived again: 1, with other states: 0"));
+  CHECK_THAT(done.stage, Catch::Contains("clips derived again: 1, changed: 0"));
   CHECK(Clip(engine, "walk").source_report == before.source_report);
 }
 
-TEST_CASE("Reprocess: a full disk ends it, and the rest is done later", "[server][reprocess]") {
+TEST_CASE("Reprocess: a full disk interrupts the run, which resumes later", "[server][reprocess]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_retry_delay = std::chrono::milliseconds(50);
   TestEngine engine(options);
@@ -415,7 +412,7 @@ TEST_CASE("Reprocess: a full disk ends it, and the rest is done later", "[server
   CHECK(IsUpToDate(engine));
 }
 
-TEST_CASE("Reprocess: a store that is open read-only is served as it is", "[server][reprocess]") {
+TEST_CASE("Reprocess: a read-only store is served unchanged", "[server][reprocess]") {
   TestEngine engine;
   Fill(engine);
   auto store = storage::SqliteMotionStore::Open(engine.store_path(), {.read_only = true});

@@ -1,4 +1,4 @@
-// What a backup brings is served once it is read, and not before.
+// The databases of a backup are served after they are read, not before.
 #include <catch2/catch.hpp>
 #include <functional>
 #include <memory>
@@ -13,13 +13,13 @@ namespace {
 
 StickFigure Walk(double phase) { return {.act = Act::kWalk, .frame_count = 60, .phase = phase}; }
 
-// Database "db" with the clip "a" and its model.
+// Creates database "db" with the clip "a" and its model.
 void Fill(TestEngine& engine) {
   engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
 }
 
-// A backup of an engine that has come in whole at another.
+// Transfers a complete backup of `from` to `to`.
 std::unique_ptr<storage::StoreRestore> Bring(TestEngine& from, TestEngine& to) {
   auto backup = from->store().upkeep().BeginBackup({});
   REQUIRE(backup.ok());
@@ -30,7 +30,7 @@ std::unique_ptr<storage::StoreRestore> Bring(TestEngine& from, TestEngine& to) {
   return *std::move(restore);
 }
 
-// A restore during whose check something else happens.
+// A restore that calls `meanwhile` before its check.
 class InterruptedRestore final : public storage::StoreRestore {
  public:
   InterruptedRestore(std::unique_ptr<storage::StoreRestore> restore,
@@ -52,7 +52,7 @@ class InterruptedRestore final : public storage::StoreRestore {
 
 }  // namespace
 
-TEST_CASE("Restore: what a backup brings is served at once", "[server][restore]") {
+TEST_CASE("Restore: a restored database is served immediately", "[server][restore]") {
   TestEngine from;
   Fill(from);
   TestEngine to;
@@ -73,7 +73,7 @@ TEST_CASE("Restore: what a backup brings is served at once", "[server][restore]"
   CHECK((*to->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 2);
 }
 
-TEST_CASE("Restore: who finds a database finds its clips counted and its model",
+TEST_CASE("Restore: a database is visible only after its clips are counted and its model read",
           "[server][restore]") {
   TestEngine from;
   Fill(from);
@@ -94,7 +94,7 @@ TEST_CASE("Restore: who finds a database finds its clips counted and its model",
   CHECK(to->CurrentModel(**live).ok());
 }
 
-TEST_CASE("Restore: others make databases while a backup is checked", "[server][restore]") {
+TEST_CASE("Restore: databases can be created while a backup is checked", "[server][restore]") {
   TestEngine from;
   Fill(from);
   TestEngine to;
@@ -105,7 +105,7 @@ TEST_CASE("Restore: others make databases while a backup is checked", "[server][
   CHECK(to->FindDatabase("other").ok());
 }
 
-TEST_CASE("Restore: one whose caller is gone brings nothing", "[server][restore]") {
+TEST_CASE("Restore: a cancelled restore changes nothing", "[server][restore]") {
   TestEngine from;
   Fill(from);
   TestEngine to;

@@ -36,14 +36,14 @@ TEST_CASE("SharedLoop: nested loops on a full pool end", "[server]") {
   REQUIRE(total == 512);
 }
 
-TEST_CASE("SharedLoop: ends although no helper ever comes", "[server]") {
+TEST_CASE("SharedLoop: ends without any helper", "[server]") {
   int ran = 0;
   RunSharedLoop(
       5, [&](int) { ++ran; }, 3, [](const std::function<void()>&) {});
   REQUIRE(ran == 5);
 }
 
-TEST_CASE("SharedLoop: a helper that comes late leaves the body alone", "[server]") {
+TEST_CASE("SharedLoop: a late helper does not use the body", "[server]") {
   std::vector<std::function<void()>> late;
   int ran = 0;
   {
@@ -55,7 +55,7 @@ TEST_CASE("SharedLoop: a helper that comes late leaves the body alone", "[server
   REQUIRE(ran == 4);
 }
 
-TEST_CASE("SharedLoop: an exception comes out after the rest have ended", "[server]") {
+TEST_CASE("SharedLoop: an exception is rethrown after the rest have ended", "[server]") {
   Workers workers(Threads(2));
   std::atomic<int> ran{0};
   const auto body = [&](int i) {
@@ -66,7 +66,7 @@ TEST_CASE("SharedLoop: an exception comes out after the rest have ended", "[serv
   REQUIRE(ran == 20);
 }
 
-TEST_CASE("Stoppable: begins nothing more once it is stopped", "[server]") {
+TEST_CASE("Stoppable: starts nothing more once it is stopped", "[server]") {
   Workers workers(Threads(2));
   std::atomic<bool> stop{false};
   const auto parallel = Stoppable(workers.Parallel(Pool::kBuilds), [&] { return stop.load(); });
@@ -79,7 +79,7 @@ TEST_CASE("Stoppable: begins nothing more once it is stopped", "[server]") {
     });
   };
   REQUIRE_THROWS_AS(parallel(1000, nested), WorkStopped);
-  REQUIRE(ran <= 30);  // those that had begun on two threads
+  REQUIRE(ran <= 30);  // bodies that had begun on two threads
   REQUIRE_THROWS_AS(parallel(3, [&](int) { ++ran; }), WorkStopped);
   REQUIRE(ran <= 30);
 }

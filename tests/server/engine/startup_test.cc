@@ -1,4 +1,4 @@
-// What a server finds when it starts: models, and work left undone.
+// Server start: stored models and unfinished operations.
 #include <catch2/catch.hpp>
 #include <thread>
 
@@ -42,7 +42,7 @@ TEST_CASE("Startup: reads the stored model and builds nothing", "[server][startu
   CHECK(engine->operations().List("db", "", 10)->size() == 1);
 }
 
-TEST_CASE("Startup: read-only it serves the stored model and refuses changes",
+TEST_CASE("Startup: a read-only server serves the stored model and refuses changes",
           "[server][startup]") {
   TestEngine engine;
   engine.Create("db");
@@ -57,7 +57,7 @@ TEST_CASE("Startup: read-only it serves the stored model and refuses changes",
   const auto live = *read_only.FindDatabase("db");
   REQUIRE(live->lifecycle().snapshot() != nullptr);
   CHECK(live->lifecycle().snapshot()->record.version == 1);
-  CHECK(live->lifecycle().operation().empty());  // what waits is not taken up
+  CHECK(live->lifecycle().operation().empty());  // the waiting operation is not resumed
   CHECK(absl::IsFailedPrecondition(read_only.BeginIngest(live).status()));
   CHECK(absl::IsFailedPrecondition(read_only.DeleteClip("db", "a").status()));
   CHECK(absl::IsFailedPrecondition(read_only.CancelOperation("waiting").status()));
@@ -66,7 +66,7 @@ TEST_CASE("Startup: read-only it serves the stored model and refuses changes",
   CHECK(read_only.damages().empty());
 }
 
-TEST_CASE("Startup: an operation that was waiting goes on", "[server][startup]") {
+TEST_CASE("Startup: a waiting operation is resumed", "[server][startup]") {
   auto options = TestEngine::QuickOptions();
   options.rebuild_delay = std::chrono::milliseconds(500);
   TestEngine engine(options);
@@ -80,7 +80,7 @@ TEST_CASE("Startup: an operation that was waiting goes on", "[server][startup]")
   CHECK(operation.model_version == 1);
 }
 
-TEST_CASE("Startup: a build stopped by the drain is PENDING and goes on", "[server][startup]") {
+TEST_CASE("Startup: a build stopped by the drain is PENDING and resumed", "[server][startup]") {
   TestEngine engine;
   engine.Create("db");
   engine.gate().Close();
@@ -90,7 +90,7 @@ TEST_CASE("Startup: a build stopped by the drain is PENDING and goes on", "[serv
   engine.gate().Open();
   stopping.join();
   const auto state = engine->operations().Get(running)->state;
-  // The build may have been past its last look at the stop flag.
+  // The build may have passed its last check of the stop flag.
   CHECK((state == OperationState::kPending || state == OperationState::kSucceeded));
   engine.Stop();
   engine.Start();
@@ -111,17 +111,17 @@ TEST_CASE("Startup: a cancelled operation is not resumed, but its clips are buil
   CHECK(engine.ModelVersion("db") == 1);
 }
 
-TEST_CASE("Startup: a model that cannot be read is built anew", "[server][startup]") {
+TEST_CASE("Startup: an unreadable model is rebuilt", "[server][startup]") {
   TestEngine engine;
   engine.Create("db");
   engine.Wait(engine.Ingest("db", "a", Walk(0))->operation.id);
   engine.Stop();
-  engine.Start(absl::DataLossError("chunk 3 is damaged"));
+  engine.Start(absl::DataLossError("chunk 3 is corrupt"));
   CHECK(WaitForNewest(engine, "db").model_version == 2);
   CHECK(engine.ModelVersion("db") == 2);
 }
 
-TEST_CASE("Startup: with a full disk, what is stored is served, and built when there is room",
+TEST_CASE("Startup: with a full disk, stored models are served and rebuilt when there is space",
           "[server][startup]") {
   auto options = TestEngine::QuickOptions();
   TestEngine engine(options);
@@ -131,12 +131,12 @@ TEST_CASE("Startup: with a full disk, what is stored is served, and built when t
   engine.Stop();
   engine.set_options(options);
   engine.Start();
-  const auto left = engine.Ingest("db", "b", Walk(1))->operation.id;
+  const auto last_operation = engine.Ingest("db", "b", Walk(1))->operation.id;
   const bool is_resumed = GENERATE(true, false);
   CAPTURE(is_resumed);
-  // Elsewise it is the clips that ask for a rebuild.
+  // Otherwise the rebuild is requested because the model lacks clips.
   if (!is_resumed)
-    REQUIRE(engine->CancelOperation(left)->operation.state == OperationState::kCancelled);
+    REQUIRE(engine->CancelOperation(last_operation)->operation.state == OperationState::kCancelled);
   engine.Stop();
 
   engine.disk().Set(FullDisk::Lacks::kRoom);
@@ -147,7 +147,7 @@ TEST_CASE("Startup: with a full disk, what is stored is served, and built when t
   CHECK((*model)->record.version == 1);
   const auto operation = engine->CurrentOperation(*live);
   REQUIRE(operation.has_value());
-  CHECK((operation->id == left) == is_resumed);
+  CHECK((operation->id == last_operation) == is_resumed);
   CHECK(engine.Wait(operation->id).error_code ==
         static_cast<int>(absl::StatusCode::kResourceExhausted));
   CHECK(engine.ModelVersion("db") == 1);
@@ -157,14 +157,14 @@ TEST_CASE("Startup: with a full disk, what is stored is served, and built when t
   CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }
 
-TEST_CASE("Startup: two operations left undone both end, with one model", "[server][startup]") {
+TEST_CASE("Startup: two unfinished operations both end, with one model", "[server][startup]") {
   TestEngine engine;
   engine.Create("db");
   engine.gate().Close();
   const auto first = engine.Ingest("db", "a", Walk(0))->operation.id;
   engine.gate().AwaitArrival();
   const auto second = engine.Ingest("db", "b", Walk(1))->operation.id;
-  // Stopped before the build gets on: the drain is on its way when the gate opens.
+  // The drain has begun when the gate opens, so the build is stopped.
   std::thread stopping([&] { engine->Drain(); });
   std::this_thread::sleep_for(std::chrono::milliseconds(1000));
   engine.gate().Open();

@@ -1,4 +1,4 @@
-// Threads that outlive what their work throws, and memory that runs out.
+// Threads survive exceptions of their work; behavior out of memory.
 #include "server/engine/thread_pool.h"
 
 #include <sys/resource.h>
@@ -23,7 +23,7 @@
 namespace motiondb::server::thread_pool_test {
 namespace {
 
-TEST_CASE("ThreadPool: work that throws ends neither the pool nor a thread of it", "[server]") {
+TEST_CASE("ThreadPool: an exception of work ends neither the pool nor a thread", "[server]") {
   ThreadPool pool(1);
   std::atomic<int> done = 0;
   boost::asio::steady_timer timer(pool.executor(), std::chrono::milliseconds(1));
@@ -36,7 +36,7 @@ TEST_CASE("ThreadPool: work that throws ends neither the pool nor a thread of it
   CHECK(done == 10);
 }
 
-TEST_CASE("ThreadPool: Stop drops what has not begun", "[server]") {
+TEST_CASE("ThreadPool: Stop drops work that has not begun", "[server]") {
   std::atomic<int> done = 0;
   {
     ThreadPool pool(1);
@@ -47,7 +47,7 @@ TEST_CASE("ThreadPool: Stop drops what has not begun", "[server]") {
   CHECK(done == 0);
 }
 
-TEST_CASE("Lane: work that throws gives its place back", "[server]") {
+TEST_CASE("Lane: work that throws releases its place", "[server]") {
   ThreadPool pool(2);
   Lane lane(pool, 1);
   std::atomic<int> done = 0;
@@ -61,14 +61,15 @@ TEST_CASE("Lane: work that throws gives its place back", "[server]") {
 }
 
 #if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-// In a process of its own: it changes what operator new does. Its exit code, 0 where all is well.
+// Runs `work` in a child process, because it changes operator new. Returns its exit code; 0:
+// success.
 int InLittleMemory(int (*work)()) {
   const pid_t child = fork();
   if (child == 0) {
-    std::size_t pages = 0;  // that the process has already
+    std::size_t pages = 0;  // already used by the process
     std::ifstream("/proc/self/statm") >> pages;
-    const std::size_t most = pages * static_cast<std::size_t>(getpagesize()) + (512U << 20);
-    const rlimit limit{most, most};
+    const std::size_t limit_bytes = pages * static_cast<std::size_t>(getpagesize()) + (512U << 20);
+    const rlimit limit{limit_bytes, limit_bytes};
     if (setrlimit(RLIMIT_AS, &limit) != 0 || !InstallMemoryReserve().ok()) _exit(100);
     _exit(work());
   }
@@ -77,44 +78,45 @@ int InLittleMemory(int (*work)()) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-// Takes memory, a MiB at a time, until there is none.
-void TakeAll(std::vector<std::unique_ptr<char[]>>& taken) {
+// Allocates memory in blocks of 1 MiB until it fails.
+void AllocateAll(std::vector<std::unique_ptr<char[]>>& blocks) {
   const AllocationsMayFail scope;
   try {
-    while (true) taken.push_back(std::make_unique<char[]>(std::size_t{1} << 20));
+    while (true) blocks.push_back(std::make_unique<char[]>(std::size_t{1} << 20));
   } catch (const std::bad_alloc&) {
   }
 }
 
-TEST_CASE("MemoryReserve: serves only those who cannot fail, and is filled again", "[server]") {
+TEST_CASE("MemoryReserve: serves only allocations that must not fail, and is refilled",
+          "[server]") {
   CHECK(InLittleMemory([]() -> int {
-          std::vector<std::unique_ptr<char[]>> taken;
-          taken.reserve(1024);
+          std::vector<std::unique_ptr<char[]>> blocks;
+          blocks.reserve(1024);
           if (!RefillMemoryReserve().ok()) return 1;
-          TakeAll(taken);
-          if (RefillMemoryReserve().ok()) return 2;  // no room for C code: work is refused
-          // What cannot fail goes on, with 40 of the 64 MiB.
+          AllocateAll(blocks);
+          if (RefillMemoryReserve().ok()) return 2;  // no memory for C code: work is refused
+          // Allocations that must not fail succeed, with 40 of the 64 MiB.
           std::vector<std::unique_ptr<char[]>> further;
           for (int i = 0; i < 40; ++i) {
             further.push_back(std::make_unique<char[]>(std::size_t{1} << 20));
           }
           if (RefillMemoryReserve().ok()) return 3;
-          taken.clear();
+          blocks.clear();
           return RefillMemoryReserve().ok() ? 0 : 4;
         }) == 0);
 }
 
-TEST_CASE("MemoryReserve: who cannot fail waits for others once it is used up", "[server]") {
+TEST_CASE("MemoryReserve: allocations that must not fail wait when it is used up", "[server]") {
   CHECK(InLittleMemory([]() -> int {
-          std::vector<std::unique_ptr<char[]>> taken;
-          taken.reserve(1024);
+          std::vector<std::unique_ptr<char[]>> blocks;
+          blocks.reserve(1024);
           std::atomic<bool> all_taken = false;
           std::thread freeing([&] {  // started while there is memory for its stack
             while (!all_taken) std::this_thread::yield();
             std::this_thread::sleep_for(std::chrono::milliseconds(200));
-            taken.clear();
+            blocks.clear();
           });
-          TakeAll(taken);
+          AllocateAll(blocks);
           all_taken = true;
           const auto large = std::make_unique<char[]>(std::size_t{100} << 20);
           freeing.join();

@@ -14,27 +14,27 @@ using server::FrameGuard;
 
 const FrameGuard::Clock::time_point kBegan = FrameGuard::Clock::now();
 
-// What libnghttp2 would read if the client's bytes came in pieces that end where `ends` says.
-std::string Passed(FrameGuard& guard, const std::string& sent,
-                   const std::vector<std::size_t>& ends) {
+// Returns the bytes for libnghttp2 if the client's bytes arrive in pieces that end at `ends`.
+std::string PassInPieces(FrameGuard& guard, const std::string& sent,
+                         const std::vector<std::size_t>& ends) {
   std::string passed;
   std::size_t begin = 0;
   for (const std::size_t end : ends) {
     std::vector<std::uint8_t> buffer(8 + end - begin);
-    const std::size_t kept = guard.Resume(buffer);
+    const std::size_t kept_bytes = guard.Resume(buffer);
     std::copy(sent.begin() + static_cast<std::ptrdiff_t>(begin),
               sent.begin() + static_cast<std::ptrdiff_t>(end),
-              buffer.begin() + static_cast<std::ptrdiff_t>(kept));
-    const std::size_t size = guard.Pass(std::span(buffer).first(kept + end - begin));
+              buffer.begin() + static_cast<std::ptrdiff_t>(kept_bytes));
+    const std::size_t size = guard.Pass(std::span(buffer).first(kept_bytes + end - begin));
     passed.append(buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(size));
     begin = end;
   }
   return passed;
 }
 
-std::string Whole(const std::string& sent) {
+std::string PassInOnePiece(const std::string& sent) {
   FrameGuard guard(kBegan);
-  return Passed(guard, sent, {sent.size()});
+  return PassInPieces(guard, sent, {sent.size()});
 }
 
 std::string Reset(int stream) { return Http2Frame(3, 0, stream, std::string("\0\0\0\x8", 4)); }
@@ -43,21 +43,22 @@ TEST_CASE("Frame guard: a reset of a stream that was never opened is ignored", "
   const std::string before = kHttp2Preface + kHttp2Settings + Http2Frame(1, 5, 5, "headers");
   const std::string after = Http2Frame(0, 1, 5, "data");
   const std::string ignored = Http2Frame('\xf0', 0, 7, std::string("\0\0\0\x8", 4));
-  CHECK(Whole(before + Reset(7) + after) == before + ignored + after);
+  CHECK(PassInOnePiece(before + Reset(7) + after) == before + ignored + after);
   for (const int known : {1, 3, 5}) {
-    CHECK(Whole(before + Reset(known) + after) == before + Reset(known) + after);
+    CHECK(PassInOnePiece(before + Reset(known) + after) == before + Reset(known) + after);
   }
-  // These libnghttp2 is to see: no client has reason to send them.
-  for (const std::string& wrong :
+  // These are passed on, because no proper client sends them.
+  for (const std::string& invalid :
        {Reset(0), Reset(8), Http2Frame(3, 0, 7, "x"), Http2Frame(8, 0, 7, "1234")}) {
-    CHECK(Whole(before + wrong) == before + wrong);
+    CHECK(PassInOnePiece(before + invalid) == before + invalid);
   }
   // A stream that is opened later can be reset then.
   const std::string opened = Http2Frame(1, 4, 9, "headers");
-  CHECK(Whole(before + Reset(9) + opened + Reset(9)).ends_with(opened + Reset(9)));
+  CHECK(PassInOnePiece(before + Reset(9) + opened + Reset(9)).ends_with(opened + Reset(9)));
 }
 
-TEST_CASE("Frame guard: it does not matter in which pieces the bytes come", "[server][http2]") {
+TEST_CASE("Frame guard: the result does not depend on the pieces in which bytes arrive",
+          "[server][http2]") {
   std::mt19937 random(17);
   std::string sent = kHttp2Preface + kHttp2Settings;
   for (int i = 0; i < 200; ++i) {
@@ -67,7 +68,7 @@ TEST_CASE("Frame guard: it does not matter in which pieces the bytes come", "[se
                 : Http2Frame(type, static_cast<char>(random()), static_cast<int>(random() % 40),
                              std::string(random() % 30, 'x'));
   }
-  const std::string whole = Whole(sent);
+  const std::string whole = PassInOnePiece(sent);
   CHECK(whole.size() == sent.size());
   CHECK(whole != sent);
   for (int round = 0; round < 200; ++round) {
@@ -77,7 +78,7 @@ TEST_CASE("Frame guard: it does not matter in which pieces the bytes come", "[se
       ends.push_back(end);
     }
     FrameGuard guard(kBegan);
-    REQUIRE(Passed(guard, sent, ends) == whole);
+    REQUIRE(PassInPieces(guard, sent, ends) == whole);
   }
 }
 
@@ -87,7 +88,7 @@ TEST_CASE("Frame guard: frames without a call are limited by calls and time", "[
   const auto pass = [&](const std::string& frame, int times) {
     std::string sent;
     for (int i = 0; i < times; ++i) sent += frame;
-    Passed(guard, sent, {sent.size()});
+    PassInPieces(guard, sent, {sent.size()});
   };
   pass(kHttp2Preface, 1);
   pass(Http2Frame(6, 0, 0, "12345678"), 10'000);
@@ -95,11 +96,11 @@ TEST_CASE("Frame guard: frames without a call are limited by calls and time", "[
   pass(Http2Frame(9, 0, 1, ""), 1);
   CHECK(guard.TooMany(kBegan));
   CHECK(!guard.TooMany(kBegan + seconds(1)));
-  pass(Http2Frame(0, 0, 1, ""), 7);  // data that hold nothing
+  pass(Http2Frame(0, 0, 1, ""), 7);  // empty DATA frames
   CHECK(guard.TooMany(kBegan));
   pass(Http2Frame(0, 0, 1, "x"), 1);
   CHECK(!guard.TooMany(kBegan));
-  pass(Reset(99), 1);  // also those that are ignored
+  pass(Reset(99), 1);  // ignored frames count, too
   CHECK(guard.TooMany(kBegan));
 }
 

@@ -1,4 +1,4 @@
-// The bytes of HTTP/2 as a client sends them.
+// HTTP/2 frames of a client.
 #pragma once
 
 #include <cstddef>

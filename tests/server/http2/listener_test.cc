@@ -1,4 +1,4 @@
-// The listener as its clients meet it: addresses, and what is not HTTP/2.
+// The listener with real clients: addresses, invalid HTTP/2, limits.
 #include "server/http2/listener.h"
 
 #include <grpcpp/create_channel.h>
@@ -37,7 +37,7 @@ class Client {
     boost::system::error_code error;
     asio::write(socket_, asio::buffer(bytes), error);
   }
-  // Everything until the server closes the connection.
+  // Reads until the server closes the connection.
   std::string ReadAll() {
     std::string all;
     boost::system::error_code error;
@@ -45,7 +45,7 @@ class Client {
     return all;
   }
 
-  // All until `text`, or until the server closes the connection.
+  // Reads until `text`, or until the server closes the connection.
   std::string ReadUntil(const std::string& text) {
     std::string all;
     boost::system::error_code error;
@@ -58,8 +58,8 @@ class Client {
   tcp::socket socket_{context_};
 };
 
-// HPACK: POST, http, an authority, the path, and the content type. Fields are literals without
-// indexing.
+// HPACK header block: POST, http, an authority, the path, and the content type. Fields are literals
+// without indexing.
 std::string CallHeaders(const std::string& path) {
   const auto literal = [](const std::string& text) {
     return std::string(1, static_cast<char>(text.size())) + text;
@@ -70,7 +70,7 @@ std::string CallHeaders(const std::string& path) {
 
 constexpr char kListDatabases[] = "/motiondb.v1.DatabaseService/ListDatabases";
 
-TEST_CASE("Listener: an address that another has is reported", "[server][http2]") {
+TEST_CASE("Listener: an address in use is reported", "[server][http2]") {
   TestServer server;
   server::ConnectionMeter meter;
   const auto again = server::Listener::Start(server.server().address(), nullptr, nullptr, meter);
@@ -93,17 +93,17 @@ TEST_CASE("Listener: closing while its timers expire ends all threads", "[server
     std::this_thread::sleep_until(started + microseconds(999'900 + 4 * i));  // a tick is 1 s
     listener->Close(std::chrono::milliseconds(0));
   }
-  listeners.clear();  // ends
+  listeners.clear();  // must return
 }
 
-// gRPC, which has been shut down by then, would crash.
+// Otherwise gRPC, which is shut down by then, would crash.
 TEST_CASE("Listener: no call begins once the listener closes", "[server][http2]") {
   constexpr int kCalls = 40;
-  constexpr int kFirstMessage = 2;  // ms, after the client was told to go
+  constexpr int kFirstMessage = 2;  // ms after the GOAWAY
   TestServer server;
   Client client(server.server().address());
   std::string calls = kHttp2Preface + kHttp2Settings;
-  // Headers alone: such a call begins with its message.
+  // Only headers: such a call begins with its message.
   for (int i = 0; i < kCalls; ++i)
     calls += Http2Frame(1, 4, 2 * i + 1, CallHeaders(kListDatabases));
   client.Send(calls + Http2Frame(6, 0, 0, "received"));
@@ -117,34 +117,34 @@ TEST_CASE("Listener: no call begins once the listener closes", "[server][http2]"
   draining.join();
 }
 
-TEST_CASE("Listener: what is not HTTP/2 is closed", "[server][http2]") {
+TEST_CASE("Listener: a connection without HTTP/2 is closed", "[server][http2]") {
   TestServer server;
   for (const std::string& bytes :
        {std::string("GET / HTTP/1.1\r\nHost: x\r\n\r\n"),
         std::string("\x16\x03\x01\x02\x00", 5) + std::string(600, 'x'), std::string(100, '\0')}) {
     Client client(server.server().address());
     client.Send(bytes);
-    client.ReadAll();  // ends
+    client.ReadAll();  // must return
   }
   server.CreateDatabase("db");
 }
 
-TEST_CASE("Listener: headers that never end cost the connection", "[server][http2]") {
+TEST_CASE("Listener: a connection with endless headers is closed", "[server][http2]") {
   TestServer server;
   Client client(server.server().address());
   client.Send(kHttp2Preface + kHttp2Settings + Http2Frame(1, 0, 1, std::string(1000, '\x82')));
   for (int i = 0; i < 100; ++i) client.Send(Http2Frame(9, 0, 1, std::string(16'000, '\x82')));
-  client.ReadAll();  // ends
+  client.ReadAll();  // must return
   server.CreateDatabase("db");
 }
 
-TEST_CASE("Listener: frames without a call end the connection in the end", "[server][http2]") {
+TEST_CASE("Listener: too many frames without a call end the connection", "[server][http2]") {
   TestServer server;
   Client client(server.server().address());
   client.Send(kHttp2Preface + kHttp2Settings);
   std::string windows;
   for (int i = 0; i < 1000; ++i) windows += Http2Frame(8, 0, 0, std::string("\0\0\0\0", 4));
-  client.Send(windows);  // an increment of 0 is an error of the connection
+  client.Send(windows);  // an increment of 0 is a connection error
   client.ReadAll();
   Client patient(server.server().address());
   patient.Send(kHttp2Preface + kHttp2Settings);
@@ -155,8 +155,8 @@ TEST_CASE("Listener: frames without a call end the connection in the end", "[ser
   server.CreateDatabase("db");
 }
 
-// As gRPC's own clients do where a call is cancelled just as it begins.
-TEST_CASE("Listener: a reset of a stream that was never opened costs no other call",
+// gRPC's own clients send it if a call is cancelled as it begins.
+TEST_CASE("Listener: a reset of a stream that was never opened ends no other call",
           "[server][http2]") {
   TestServer server;
   Client client(server.server().address());
@@ -164,11 +164,11 @@ TEST_CASE("Listener: a reset of a stream that was never opened costs no other ca
   const std::string call =
       Http2Frame(1, 4, 3, CallHeaders(kListDatabases)) + Http2Frame(0, 1, 3, std::string(5, '\0'));
   client.Send(kHttp2Preface + kHttp2Settings + reset + call);
-  const std::string trailers = std::string("\1\5\0\0\0\3", 6);  // the end of a head
+  const std::string trailers = std::string("\1\5\0\0\0\3", 6);  // start of the final HEADERS frame
   CHECK_THAT(client.ReadUntil(trailers), Catch::Matchers::Contains(trailers));
 }
 
-// Waits until so many connections were ended: the server counts when the client has closed, too.
+// Waits until `count` connections were ended; the server counts after the client has closed, too.
 void AwaitEnded(TestServer& server, std::int64_t count) {
   const auto ended = [&] { return server.server().monitor().Figures().ended_connections; };
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(10);
@@ -178,7 +178,7 @@ void AwaitEnded(TestServer& server, std::int64_t count) {
   CHECK(ended() == count);
 }
 
-// 3,000 bytes that enter HPACK's table, and 100 references to them.
+// A header of 3,000 bytes in HPACK's table, and 100 references to it.
 std::string HugeHeaders() {
   return CallHeaders(kListDatabases) + std::string("\x40\x01x\x7f\xb9\x16") +
          std::string(3000, 'v') + std::string(100, '\xbe');
@@ -198,24 +198,25 @@ TEST_CASE("Listener: connections that the server ends are counted", "[server][ht
   CHECK(server.server().monitor().Figures().open_connections == 1);
 }
 
-// A connection that ended in the turn in which a call began was kept, and the server never ended.
-TEST_CASE("Listener: a connection that ends as its calls begin is let go", "[server][http2]") {
+// Regression: a connection that ended in the turn in which a call began was never released, and the
+// server did not stop.
+TEST_CASE("Listener: a connection that ends as its calls begin is released", "[server][http2]") {
   TestServer server;
   for (int i = 0; i < 20; ++i) {
     Client client(server.server().address());
     client.Send(kHttp2Preface + kHttp2Settings + Http2Frame(1, 4, 1, CallHeaders(kListDatabases)) +
                 Http2Frame(1, 5, 3, HugeHeaders()));
-    client.ReadAll();  // ends
+    client.ReadAll();  // must return
   }
   server.CreateDatabase("db");
   AwaitEnded(server, 20);
 }
 
-TEST_CASE("Listener: a call of a method that nobody has, and none of gRPC", "[server][http2]") {
+TEST_CASE("Listener: an unknown method, and a request that is not gRPC", "[server][http2]") {
   TestServer server;
   const grpc::Status unknown = RawCall(server.channel(), "/no.such/Method", "").status;
   CHECK(unknown.error_code() == grpc::StatusCode::UNIMPLEMENTED);
-  // Metadata that gRPC itself would end the process for.
+  // gRPC aborts the process for such metadata.
   const auto status = RawCall(server.channel(), kListDatabases, "",
                               {{"x-request-id", "plain"}, {"motiondb-peer", "ipv4:192.0.2.7:1"}})
                           .status;

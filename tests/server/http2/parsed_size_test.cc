@@ -1,4 +1,4 @@
-// The oracle is protobuf itself: what a message takes once it is read.
+// Compares with the memory of the message after protobuf has parsed it.
 #include <catch2/catch.hpp>
 #include <random>
 #include <string>
@@ -16,7 +16,7 @@ std::int64_t Estimate(const google::protobuf::Message& like, const std::string& 
                             {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
 }
 
-// At least what the message takes when it is read from the bytes, and not many times as much.
+// The estimate is an upper bound, and not many times the memory of the parsed message.
 template <typename Message>
 void CheckEstimate(const std::string& bytes) {
   Message message;
@@ -27,7 +27,7 @@ void CheckEstimate(const std::string& bytes) {
   CHECK(estimate <= 4 * taken + 32 * static_cast<std::int64_t>(bytes.size()) + 1024);
 }
 
-TEST_CASE("FindRpc: a call by its path", "[server][http2]") {
+TEST_CASE("FindRpc: finds a call by its path", "[server][http2]") {
   const auto* const recognize = server::FindRpc("/motiondb.v1.QueryService/Recognize");
   REQUIRE(recognize != nullptr);
   CHECK(recognize->input_type() == v1::RecognizeRequest::descriptor());
@@ -36,7 +36,7 @@ TEST_CASE("FindRpc: a call by its path", "[server][http2]") {
   }
 }
 
-TEST_CASE("ParsedSize: many small parts take many times their bytes", "[server][http2]") {
+TEST_CASE("ParsedSize: many small parts need many times their bytes", "[server][http2]") {
   v1::Obstacles discs;
   for (int i = 0; i < 100'000; ++i) discs.add_discs();
   const std::string bytes = discs.SerializeAsString();
@@ -61,8 +61,7 @@ TEST_CASE("ParsedSize: large fields, packed numbers and texts", "[server][http2]
   CheckEstimate<v1::ObserveRequest>(observe.SerializeAsString());
 }
 
-TEST_CASE("ParsedSize: fields that no message has, and bytes that are no message",
-          "[server][http2]") {
+TEST_CASE("ParsedSize: unknown fields, and bytes that are no message", "[server][http2]") {
   std::string unknown;
   for (int i = 0; i < 10'000; ++i) unknown += std::string("\xfa\x3f\x00", 3);  // field 1023, empty
   CheckEstimate<v1::RecognizeRequest>(unknown);
@@ -72,7 +71,7 @@ TEST_CASE("ParsedSize: fields that no message has, and bytes that are no message
     for (char& c : bytes) c = static_cast<char>(random());
     CheckEstimate<v1::ObserveRequest>(bytes);
   }
-  // Nested deeper than protobuf reads.
+  // Nested deeper than protobuf's limit.
   std::string nested;
   for (int i = 0; i < 100'000; ++i) nested += "\x0b";  // groups that never end
   CHECK(Estimate(v1::ObserveRequest(), nested) >= 0);

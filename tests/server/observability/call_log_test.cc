@@ -1,4 +1,4 @@
-// What is logged of a call, and how loudly.
+// Content and level of log lines about calls.
 #include <catch2/catch.hpp>
 #include <nlohmann/json.hpp>
 
@@ -21,7 +21,7 @@ server::EndedCall SomeCall() {
 
 constexpr std::chrono::duration<double> kSlow{1};
 
-TEST_CASE("CallLog: an ordinary call is for those who debug", "[server][log]") {
+TEST_CASE("CallLog: an ordinary call is logged at level debug", "[server][log]") {
   CapturedLog quiet(spdlog::level::info);
   server::LogCall(SomeCall(), kSlow);
   CHECK(quiet.text() == "");
@@ -37,7 +37,7 @@ TEST_CASE("CallLog: an ordinary call is for those who debug", "[server][log]") {
   CHECK(line["peer"] == "ipv4:127.0.0.1:5");
 }
 
-TEST_CASE("CallLog: the client's own error is ordinary, the server's is an error",
+TEST_CASE("CallLog: a client error is an ordinary call, a server error is logged as an error",
           "[server][log]") {
   CapturedLog log(spdlog::level::info);
   server::EndedCall call = SomeCall();
@@ -48,16 +48,16 @@ TEST_CASE("CallLog: the client's own error is ordinary, the server's is an error
   }
   CHECK(log.text() == "");
   call.code = StatusCode::kDataLoss;
-  call.message = "clip 'a' is damaged";
+  call.message = "clip 'a' is corrupt";
   server::LogCall(call, kSlow);
   const json line = json::parse(log.text());
   CHECK(line["level"] == "error");
   CHECK(line["code"] == "DATA_LOSS");
   CHECK(line["request_id"] == "7f");
-  CHECK(line["message"] == "call failed: clip 'a' is damaged");
+  CHECK(line["message"] == "call failed: clip 'a' is corrupt");
 }
 
-TEST_CASE("CallLog: slow work is a warning, slow waiting is none", "[server][log]") {
+TEST_CASE("CallLog: slow work is a warning, a long wait is not", "[server][log]") {
   CapturedLog log(spdlog::level::info);
   server::EndedCall call = SomeCall();
   call.seconds = 1;
@@ -66,7 +66,7 @@ TEST_CASE("CallLog: slow work is a warning, slow waiting is none", "[server][log
     server::LogCall(call, kSlow);
   }
   call.kind = CallKind::kWork;
-  server::LogCall(call, std::chrono::seconds(0));  // none is slow
+  server::LogCall(call, std::chrono::seconds(0));  // 0: no call is slow
   CHECK(log.text() == "");
   server::LogCall(call, kSlow);
   const json line = json::parse(log.text());

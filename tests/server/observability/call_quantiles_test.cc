@@ -1,4 +1,4 @@
-// Quantiles of a histogram against the sorted observations themselves.
+// Compares quantiles of a histogram with the sorted observations.
 #include <prometheus/histogram.h>
 
 #include <algorithm>
@@ -30,15 +30,14 @@ TEST_CASE("EstimateQuantile: linear within a bucket", "[server][monitor]") {
   CHECK(EstimateQuantile(histogram, 1) == Approx(0.1));
 }
 
-TEST_CASE("EstimateQuantile: nothing observed, and more than the last bound", "[server][monitor]") {
+TEST_CASE("EstimateQuantile: no observation, and one beyond the last bound", "[server][monitor]") {
   CHECK(EstimateQuantile(HistogramOf({}), 0.5) == 0);
   CHECK(EstimateQuantile(prometheus::ClientMetric::Histogram(), 0.5) == 0);
   CHECK(EstimateQuantile(HistogramOf({5, 50, 500}), 0.5) == 1);
   CHECK(EstimateQuantile(HistogramOf({0.0005}), 0) == 0);
 }
 
-TEST_CASE("EstimateQuantile: in the bucket of the observation that it estimates",
-          "[server][monitor]") {
+TEST_CASE("EstimateQuantile: is in the bucket of the true quantile", "[server][monitor]") {
   std::mt19937 random(6);
   for (int round = 0; round < 200; ++round) {
     std::vector<double> values(std::uniform_int_distribution(1, 300)(random));

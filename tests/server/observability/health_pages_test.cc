@@ -1,4 +1,4 @@
-// The pages of a server that starts, serves and drains.
+// HTTP pages while a server starts, serves and drains.
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -35,7 +35,7 @@ TEST_CASE("HealthPages: alive from the start, ready when it serves", "[server][h
   CHECK_THAT(Fetch(address, "/"), Contains("/metrics"));
 }
 
-TEST_CASE("HealthPages: metrics are Prometheus' text, with the sizes of the store's files",
+TEST_CASE("HealthPages: metrics have Prometheus' text format and the sizes of the store's files",
           "[server][http]") {
   TemporaryDirectory directory;
   const std::string store = directory / "store.db";
@@ -50,13 +50,13 @@ TEST_CASE("HealthPages: metrics are Prometheus' text, with the sizes of the stor
                  Contains("motiondb_damages 0\n") && Contains("motiondb_serving 0\n"));
 }
 
-TEST_CASE("HealthServer: none, and an address that is taken", "[server][http]") {
+TEST_CASE("HealthServer: no pages, and an address in use", "[server][http]") {
   Monitor monitor({});
   CHECK(*server::StartHealthServer("none", monitor) == nullptr);
   const auto started = server::StartHealthServer("127.0.0.1:0", monitor);
   REQUIRE(started.ok());
   CHECK(absl::IsUnavailable(server::StartHealthServer((*started)->address(), monitor).status()));
-  // The default address is not worth a failed start.
+  // The default address in use does not prevent a start.
   const auto first = server::StartHealthServer("", monitor);
   const auto second = server::StartHealthServer("", monitor);
   CHECK(first.ok());

@@ -1,4 +1,4 @@
-// A client of the HTTP server that sends what it is told, byte for byte, over a real socket.
+// A client of the HTTP server that sends given bytes over a real socket.
 #pragma once
 
 #include <boost/asio/connect.hpp>
@@ -19,13 +19,13 @@ class HttpClient {
                                                                   address.substr(colon + 1)));
   }
 
-  // What was sent may already be unwelcome: an error shows when the answer is read.
+  // Ignores errors: the server may have closed already. Reading the response shows it.
   void Send(const std::string& bytes) {
     boost::system::error_code ignored;
     boost::asio::write(socket_, boost::asio::buffer(bytes), ignored);
   }
 
-  // All that comes until the server closes the connection.
+  // Reads until the server closes the connection.
   std::string ReadToEnd() {
     std::string bytes;
     boost::system::error_code ended;
@@ -33,7 +33,7 @@ class HttpClient {
     return bytes;
   }
 
-  // Exactly so many bytes, or fewer where the connection ends before.
+  // Reads `count` bytes, or fewer if the connection ends before.
   std::string Read(std::size_t count) {
     std::string bytes(count, '\0');
     boost::system::error_code ended;
@@ -46,7 +46,7 @@ class HttpClient {
   boost::asio::ip::tcp::socket socket_{context_};
 };
 
-// The whole answer to a request that asks for no more: status line, headers, body.
+// Returns the whole response to one request with `Connection: close`: status line, headers, body.
 inline std::string Fetch(const std::string& address, const std::string& target,
                          const std::string& method = "GET") {
   HttpClient client(address);

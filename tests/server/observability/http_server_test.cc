@@ -1,4 +1,4 @@
-// The HTTP server over real sockets: its manners, and what clients without manners can do to it.
+// The HTTP server over real sockets: proper clients, and slow or hostile ones.
 #include "server/observability/http_server.h"
 
 #include <atomic>
@@ -47,14 +47,14 @@ TEST_CASE("HttpServer: pages, with their status", "[server][http]") {
   CHECK_THAT(Fetch(server->address(), "/busy"), StartsWith("HTTP/1.1 503 ") && EndsWith("busy\n"));
 }
 
-TEST_CASE("HttpServer: HEAD brings the headers of GET alone", "[server][http]") {
+TEST_CASE("HttpServer: HEAD returns only the headers of GET", "[server][http]") {
   const auto server = StartServer();
   CHECK_THAT(Fetch(server->address(), "/page", "HEAD"), StartsWith("HTTP/1.1 200 OK\r\n") &&
                                                             Contains("Content-Length: 5\r\n") &&
                                                             EndsWith("\r\n\r\n"));
 }
 
-TEST_CASE("HttpServer: what is not there, and what may not be done", "[server][http]") {
+TEST_CASE("HttpServer: unknown pages and methods are refused", "[server][http]") {
   const auto server = StartServer();
   for (const char* target : {"/", "/pag", "/page/", "/page/../page", "/%70age", "page", "*"}) {
     CAPTURE(target);
@@ -67,7 +67,8 @@ TEST_CASE("HttpServer: what is not there, and what may not be done", "[server][h
   }
 }
 
-TEST_CASE("HttpServer: a connection is kept, and requests may come at once", "[server][http]") {
+TEST_CASE("HttpServer: connections are kept alive, and requests may be pipelined",
+          "[server][http]") {
   const auto server = StartServer();
   HttpClient client(server->address());
   client.Send(kGet);
@@ -75,20 +76,21 @@ TEST_CASE("HttpServer: a connection is kept, and requests may come at once", "[s
                                         std::string("Connection: close\r\n").size());
   CHECK_THAT(first, EndsWith("made\n"));
   client.Send(kGet + kGet + kLastGet);
-  const std::string rest = client.ReadToEnd();
+  const std::string responses = client.ReadToEnd();
   std::size_t answers = 0;
-  for (std::size_t at = 0; (at = rest.find("made\n", at)) != std::string::npos; ++at) ++answers;
+  for (std::size_t at = 0; (at = responses.find("made\n", at)) != std::string::npos; ++at)
+    ++answers;
   CHECK(answers == 3);
 }
 
-TEST_CASE("HttpServer: HTTP/1.0 ends with the connection", "[server][http]") {
+TEST_CASE("HttpServer: HTTP/1.0 closes the connection after the response", "[server][http]") {
   const auto server = StartServer();
   HttpClient client(server->address());
   client.Send("GET /page HTTP/1.0\r\n\r\n");
   CHECK_THAT(client.ReadToEnd(), StartsWith("HTTP/1.0 200") || StartsWith("HTTP/1.1 200"));
 }
 
-TEST_CASE("HttpServer: garbage and what is too large are refused", "[server][http]") {
+TEST_CASE("HttpServer: garbage and oversized requests are refused", "[server][http]") {
   const auto server = StartServer();
   const auto answer = [&](const std::string& bytes) {
     HttpClient client(server->address());
@@ -108,7 +110,7 @@ TEST_CASE("HttpServer: garbage and what is too large are refused", "[server][htt
   CHECK_THAT(Fetch(server->address(), "/page"), StartsWith("HTTP/1.1 200"));
 }
 
-TEST_CASE("HttpServer: a client that sends slowly is cut", "[server][http]") {
+TEST_CASE("HttpServer: a client that sends slowly is disconnected", "[server][http]") {
   const auto server = StartServer({.request_time = milliseconds(200)});
   HttpClient silent(server->address());
   HttpClient slow(server->address());
@@ -126,7 +128,7 @@ TEST_CASE("HttpServer: a client that sends slowly is cut", "[server][http]") {
   trickle.join();
 }
 
-TEST_CASE("HttpServer: a client that takes its answer slowly is cut", "[server][http]") {
+TEST_CASE("HttpServer: a client that reads slowly is disconnected", "[server][http]") {
   std::atomic<int> made = 0;
   const auto large = [&made] {
     ++made;
@@ -141,7 +143,7 @@ TEST_CASE("HttpServer: a client that takes its answer slowly is cut", "[server][
   CHECK(client.ReadToEnd().size() < std::size_t{64} << 20);
 }
 
-TEST_CASE("HttpServer: clients that hold connections lock nobody out", "[server][http]") {
+TEST_CASE("HttpServer: clients that hold connections do not lock out others", "[server][http]") {
   constexpr int kLimit = 8;
   const auto server = StartServer({.connections = kLimit, .request_time = std::chrono::hours(1)});
   std::vector<std::unique_ptr<HttpClient>> holding;
@@ -150,11 +152,11 @@ TEST_CASE("HttpServer: clients that hold connections lock nobody out", "[server]
     holding.back()->Send("GET /page HTTP/1.1\r\nX:");
     CHECK_THAT(Fetch(server->address(), "/page"), EndsWith("made\n"));
   }
-  // The first of them had to make room.
+  // The first one was closed for the new connection.
   CHECK(holding.front()->ReadToEnd() == "");
 }
 
-TEST_CASE("HttpServer: a page that takes long keeps no other client waiting", "[server][http]") {
+TEST_CASE("HttpServer: a slow page does not delay other clients", "[server][http]") {
   std::mutex mutex;
   std::condition_variable changed;
   bool entered = false, open = false;
@@ -166,8 +168,8 @@ TEST_CASE("HttpServer: a page that takes long keeps no other client waiting", "[
     return HttpAnswer{.body = "at last\n"};
   };
   const auto server = StartServer({.connections = 2}, {{"/hanging", {.make = hanging}}});
-  std::string late;
-  std::thread waiting([&] { late = Fetch(server->address(), "/hanging"); });
+  std::string slow_response;
+  std::thread waiting([&] { slow_response = Fetch(server->address(), "/hanging"); });
   {
     std::unique_lock lock(mutex);
     changed.wait(lock, [&] { return entered; });
@@ -179,10 +181,11 @@ TEST_CASE("HttpServer: a page that takes long keeps no other client waiting", "[
     changed.notify_all();
   }
   waiting.join();
-  CHECK_THAT(late, EndsWith("at last\n"));
+  CHECK_THAT(slow_response, EndsWith("at last\n"));
 }
 
-TEST_CASE("HttpServer: those who wait for a page that hangs lock nobody out", "[server][http]") {
+TEST_CASE("HttpServer: clients that wait for a page that hangs do not lock out others",
+          "[server][http]") {
   constexpr int kMany = 64;
   std::promise<void> open;
   const std::shared_future<void> opened = open.get_future().share();
@@ -207,14 +210,15 @@ TEST_CASE("HttpServer: those who wait for a page that hangs lock nobody out", "[
     waiting.back()->Send(ask);
     CHECK_THAT(Fetch(server->address(), "/now"), EndsWith("now\n"));
   }
-  CHECK_THAT(waiting.back()->ReadToEnd(), StartsWith("HTTP/1.1 503 ") && Contains("too many wait"));
+  CHECK_THAT(waiting.back()->ReadToEnd(),
+             StartsWith("HTTP/1.1 503 ") && Contains("too many requests wait"));
   open.set_value();
   CHECK_THAT(first.ReadToEnd(), EndsWith("at last\n"));
   CHECK(made == 1);
   CHECK_THAT(Fetch(server->address(), "/hanging"), EndsWith("at last\n"));
 }
 
-TEST_CASE("HttpServer: many clients at once", "[server][http]") {
+TEST_CASE("HttpServer: many concurrent clients", "[server][http]") {
   const auto server = StartServer();
   std::atomic<int> right = 0;
   std::vector<std::thread> clients;
@@ -229,7 +233,7 @@ TEST_CASE("HttpServer: many clients at once", "[server][http]") {
   CHECK(right == 8 * 50);
 }
 
-TEST_CASE("HttpServer: ends with clients that are still there", "[server][http]") {
+TEST_CASE("HttpServer: stops while clients are connected", "[server][http]") {
   auto server = StartServer();
   HttpClient idle(server->address());
   HttpClient half(server->address());
@@ -239,7 +243,7 @@ TEST_CASE("HttpServer: ends with clients that are still there", "[server][http]"
   CHECK(idle.ReadToEnd() == "");
 }
 
-TEST_CASE("HttpServer: an address that is taken, or none", "[server][http]") {
+TEST_CASE("HttpServer: an address in use, and invalid addresses", "[server][http]") {
   const auto server = StartServer();
   CHECK(absl::IsUnavailable(HttpServer::Start(server->address(), {}).status()));
   for (const char* address : {"", "127.0.0.1", ":80", "127.0.0.1:", "127.0.0.1:http", "[::1]"}) {

@@ -9,25 +9,25 @@ namespace {
 
 using boost::asio::ip::tcp;
 
-TEST_CASE("ListenOn: what keeps an address from being listened on is told", "[server][http]") {
+TEST_CASE("ListenOn: the error tells why listening fails", "[server][http]") {
   boost::asio::io_context context;
   tcp::acceptor holder(context);
   REQUIRE(server::ListenOn("127.0.0.1:0", holder).ok());
-  const std::string held = "127.0.0.1:" + std::to_string(holder.local_endpoint().port());
-  const absl::Status in_use = server::TryListening(held);
+  const std::string address = "127.0.0.1:" + std::to_string(holder.local_endpoint().port());
+  const absl::Status in_use = server::TryListening(address);
   CHECK(absl::IsUnavailable(in_use));
-  CHECK(in_use.message() == "cannot listen on " + held + ": Address already in use");
-  // Of a network that no machine is in (RFC 5737).
+  CHECK(in_use.message() == "cannot listen on " + address + ": Address already in use");
+  // Of a network without machines (RFC 5737).
   const absl::Status elsewhere = server::TryListening("192.0.2.1:0");
   CHECK(absl::IsNotFound(elsewhere));
   CHECK(elsewhere.message() == "cannot listen on 192.0.2.1:0: Cannot assign requested address");
   tcp::acceptor acceptor(context);
   CHECK(absl::IsInvalidArgument(server::ListenOn("nothing", acceptor)));
   holder.close();
-  CHECK(server::TryListening(held).ok());
+  CHECK(server::TryListening(address).ok());
 }
 
-TEST_CASE("AddressesOf: in numbers", "[server][http]") {
+TEST_CASE("AddressesOf: returns numeric addresses", "[server][http]") {
   using Addresses = std::vector<std::string>;
   CHECK(*server::AddressesOf("127.0.0.1:7") == Addresses{"127.0.0.1"});
   CHECK(*server::AddressesOf("[::1]:7") == Addresses{"[::1]"});

@@ -1,4 +1,4 @@
-// A log line is one line, whatever is logged.
+// Each event is one log line, with any message.
 #include <spdlog/details/log_msg.h>
 
 #include <catch2/catch.hpp>
@@ -27,7 +27,7 @@ std::string Line(LogFormat format, const std::string& message,
   return {line.data(), line.size()};
 }
 
-TEST_CASE("JsonLog: an object with time, level and message", "[server][log]") {
+TEST_CASE("JsonLog: a line is an object with time, level and message", "[server][log]") {
   CHECK(Line(LogFormat::kJson, "ready", spdlog::level::warn) ==
         R"({"time":"2026-11-22T01:02:03.456Z","level":"warning","message":"ready"})"
         "\n");
@@ -45,7 +45,7 @@ TEST_CASE("JsonLog: any message makes one valid line", "[server][log]") {
     CHECK(line.find('\n') == line.size() - 1);
     const json object = json::parse(line, nullptr, false);
     REQUIRE(object.is_object());
-    // What is UTF-8 comes back as it was.
+    // UTF-8 is unchanged.
     const json whole =
         json::parse(json(message).dump(-1, ' ', false, json::error_handler_t::replace));
     CHECK(object["message"] == whole);
@@ -61,7 +61,7 @@ TEST_CASE("JsonLog: fields are members, numbers stay numbers", "[server][log]") 
   CHECK(object["method"] == "QueryService.Plan");
 }
 
-TEST_CASE("TextLog: a message with a line end forges no line", "[server][log]") {
+TEST_CASE("TextLog: a message with a line end cannot forge a line", "[server][log]") {
   const std::string line =
       Line(LogFormat::kText, "clip 'a\n2026-11-22 error \x1b[31mforged' M\xFCller");
   CAPTURE(line);
@@ -69,13 +69,13 @@ TEST_CASE("TextLog: a message with a line end forges no line", "[server][log]") 
   CHECK_THAT(line, Catch::Contains(R"( info clip 'a\n2026-11-22 error \u001b[31mforged' M)"));
 }
 
-TEST_CASE("TextLog: fields stand at the end, quoted where they are no word", "[server][log]") {
+TEST_CASE("TextLog: fields are at the end, quoted if they are not one word", "[server][log]") {
   const LogFields fields{{"code", "OK"}, {"empty", ""}, {"two", "a b"}, {"ms", 2.25}};
   CHECK_THAT(Line(LogFormat::kText, "call"),
              Catch::EndsWith("info call code=OK empty=\"\" two=\"a b\" ms=2.25\n"));
 }
 
-TEST_CASE("Log: neither display controls nor secrets, in messages and fields", "[server][log]") {
+TEST_CASE("Log: messages and fields have no display controls and no secrets", "[server][log]") {
   const std::string hostile =
       "\xC2\x9B"
       "2J\x7f\xE2\x80\xAE\xE2\x80\xA8\xEF\xBB\xBF \xC3\xA4 ";
@@ -93,7 +93,7 @@ TEST_CASE("Log: neither display controls nor secrets, in messages and fields", "
   }
 }
 
-TEST_CASE("LogFields: hold within their braces, on their thread", "[server][log]") {
+TEST_CASE("LogFields: are valid in their scope, on their thread", "[server][log]") {
   CHECK(LogFields::Current() == nullptr);
   {
     const LogFields outer{{"a", "1"}};

@@ -1,4 +1,4 @@
-// Figures as Prometheus' text.
+// Statistics in Prometheus' text format.
 #include <prometheus/text_serializer.h>
 
 #include <catch2/catch.hpp>
@@ -18,7 +18,7 @@ std::string Text(const ServerFigures& figures) {
   return prometheus::TextSerializer().Serialize(server::FamiliesOf(figures));
 }
 
-TEST_CASE("MetricFamilies: what a database without a model has", "[server][metrics]") {
+TEST_CASE("MetricFamilies: a database without a model", "[server][metrics]") {
   ServerFigures figures;
   figures.databases.push_back({.name = "walks", .stored = {7, 11969}});
   const std::string text = Text(figures);
@@ -30,7 +30,7 @@ TEST_CASE("MetricFamilies: what a database without a model has", "[server][metri
   CHECK_THAT(text, !Contains("motiondb_model_age_seconds{"));
 }
 
-TEST_CASE("MetricFamilies: a model, its rebuild and those before", "[server][metrics]") {
+TEST_CASE("MetricFamilies: a model, its current and earlier builds", "[server][metrics]") {
   ServerFigures figures;
   figures.databases.push_back({.name = "walks",
                                .model = storage::ModelRecord{.version = 3, .frame_count = 100},
@@ -48,7 +48,7 @@ TEST_CASE("MetricFamilies: a model, its rebuild and those before", "[server][met
                  Contains("motiondb_rebuild_seconds_sum{database=\"walks\"} 4.5\n"));
 }
 
-TEST_CASE("MetricFamilies: the disk, once it is known", "[server][metrics]") {
+TEST_CASE("MetricFamilies: the disk, when it is known", "[server][metrics]") {
   CHECK_THAT(Text({}), !Contains("motiondb_disk_free_bytes 0\n"));
   CHECK_THAT(
       Text({.disk_bytes = 1 << 30, .disk_free_bytes = 0}),
@@ -74,13 +74,13 @@ TEST_CASE("MetricFamilies: failed writes by reason, and heavy calls", "[server][
                        Contains("motiondb_ended_connections_total 7\n"));
 }
 
-TEST_CASE("MetricFamilies: the end of the certificate, 0 without one", "[server][metrics]") {
+TEST_CASE("MetricFamilies: the expiry of the certificate, 0 without one", "[server][metrics]") {
   CHECK_THAT(Text({}), Contains("motiondb_certificate_end_time_seconds 0\n"));
   CHECK_THAT(Text({.certificate_end_time_s = 1'800'000'000}),
              Contains("motiondb_certificate_end_time_seconds 1800000000\n"));
 }
 
-TEST_CASE("MetricFamilies: names are prometheus', each family is there once", "[server][metrics]") {
+TEST_CASE("MetricFamilies: names are valid for Prometheus and unique", "[server][metrics]") {
   std::set<std::string> names;
   for (const auto& family : server::FamiliesOf({})) {
     CAPTURE(family.name);

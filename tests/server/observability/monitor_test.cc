@@ -1,4 +1,4 @@
-// The monitor over a real engine: what moves, what goes, and reading it while all changes.
+// The monitor with a real engine: values that change, series that end, and concurrent reads.
 #include "server/observability/monitor.h"
 
 #include <atomic>
@@ -39,7 +39,7 @@ TEST_CASE("Monitor: ready only while it serves", "[server][monitor]") {
     CHECK_THAT(monitor.CheckReadiness().reason, Contains("draining"));
   }
   monitor.SetPhase(Phase::kServing);
-  CHECK(!monitor.CheckReadiness().ready);  // nothing to serve with
+  CHECK(!monitor.CheckReadiness().ready);  // there is no engine
 }
 
 // A store that can stop being readable.
@@ -96,7 +96,7 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   Monitor monitor({.methods = {"QueryService.Plan", "ObserveService.Observe"}});
   CHECK_THAT(monitor.Exposition(),
              Contains("motiondb_requests_total{code=\"OK\",method=\"QueryService.Plan\"} 0\n"));
-  // An alert on the first error of a kind sees it only if there was a count before.
+  // An alert on the first error needs a previous value of 0.
   for (const StatusCode code :
        {StatusCode::kInternal, StatusCode::kUnknown, StatusCode::kDataLoss}) {
     CAPTURE(code);
@@ -143,7 +143,7 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   CHECK(figures.methods[2].method == "other");
 }
 
-TEST_CASE("Monitor: calls of many threads are all counted", "[server][monitor]") {
+TEST_CASE("Monitor: counts all calls of many threads", "[server][monitor]") {
   Monitor monitor({.methods = {"QueryService.Plan"}});
   std::vector<std::thread> threads;
   for (int thread = 0; thread < 4; ++thread) {
@@ -160,7 +160,7 @@ TEST_CASE("Monitor: calls of many threads are all counted", "[server][monitor]")
                  Contains("motiondb_request_seconds_count{method=\"QueryService.Plan\"} 4000\n"));
 }
 
-TEST_CASE("Monitor: databases, their models and rebuilds, until they are deleted",
+TEST_CASE("Monitor: databases, their models and builds, until they are deleted",
           "[server][monitor]") {
   TestEngine engine;
   Monitor monitor({});
@@ -189,7 +189,7 @@ TEST_CASE("Monitor: databases, their models and rebuilds, until they are deleted
   CHECK_THAT(monitor.Exposition(), !Contains("walks"));
 }
 
-TEST_CASE("Monitor: figures do not wait for a slow disk", "[server][monitor]") {
+TEST_CASE("Monitor: statistics do not wait for a slow disk", "[server][monitor]") {
   const auto disk = std::make_shared<Gate>();
   const auto engine =
       server::Engine::Open(std::make_unique<SlowStore>(disk), TestEngine::QuickOptions());
@@ -215,7 +215,7 @@ TEST_CASE("Monitor: figures do not wait for a slow disk", "[server][monitor]") {
   CHECK(ingested);
 }
 
-TEST_CASE("Monitor: read while databases come and go", "[server][monitor]") {
+TEST_CASE("Monitor: is read while databases are created and deleted", "[server][monitor]") {
   TestEngine engine;
   Monitor monitor({});
   const Monitor::Attachment attachment(monitor, *engine);

@@ -1,4 +1,4 @@
-// Counting calls: of one client and in all.
+// Limits on calls of one client and in total.
 #include "server/rpc/call_limits.h"
 
 #include <catch2/catch.hpp>
@@ -13,31 +13,32 @@ namespace {
 
 constexpr CallLimitOptions kFew{.calls = {4, 4}, .heavy = {3, 2}, .streams = {1, 1}};
 
-TEST_CASE("CallLimits: a client has its share, all together theirs", "[server][limits]") {
+TEST_CASE("CallLimits: limits for one client and in total", "[server][limits]") {
   CallLimits limits(kFew);
   auto first = limits.Enter(RequestClass::kHeavy, "a");
   auto second = limits.Enter(RequestClass::kHeavy, "a");
   REQUIRE(first.ok());
   REQUIRE(second.ok());
-  const auto own = limits.Enter(RequestClass::kHeavy, "a");
-  CHECK(absl::IsResourceExhausted(own.status()));
-  CHECK(std::string(own.status().message()) ==
-        "2 heavy calls are under way for this client, as many as there may be "
-        "(a quarter of --max-heavy-calls): try again in 1 s, or when one has ended");
-  CHECK(own.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo").has_value());
+  const auto client_error = limits.Enter(RequestClass::kHeavy, "a");
+  CHECK(absl::IsResourceExhausted(client_error.status()));
+  CHECK(std::string(client_error.status().message()) ==
+        "too many heavy calls: 2 in flight for this client, the maximum (a quarter of "
+        "--max-heavy-calls); retry in 1 s or when one has ended");
+  CHECK(client_error.status().GetPayload("type.googleapis.com/google.rpc.RetryInfo").has_value());
 
   auto third = limits.Enter(RequestClass::kHeavy, "b");
   CHECK(third.ok());
-  const auto all = limits.Enter(RequestClass::kHeavy, "c");
-  CHECK(std::string(all.status().message()).find("3 heavy calls are under way in all") == 0);
+  const auto total_error = limits.Enter(RequestClass::kHeavy, "c");
+  CHECK(std::string(total_error.status().message())
+            .find("too many heavy calls: 3 in flight in total") == 0);
 
-  // Kinds are counted apart, and a place that is given up is free.
+  // Classes are counted separately, and a released slot is free.
   CHECK(limits.Enter(RequestClass::kLight, "a").ok());
   first = absl::CancelledError("over");
   CHECK(limits.Enter(RequestClass::kHeavy, "a").ok());
 }
 
-TEST_CASE("CallLimits: a place moves with its slot and is given up once", "[server][limits]") {
+TEST_CASE("CallLimits: a moved slot is released once", "[server][limits]") {
   CallLimits limits(kFew);
   {
     CallLimits::Slot slot = *limits.Enter(RequestClass::kStream, "a");
@@ -49,7 +50,7 @@ TEST_CASE("CallLimits: a place moves with its slot and is given up once", "[serv
   CHECK(limits.open(RequestClass::kStream) == 0);
 }
 
-TEST_CASE("CallLimits: threads never have more than there may be", "[server][limits]") {
+TEST_CASE("CallLimits: concurrent threads never exceed the limit", "[server][limits]") {
   CallLimits limits(kFew);
   std::vector<std::thread> threads;
   std::vector<int> most(4, 0);

@@ -8,25 +8,25 @@
 namespace motiondb::server::call_memory_test {
 namespace {
 
-TEST_CASE("CallMemory: a client has half of what there is", "[server][limits]") {
+TEST_CASE("CallMemory: a client may reserve half of the budget", "[server][limits]") {
   CallMemory memory(100);
   CallMemory::Reservation first(memory, "a");
   CHECK(first.Resize(40).ok());
   CHECK(first.Resize(50).ok());
   const absl::Status never = first.Resize(51);
   CHECK(absl::IsResourceExhausted(never));
-  CHECK(std::string(never.message()).find("send or ask for less") != std::string::npos);
+  CHECK(std::string(never.message()).find("send or request less") != std::string::npos);
   CallMemory::Reservation same_client(memory, "a");
   const absl::Status refused = same_client.Resize(1);
   CHECK(absl::IsResourceExhausted(refused));
   CHECK(std::string(refused.message()).find("calls of this client") != std::string::npos);
-  CHECK(std::string(refused.message()).find("try again") != std::string::npos);
+  CHECK(std::string(refused.message()).find("retry in 1 s") != std::string::npos);
   CallMemory::Reservation other(memory, "b");
   CHECK(other.Resize(50).ok());
   CHECK(memory.reserved() == 100);
 }
 
-TEST_CASE("CallMemory: clients share what there is", "[server][limits]") {
+TEST_CASE("CallMemory: clients share the budget", "[server][limits]") {
   CallMemory memory(100);
   CallMemory::Reservation first(memory, "a");
   CallMemory::Reservation second(memory, "b");
@@ -45,8 +45,7 @@ TEST_CASE("CallMemory: clients share what there is", "[server][limits]") {
   CHECK(memory.reserved() == 80);
 }
 
-TEST_CASE("CallMemory: a reservation moves to the client that turns out to have made it",
-          "[server][limits]") {
+TEST_CASE("CallMemory: a reservation moves to the authenticated client", "[server][limits]") {
   CallMemory memory(100);
   CallMemory::Reservation by_address(memory, "address");
   CHECK(by_address.Resize(50).ok());
@@ -58,7 +57,7 @@ TEST_CASE("CallMemory: a reservation moves to the client that turns out to have 
   CHECK(memory.reserved() == 100);
 }
 
-TEST_CASE("CallMemory: many threads never reserve more", "[server][limits]") {
+TEST_CASE("CallMemory: concurrent threads never exceed the budget", "[server][limits]") {
   CallMemory memory(100);
   std::vector<std::thread> threads;
   std::vector<std::int64_t> most(4);

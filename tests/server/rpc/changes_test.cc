@@ -1,5 +1,4 @@
-// Calls that change what the store lists: they wait for their turn to write, and nobody else for
-// them.
+// Calls that change the store: they wait for the writer, and other calls do not wait for them.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -20,7 +19,7 @@
 namespace motiondb::tests::changes_test {
 namespace {
 
-TEST_CASE("Role table: what changes the store never waits for it on a thread of queries",
+TEST_CASE("Role table: a change of the store never waits for the writer on a thread of queries",
           "[server][limits]") {
   int changes = 0;
   int urgent = 0;
@@ -36,19 +35,19 @@ TEST_CASE("Role table: what changes the store never waits for it on a thread of 
   }
   CHECK(changes == 7);
   CHECK(urgent == 2);
-  // A token that was stolen must not work on while others' changes wait.
+  // A stolen token must not stay valid while other changes wait.
   CHECK(server::FindCallRule("AccessService.RevokeToken")->urgent);
 }
 
-// Whether work that is posted is run, soon enough for a slow machine.
+// Returns whether posted work runs within a time that suits a slow machine.
 template <typename Post>
-bool Runs(const Post& post) {
+bool RunsSoon(const Post& post) {
   const auto done = std::make_shared<std::promise<void>>();
   post([done] { done->set_value(); });
   return done->get_future().wait_for(std::chrono::minutes(1)) == std::future_status::ready;
 }
 
-TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor a thread for long",
+TEST_CASE("Limits: a change that waits for its turn delays no query and holds no thread for long",
           "[server][limits]") {
   server::ServerOptions options = With({});
   options.engine.query_threads = 1;
@@ -69,13 +68,13 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
   WhileWriting(engine.store(), SampleClip("d", "holder", 1), [&] {
     CHECK(create("late", std::chrono::seconds(2)).error_code() ==
           grpc::StatusCode::DEADLINE_EXCEEDED);
-    // The next change has its turn, and the thread for queries was free all the time. Those who
-    // come now wait for the store; nobody else does.
+    // The next change has its turn, and the thread for queries was free all the time. Later changes
+    // wait for the store; other calls do not.
     for (const char* const id : {"in-time", "too"}) {
       waiting.push_back(
           std::async(std::launch::async, [&, id] { return create(id, std::chrono::minutes(1)); }));
     }
-    CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kChanges, work); }));
+    CHECK(RunsSoon([&](auto work) { engine.workers().Post(server::Pool::kChanges, work); }));
     v1::IngestClipHeader nowhere;
     nowhere.set_parent("databases/none");
     nowhere.set_file_name("walk.bvh");
@@ -85,8 +84,8 @@ TEST_CASE("Limits: a change that waits for its turn keeps no query waiting, nor 
     CHECK(Ask(*databases, &v1::DatabaseService::Stub::GetDatabase, get).status.ok());
   });
   for (auto& each : waiting) CHECK(each.get().ok());
-  // Of what was asked for in vain there is a record all the same.
-  CHECK(Runs([&](auto work) { engine.workers().Post(server::Pool::kUpkeep, work); }));
+  // A change without effect also has an audit entry.
+  CHECK(RunsSoon([&](auto work) { engine.workers().Post(server::Pool::kUpkeep, work); }));
   const auto records = engine.store().access().ListAuditRecords(0, 10);
   REQUIRE(records.ok());
   for (const char* const resource : {"databases/late", "databases/none"}) {

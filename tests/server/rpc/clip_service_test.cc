@@ -44,7 +44,7 @@ Exported Export(Stub& stub, const std::string& name) {
   return exported;
 }
 
-TEST_CASE("ClipService: an ingested clip can be got, listed and exported", "[server][rpc]") {
+TEST_CASE("ClipService: an ingested clip can be read, listed and exported", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto stub = server.NewStub<v1::ClipService>();
@@ -78,7 +78,7 @@ TEST_CASE("ClipService: an ingested clip can be got, listed and exported", "[ser
   CHECK(exported.file == WriteBvh(figure));
 }
 
-TEST_CASE("ClipService: a large file goes in and comes out in blocks", "[server][rpc]") {
+TEST_CASE("ClipService: a large file is ingested and exported in blocks", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto stub = server.NewStub<v1::ClipService>();
@@ -91,7 +91,8 @@ TEST_CASE("ClipService: a large file goes in and comes out in blocks", "[server]
   CHECK(exported.file == bytes);
 }
 
-TEST_CASE("ClipService: a bad ingest says what is wrong and changes nothing", "[server][rpc]") {
+TEST_CASE("ClipService: a bad ingest is refused with a reason and changes nothing",
+          "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const std::string walk = WriteBvh({});
@@ -109,7 +110,7 @@ TEST_CASE("ClipService: a bad ingest says what is wrong and changes nothing", "[
   CHECK(server.Describe("db").stored_clip_count() == 1);
 }
 
-TEST_CASE("ClipService: a file beyond the limit is refused", "[server][rpc]") {
+TEST_CASE("ClipService: a file above the size limit is refused", "[server][rpc]") {
   server::ServerOptions options;
   options.engine.max_file_bytes = 20'000;
   TestServer server(options);
@@ -118,7 +119,7 @@ TEST_CASE("ClipService: a file beyond the limit is refused", "[server][rpc]") {
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
 }
 
-TEST_CASE("ClipService: an ingest that its client gives up stores nothing", "[server][rpc]") {
+TEST_CASE("ClipService: a cancelled ingest stores nothing", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto stub = server.NewStub<v1::ClipService>();
@@ -134,11 +135,11 @@ TEST_CASE("ClipService: an ingest that its client gives up stores nothing", "[se
     context.TryCancel();
     CHECK(writer->Finish().error_code() == grpc::StatusCode::CANCELLED);
   }
-  server.Restart();  // when it has stopped, nothing is under way any more
+  server.Restart();  // waits for calls in flight
   CHECK(server.Describe("db").stored_clip_count() == 0);
 }
 
-TEST_CASE("ClipService: deleting a clip takes it out of the model", "[server][rpc]") {
+TEST_CASE("ClipService: a deleted clip is removed from the model", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ClipService>();

@@ -1,4 +1,4 @@
-// Many clients at once, while models are rebuilt under them.
+// Many concurrent clients while models are rebuilt.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <mutex>
@@ -16,14 +16,14 @@ namespace {
 
 using Stub = v1::QueryService::Stub;
 
-TEST_CASE("Concurrency: 32 clients query during rebuilds without one error", "[server][rpc]") {
+TEST_CASE("Concurrency: 32 clients query during rebuilds without an error", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   std::atomic<bool> stop{false};
   std::atomic<int> answered{0};
   std::mutex mutex;
   std::set<std::string> errors;
-  std::set<int> clip_counts;  // of the models that answered
+  std::set<int> clip_counts;  // numbers of clips in the models that answered
   std::vector<std::thread> clients;
   for (int i = 0; i < 32; ++i) {
     clients.emplace_back([&] {
@@ -36,7 +36,7 @@ TEST_CASE("Concurrency: 32 clients query during rebuilds without one error", "[s
         std::unique_lock lock(mutex);
         if (!answer.status.ok()) errors.insert(answer.status.error_message());
         for (const auto& window : answer.response.windows()) {
-          // A window answered by half a model would rank other numbers of clips.
+          // A partly replaced model would rank another number of clips.
           clip_counts.insert(window.clips_size());
         }
         lock.unlock();
@@ -63,7 +63,7 @@ TEST_CASE("Concurrency: 32 clients query during rebuilds without one error", "[s
   WARN("answered " << answered << " queries from 32 clients during 3 rebuilds");
 }
 
-TEST_CASE("Concurrency: queries are answered while a build stands still", "[server][rpc]") {
+TEST_CASE("Concurrency: queries are answered while a build is blocked", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   server.gate().Close();

@@ -44,7 +44,7 @@ TEST_CASE("DatabaseService: a new database has the defaults", "[server][rpc]") {
   CHECK(got.response.database().SerializeAsString() == database.SerializeAsString());
 }
 
-TEST_CASE("DatabaseService: settings given are kept", "[server][rpc]") {
+TEST_CASE("DatabaseService: given settings are stored", "[server][rpc]") {
   TestServer server;
   const auto stub = server.NewStub<v1::DatabaseService>();
   v1::Database settings;
@@ -64,7 +64,7 @@ TEST_CASE("DatabaseService: settings given are kept", "[server][rpc]") {
   CHECK(created.response.database().clip_count() == 0);
 }
 
-TEST_CASE("DatabaseService: every wrong setting is named", "[server][rpc]") {
+TEST_CASE("DatabaseService: the error names the invalid setting", "[server][rpc]") {
   TestServer server;
   const auto stub = server.NewStub<v1::DatabaseService>();
   const auto expect = [&](const std::string& field, const auto& change) {
@@ -92,7 +92,7 @@ TEST_CASE("DatabaseService: every wrong setting is named", "[server][rpc]") {
   }
 }
 
-TEST_CASE("DatabaseService: names are taken, unknown or not names", "[server][rpc]") {
+TEST_CASE("DatabaseService: names in use, unknown names and invalid names", "[server][rpc]") {
   TestServer server;
   const auto stub = server.NewStub<v1::DatabaseService>();
   REQUIRE(Create(*stub, "a").status.ok());
@@ -107,7 +107,7 @@ TEST_CASE("DatabaseService: names are taken, unknown or not names", "[server][rp
   CHECK(Create(*stub, "a").status.ok());
 }
 
-TEST_CASE("DatabaseService: clips are derived again when that is asked for", "[server][rpc]") {
+TEST_CASE("DatabaseService: ReprocessDatabase derives clips again", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   server.Wait(server.IngestFigure("db", "walk", "walk", {}).operation().name());
@@ -156,7 +156,7 @@ TEST_CASE("DatabaseService: lists in order, page by page", "[server][rpc]") {
   CHECK(ViolatedFields(Ask(*stub, &Stub::ListDatabases, request).status) == "page_size");
 }
 
-TEST_CASE("DatabaseService: describes the model", "[server][rpc]") {
+TEST_CASE("DatabaseService: DescribeDatabase describes the model", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   CHECK(server.Describe("db").model_version() == 0);

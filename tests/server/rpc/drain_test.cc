@@ -1,4 +1,4 @@
-// Health, and what a server does when it is told to stop.
+// Health, and the drain of a server.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <string>
@@ -16,7 +16,7 @@
 namespace motiondb::tests::drain_test {
 namespace {
 
-// Waits until so many calls are under way, beside the one that asks.
+// Waits until `count` calls are in flight, besides the status call itself.
 void AwaitOtherCalls(TestServer& server, int count) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (StatusOf(server).open_call_count() != count + 1) {
@@ -25,7 +25,7 @@ void AwaitOtherCalls(TestServer& server, int count) {
   }
 }
 
-TEST_CASE("Health: the server and each of its services serve", "[server][rpc]") {
+TEST_CASE("Health: the server and each service are SERVING", "[server][rpc]") {
   TestServer server;
   for (const std::string& service : ListOwnServices(server)) {
     const RawAnswer answer = CheckHealth(server, service);
@@ -37,7 +37,7 @@ TEST_CASE("Health: the server and each of its services serve", "[server][rpc]") 
   CHECK(CheckHealth(server, "none").status.error_code() == grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for later",
+TEST_CASE("Drain: waiting calls are answered, new ones refused, builds stay pending",
           "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
@@ -69,7 +69,7 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds left for 
   CHECK(done.model() == "databases/db/models/1");
 }
 
-TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server][rpc]") {
+TEST_CASE("Drain: a call in flight may end, a new one is UNAVAILABLE", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto clips = server.NewStub<v1::ClipService>();
@@ -86,14 +86,14 @@ TEST_CASE("Drain: a call under way may end, a new one is UNAVAILABLE", "[server]
   std::thread draining([&] { server.server().Drain(std::chrono::minutes(1)); });
   v1::GetClipRequest request;
   request.set_name("databases/db/clips/walk");
-  // Not there, until the drain begins.
+  // NOT_FOUND until the drain begins.
   auto code = grpc::StatusCode::NOT_FOUND;
   for (int tries = 0; tries < 3000 && code == grpc::StatusCode::NOT_FOUND; ++tries) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
     code = Ask(*clips, &v1::ClipService::Stub::GetClip, request).status.error_code();
   }
   CHECK(code == grpc::StatusCode::UNAVAILABLE);
-  // Whoever asks for the health of what it calls, or of the whole, goes elsewhere.
+  // Each service and the whole server are NOT_SERVING for load balancers.
   for (const std::string& service : services) {
     INFO(service);
     CHECK(CheckHealth(server, service).bytes == kNotServing);
@@ -129,7 +129,7 @@ TEST_CASE("Drain: a call that does not end is cancelled after the grace period",
   CHECK(!writer->Finish().ok());
 }
 
-TEST_CASE("Server: an address that is taken is refused", "[server][rpc]") {
+TEST_CASE("Server: an address in use is refused", "[server][rpc]") {
   TestServer server;
   TemporaryDirectory directory;
   server::ServerOptions options;

@@ -1,4 +1,4 @@
-// Databases of the lowest and highest frame rates that there may be.
+// Databases with the lowest and highest permitted frame rates.
 #include <catch2/catch.hpp>
 #include <string>
 
@@ -11,7 +11,7 @@
 namespace motiondb::tests::frame_rates_test {
 namespace {
 
-// That the server has taken a query as it is, or has said what is wrong with it.
+// Checks that the query was answered, or refused as invalid.
 void CheckAnswered(const grpc::Status& status) {
   INFO(status.error_message());
   const grpc::StatusCode code = status.error_code();
@@ -28,7 +28,7 @@ void CheckQuery(TestServer& server, const std::string& database, Method method) 
   CheckAnswered(Ask(*stub, method, request).status);
 }
 
-TEST_CASE("Databases: any frame rate that one may have is built, and answers", "[server][rpc]") {
+TEST_CASE("Databases: every permitted frame rate can be built and queried", "[server][rpc]") {
   TestServer server;
   const auto databases = server.NewStub<v1::DatabaseService>();
   // The first two have less than one frame in the seconds that a prediction looks back.

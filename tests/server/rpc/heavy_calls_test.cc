@@ -1,4 +1,4 @@
-// Which calls are heavy, and what these may take of a server.
+// Which calls are heavy, and their limits.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <deque>
@@ -21,8 +21,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST_CASE("RequestClass: every call that is heavy or lasts is one of the contract",
-          "[server][limits]") {
+TEST_CASE("RequestClass: the heavy and streaming calls exist in the protocol", "[server][limits]") {
   int heavy = 0;
   int streams = 0;
   int upkeep = 0;
@@ -36,7 +35,7 @@ TEST_CASE("RequestClass: every call that is heavy or lasts is one of the contrac
   CHECK(upkeep == 3);
 }
 
-// Few frames, at the lowest rate that is taken for a database of 60 Hz, that become many: 100 s.
+// Few frames at the lowest accepted rate, which become 100 s of motion in a database of 60 Hz.
 v1::Observation SlowMotion(TestServer& server) {
   v1::RepresentRequest represent;
   represent.set_database("databases/db");
@@ -56,7 +55,7 @@ v1::Observation SlowMotion(TestServer& server) {
   return observation;
 }
 
-TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[server][limits]") {
+TEST_CASE("Limits: a query about a long motion counts as a heavy call", "[server][limits]") {
   TestServer server(With({.heavy = {1, 1}}));
   server.CreateTrained("db");
   const auto queries = server.NewStub<v1::QueryService>();
@@ -78,7 +77,7 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
   grpc::Status refused;
   for (int tries = 0; tries < 200 && refused.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
        ++tries) {
-    // Again and again: one that comes beside a query is refused itself.
+    // Repeated, because an ingest that meets a running query is refused itself.
     if (tries % 20 == 0) {
       ingests.push_back(clips->IngestClip(&contexts.emplace_back(), &stored));
       REQUIRE(ingests.back()->Write(header));
@@ -100,7 +99,7 @@ TEST_CASE("Limits: a query about a long motion counts among the heavy calls", "[
   CHECK(free.ok());
 }
 
-// A file of minutes of motion: more than a call may have that weighs nothing.
+// A file with minutes of motion: larger than a light call may be.
 v1::Observation LongWalk() {
   v1::Observation observation = ObservedWalk();
   observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 16000}));
@@ -108,7 +107,7 @@ v1::Observation LongWalk() {
   return observation;
 }
 
-TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[server][limits]") {
+TEST_CASE("Limits: a heavy call counts before it waits for a thread", "[server][limits]") {
   TestServer server(With({.heavy = {2, 2}}));
   server.CreateTrained("db");
   std::promise<void> done;
@@ -127,7 +126,7 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
     v1::RecognizeResponse response;
     return queries->Recognize(&context, request, &response);
   };
-  // Those wait for a thread, and nobody waits for them any more; their places they have.
+  // These calls wait for a thread and their clients have given up; they still count.
   CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
   CHECK(recognize().error_code() == grpc::StatusCode::DEADLINE_EXCEEDED);
   grpc::Status refused = recognize();
@@ -139,8 +138,7 @@ TEST_CASE("Limits: a heavy call has its place before it waits for a thread", "[s
   CheckRefusal(refused, "--max-heavy-calls");
 }
 
-TEST_CASE("Limits: files that come in part hold memory that others cannot have",
-          "[server][limits]") {
+TEST_CASE("Limits: incomplete files reserve memory", "[server][limits]") {
   TestServer server(With({.message_memory_bytes = 48 << 20}));
   server.CreateTrained("db");
   const auto clips = server.NewStub<v1::ClipService>();
@@ -158,7 +156,7 @@ TEST_CASE("Limits: files that come in part hold memory that others cannot have",
   const auto waiting = clips->IngestClip(&slow, &ignored);
   send(*waiting, 16);
   grpc::Status ended;
-  // It is no motion; until the first has come so far, that is what is said.
+  // It is no motion file: until the first upload has reserved its memory, that is the error.
   for (int tries = 0; tries < 100 && ended.error_code() != grpc::StatusCode::RESOURCE_EXHAUSTED;
        ++tries) {
     grpc::ClientContext context;
@@ -174,7 +172,7 @@ TEST_CASE("Limits: files that come in part hold memory that others cannot have",
   CHECK(ended.error_message().find("--message-memory-mib") != std::string::npos);
 }
 
-TEST_CASE("Limits: a request takes the memory that it has once it is read", "[server][limits]") {
+TEST_CASE("Limits: a request reserves the memory of the parsed message", "[server][limits]") {
   TestServer server(With({.message_memory_bytes = 32 << 20}));
   server.CreateTrained("db");
   const auto queries = server.NewStub<v1::QueryService>();
@@ -182,14 +180,14 @@ TEST_CASE("Limits: a request takes the memory that it has once it is read", "[se
   request.set_database("databases/db");
   const auto plan = [&] { return Ask(*queries, &v1::QueryService::Stub::Plan, request).status; };
   CHECK(plan().error_code() == grpc::StatusCode::INVALID_ARGUMENT);
-  // Two bytes each, and far more as messages.
+  // 2 bytes each on the wire, much more as messages.
   for (int i = 0; i < 1'000'000; ++i) request.mutable_obstacles()->add_discs();
   REQUIRE(request.ByteSizeLong() < 4 << 20);
   const grpc::Status refused = plan();
   INFO(refused.error_message());
   CHECK(refused.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
   CHECK(refused.error_message().find("--message-memory-mib") != std::string::npos);
-  // What was refused is given back.
+  // A refused request releases its memory.
   request.mutable_obstacles()->mutable_discs()->DeleteSubrange(50'000, 950'000);
   for (int i = 0; i < 20; ++i) CHECK(plan().error_code() == grpc::StatusCode::INVALID_ARGUMENT);
 }

@@ -1,5 +1,5 @@
-// Requests that cost more than they weigh: each is refused by its field, or ends with its deadline,
-// and the thread that worked on it is free again.
+// Small requests with large costs: each is refused with its field, or ends at its deadline, and its
+// thread is free again.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -20,9 +20,9 @@ using Catch::Contains;
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-constexpr int kMostFrames = 100'000;
-constexpr milliseconds kSoon{50};  // the deadline of a request that would take far longer
-constexpr seconds kFreeAgain{20};  // far less than that, however slow the machine
+constexpr int kMaxFrames = 100'000;
+constexpr milliseconds kSoon{50};    // deadline of a request that would take far longer
+constexpr seconds kMaxRecovery{20};  // far less than that, also on a slow machine
 constexpr int kAny = std::numeric_limits<int>::max();
 
 server::ServerOptions OneThread() {
@@ -30,11 +30,11 @@ server::ServerOptions OneThread() {
   options.engine.rebuild_delay = milliseconds(50);
   options.engine.extend_from = std::chrono::hours(1);
   options.engine.query_threads = 1;
-  options.engine.max_frames = kMostFrames;
+  options.engine.max_frames = kMaxFrames;
   return options;
 }
 
-// A trained database on a server whose only request thread must not be held.
+// A trained database on a server with one request thread, which must not be blocked.
 class Victim {
  public:
   explicit Victim(const server::ServerOptions& options = OneThread())
@@ -45,7 +45,7 @@ class Victim {
   TestServer& server() { return server_; }
   v1::QueryService::Stub& query() { return *query_; }
 
-  // The walk as the database's markers, again and again, at a rate of its own.
+  // The walk as markers of the database, repeated, at `rate_hz`.
   v1::Observation Markers(int frames, double rate_hz = 60) {
     v1::RepresentRequest request;
     request.set_database("databases/db");
@@ -68,7 +68,7 @@ class Victim {
     return observation;
   }
 
-  // The call ends at its deadline, and the next one is answered soon.
+  // The call must end at its deadline, and the next call must be answered soon.
   template <typename Request, typename Response>
   void EndsWithItsDeadline(grpc::Status (v1::QueryService::Stub::*method)(grpc::ClientContext*,
                                                                           const Request&,
@@ -85,7 +85,7 @@ class Victim {
     next.set_name("databases/db");
     v1::GetDatabaseResponse database;
     grpc::ClientContext context;
-    context.set_deadline(std::chrono::system_clock::now() + kFreeAgain);
+    context.set_deadline(std::chrono::system_clock::now() + kMaxRecovery);
     const grpc::Status free =
         server_.NewStub<v1::DatabaseService>()->GetDatabase(&context, next, &database);
     INFO(free.error_message());
@@ -106,11 +106,11 @@ void CheckRefused(const grpc::Status& status, const std::string& field) {
 void CheckTooLong(const grpc::Status& status) {
   INFO(status.error_message());
   CHECK(status.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);
-  CHECK_THAT(status.error_message(), Contains("are taken (--max-frames)"));
+  CHECK_THAT(status.error_message(), Contains("(--max-frames): split it"));
 }
 
-// A chain of links, each turning on the one before.
-std::string Chain(int joints, const char* type) {
+// A robot with a chain of links.
+std::string ChainRobot(int joints, const char* type) {
   std::string text = "<robot name=\"chain\"><link name=\"l0\"/>";
   for (int j = 1; j <= joints; ++j) {
     text += fmt::format(
@@ -121,8 +121,8 @@ std::string Chain(int joints, const char* type) {
   return text + "</robot>";
 }
 
-// A root with hips and `others` more joints beside them, for a while.
-std::string Crowd(int others, int frames = 4) {
+// A BVH file: a root with hips and `others` more joints beside them.
+std::string ManyJointsFile(int others, int frames = 4) {
   std::string text =
       "HIERARCHY\nROOT Hips\n{\nOFFSET 0 0 0\nCHANNELS 3 Xposition Yposition "
       "Zposition\n";
@@ -140,11 +140,11 @@ std::string Crowd(int others, int frames = 4) {
   return text;
 }
 
-TEST_CASE("Hostile request: more frames than the server takes are refused at any frame rate",
+TEST_CASE("Hostile request: too many frames are refused at any frame rate",
           "[server][rpc][hostile]") {
   Victim victim;
-  // A fraction of a second, so that the database's own rate would have few of them.
-  const v1::Observation observation = victim.Markers(kMostFrames + 1, 1e6);
+  // A fraction of a second: at the database's frame rate it would have few frames.
+  const v1::Observation observation = victim.Markers(kMaxFrames + 1, 1e6);
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
   *recognize.mutable_observation() = observation;
@@ -155,7 +155,7 @@ TEST_CASE("Hostile request: more frames than the server takes are refused at any
   const auto stub = victim.server().NewStub<v1::ObserveService>();
   CheckTooLong(Ask(*stub, &v1::ObserveService::Stub::Represent, represent).status);
 
-  // And two frames that claim to last for ages.
+  // Two frames with an extremely long duration.
   for (const double rate : {1e-9, 1e-300, 5e-324}) {
     *recognize.mutable_observation() = victim.Markers(2, rate);
     CheckRefused(Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status,
@@ -163,12 +163,11 @@ TEST_CASE("Hostile request: more frames than the server takes are refused at any
   }
 }
 
-TEST_CASE("Hostile request: counts are held to what memory is given for",
-          "[server][rpc][hostile]") {
+TEST_CASE("Hostile request: counts are limited by reserved memory", "[server][rpc][hostile]") {
   Victim victim;
   v1::EstimateRequest estimate;
   estimate.set_database("databases/db");
-  *estimate.mutable_observation() = victim.Markers(kMostFrames);
+  *estimate.mutable_observation() = victim.Markers(kMaxFrames);
   estimate.set_max_candidates(0);
   estimate.set_path_count(100);
   const auto many_paths = Ask(victim.query(), &v1::QueryService::Stub::Estimate, estimate).status;
@@ -177,7 +176,7 @@ TEST_CASE("Hostile request: counts are held to what memory is given for",
 
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
-  *recognize.mutable_observation() = victim.Markers(kMostFrames);
+  *recognize.mutable_observation() = victim.Markers(kMaxFrames);
   recognize.set_method(v1::PAPER);
   recognize.set_whole(true);
   recognize.set_generation(v1::GENERATION_TOP_PATHS);
@@ -202,7 +201,7 @@ TEST_CASE("Hostile request: a robot of many joints is refused", "[server][rpc][h
   plan.mutable_goal()->set_x_m(1);
   plan.mutable_robot()->set_file_name("chain.urdf");
   const auto refusal = [&](int joints, const char* type) {
-    plan.mutable_robot()->set_urdf(Chain(joints, type));
+    plan.mutable_robot()->set_urdf(ChainRobot(joints, type));
     const auto refused = Ask(victim.query(), &v1::QueryService::Stub::Plan, plan).status;
     CheckRefused(refused, "robot.urdf");
     return refused.error_message();
@@ -212,7 +211,7 @@ TEST_CASE("Hostile request: a robot of many joints is refused", "[server][rpc][h
   CHECK_THAT(refusal(20'000, "fixed"), Contains("at most 1999 joints"));
 }
 
-TEST_CASE("Hostile request: a series of predictions that would not go on is refused",
+TEST_CASE("Hostile request: a prediction series without progress is refused",
           "[server][rpc][hostile]") {
   Victim victim;
   for (const double every : {1e-300, 1e-6, 0.5 / 60}) {
@@ -228,7 +227,7 @@ TEST_CASE("Hostile request: a series of predictions that would not go on is refu
   }
 }
 
-TEST_CASE("Hostile request: a series that nobody reads ends with its client",
+TEST_CASE("Hostile request: a series that is not read ends with its client",
           "[server][rpc][hostile]") {
   Victim victim;
   v1::PredictSeriesRequest series;
@@ -245,7 +244,7 @@ TEST_CASE("Hostile request: a series that nobody reads ends with its client",
   CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
-TEST_CASE("Hostile request: who asks for a series and takes nothing of it is sent away",
+TEST_CASE("Hostile request: a client that does not read its series is disconnected",
           "[server][rpc][hostile]") {
   server::ServerOptions options = OneThread();
   options.calls.longest_silence = milliseconds(300);
@@ -255,13 +254,13 @@ TEST_CASE("Hostile request: who asks for a series and takes nothing of it is sen
   series.mutable_prediction()->set_database("databases/db");
   *series.mutable_prediction()->mutable_observation() = victim.Markers(2'500);
   series.set_every_seconds(1.0 / 60);
-  // Large answers: flow control has room for few.
+  // Large responses: the flow-control window has room for few.
   for (int h = 1; h <= 100; ++h) series.mutable_prediction()->add_horizon_seconds(0.01 * h);
   grpc::ClientContext context;
   const auto reader = victim.query().PredictSeries(&context, series);
   v1::PredictSeriesResponse moment;
   REQUIRE(reader->Read(&moment));
-  // Its place is free then.
+  // Then its slot is free.
   *series.mutable_prediction()->mutable_observation() = ObservedWalk();
   grpc::Status other;
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(180);
@@ -280,7 +279,7 @@ TEST_CASE("Hostile request: who asks for a series and takes nothing of it is sen
   CHECK(reader->Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
-TEST_CASE("Hostile request: a set as large as a crowd is refused, in a file and as a source",
+TEST_CASE("Hostile request: too many joints are refused, in a query and in an ingest",
           "[server][rpc][hostile]") {
   TestServer server(OneThread());
   v1::CreateDatabaseRequest request;
@@ -296,19 +295,19 @@ TEST_CASE("Hostile request: a set as large as a crowd is refused, in a file and 
   v1::IngestClipHeader header;
   header.set_parent("databases/db");
   header.set_file_name("crowd.bvh");
-  CheckRefused(server.Ingest(header, Crowd(300)), "file_block");
-  const grpc::Status throng = server.Ingest(header, Crowd(250'000));
-  CheckRefused(throng, "file_block");
-  CHECK_THAT(throng.error_message(), Contains("crowd.bvh:") && Contains("at most 2000 joints"));
+  CheckRefused(server.Ingest(header, ManyJointsFile(300)), "file_block");
+  const grpc::Status too_many = server.Ingest(header, ManyJointsFile(250'000));
+  CheckRefused(too_many, "file_block");
+  CHECK_THAT(too_many.error_message(), Contains("crowd.bvh:") && Contains("at most 2000 joints"));
 }
 
-TEST_CASE("Hostile request: a long crowd is refused before its joints are placed",
+TEST_CASE("Hostile request: many joints with many frames are refused before kinematics",
           "[server][rpc][hostile]") {
   constexpr int kFrames = 140'000;
   server::ServerOptions options = OneThread();
   options.engine.max_frames = kFrames;
   Victim victim(options);
-  const std::string crowd = Crowd(995, kFrames);  // with ends, 1995 joints
+  const std::string file = ManyJointsFile(995, kFrames);  // 1995 joints with end sites
   const auto check = [](const grpc::Status& status, const std::string& field) {
     CheckRefused(status, field);
     CHECK_THAT(status.error_message(), Contains("140000 frames of 1995 joints"));
@@ -316,7 +315,7 @@ TEST_CASE("Hostile request: a long crowd is refused before its joints are placed
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
   recognize.mutable_observation()->mutable_file()->set_file_name("crowd.bvh");
-  recognize.mutable_observation()->mutable_file()->set_data(crowd);
+  recognize.mutable_observation()->mutable_file()->set_data(file);
   check(Ask(victim.query(), &v1::QueryService::Stub::Recognize, recognize).status,
         "observation.file");
   v1::RepresentRequest represent;
@@ -327,10 +326,10 @@ TEST_CASE("Hostile request: a long crowd is refused before its joints are placed
   v1::IngestClipHeader header;
   header.set_parent("databases/db");
   header.set_file_name("crowd.bvh");
-  check(victim.server().Ingest(header, crowd), "file_block");
+  check(victim.server().Ingest(header, file), "file_block");
 }
 
-TEST_CASE("Hostile request: work that nobody waits for any more ends", "[server][rpc][hostile]") {
+TEST_CASE("Hostile request: the work of a cancelled call ends", "[server][rpc][hostile]") {
   Victim victim;
   const v1::Observation minutes = victim.Markers(20'000);
 

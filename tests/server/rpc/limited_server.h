@@ -1,4 +1,4 @@
-// A server whose limits on calls a test sets.
+// Options of a server with given call limits.
 #pragma once
 
 #include <chrono>

@@ -1,6 +1,5 @@
-// The services of a server as a client sees them that knows only the wire: their names, as
-// reflection tells them, and their health. The messages are made by hand: this system's packages do
-// not ship them.
+// Names of services by gRPC reflection, and their health. The messages are encoded by hand, because
+// the packages of this system do not include them.
 #pragma once
 
 #include <google/protobuf/unknown_field_set.h>
@@ -26,7 +25,7 @@ inline std::string WithString(int field, const std::string& value) {
   return bytes;
 }
 
-// The values of a length-delimited field of a message.
+// Returns the values of a length-delimited field of a message.
 inline std::vector<std::string> Values(const std::string& message, int number) {
   google::protobuf::UnknownFieldSet fields;
   REQUIRE(fields.ParseFromString(message));
@@ -52,7 +51,7 @@ inline std::vector<std::string> ListServices(TestServer& server) {
   return names;
 }
 
-// This server's own, of which there are eight.
+// Returns the eight services of motiondb.
 inline std::vector<std::string> ListOwnServices(TestServer& server) {
   std::vector<std::string> names = ListServices(server);
   std::erase_if(names, [](const std::string& name) { return !name.starts_with("motiondb."); });
@@ -64,7 +63,7 @@ inline std::vector<std::string> ListOwnServices(TestServer& server) {
 inline const std::string kServing = "\x08\x01";
 inline const std::string kNotServing = "\x08\x02";
 
-// Of a service, or of the server as a whole, which has no name.
+// Health of a service, or of the whole server if the name is empty.
 inline RawAnswer CheckHealth(TestServer& server, const std::string& service = "") {
   return RawCall(server.channel(), "/grpc.health.v1.Health/Check",
                  service.empty() ? "" : WithString(1, service));

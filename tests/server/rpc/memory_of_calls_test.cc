@@ -1,4 +1,4 @@
-// What one call can make a server allocate and compute.
+// Limits on memory and work of one call.
 #include <catch2/catch.hpp>
 #include <string>
 #include <vector>
@@ -13,11 +13,11 @@ namespace {
 
 using grpc::StatusCode;
 
-bool Says(const grpc::Status& status, const std::string& text) {
+bool HasText(const grpc::Status& status, const std::string& text) {
   return status.error_message().find(text) != std::string::npos;
 }
 
-// Six frames of the figures' markers.
+// Six frames of the markers of the stick figure.
 v1::Observation SixFrames(double frame_rate_hz) {
   v1::Observation observation = ObservedWalk();
   std::string& file = *observation.mutable_file()->mutable_data();
@@ -27,8 +27,8 @@ v1::Observation SixFrames(double frame_rate_hz) {
   return observation;
 }
 
-// Two bytes a frame: a body of which one angle is written.
-std::string TerseFile(int frames) {
+// A BVH file with 2 bytes for each frame: one degree of freedom.
+std::string SmallFile(int frames) {
   std::string text =
       "HIERARCHY\nROOT Hips\n{\nOFFSET 0 90 0\nCHANNELS 1 Yrotation\n"
       "JOINT LeftUpLeg\n{\nOFFSET 10 0 0\nCHANNELS 0\nJOINT LeftLeg\n{\nOFFSET 0 -45 0\n"
@@ -50,14 +50,14 @@ grpc::Status Recognize(TestServer& server, const v1::Observation& observation) {
   return Ask(*queries, &v1::QueryService::Stub::Recognize, request).status;
 }
 
-TEST_CASE("Memory: six frames do not become hours", "[server][limits]") {
+TEST_CASE("Memory: six frames cannot become hours of motion", "[server][limits]") {
   TestServer server;
   server.CreateTrained("db");
   const grpc::Status slow = Recognize(server, SixFrames(0.00144));
   INFO(slow.error_message());
   CHECK(slow.error_code() == StatusCode::INVALID_ARGUMENT);
   CHECK(slow.error_details().find("observation.file") != std::string::npos);
-  CHECK(Says(slow, "Frame Time: 694"));
+  CHECK(HasText(slow, "Frame Time: 694"));
   CHECK(Recognize(server, SixFrames(0.00125)).error_code() == StatusCode::INVALID_ARGUMENT);
   CHECK(Recognize(server, SixFrames(2)).ok());
 
@@ -67,30 +67,30 @@ TEST_CASE("Memory: six frames do not become hours", "[server][limits]") {
   const grpc::Status ingested = server.Ingest(header, SixFrames(0.00125).file().data());
   INFO(ingested.error_message());
   CHECK(ingested.error_code() == StatusCode::INVALID_ARGUMENT);
-  CHECK(Says(ingested, "Frame Time: 800"));
+  CHECK(HasText(ingested, "Frame Time: 800"));
 }
 
-TEST_CASE("Memory: a call has what its size allows", "[server][limits]") {
+TEST_CASE("Memory: the limit of a call depends on its size", "[server][limits]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto ingest = [&](const std::string& name, int frames) {
     v1::IngestClipHeader header;
     header.set_parent("databases/db");
     header.set_file_name(name);
-    return server.Ingest(header, TerseFile(frames));
+    return server.Ingest(header, SmallFile(frames));
   };
   const grpc::Status first = ingest("short.bvh", 600);
   INFO(first.error_message());
   REQUIRE(first.ok());
-  // 450 kB that would take some 150 MB.
+  // 450 kB that would need about 150 MB.
   const grpc::Status refused = ingest("long.bvh", 225'000);
   INFO(refused.error_message());
   CHECK(refused.error_code() == StatusCode::RESOURCE_EXHAUSTED);
-  CHECK(Says(refused, "MiB of memory"));
+  CHECK(HasText(refused, "MiB of memory"));
 }
 
-TEST_CASE("Memory: what a call reserved is released, however it ends", "[server][limits]") {
-  // Each call below takes a tenth of it or more.
+TEST_CASE("Memory: a call releases its memory, however it ends", "[server][limits]") {
+  // Each call below reserves at least a tenth of the budget.
   TestServer server(With({.message_memory_bytes = 32 << 20}));
   server.CreateTrained("db");
   v1::Observation walk = ObservedWalk();
@@ -105,7 +105,7 @@ TEST_CASE("Memory: what a call reserved is released, however it ends", "[server]
   }
 }
 
-TEST_CASE("Work: a series of predictions is bounded as a whole", "[server][limits]") {
+TEST_CASE("Work: the total work of a prediction series is bounded", "[server][limits]") {
   TestServer server;
   server.CreateTrained("db");
   v1::PredictSeriesRequest request;
@@ -125,7 +125,7 @@ TEST_CASE("Work: a series of predictions is bounded as a whole", "[server][limit
   const grpc::Status refused = series->Finish();
   INFO(refused.error_message());
   CHECK(refused.error_code() == StatusCode::INVALID_ARGUMENT);
-  CHECK(Says(refused, "every_seconds"));
+  CHECK(HasText(refused, "every_seconds"));
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ void Retrain(TestServer& server) {
   REQUIRE(server.Wait(ingested.operation().name()).state() == v1::OPERATION_STATE_SUCCEEDED);
 }
 
-TEST_CASE("ModelService: figures of the current and of earlier models", "[server][rpc]") {
+TEST_CASE("ModelService: statistics of the current and of earlier models", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ModelService>();
@@ -96,7 +96,7 @@ TEST_CASE("ModelService, DescribeDatabase, Recognize: a model that is not calibr
   CHECK(stored.state() == v1::MODEL_STATE_SUPERSEDED);
   CHECK(stored.calibration() == v1::CALIBRATION_OWN);
   CHECK(stored.clip_count() == 3);
-  // It has the version of the stored one, and is not taken for it.
+  // It has the version of the stored model, but is another model.
   CHECK(Ask(*stub, &Stub::ListNodes, nodes).status.error_code() == grpc::StatusCode::ABORTED);
   nodes.clear_page_token();
   CHECK(Ask(*stub, &Stub::ListNodes, nodes).status.ok());
@@ -121,7 +121,7 @@ TEST_CASE("ModelService, DescribeDatabase, Recognize: a model that is not calibr
   CHECK(server.Describe("db").calibration() == v1::CALIBRATION_OWN);
 }
 
-TEST_CASE("ModelService: what is not there", "[server][rpc]") {
+TEST_CASE("ModelService: unknown databases, models and layers", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("empty");
   const auto stub = server.NewStub<v1::ModelService>();
@@ -136,7 +136,7 @@ TEST_CASE("ModelService: what is not there", "[server][rpc]") {
   CHECK(code("databases/empty/models/x") == grpc::StatusCode::INVALID_ARGUMENT);
 }
 
-TEST_CASE("ModelService: nodes of every layer hold every frame once", "[server][rpc]") {
+TEST_CASE("ModelService: the nodes of each layer have every frame once", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ModelService>();
@@ -209,7 +209,7 @@ TEST_CASE("ModelService: transitions of a row sum to one, also across pages", "[
   CHECK(ViolatedFields(Ask(*stub, &Stub::ListTransitions, request).status) == "clip");
 }
 
-TEST_CASE("ModelService: a list of a model that was replaced is ABORTED", "[server][rpc]") {
+TEST_CASE("ModelService: listing a replaced model is ABORTED", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ModelService>();
@@ -229,7 +229,7 @@ TEST_CASE("ModelService: a list of a model that was replaced is ABORTED", "[serv
   CHECK(Ask(*stub, &Stub::ListNodes, request).status.error_code() == grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_CASE("ModelService: states come in blocks of at most 1 MiB", "[server][rpc]") {
+TEST_CASE("ModelService: states are sent in blocks of at most 1 MiB", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   const auto ingested = server.IngestFigure("db", "long", "walk", {.frame_count = 6000});

@@ -1,4 +1,4 @@
-// Streams of frames, against a server on a socket.
+// Streams of frames to a server on a socket.
 #include <atomic>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -38,7 +38,7 @@ v1::ObserveRequest Start(const v1::MarkerObservation& motion) {
   return request;
 }
 
-// Frames [first, first + count) of a motion, numbered from `number` on.
+// Frames [first, first + count) of a motion, numbered from `number`.
 v1::ObserveRequest Frames(const v1::MarkerObservation& motion, int first, int count,
                           std::int64_t number) {
   const std::size_t width = motion.positions().size() / motion.frame_count();
@@ -50,14 +50,14 @@ v1::ObserveRequest Frames(const v1::MarkerObservation& motion, int first, int co
   return request;
 }
 
-// Of answers for which flow control soon has no more room.
+// Large responses soon fill the flow-control window.
 v1::ObserveRequest StartOfLargeAnswers(const v1::MarkerObservation& motion) {
   v1::ObserveRequest start = Start(motion);
   for (int h = 1; h <= 100; ++h) start.mutable_start()->add_horizon_seconds(0.01 * h);
   return start;
 }
 
-// A stream that was opened, one message out and one back at a time.
+// An open stream: sends one message and reads one response at a time.
 class Stream {
  public:
   explicit Stream(TestServer& server)
@@ -83,8 +83,7 @@ class Stream {
 
 }  // namespace
 
-TEST_CASE("Observe: each message is answered, in order, with what the frames so far say",
-          "[server][rpc]") {
+TEST_CASE("Observe: each message is answered in order, about all frames so far", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
@@ -118,7 +117,7 @@ TEST_CASE("Observe: each message is answered, in order, with what the frames so 
   CHECK(stream.Finish().ok());
 }
 
-TEST_CASE("Observe: late frames are passed over, frames that never come are missing",
+TEST_CASE("Observe: late frames are ignored, frames that never arrive are missing",
           "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
@@ -139,7 +138,7 @@ TEST_CASE("Observe: late frames are passed over, frames that never come are miss
   CHECK(stream.Finish().ok());
 }
 
-TEST_CASE("Observe: wrong messages are refused by name", "[server][rpc]") {
+TEST_CASE("Observe: the error names the invalid field", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
@@ -189,7 +188,7 @@ TEST_CASE("Observe: wrong messages are refused by name", "[server][rpc]") {
   CHECK(ViolatedFields(refused({good, beyond})) == "frames");
 }
 
-TEST_CASE("Observe: a model that is replaced is taken over and announced once", "[server][rpc]") {
+TEST_CASE("Observe: the stream uses a new model and announces it once", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
@@ -214,13 +213,13 @@ TEST_CASE("Observe: a model that is replaced is taken over and announced once", 
   CHECK(stream.Finish().error_code() == grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_CASE("Observe: a client that does not read is not read from", "[server][rpc]") {
+TEST_CASE("Observe: the server stops reading from a client that does not read", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
   Stream stream(server);
   REQUIRE(stream.Send(StartOfLargeAnswers(motion)));
-  // Far more than the windows of flow control hold, both ways.
+  // Far more than the flow-control windows of both directions.
   constexpr int kMessages = 3000;
   std::atomic<int> sent = 0;
   std::thread sender([&] {
@@ -248,7 +247,7 @@ TEST_CASE("Observe: a client that does not read is not read from", "[server][rpc
   CHECK(stream.Finish().error_code() == grpc::StatusCode::CANCELLED);
 }
 
-TEST_CASE("Observe: a client that takes no answers is sent away", "[server][rpc]") {
+TEST_CASE("Observe: a client that reads no responses is disconnected", "[server][rpc]") {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
   options.engine.rebuild_delay = std::chrono::milliseconds(50);
@@ -291,19 +290,19 @@ TEST_CASE("Observe: a stream is counted for its database while it is open", "[se
     CHECK_THAT(server.server().monitor().Exposition(),
                Catch::Contains("motiondb_database_streams{database=\"db\"} 1\n"));
   }
-  // The server learns of its end a moment later.
+  // The server notices the end a moment later.
   while (count_streams()["databases/db"] > 0)
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
 }
 
-TEST_CASE("Observe: a server that stops ends idle streams at once", "[server][rpc]") {
+TEST_CASE("Observe: a stopping server ends idle streams immediately", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);
   Stream idle(server);
   REQUIRE(idle.Send(Start(motion)));
   idle.Ask(Frames(motion, 0, 4, 0));
-  Stream silent(server);  // has not even started, but the server knows of it
+  Stream silent(server);  // without a first message, but open at the server
   while (StatusOf(server).open_stream_count() < 2) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

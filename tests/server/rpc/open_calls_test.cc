@@ -1,4 +1,4 @@
-// Calls at a time, of one client and in all, at a real server.
+// Limits on calls in flight, for one client and in total, at a real server.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <deque>
@@ -19,12 +19,11 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// A wait for an operation that lasts, over a connection of its own: a call that stands until it is
-// cancelled, if it was not refused.
-class StandingWait {
+// A call of WaitOperation on its own connection: unless it is refused, it stays open until it is
+// cancelled.
+class OpenWait {
  public:
-  StandingWait(const TestServer& server, const std::string& operation,
-               const std::string& request_id)
+  OpenWait(const TestServer& server, const std::string& operation, const std::string& request_id)
       : stub_(v1::OperationService::NewStub(server.NewChannel())), end_(ended_.get_future()) {
     request_.set_name(operation);
     request_.mutable_timeout()->set_seconds(600);
@@ -32,16 +31,16 @@ class StandingWait {
     stub_->async()->WaitOperation(&context_, &request_, &response_,
                                   [this](const grpc::Status& end) { ended_.set_value(end); });
   }
-  StandingWait(const StandingWait&) = delete;
-  StandingWait& operator=(const StandingWait&) = delete;
-  ~StandingWait() {
+  OpenWait(const OpenWait&) = delete;
+  OpenWait& operator=(const OpenWait&) = delete;
+  ~OpenWait() {
     context_.TryCancel();
     end_.wait();
   }
 
   void Cancel() { context_.TryCancel(); }
   bool HasEnded() const { return end_.wait_for(milliseconds(0)) == std::future_status::ready; }
-  // What it came to. Waits until it has ended.
+  // Waits for the end of the call and returns its status.
   const grpc::Status& status() const { return end_.get(); }
 
  private:
@@ -53,8 +52,8 @@ class StandingWait {
   const std::shared_future<grpc::Status> end_;
 };
 
-// The index of one that has ended, when there is one.
-std::size_t AwaitEnd(const std::deque<StandingWait>& waits) {
+// Waits until a call has ended and returns its index.
+std::size_t AwaitEnd(const std::deque<OpenWait>& waits) {
   const auto latest = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (true) {
     for (std::size_t i = 0; i < waits.size(); ++i) {
@@ -65,7 +64,7 @@ std::size_t AwaitEnd(const std::deque<StandingWait>& waits) {
   }
 }
 
-// A server whose next start finds an operation that stays undone for as long as a test may last.
+// A server whose next start finds an operation that stays pending during the test.
 struct ServerWithOperation {
   ServerWithOperation() : server(SlowToRebuild()) {
     server.CreateDatabase("db");
@@ -81,17 +80,17 @@ struct ServerWithOperation {
   std::string operation;
 };
 
-// With room for two calls, under the setting named.
+// `two`: limits for two calls. `setting`: the expected name in the error.
 void CheckThirdCall(const server::CallLimit& two, const std::string& setting) {
   ServerWithOperation held;
-  // Only now: a call that has ended may keep its place for a moment, and would be in the way.
+  // Set only now: an ended call may still count for a moment.
   held.server.options().calls.calls = two;
   held.server.Restart();
-  std::deque<StandingWait> waits;
+  std::deque<OpenWait> waits;
   for (int i = 0; i < 3; ++i) {
     waits.emplace_back(held.server, held.operation, "wait-" + std::to_string(i));
   }
-  // Whichever came last: the other two have their places then.
+  // The last call to arrive; the other two are counted then.
   const std::size_t refused = AwaitEnd(waits);
   CheckRefusal(waits[refused].status(), setting);
   CHECK(DetailOf<v1::RequestInfo>(waits[refused].status(), server::kRequestInfoUrl).request_id() ==
@@ -101,25 +100,25 @@ void CheckThirdCall(const server::CallLimit& two, const std::string& setting) {
   const auto list = [&] {
     return Ask(*stub, &v1::DatabaseService::Stub::ListDatabases, {}).status;
   };
-  CheckRefusal(list(), setting);  // calls of all kinds are counted together
+  CheckRefusal(list(), setting);  // calls of all classes count
   waits[(refused + 1) % 3].Cancel();
-  grpc::Status again = list();
-  for (int tries = 0; tries < 3000 && !again.ok(); ++tries) {
-    CheckRefusal(again, setting);
+  grpc::Status retried = list();
+  for (int tries = 0; tries < 3000 && !retried.ok(); ++tries) {
+    CheckRefusal(retried, setting);
     std::this_thread::sleep_for(milliseconds(10));
-    again = list();
+    retried = list();
   }
-  INFO(again.error_message());
-  CHECK(again.ok());
+  INFO(retried.error_message());
+  CHECK(retried.ok());
   CHECK(!waits[(refused + 2) % 3].HasEnded());
 }
 
-TEST_CASE("Limits: more calls in all than there may be are refused, until one has ended",
+TEST_CASE("Limits: calls above the total limit are refused until one has ended",
           "[server][limits]") {
   CheckThirdCall({.in_all = 2, .per_client = 8}, "--max-calls");
 }
 
-TEST_CASE("Limits: more calls of a client than there may be are refused, until one has ended",
+TEST_CASE("Limits: calls above the limit of a client are refused until one has ended",
           "[server][limits]") {
   CheckThirdCall({.in_all = 8, .per_client = 2}, "a quarter of --max-calls");
 }

@@ -14,9 +14,9 @@ namespace {
 
 using Stub = v1::OperationService::Stub;
 
-// A server with a build that stands at the gate.
-struct Held {
-  Held() {
+// A server with a build that is blocked by the gate of the test.
+struct BlockedBuild {
+  BlockedBuild() {
     server.CreateDatabase("db");
     server.gate().Close();
     operation = server.IngestFigure("db", "walk", "walk", {}).operation().name();
@@ -35,8 +35,8 @@ struct Held {
   std::unique_ptr<Stub> stub;
 };
 
-TEST_CASE("OperationService: can be watched from start to end", "[server][rpc]") {
-  Held held;
+TEST_CASE("OperationService: an operation can be watched from start to end", "[server][rpc]") {
+  BlockedBuild held;
   v1::GetOperationRequest get;
   get.set_name(held.operation);
   const auto running = Ask(*held.stub, &Stub::GetOperation, get);
@@ -53,8 +53,8 @@ TEST_CASE("OperationService: can be watched from start to end", "[server][rpc]")
   CHECK(done.update_time().seconds() >= done.create_time().seconds());
 }
 
-TEST_CASE("OperationService: waiting ends with the timeout", "[server][rpc]") {
-  Held held;
+TEST_CASE("OperationService: a wait ends at its timeout", "[server][rpc]") {
+  BlockedBuild held;
   const auto began = std::chrono::steady_clock::now();
   const auto answer = held.Wait(200);
   REQUIRE(answer.status.ok());
@@ -63,9 +63,9 @@ TEST_CASE("OperationService: waiting ends with the timeout", "[server][rpc]") {
   CHECK(held.Wait(0).status.ok());
 }
 
-TEST_CASE("OperationService: waiting without a timeout answers before the deadline",
+TEST_CASE("OperationService: a wait without a timeout responds before the deadline",
           "[server][rpc]") {
-  Held held;
+  BlockedBuild held;
   v1::WaitOperationRequest request;
   request.set_name(held.operation);
   v1::WaitOperationResponse response;
@@ -77,9 +77,9 @@ TEST_CASE("OperationService: waiting without a timeout answers before the deadli
   CHECK(!response.operation().done());
 }
 
-TEST_CASE("OperationService: many may wait for one operation, without a thread each",
+TEST_CASE("OperationService: many clients can wait for one operation without a thread each",
           "[server][rpc]") {
-  Held held;
+  BlockedBuild held;
   std::vector<std::thread> waiting;
   std::atomic<int> succeeded{0};
   for (int i = 0; i < 16; ++i) {
@@ -91,14 +91,14 @@ TEST_CASE("OperationService: many may wait for one operation, without a thread e
     });
   }
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  CHECK(held.server.Describe("db").model_version() == 0);  // other calls get through
+  CHECK(held.server.Describe("db").model_version() == 0);  // other calls are served
   held.server.gate().Open();
   for (std::thread& thread : waiting) thread.join();
   CHECK(succeeded == 16);
 }
 
 TEST_CASE("OperationService: a waiting call can be cancelled by its client", "[server][rpc]") {
-  Held held;
+  BlockedBuild held;
   grpc::ClientContext context;
   std::thread cancelling([&] {
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
@@ -112,8 +112,8 @@ TEST_CASE("OperationService: a waiting call can be cancelled by its client", "[s
   cancelling.join();
 }
 
-TEST_CASE("OperationService: cancels, and says what cannot be", "[server][rpc]") {
-  Held held;
+TEST_CASE("OperationService: cancels, and refuses with a reason if it cannot", "[server][rpc]") {
+  BlockedBuild held;
   v1::CancelOperationRequest cancel;
   cancel.set_name(held.operation);
   CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).status.ok());
@@ -127,8 +127,8 @@ TEST_CASE("OperationService: cancels, and says what cannot be", "[server][rpc]")
   CHECK(ViolatedFields(Ask(*held.stub, &Stub::CancelOperation, cancel).status) == "name");
 }
 
-TEST_CASE("OperationService: bad waits are refused", "[server][rpc]") {
-  Held held;
+TEST_CASE("OperationService: invalid waits are refused", "[server][rpc]") {
+  BlockedBuild held;
   CHECK(ViolatedFields(held.Wait(-5).status) == "timeout");
   v1::WaitOperationRequest request;
   request.set_name("operations/none");
@@ -138,7 +138,7 @@ TEST_CASE("OperationService: bad waits are refused", "[server][rpc]") {
   CHECK(ViolatedFields(Ask(*held.stub, &Stub::WaitOperation, request).status) == "name");
 }
 
-TEST_CASE("OperationService: lists newest first, of one database or of all", "[server][rpc]") {
+TEST_CASE("OperationService: lists newest first, for one database or all", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("a");
   server.CreateTrained("b");

@@ -1,4 +1,4 @@
-// What Plan refuses, and the bodies that it plans for.
+// Invalid requests of Plan, and the bodies of a plan.
 #include <fmt/format.h>
 
 #include <catch2/catch.hpp>
@@ -16,7 +16,7 @@ using Catch::Contains;
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInfinity = std::numeric_limits<double>::infinity();
 
-// A robot with the stick figure's joints, smaller by a half.
+// A robot with the stick figure's joints, at half its size.
 std::string StickRobot() {
   std::string text = "<robot name=\"stick\">\n  <link name=\"Hips\"/>\n";
   const auto joint = [&](const char* name, const char* parent, double x, double y, double z) {
@@ -43,7 +43,7 @@ std::string StickRobot() {
   return text + "</robot>\n";
 }
 
-// Hips and legs that walk, as bare markers.
+// A walk of hips and legs as markers without a skeleton.
 std::string WalkingMarkers() {
   constexpr const char* kNames[] = {"LeftUpLeg", "RightUpLeg", "LeftLeg",
                                     "RightLeg",  "LeftFoot",   "RightFoot"};
@@ -63,7 +63,7 @@ std::string WalkingMarkers() {
     for (int m = 0; m < 6; ++m) {
       const double side = m % 2 == 0 ? 1 : -1;
       const double swing = side * std::sin(2 * 3.14159 * seconds) * (0.9 - kHeights[m]) / 3;
-      // The file's y is up and its z to the front; x is then to the left.
+      // In the file y is up, z to the front and x to the left.
       text +=
           fmt::format("\t{:.5f}\t{:.5f}\t{:.5f}", 0.1 * side, kHeights[m], 1.2 * seconds + swing);
     }
@@ -72,7 +72,7 @@ std::string WalkingMarkers() {
   return text;
 }
 
-TEST_CASE("Plan: every wrong field is named", "[server][rpc][plan]") {
+TEST_CASE("Plan: the error names the invalid field", "[server][rpc][plan]") {
   const auto expect = [](const std::string& field, const auto& change) {
     v1::PlanRequest request = WalkAhead();
     change(request);
@@ -102,7 +102,7 @@ TEST_CASE("Plan: every wrong field is named", "[server][rpc][plan]") {
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(0.5); });
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(1001); });
   expect("frame_rate_hz", [](auto& r) { r.set_frame_rate_hz(kNan); });
-  expect("frame_rate_hz", [](auto& r) {  // more than a message holds
+  expect("frame_rate_hz", [](auto& r) {  // more than fits into a message
     r.set_frame_rate_hz(1000);
     r.set_max_duration_seconds(120);
     r.set_alternative_count(10);
@@ -123,7 +123,7 @@ TEST_CASE("Plan: every wrong field is named", "[server][rpc][plan]") {
          [](auto& r) { r.mutable_obstacles()->add_discs()->mutable_centre(); });
 }
 
-TEST_CASE("Plan: every wrong start is named", "[server][rpc][plan]") {
+TEST_CASE("Plan: the error names the invalid start", "[server][rpc][plan]") {
   const auto expect = [](const std::string& field, const auto& change) {
     v1::PlanRequest request = WalkAhead();
     change(request);
@@ -147,7 +147,7 @@ TEST_CASE("Plan: every wrong start is named", "[server][rpc][plan]") {
   });
 }
 
-TEST_CASE("Plan: a database must be there and have a model", "[server][rpc][plan]") {
+TEST_CASE("Plan: the database must exist and have a model", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead();
   request.set_database("databases/empty");
   CHECK(AskPlan(PlanServer(), request).status.error_code() ==
@@ -156,7 +156,7 @@ TEST_CASE("Plan: a database must be there and have a model", "[server][rpc][plan
   CHECK(AskPlan(PlanServer(), request).status.error_code() == grpc::StatusCode::NOT_FOUND);
 }
 
-TEST_CASE("Plan: a skeleton is named among those stored", "[server][rpc][plan]") {
+TEST_CASE("Plan: plays with a stored skeleton", "[server][rpc][plan]") {
   const auto clips = PlanServer().NewStub<v1::ClipService>();
   v1::ListSkeletonsRequest list;
   list.set_parent("databases/db");
@@ -182,7 +182,7 @@ TEST_CASE("Plan: a skeleton is named among those stored", "[server][rpc][plan]")
              Contains(name.substr(name.rfind('/') + 1)));
 }
 
-TEST_CASE("Plan: a robot plays it in its own size", "[server][rpc][plan]") {
+TEST_CASE("Plan: plays with a robot at its own size", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead(0.5);
   request.mutable_robot()->set_file_name("stick.urdf");
   request.mutable_robot()->set_urdf(StickRobot());
@@ -213,7 +213,7 @@ TEST_CASE("Plan: a robot plays it in its own size", "[server][rpc][plan]") {
   CHECK(ViolatedFields(AskPlan(PlanServer(), request).status) == "robot.file_name");
 }
 
-TEST_CASE("Plan: bare markers move, but fit no file", "[server][rpc][plan]") {
+TEST_CASE("Plan: without a skeleton there are markers, but no files", "[server][rpc][plan]") {
   TestServer server;
   server.CreateDatabase("db");
   v1::IngestClipHeader header;

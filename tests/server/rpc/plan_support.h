@@ -1,4 +1,4 @@
-// A trained database that the tests of Plan ask, and the request that most of them change.
+// A trained database for the tests of Plan, and their basic request.
 #pragma once
 
 #include "motiondb/v1/plan.pb.h"
@@ -7,7 +7,7 @@
 
 namespace motiondb::tests {
 
-// Holds `db`, a walk of 2.6 m in 2 s, a squat and a wave; and `empty`, without a model.
+// Databases: `db` with a walk of 2.6 m in 2 s, a squat and a wave; `empty` without a model.
 inline TestServer& PlanServer() {
   static TestServer server;
   static const bool kTrained = [] {
@@ -19,7 +19,7 @@ inline TestServer& PlanServer() {
   return server;
 }
 
-// From the walk to a place ahead.
+// Plans from the walk to a goal straight ahead.
 inline v1::PlanRequest WalkAhead(double metres = 1) {
   v1::PlanRequest request;
   request.set_database("databases/db");

@@ -1,4 +1,4 @@
-// What Plan answers, over a real socket.
+// Responses of Plan, over a real socket.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstring>
@@ -21,8 +21,8 @@ std::vector<float> Unpack(const std::string& bytes) {
   return values;
 }
 
-// Without what two answers to one request may differ in.
-std::string Timeless(v1::PlanResponse response) {
+// Removes the fields in which two responses to one request may differ.
+std::string WithoutTimes(v1::PlanResponse response) {
   response.mutable_effort()->clear_search_seconds();
   response.mutable_effort()->clear_total_seconds();
   return response.SerializeAsString();
@@ -59,7 +59,7 @@ TEST_CASE("Plan: walks to a goal ahead", "[server][rpc][plan]") {
   CHECK(motion.bottom_node_ids_size() == motion.coarse_node_ids_size());
   REQUIRE(motion.marker_names_size() == 10);
   CHECK(motion.marker_positions().size() == static_cast<std::size_t>(frames) * 3 * 10 * 4);
-  // The body is the start's own: the figure, with six channels at the hips and three elsewhere.
+  // The body of the start: the figure with six channels at the hips and three elsewhere.
   CHECK(motion.dof_names_size() == 6 + 3 * 9);
   CHECK(motion.dof_names(0) == "Hips.tx");
   CHECK(motion.joint_angles().size() == static_cast<std::size_t>(frames) * 33 * 4);
@@ -67,16 +67,16 @@ TEST_CASE("Plan: walks to a goal ahead", "[server][rpc][plan]") {
   CHECK(!motion.quality().has_smallest_clearance_m());
 }
 
-TEST_CASE("Plan: the same request gives the same plan", "[server][rpc][plan]") {
+TEST_CASE("Plan: equal requests get equal plans", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead(0.8);
   request.set_alternative_count(2);
   request.set_seed(7);
   const auto first = AskPlan(PlanServer(), request);
   REQUIRE(first.status.ok());
-  CHECK(Timeless(AskPlan(PlanServer(), request).response) == Timeless(first.response));
+  CHECK(WithoutTimes(AskPlan(PlanServer(), request).response) == WithoutTimes(first.response));
 }
 
-TEST_CASE("Plan: a file holds the motion that the answer tells", "[server][rpc][plan]") {
+TEST_CASE("Plan: the files have the motion of the response", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead();
   request.set_include_files(true);
   request.set_frame_rate_hz(30);
@@ -109,7 +109,7 @@ TEST_CASE("Plan: a file holds the motion that the answer tells", "[server][rpc][
   CHECK(farthest < 0.01);
 }
 
-TEST_CASE("Plan: an observation is a start, too", "[server][rpc][plan]") {
+TEST_CASE("Plan: starts from an observation", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead();
   *request.mutable_observation_start() = ObservedWalk();
   request.add_labels("walk");
@@ -120,7 +120,7 @@ TEST_CASE("Plan: an observation is a start, too", "[server][rpc][plan]") {
   CHECK(answer.response.motion().segments(0).clip() == "databases/db/clips/walk");
 }
 
-TEST_CASE("Plan: what cannot be reached is said to be", "[server][rpc][plan]") {
+TEST_CASE("Plan: an unreachable goal is reported", "[server][rpc][plan]") {
   v1::PlanRequest far = WalkAhead(100);
   far.set_max_duration_seconds(5);
   const auto unreachable = AskPlan(PlanServer(), far);
@@ -140,8 +140,8 @@ TEST_CASE("Plan: what cannot be reached is said to be", "[server][rpc][plan]") {
   CHECK_THAT(blocked.response.missing(), Catch::Contains("obstacle"));
 }
 
-// A search that goes on for as long as it may: the walk leads straight ahead.
-v1::PlanRequest Endless() {
+// A search that uses all its time: the walk leads straight ahead.
+v1::PlanRequest SearchUntilDeadline() {
   v1::PlanRequest request = WalkAhead();
   request.mutable_goal()->set_y_m(0.9);
   request.set_max_search_seconds(60);
@@ -149,12 +149,13 @@ v1::PlanRequest Endless() {
   return request;
 }
 
-TEST_CASE("Plan: a deadline that passes mid-search gives the best so far", "[server][rpc][plan]") {
+TEST_CASE("Plan: a deadline during the search returns the best plan so far",
+          "[server][rpc][plan]") {
   const auto stub = PlanServer().NewStub<v1::QueryService>();
   grpc::ClientContext context;
   context.set_deadline(std::chrono::system_clock::now() + milliseconds(3000));
   v1::PlanResponse response;
-  const grpc::Status status = stub->Plan(&context, Endless(), &response);
+  const grpc::Status status = stub->Plan(&context, SearchUntilDeadline(), &response);
   INFO(status.error_message() << response.missing());
   REQUIRE(status.ok());
   CHECK(response.outcome() == v1::DEADLINE);
@@ -164,7 +165,7 @@ TEST_CASE("Plan: a deadline that passes mid-search gives the best so far", "[ser
   CHECK(response.effort().search_seconds() < 2.9);
 }
 
-TEST_CASE("Plan: a cancelled call leaves its thread to others at once", "[server][rpc][plan]") {
+TEST_CASE("Plan: a cancelled call releases its thread immediately", "[server][rpc][plan]") {
   server::ServerOptions options;
   options.engine.rebuild_delay = milliseconds(50);
   options.engine.query_threads = 1;
@@ -180,22 +181,22 @@ TEST_CASE("Plan: a cancelled call leaves its thread to others at once", "[server
     return Clock::now() - begin;
   };
   const auto alone = ask();
-  // The best of a few, for the machine may have other things to do.
-  auto least = Clock::duration::max();
+  // The minimum of a few, because the machine may be busy.
+  auto shortest = Clock::duration::max();
   for (const int delay : {20, 50, 100, 150, 200}) {
     grpc::ClientContext context;
     grpc::Status status;
     std::thread planning([&] {
       v1::PlanResponse response;
-      status = stub->Plan(&context, Endless(), &response);
+      status = stub->Plan(&context, SearchUntilDeadline(), &response);
     });
     std::this_thread::sleep_for(milliseconds(delay));
     context.TryCancel();
-    least = std::min(least, ask() - alone);
+    shortest = std::min(shortest, ask() - alone);
     planning.join();
     CHECK(status.error_code() == grpc::StatusCode::CANCELLED);
   }
-  CHECK(least < milliseconds(50));
+  CHECK(shortest < milliseconds(50));
 }
 
 }  // namespace

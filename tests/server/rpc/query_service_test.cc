@@ -17,7 +17,7 @@ using Stub = v1::QueryService::Stub;
 const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 template <typename Request>
-Request About(const std::string& database) {
+Request RequestFor(const std::string& database) {
   Request request;
   request.set_database("databases/" + database);
   *request.mutable_observation() = ObservedWalk();
@@ -28,7 +28,7 @@ std::string Pack(const std::vector<float>& values) {
   return {reinterpret_cast<const char*>(values.data()), 4 * values.size()};
 }
 
-// A trained database that all tests here only ask.
+// A trained database that all tests here only query.
 TestServer& Trained() {
   static TestServer server;
   static const bool kTrained = [] {
@@ -42,7 +42,7 @@ TestServer& Trained() {
 
 TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  auto request = About<v1::RecognizeRequest>("db");
+  auto request = RequestFor<v1::RecognizeRequest>("db");
   const auto answer = Ask(*stub, &Stub::Recognize, request);
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());
@@ -73,7 +73,7 @@ TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
 
 TEST_CASE("QueryService: estimates node paths", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  auto request = About<v1::EstimateRequest>("db");
+  auto request = RequestFor<v1::EstimateRequest>("db");
   request.set_path_count(3);
   const auto answer = Ask(*stub, &Stub::Estimate, request);
   INFO(answer.status.error_message());
@@ -88,9 +88,9 @@ TEST_CASE("QueryService: estimates node paths", "[server][rpc]") {
   }
 }
 
-TEST_CASE("QueryService: predicts, and a series is as many predictions", "[server][rpc]") {
+TEST_CASE("QueryService: predicts, and a series has the same predictions", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  auto request = About<v1::PredictRequest>("db");
+  auto request = RequestFor<v1::PredictRequest>("db");
   const auto at_end = Ask(*stub, &Stub::Predict, request);
   INFO(at_end.status.error_message());
   REQUIRE(at_end.status.ok());
@@ -116,8 +116,8 @@ TEST_CASE("QueryService: predicts, and a series is as many predictions", "[serve
   }
 }
 
-// A BVH file whose root stands elsewhere: `metres` along the first axis of the file.
-std::string Moved(const std::string& bvh, double metres) {
+// Returns the BVH file with its root moved by `metres` along the first axis.
+std::string WithShiftedRoot(const std::string& bvh, double metres) {
   std::istringstream lines(bvh);
   std::string moved;
   bool in_frames = false;
@@ -134,16 +134,17 @@ std::string Moved(const std::string& bvh, double metres) {
   return moved;
 }
 
-// Such a prediction was wrong by 1e8 m.
-TEST_CASE("QueryService: a motion 90 km away has the future of the motion here", "[server][rpc]") {
+// Regression: such a prediction had an error of 1e8 m.
+TEST_CASE("QueryService: a motion 90 km away has the same prediction as at the origin",
+          "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  auto request = About<v1::PredictRequest>("db");
+  auto request = RequestFor<v1::PredictRequest>("db");
   for (const v1::Method method : {v1::BEST, v1::PAPER}) {
     request.set_method(method);
     std::string& file = *request.mutable_observation()->mutable_file()->mutable_data();
-    file = Moved(file, 0);
+    file = WithShiftedRoot(file, 0);
     const auto here = Ask(*stub, &Stub::Predict, request);
-    file = Moved(file, 90'000);
+    file = WithShiftedRoot(file, 90'000);
     const auto there = Ask(*stub, &Stub::Predict, request);
     INFO(there.status.error_message());
     REQUIRE(here.status.ok());
@@ -154,27 +155,27 @@ TEST_CASE("QueryService: a motion 90 km away has the future of the motion here",
       const auto& far = there.response.horizons(h).marker_positions();
       REQUIRE(near.size() > 0);
       REQUIRE(far.size() == near.size());
-      double worst = 0;  // of the three axes: how far they moved, all markers alike
+      double max_deviation = 0;  // maximum deviation of a marker from the common shift, m
       double distance = 0;
       for (int axis = 0; axis < 3; ++axis) {
         const double step = far[axis] - near[axis];
         distance += step * step;
         for (int i = axis; i < near.size(); i += 3) {
-          worst = std::max(worst, std::abs(far[i] - near[i] - step));
+          max_deviation = std::max(max_deviation, std::abs(far[i] - near[i] - step));
         }
       }
       CHECK(std::sqrt(distance) == Approx(90'000).margin(0.05));
-      CHECK(worst < 0.05);  // a float has steps of 8 mm there
+      CHECK(max_deviation < 0.05);  // a float has a resolution of 8 mm there
     }
-    file = Moved(file, -90'000);
+    file = WithShiftedRoot(file, -90'000);
   }
 }
 
-TEST_CASE("QueryService: markers and joints observe as well as files", "[server][rpc]") {
+TEST_CASE("QueryService: markers and joints are observations like files", "[server][rpc]") {
   TestServer& server = Trained();
   const auto stub = server.NewStub<v1::QueryService>();
-  // The prediction of "now" hands out marker positions: use them as an observation.
-  auto request = About<v1::PredictRequest>("db");
+  // A prediction for "now" returns marker positions: use them as an observation.
+  auto request = RequestFor<v1::PredictRequest>("db");
   request.clear_horizon_seconds();
   v1::MarkerObservation markers;
   markers.set_frame_rate_hz(60);
@@ -197,7 +198,7 @@ TEST_CASE("QueryService: markers and joints observe as well as files", "[server]
   REQUIRE(by_markers.status.ok());
   CHECK(by_markers.response.windows(0).labels(0).label() == "walk");
 
-  // A marker that is not seen is filled in.
+  // A missing marker is filled in.
   const std::size_t markers_seen = markers.positions().size() / (40 * 3 * sizeof(float));
   REQUIRE(markers_seen == 10);
   const std::string missing = Pack({std::nanf(""), std::nanf(""), std::nanf("")});
@@ -238,13 +239,14 @@ TEST_CASE("QueryService: markers and joints observe as well as files", "[server]
   CHECK(by_joints.status.ok());
 }
 
-TEST_CASE("QueryService: a database without a model says what to do", "[server][rpc]") {
+TEST_CASE("QueryService: the error of a database without a model tells what to do",
+          "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  const auto answer = Ask(*stub, &Stub::Recognize, About<v1::RecognizeRequest>("empty"));
+  const auto answer = Ask(*stub, &Stub::Recognize, RequestFor<v1::RecognizeRequest>("empty"));
   CHECK(answer.status.error_code() == grpc::StatusCode::FAILED_PRECONDITION);
   CHECK(answer.status.error_message() ==
         "database 'empty' has no model yet: ingest clips first (motiondb ingest empty FILE...)");
-  CHECK(Ask(*stub, &Stub::Estimate, About<v1::EstimateRequest>("none")).status.error_code() ==
+  CHECK(Ask(*stub, &Stub::Estimate, RequestFor<v1::EstimateRequest>("none")).status.error_code() ==
         grpc::StatusCode::NOT_FOUND);
 
   TestServer building;
@@ -252,15 +254,15 @@ TEST_CASE("QueryService: a database without a model says what to do", "[server][
   building.gate().Close();
   building.IngestFigure("db", "walk", "walk", {});
   const auto other = building.NewStub<v1::QueryService>();
-  const auto early = Ask(*other, &Stub::Predict, About<v1::PredictRequest>("db"));
+  const auto early = Ask(*other, &Stub::Predict, RequestFor<v1::PredictRequest>("db"));
   CHECK(early.status.error_code() == grpc::StatusCode::FAILED_PRECONDITION);
   CHECK(early.status.error_message().find("wait for operations/") != std::string::npos);
 }
 
-TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
+TEST_CASE("QueryService: the error names the invalid option", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
   const auto recognize = [&](const std::string& field, const auto& change) {
-    auto request = About<v1::RecognizeRequest>("db");
+    auto request = RequestFor<v1::RecognizeRequest>("db");
     change(request);
     const auto answer = Ask(*stub, &Stub::Recognize, request);
     INFO(field << ": " << answer.status.error_message());
@@ -281,7 +283,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   recognize("observation", [](auto& r) { r.clear_observation(); });
 
   const auto estimate = [&](const std::string& field, const auto& change) {
-    auto request = About<v1::EstimateRequest>("db");
+    auto request = RequestFor<v1::EstimateRequest>("db");
     change(request);
     CHECK(ViolatedFields(Ask(*stub, &Stub::Estimate, request).status) == field);
   };
@@ -289,7 +291,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   estimate("max_candidates", [](auto& r) { r.set_max_candidates(-1); });
 
   const auto predict = [&](const std::string& field, const auto& change) {
-    auto request = About<v1::PredictRequest>("db");
+    auto request = RequestFor<v1::PredictRequest>("db");
     change(request);
     CHECK(ViolatedFields(Ask(*stub, &Stub::Predict, request).status) == field);
   };
@@ -299,7 +301,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   predict("horizon_seconds[0]", [](auto& r) { r.add_horizon_seconds(-0.1); });
 
   v1::PredictSeriesRequest series;
-  *series.mutable_prediction() = About<v1::PredictRequest>("db");
+  *series.mutable_prediction() = RequestFor<v1::PredictRequest>("db");
   const auto series_fields = [&] {
     grpc::ClientContext context;
     const auto reader = stub->PredictSeries(&context, series);
@@ -319,7 +321,7 @@ TEST_CASE("QueryService: every wrong setting is named", "[server][rpc]") {
   CHECK(series_fields() == "prediction.observation");
 }
 
-TEST_CASE("QueryService: every wrong observation is named", "[server][rpc]") {
+TEST_CASE("QueryService: the error names the invalid observation", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
   const auto expect = [&](const std::string& field, const v1::Observation& observation) {
     v1::EstimateRequest request;
@@ -377,7 +379,7 @@ TEST_CASE("QueryService: every wrong observation is named", "[server][rpc]") {
 
 TEST_CASE("QueryService: a deadline stops the work", "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
-  auto request = About<v1::EstimateRequest>("db");
+  auto request = RequestFor<v1::EstimateRequest>("db");
   request.mutable_observation()->mutable_file()->set_data(WriteBvh({.frame_count = 20'000}));
   request.set_max_candidates(0);
   request.set_path_count(10);

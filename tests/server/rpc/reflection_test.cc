@@ -1,5 +1,5 @@
-// A client that knows only the server's reflection: it learns of the services, builds a request
-// from what it learned, asks and reads the answer. It includes nothing generated from our protocol.
+// A client that uses only reflection: it reads the descriptors of the services, builds a request,
+// calls the server and reads the response. It includes no generated code of our protocol.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/descriptor.pb.h>
 #include <google/protobuf/descriptor_database.h>
@@ -23,9 +23,9 @@ namespace {
 constexpr int kFileContainingSymbol = 4;    // of ServerReflectionRequest
 constexpr int kFileDescriptorResponse = 4;  // of ServerReflectionResponse
 
-// The files that define a symbol, with those that they import.
-std::unique_ptr<google::protobuf::SimpleDescriptorDatabase> Learn(TestServer& server,
-                                                                  const std::string& symbol) {
+// Returns the files that define a symbol, with their imports.
+std::unique_ptr<google::protobuf::SimpleDescriptorDatabase> ReadDescriptors(
+    TestServer& server, const std::string& symbol) {
   const RawAnswer answer =
       RawCall(server.channel(), kReflection, WithString(kFileContainingSymbol, symbol));
   REQUIRE(answer.status.ok());
@@ -52,10 +52,10 @@ TEST_CASE("Reflection: lists the services", "[server][rpc]") {
   }
 }
 
-TEST_CASE("Reflection: is enough to ask", "[server][rpc]") {
+TEST_CASE("Reflection: is sufficient to make a call", "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
-  const auto files = Learn(server, "motiondb.v1.DatabaseService");
+  const auto files = ReadDescriptors(server, "motiondb.v1.DatabaseService");
   const google::protobuf::DescriptorPool pool(files.get());
   const auto* service = pool.FindServiceByName("motiondb.v1.DatabaseService");
   REQUIRE(service != nullptr);

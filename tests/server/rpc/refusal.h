@@ -1,4 +1,4 @@
-// What a client is told for whose call there is no place.
+// The error of a call above a limit.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -11,7 +11,7 @@
 
 namespace motiondb::tests {
 
-// The detail of an error under a type URL. REQUIREs that there is one, and one only.
+// Returns the detail of an error with this type URL. REQUIREs exactly one.
 template <typename Message>
 Message DetailOf(const grpc::Status& error, const std::string& type_url) {
   v1::Status details;
@@ -28,7 +28,7 @@ Message DetailOf(const grpc::Status& error, const std::string& type_url) {
   return found;
 }
 
-// RESOURCE_EXHAUSTED, with the setting ("--max-calls"), when to try again and the call's id.
+// Expects RESOURCE_EXHAUSTED with the setting ("--max-calls"), the retry time and the request id.
 inline void CheckRefusal(const grpc::Status& error, const std::string& setting) {
   INFO(error.error_message());
   REQUIRE(error.error_code() == grpc::StatusCode::RESOURCE_EXHAUSTED);

@@ -1,4 +1,4 @@
-// GetServerStatus, the health of each service, and what calls leave in the figures.
+// GetServerStatus, the health of each service, and the statistics of calls.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <thread>
@@ -23,7 +23,7 @@ TEST_CASE("GetServerStatus: an empty server", "[server][status]") {
   CHECK(!status.encrypted());
   CHECK(!status.authenticated());
   CHECK(status.call_count() == 0);
-  CHECK(status.open_call_count() == 1);  // this one
+  CHECK(status.open_call_count() == 1);  // this call
   CHECK(status.methods().empty());
   CHECK(status.authentication_failure_count() == 0);
   CHECK(status.request_thread_count() >= 1);
@@ -108,11 +108,11 @@ TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
           Contains("motiondb_open_requests 0\n") && Contains("motiondb_open_streams 0\n"));
 }
 
-TEST_CASE("Health: a store that accepts nothing stops the services that add, until it does",
+TEST_CASE("Health: services that add are NOT_SERVING while the store refuses additions",
           "[server][status]") {
   TestServer server;
   server.CreateDatabase("db");
-  // Waits until the server as a whole has this health; the watch looks every second.
+  // Waits until the whole server has this health; HealthWatch checks every second.
   const auto await_health = [&](const std::string& health) {
     const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(30);
     while (CheckHealth(server).bytes != health) {
@@ -142,7 +142,7 @@ TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
   TestServer server;
   server.CreateDatabase("db");
   CHECK(server.server().monitor().CheckReadiness().ready);
-  // An ingest that takes its time keeps the server from its end.
+  // A slow ingest delays the end of the drain.
   const auto stub = server.NewStub<v1::ClipService>();
   grpc::ClientContext context;
   v1::IngestClipResponse response;

@@ -1,4 +1,4 @@
-// Calls on the store as a whole, which take as long as it is large.
+// Calls on the whole store, whose duration depends on its size.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <cstdint>
@@ -12,7 +12,8 @@
 namespace motiondb::tests::upkeep_test {
 namespace {
 
-// Of a backup; negative where it failed. Not for Catch's macros: called by other threads, too.
+// Returns the size of a backup; negative if it failed. Without Catch's macros, because other
+// threads call it.
 std::int64_t BackedUpBytes(v1::StoreService::Stub& store) {
   grpc::ClientContext context;
   const auto reader = store.BackupStore(&context, {});
@@ -22,7 +23,7 @@ std::int64_t BackedUpBytes(v1::StoreService::Stub& store) {
   return reader->Finish().ok() ? bytes : -1;
 }
 
-TEST_CASE("Upkeep: clips come and queries go on while the store is copied, on one thread",
+TEST_CASE("Maintenance: ingests and queries continue during a backup, with one request thread",
           "[server][rpc]") {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
@@ -42,7 +43,7 @@ TEST_CASE("Upkeep: clips come and queries go on while the store is copied, on on
   CHECK(bytes > 0);
 }
 
-TEST_CASE("Upkeep: the server's own deadline is not for it", "[server][rpc]") {
+TEST_CASE("Maintenance: the server's time limit for calls does not apply", "[server][rpc]") {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
   options.calls.longest_call = std::chrono::milliseconds(0);

@@ -48,7 +48,7 @@ struct Access {
   AccessControl control;
 };
 
-TEST_CASE("Access: a token is known by its secret, which is not stored", "[security]") {
+TEST_CASE("Access: a token is identified by its secret, which is not stored", "[security]") {
   Access access;
   const auto made = access.Make(Role::kIngester, "walks", kHour);
   const auto token = server::SplitToken(made.secret);
@@ -68,7 +68,7 @@ TEST_CASE("Access: a token is known by its secret, which is not stored", "[secur
   }
 }
 
-TEST_CASE("Access: what is no good token is UNAUTHENTICATED", "[security]") {
+TEST_CASE("Access: an invalid token is UNAUTHENTICATED", "[security]") {
   Access access;
   const auto made = access.Make(Role::kAdmin);
   std::string other = made.secret;
@@ -85,7 +85,7 @@ TEST_CASE("Access: what is no good token is UNAUTHENTICATED", "[security]") {
   CHECK(access.CodeOf(Bearer(other)) == unauthenticated);
 }
 
-TEST_CASE("Access: a token ends when it expires and when it is revoked", "[security]") {
+TEST_CASE("Access: a token is invalid when it has expired or is revoked", "[security]") {
   Access access;
   const auto past = access.Make(Role::kReader, "", 1);
   CHECK(access.CodeOf(Bearer(past.secret)) == absl::StatusCode::kUnauthenticated);
@@ -97,28 +97,28 @@ TEST_CASE("Access: a token ends when it expires and when it is revoked", "[secur
   REQUIRE(access.control.tokens().Revoke(made.record.id, NowMicroseconds()).ok());
   CHECK(absl::IsUnauthenticated(access.control.Recheck(*caller)));
   CHECK(access.CodeOf(Bearer(made.secret)) == absl::StatusCode::kUnauthenticated);
-  // Another process on the same store finds it revoked there.
+  // Another process with the same store reads the revocation.
   AccessControl second(access.store, {.authentication = true});
   CHECK(absl::IsUnauthenticated(second.Authenticate(Bearer(made.secret)).status()));
   CHECK(absl::IsNotFound(access.control.tokens().Revoke("none", 1).status()));
 }
 
-// A store that writes a revocation when it is let, and how it is told.
+// A store that blocks a revocation until the test decides its result.
 class SlowStore final : public InMemoryAccessStore {
  public:
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
                                                    const storage::ChangeTerms& terms) override {
-    asked.set_value();
-    const absl::Status outcome = answer.get_future().get();
+    called.set_value();
+    const absl::Status outcome = result.get_future().get();
     if (!outcome.ok()) return outcome;
     return InMemoryAccessStore::RevokeToken(id, time_us, terms);
   }
 
-  std::promise<void> asked;
-  std::promise<absl::Status> answer;
+  std::promise<void> called;
+  std::promise<absl::Status> result;
 };
 
-TEST_CASE("Access: a revocation that the disk is slow to take holds at once, and holds up nobody",
+TEST_CASE("Access: a revocation on a slow disk is effective immediately and delays no other call",
           "[security]") {
   spdlog::set_level(spdlog::level::off);
   const absl::Status outcome =
@@ -131,61 +131,61 @@ TEST_CASE("Access: a revocation that the disk is slow to take holds at once, and
   absl::Status revoked;
   std::thread revoking(
       [&] { revoked = control.tokens().Revoke(stolen.record.id, NowMicroseconds()).status(); });
-  store.asked.get_future().wait();
+  store.called.get_future().wait();
   CHECK(absl::IsUnauthenticated(control.Authenticate(Bearer(stolen.secret)).status()));
   CHECK(control.Authenticate(Bearer(other.secret)).ok());
   CHECK(absl::IsUnauthenticated(control.Authenticate(Bearer("mdb_none_none")).status()));
   const auto made_meanwhile = make();
   CHECK(control.Authenticate(Bearer(made_meanwhile.secret)).ok());
-  store.answer.set_value(outcome);
+  store.result.set_value(outcome);
   revoking.join();
   CHECK(revoked == outcome);
-  // What could not be stored did not happen.
+  // If it could not be stored, the token stays valid.
   CHECK(control.Authenticate(Bearer(stolen.secret)).ok() == !outcome.ok());
 }
 
-bool IsKept(const absl::Status& revoked) {
+bool IsLastAdmin(const absl::Status& revoked) {
   return absl::IsFailedPrecondition(revoked) &&
-         revoked.message().find("the last one of an administrator") != std::string::npos;
+         revoked.message().find("the last admin token") != std::string::npos;
 }
 
-TEST_CASE("Access: the last administrator's token is not revoked", "[security]") {
+TEST_CASE("Access: the last admin token cannot be revoked", "[security]") {
   Access access;
   const auto revoke = [&](const server::MadeToken& token) {
     return access.control.RevokeToken(token.record.id, NowMicroseconds()).status();
   };
   const auto last = access.Make(Role::kAdmin);
-  // None of these can make another.
-  const auto of_one = access.Make(Role::kAdmin, "walks");
+  // None of these can create a token.
+  const auto of_database = access.Make(Role::kAdmin, "walks");
   const auto expired = access.Make(Role::kAdmin, "", 1);
   const auto former = access.Make(Role::kAdmin);
   const auto reader = access.Make(Role::kReader);
   CHECK(revoke(former).ok());
-  CHECK(IsKept(revoke(last)));
+  CHECK(IsLastAdmin(revoke(last)));
   CHECK(access.CodeOf(Bearer(last.secret)) == absl::StatusCode::kOk);
   CHECK(access.store.GetToken(last.record.id)->revoke_time_us == 0);
-  for (const auto* token : {&of_one, &expired, &former, &reader}) CHECK(revoke(*token).ok());
+  for (const auto* token : {&of_database, &expired, &former, &reader}) CHECK(revoke(*token).ok());
   CHECK(absl::IsNotFound(access.control.RevokeToken("none", 1).status()));
   const auto next = access.Make(Role::kAdmin, "", kHour);
   CHECK(revoke(last).ok());
-  CHECK(IsKept(revoke(next)));
+  CHECK(IsLastAdmin(revoke(next)));
 }
 
-TEST_CASE("Access: the last administrator's token may go where one administers without",
+TEST_CASE("Access: the last admin token can be revoked if administration needs no token",
           "[security]") {
   const auto revoke_only = [](const AccessOptions& options) {
     Access access(options);
     return access.control.RevokeToken(access.Make(Role::kAdmin).record.id, NowMicroseconds())
         .status();
   };
-  CHECK(IsKept(revoke_only({.authentication = true})));
-  CHECK(IsKept(revoke_only({.authentication = true, .certificate_role = Role::kIngester})));
+  CHECK(IsLastAdmin(revoke_only({.authentication = true})));
+  CHECK(IsLastAdmin(revoke_only({.authentication = true, .certificate_role = Role::kIngester})));
   CHECK(revoke_only({}).ok());
   CHECK(revoke_only({.authentication = true, .admin_token = "the administrator's own"}).ok());
   CHECK(revoke_only({.authentication = true, .certificate_role = Role::kAdmin}).ok());
 }
 
-TEST_CASE("Access: of administrators who revoke each other at once, one is left", "[security]") {
+TEST_CASE("Access: if admins revoke each other concurrently, one remains", "[security]") {
   for (int round = 0; round < 50; ++round) {
     Access access;
     std::vector<std::string> ids;
@@ -197,16 +197,15 @@ TEST_CASE("Access: of administrators who revoke each other at once, one is left"
           [&, i] { revoked[i] = access.control.RevokeToken(ids[i], NowMicroseconds()).status(); });
     }
     for (std::thread& thread : threads) thread.join();
-    CHECK(std::ranges::count_if(revoked, IsKept) == 1);
+    CHECK(std::ranges::count_if(revoked, IsLastAdmin) == 1);
     CHECK(std::ranges::count_if(revoked, [](const auto& status) { return status.ok(); }) == 3);
   }
 }
 
-TEST_CASE("Access: who fails too often is told when to come back; others are not locked out",
-          "[security]") {
+TEST_CASE("Access: too many failures get a retry time; others are not locked out", "[security]") {
   Access access({.authentication = true, .failures_per_minute = 3});
   const auto used = access.Make(Role::kReader);
-  // In the store, but not in memory, as after a restore.
+  // In the store but not in memory, as after a restore.
   const auto unused =
       server::TokenBook(access.store).Make(Role::kReader, "", "", NowMicroseconds(), 0);
   REQUIRE(unused.ok());
@@ -221,12 +220,11 @@ TEST_CASE("Access: who fails too often is told when to come back; others are not
   CHECK(access.CodeOf(Bearer(unused->secret)) == absl::StatusCode::kResourceExhausted);
   CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
   CHECK(access.CodeOf(Bearer(unused->secret, "10.0.0.2")) == absl::StatusCode::kOk);
-  // A call without a token is no guess.
+  // A call without a token does not count as a failed attempt.
   CHECK(access.CodeOf({"", "", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
 }
 
-TEST_CASE("Access: every kind of failure is a warning with its address, once a minute",
-          "[security]") {
+TEST_CASE("Access: each kind of failure is logged with its address, once a minute", "[security]") {
   Access access({.authentication = true, .failures_per_minute = 1});
   const auto expired = access.Make(Role::kReader, "", 1);
   const auto revoked = access.Make(Role::kReader);
@@ -238,7 +236,7 @@ TEST_CASE("Access: every kind of failure is a warning with its address, once a m
       access.CodeOf({"", "", address});
       access.CodeOf(Bearer(expired.secret, address));
       access.CodeOf(Bearer(revoked.secret, address));
-      access.CodeOf(Bearer(wrong, address));  // once looked at, then refused
+      access.CodeOf(Bearer(wrong, address));  // first checked, then refused
     }
   }
   const std::string text = log.text();
@@ -246,8 +244,8 @@ TEST_CASE("Access: every kind of failure is a warning with its address, once a m
   CHECK(std::ranges::count(text, '\n') == 10);
   for (const std::string& what :
        {std::string("no token"), std::string("a wrong token"), std::string("too many wrong tokens"),
-        "a token that has ended (tokens/" + expired.record.id + " has expired)",
-        "a token that has ended (tokens/" + revoked.record.id + " was revoked)"}) {
+        "a token that is not valid (tokens/" + expired.record.id + " has expired)",
+        "a token that is not valid (tokens/" + revoked.record.id + " was revoked)"}) {
     for (const char* address : {"10.0.0.1", "10.0.0.2"}) {
       CHECK(text.find("\"" + what + " from " + address + "\"") != std::string::npos);
     }
@@ -258,7 +256,7 @@ TEST_CASE("Access: every kind of failure is a warning with its address, once a m
   }
 }
 
-TEST_CASE("Access: guessers do not lock out a token that was never used, nor after a restart",
+TEST_CASE("Access: wrong tokens do not lock out an unused token, also after a restart",
           "[security]") {
   Access access({.authentication = true, .failures_per_minute = 1});
   const std::string wrong = "mdb_none_" + std::string(64, '0');
@@ -282,14 +280,13 @@ TEST_CASE("Access: guessers do not lock out a token that was never used, nor aft
   }
 }
 
-TEST_CASE("Access: more tokens than a page of the store are read ahead; those that ended go",
-          "[security]") {
+TEST_CASE("Access: more tokens than one page are loaded; expired ones are removed", "[security]") {
   InMemoryAccessStore store;
-  server::TokenBook book(store);
+  server::TokenBook registry(store);
   std::vector<std::string> secrets;
   for (int i = 0; i < 2100; ++i) {
     const std::int64_t expire_time_us = i % 2 == 0 ? 0 : 20;
-    const auto made = book.Make(Role::kReader, "", "", 10, expire_time_us);
+    const auto made = registry.Make(Role::kReader, "", "", 10, expire_time_us);
     REQUIRE(made.ok());
     secrets.push_back(made->secret);
   }
@@ -299,16 +296,16 @@ TEST_CASE("Access: more tokens than a page of the store are read ahead; those th
     INFO(i);
     CHECK((next.FindInMemory(secrets[i]) != nullptr) == (i % 2 == 0));
   }
-  // The first book takes one more after they ended, and so makes room.
-  REQUIRE(book.Make(Role::kReader, "", "", 30, 0).ok());
-  while (book.FindInMemory(secrets[1]) != nullptr) {
-    REQUIRE(book.Make(Role::kReader, "", "", 30, 0).ok());
+  // The first registry adds a token after they expired, which removes them.
+  REQUIRE(registry.Make(Role::kReader, "", "", 30, 0).ok());
+  while (registry.FindInMemory(secrets[1]) != nullptr) {
+    REQUIRE(registry.Make(Role::kReader, "", "", 30, 0).ok());
     REQUIRE(store.ListTokens("", 10'000)->size() < 5000);
   }
-  CHECK(book.FindInMemory(secrets[0]) != nullptr);
+  CHECK(registry.FindInMemory(secrets[0]) != nullptr);
 }
 
-TEST_CASE("Access: the administrator's token of a file counts", "[security]") {
+TEST_CASE("Access: the admin token of a file is valid", "[security]") {
   Access access({.authentication = true, .admin_token = "correct horse battery staple"});
   const auto caller = access.control.Authenticate(Bearer("correct horse battery staple"));
   REQUIRE(caller.ok());
@@ -317,7 +314,7 @@ TEST_CASE("Access: the administrator's token of a file counts", "[security]") {
   CHECK(access.CodeOf(Bearer("correct horse battery stapl")) == absl::StatusCode::kUnauthenticated);
 }
 
-TEST_CASE("Access: another administrator's token ends the one before", "[security]") {
+TEST_CASE("Access: a new admin token replaces the former one", "[security]") {
   Access access({.authentication = true, .admin_token = "correct horse battery staple"});
   const auto before = access.control.Authenticate(Bearer("correct horse battery staple"));
   REQUIRE(before.ok());
@@ -335,7 +332,7 @@ TEST_CASE("Access: another administrator's token ends the one before", "[securit
   CHECK(access.control.Recheck(*after).ok());
 }
 
-TEST_CASE("Access: a certificate without a token has the role that is set, or none", "[security]") {
+TEST_CASE("Access: a certificate without a token has the configured role, or none", "[security]") {
   const Evidence certificate{"", "robot-7", "10.0.0.1"};
   CHECK(Access().CodeOf(certificate) == absl::StatusCode::kUnauthenticated);
   Access access({.authentication = true, .certificate_role = Role::kReader});
@@ -343,7 +340,7 @@ TEST_CASE("Access: a certificate without a token has the role that is set, or no
   REQUIRE(caller.ok());
   CHECK(caller->principal == "certificate:robot-7");
   CHECK(caller->role == Role::kReader);
-  // Who shows a token is judged by that.
+  // A token has priority over the certificate.
   const auto made = access.Make(Role::kAdmin);
   const auto both = access.control.Authenticate({"Bearer " + made.secret, "robot-7", "10.0.0.1"});
   REQUIRE(both.ok());
@@ -351,7 +348,7 @@ TEST_CASE("Access: a certificate without a token has the role that is set, or no
   CHECK(access.CodeOf({"Bearer x", "robot-7", "10.0.0.1"}) == absl::StatusCode::kUnauthenticated);
 }
 
-TEST_CASE("Access: without authentication everybody is an anonymous administrator", "[security]") {
+TEST_CASE("Access: without authentication every caller is an anonymous admin", "[security]") {
   Access access({.authentication = false});
   const auto caller = access.control.Authenticate(Bearer("nonsense"));
   REQUIRE(caller.ok());
@@ -359,21 +356,22 @@ TEST_CASE("Access: without authentication everybody is an anonymous administrato
   CHECK(caller->role == Role::kAdmin);
 }
 
-TEST_CASE("Access: nobody fills the record of changes with what changes nothing", "[security]") {
+TEST_CASE("Access: calls without effect cannot fill the audit log", "[security]") {
   Access access;
   const auto record = [&](const std::string& principal, int code, bool administers, bool changed) {
     const storage::AuditRecord entry{.principal = principal, .peer = "10.0.0.1", .code = code};
     CHECK(access.control.Record(entry, administers, changed).ok());
   };
-  const auto in_vain = [&](const std::string& principal, int code, bool administers = false) {
+  const auto without_effect = [&](const std::string& principal, int code,
+                                  bool administers = false) {
     for (int i = 0; i < 100; ++i) record(principal, code, administers, false);
   };
-  in_vain("tokens/a", 7);
-  in_vain("anonymous", 8);  // too many wrong tokens
-  in_vain("tokens/b", 5);   // changes of what is not there
-  in_vain("tokens/d", 0);   // it was so before
+  without_effect("tokens/a", 7);
+  without_effect("anonymous", 8);  // too many wrong tokens
+  without_effect("tokens/b", 5);   // changes of missing resources
+  without_effect("tokens/d", 0);   // no change
   record("tokens/a", 0, false, true);
-  in_vain("tokens/c", 1, true);  // copies that an administrator broke off
+  without_effect("tokens/c", 1, true);  // backups that an admin cancelled
   record("tokens/a", 0, false, true);
   const auto records = access.store.ListAuditRecords(0, 1000);
   REQUIRE(records.ok());

@@ -1,4 +1,4 @@
-// Tokens over the wire: made, listed, used, revoked.
+// Tokens by RPC: create, list, use, revoke.
 #include <catch2/catch.hpp>
 #include <chrono>
 #include <string>
@@ -16,7 +16,7 @@ namespace {
 using Access = v1::AccessService::Stub;
 using grpc::StatusCode;
 
-v1::CreateTokenRequest Wanted(v1::Role role, const std::string& database = "") {
+v1::CreateTokenRequest TokenRequest(v1::Role role, const std::string& database = "") {
   v1::CreateTokenRequest request;
   request.set_role(role);
   request.set_database(database);
@@ -29,15 +29,15 @@ Answer<v1::CreateTokenResponse> Make(TestServer& server, const v1::CreateTokenRe
   return Ask(*stub, &Access::CreateToken, request, token);
 }
 
-void AskForTokens(TestServer& server) {
+void RequireTokens(TestServer& server) {
   server.options().security.authentication = server::Authentication::kToken;
   server.Restart();
 }
 
-TEST_CASE("CreateToken: says what it made, and the secret once", "[security][rpc]") {
+TEST_CASE("CreateToken: returns the token, and the secret once", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("walks");
-  auto request = Wanted(v1::ROLE_INGESTER, "databases/walks");
+  auto request = TokenRequest(v1::ROLE_INGESTER, "databases/walks");
   request.set_description("the robot in the hall");
   request.mutable_lifetime()->set_seconds(3600);
   const auto made = Make(server, request);
@@ -59,12 +59,12 @@ TEST_CASE("CreateToken: says what it made, and the secret once", "[security][rpc
   CHECK(listed.response.tokens(0).SerializeAsString() == token.SerializeAsString());
 }
 
-TEST_CASE("CreateToken: what makes no sense is refused by field", "[security][rpc]") {
+TEST_CASE("CreateToken: the error names the invalid field", "[security][rpc]") {
   TestServer server;
-  auto request = Wanted(v1::ROLE_READER);
-  CHECK(ViolatedFields(Make(server, Wanted(v1::ROLE_UNSPECIFIED)).status) == "role");
-  CHECK(ViolatedFields(Make(server, Wanted(v1::ROLE_READER, "walks")).status) == "database");
-  CHECK(Make(server, Wanted(v1::ROLE_READER, "databases/none")).status.error_code() ==
+  auto request = TokenRequest(v1::ROLE_READER);
+  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_UNSPECIFIED)).status) == "role");
+  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_READER, "walks")).status) == "database");
+  CHECK(Make(server, TokenRequest(v1::ROLE_READER, "databases/none")).status.error_code() ==
         StatusCode::NOT_FOUND);
   request.mutable_lifetime()->set_seconds(0);
   CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
@@ -77,11 +77,11 @@ TEST_CASE("CreateToken: what makes no sense is refused by field", "[security][rp
   CHECK(ViolatedFields(Make(server, request).status) == "description");
 }
 
-TEST_CASE("ListTokens: pages in the order in which they were made", "[security][rpc]") {
+TEST_CASE("ListTokens: pages are in order of creation", "[security][rpc]") {
   TestServer server;
   std::vector<std::string> names;
   for (int i = 0; i < 5; ++i) {
-    names.push_back(Make(server, Wanted(v1::ROLE_READER)).response.token().name());
+    names.push_back(Make(server, TokenRequest(v1::ROLE_READER)).response.token().name());
   }
   const auto stub = server.NewStub<v1::AccessService>();
   std::vector<std::string> listed;
@@ -97,11 +97,11 @@ TEST_CASE("ListTokens: pages in the order in which they were made", "[security][
   CHECK(listed == names);
 }
 
-TEST_CASE("RevokeToken: ends a token that is in use, at once and for good", "[security][rpc]") {
+TEST_CASE("RevokeToken: a token in use is invalid immediately and permanently", "[security][rpc]") {
   TestServer server;
-  const auto admin = Make(server, Wanted(v1::ROLE_ADMIN)).response;
-  const auto made = Make(server, Wanted(v1::ROLE_READER)).response;
-  AskForTokens(server);
+  const auto admin = Make(server, TokenRequest(v1::ROLE_ADMIN)).response;
+  const auto made = Make(server, TokenRequest(v1::ROLE_READER)).response;
+  RequireTokens(server);
   const auto databases = server.NewStub<v1::DatabaseService>();
   const auto list = [&] {
     return Ask(*databases, &v1::DatabaseService::Stub::ListDatabases, v1::ListDatabasesRequest(),
@@ -124,29 +124,30 @@ TEST_CASE("RevokeToken: ends a token that is in use, at once and for good", "[se
         StatusCode::NOT_FOUND);
 }
 
-TEST_CASE("RevokeToken: the last one of an administrator stays, and the refusal is recorded",
+TEST_CASE("RevokeToken: the last admin token stays, and the refusal is in the audit log",
           "[security][rpc]") {
   TestServer server;
-  const auto admin = Make(server, Wanted(v1::ROLE_ADMIN)).response;
-  AskForTokens(server);
+  const auto admin = Make(server, TokenRequest(v1::ROLE_ADMIN)).response;
+  RequireTokens(server);
   const auto stub = server.NewStub<v1::AccessService>();
   v1::RevokeTokenRequest request;
   request.set_name(admin.token().name());
   const grpc::Status refused = Ask(*stub, &Access::RevokeToken, request, admin.secret()).status;
   CHECK(refused.error_code() == StatusCode::FAILED_PRECONDITION);
-  CHECK(refused.error_message().find(admin.token().name() + " is the last one") == 0);
+  CHECK(refused.error_message().find(admin.token().name() + " is the last admin token") == 0);
   const auto audit =
       Ask(*stub, &Access::ListAuditEntries, v1::ListAuditEntriesRequest(), admin.secret());
   REQUIRE(audit.response.entries_size() == 2);
   CHECK(audit.response.entries(0).code() == static_cast<int>(StatusCode::FAILED_PRECONDITION));
-  const auto second = Make(server, Wanted(v1::ROLE_ADMIN), admin.secret()).response;
+  const auto second = Make(server, TokenRequest(v1::ROLE_ADMIN), admin.secret()).response;
   CHECK(Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.ok());
   CHECK(!Ask(*stub, &Access::RevokeToken, request, admin.secret()).status.ok());
 }
 
-TEST_CASE("RevokeToken: a secret in the name is in no record, log or error", "[security][rpc]") {
+TEST_CASE("RevokeToken: a secret in the name is not in the audit log, log or error",
+          "[security][rpc]") {
   TestServer server;
-  const auto made = Make(server, Wanted(v1::ROLE_READER)).response;
+  const auto made = Make(server, TokenRequest(v1::ROLE_READER)).response;
   const std::string secret = made.secret().substr(made.secret().rfind('_') + 1);
   const auto stub = server.NewStub<v1::AccessService>();
   const CapturedLog log(spdlog::level::debug);
@@ -172,19 +173,21 @@ TEST_CASE("RevokeToken: a secret in the name is in no record, log or error", "[s
   CHECK(log.text().find(secret) == std::string::npos);
 }
 
-TEST_CASE("Tokens of one database: lists show that alone", "[security][rpc]") {
+TEST_CASE("Tokens of one database: lists show only that database", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("a");
   server.CreateDatabase("b");
   const auto ingested = server.IngestFigure("a", "walk", "walk", {});
   server.Wait(ingested.operation().name());
-  const std::string of_a = Make(server, Wanted(v1::ROLE_READER, "databases/a")).response.secret();
-  const std::string of_b = Make(server, Wanted(v1::ROLE_READER, "databases/b")).response.secret();
-  AskForTokens(server);
+  const std::string token_a =
+      Make(server, TokenRequest(v1::ROLE_READER, "databases/a")).response.secret();
+  const std::string token_b =
+      Make(server, TokenRequest(v1::ROLE_READER, "databases/b")).response.secret();
+  RequireTokens(server);
 
   const auto databases = server.NewStub<v1::DatabaseService>();
-  const auto listed =
-      Ask(*databases, &v1::DatabaseService::Stub::ListDatabases, v1::ListDatabasesRequest(), of_b);
+  const auto listed = Ask(*databases, &v1::DatabaseService::Stub::ListDatabases,
+                          v1::ListDatabasesRequest(), token_b);
   REQUIRE(listed.status.ok());
   REQUIRE(listed.response.databases_size() == 1);
   CHECK(listed.response.databases(0).name() == "databases/b");
@@ -197,19 +200,19 @@ TEST_CASE("Tokens of one database: lists show that alone", "[security][rpc]") {
     REQUIRE(answer.status.ok());
     return answer.response.operations_size();
   };
-  CHECK(count(of_a) == 1);
-  CHECK(count(of_b) == 0);
+  CHECK(count(token_a) == 1);
+  CHECK(count(token_b) == 0);
   v1::GetOperationRequest request;
   request.set_name(ingested.operation().name());
   const auto get = [&](const std::string& token) {
     return Ask(*operations, &v1::OperationService::Stub::GetOperation, request, token)
         .status.error_code();
   };
-  CHECK(get(of_a) == StatusCode::OK);
-  CHECK(get(of_b) == StatusCode::PERMISSION_DENIED);
-  // One that is not there is refused alike, so that nobody learns which are.
+  CHECK(get(token_a) == StatusCode::OK);
+  CHECK(get(token_b) == StatusCode::PERMISSION_DENIED);
+  // A missing operation gets the same error, so that its existence is not disclosed.
   request.set_name("operations/none");
-  CHECK(get(of_b) == StatusCode::PERMISSION_DENIED);
+  CHECK(get(token_b) == StatusCode::PERMISSION_DENIED);
 }
 
 }  // namespace

@@ -10,8 +10,7 @@ namespace {
 using server::AttemptLimit;
 using std::chrono::milliseconds;
 
-TEST_CASE("AttemptLimit: a source waits when it did too much, until its window is over",
-          "[security]") {
+TEST_CASE("AttemptLimit: a source above the limit waits until its window ends", "[security]") {
   AttemptLimit limit(3, milliseconds(1000));
   const AttemptLimit::Clock::time_point start{};
   CHECK(limit.Count("a", start));
@@ -25,7 +24,7 @@ TEST_CASE("AttemptLimit: a source waits when it did too much, until its window i
   CHECK(limit.Count("a", start + milliseconds(1000)));
 }
 
-TEST_CASE("AttemptLimit: its memory is bounded, and who came last is remembered", "[security]") {
+TEST_CASE("AttemptLimit: memory is bounded, and the latest sources are kept", "[security]") {
   AttemptLimit limit(1, milliseconds(1000), 100);
   const AttemptLimit::Clock::time_point start{};
   for (int i = 0; i < 5000; ++i) limit.Count(std::to_string(i), start + milliseconds(i) / 10);

@@ -1,4 +1,4 @@
-// The record of changes: who, what, on what, from where, and how it ended.
+// The audit log: who, what, on which resource, from where, with which result.
 #include <algorithm>
 #include <catch2/catch.hpp>
 #include <chrono>
@@ -50,8 +50,8 @@ v1::CreateTokenResponse NewToken(TestServer& server, v1::Role role) {
   return Ask(*server.NewStub<v1::AccessService>(), &Access::CreateToken, wanted).response;
 }
 
-// From now on nobody may do anything without a token.
-void AskForTokens(TestServer& server) {
+// Restarts with authentication by token.
+void RequireTokens(TestServer& server) {
   server.options().security.authentication = server::Authentication::kToken;
   server.Restart();
 }
@@ -63,7 +63,7 @@ Request Named(const std::string& name) {
   return request;
 }
 
-TEST_CASE("Audit: every change is recorded, newest first; questions are not", "[security][rpc]") {
+TEST_CASE("Audit: every change is recorded, newest first; reads are not", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("walks");
   const auto ingested = server.IngestFigure("walks", "walk", "walk", {});
@@ -103,17 +103,17 @@ TEST_CASE("Audit: every change is recorded, newest first; questions are not", "[
     CHECK(entry.request_id().size() == 16);
     CHECK(entry.time().seconds() > 1'700'000'000);
   }
-  // Survives a restart, and reads alike in pages.
+  // Survives a restart, and pages have the same entries.
   server.Restart();
   CHECK(Lines(Audit(server, "", 3)) == Lines(entries));
 }
 
-TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]") {
+TEST_CASE("Audit: refused attempts name the caller", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("walks");
   const auto reader = NewToken(server, v1::ROLE_READER);
   const auto admin = NewToken(server, v1::ROLE_ADMIN);
-  AskForTokens(server);
+  RequireTokens(server);
 
   const auto request = Named<v1::DeleteDatabaseRequest>("databases/walks");
   const auto databases = server.NewStub<v1::DatabaseService>();
@@ -122,19 +122,19 @@ TEST_CASE("Audit: attempts that were refused name who tried", "[security][rpc]")
   }
   const auto lines = Lines(Audit(server, admin.secret()));
   REQUIRE(lines.size() == 6);
-  const std::string what = " DatabaseService.DeleteDatabase databases/walks -> ";
-  CHECK(lines[3] == "anonymous" + what + std::to_string(StatusCode::UNAUTHENTICATED));
-  CHECK(lines[4] == reader.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
-  CHECK(lines[5] == admin.token().name() + what + "0");
+  const std::string call = " DatabaseService.DeleteDatabase databases/walks -> ";
+  CHECK(lines[3] == "anonymous" + call + std::to_string(StatusCode::UNAUTHENTICATED));
+  CHECK(lines[4] == reader.token().name() + call + std::to_string(StatusCode::PERMISSION_DENIED));
+  CHECK(lines[5] == admin.token().name() + call + "0");
 }
 
-// The entries there are of operations cancelled.
-int Cancels(const std::vector<v1::AuditEntry>& entries) {
+// Returns the number of entries of CancelOperation.
+int CountCancelEntries(const std::vector<v1::AuditEntry>& entries) {
   return static_cast<int>(
       std::ranges::count(entries, "OperationService.CancelOperation", &v1::AuditEntry::method));
 }
 
-TEST_CASE("Audit: whoever cancels what is done pushes nothing out", "[security][rpc]") {
+TEST_CASE("Audit: cancelling ended operations does not displace entries", "[security][rpc]") {
   server::ServerOptions options;
   options.engine.rebuild_delay = options.engine.rebuild_delay_limit = std::chrono::minutes(2);
   TestServer server(options);
@@ -142,7 +142,7 @@ TEST_CASE("Audit: whoever cancels what is done pushes nothing out", "[security][
   const std::string operation = server.IngestFigure("walks", "walk", "walk", {}).operation().name();
   const std::string ingester = NewToken(server, v1::ROLE_INGESTER).secret();
   const std::string admin = NewToken(server, v1::ROLE_ADMIN).secret();
-  AskForTokens(server);
+  RequireTokens(server);
   const auto operations = server.NewStub<v1::OperationService>();
   const auto cancel = [&](const std::string& name) {
     return Ask(*operations, &v1::OperationService::Stub::CancelOperation,
@@ -153,56 +153,55 @@ TEST_CASE("Audit: whoever cancels what is done pushes nothing out", "[security][
     REQUIRE(cancelled.status.ok());
     REQUIRE(cancelled.response.operation().state() == v1::OPERATION_STATE_CANCELLED);
   }
-  CHECK(Cancels(Audit(server, admin)) == 11);
+  CHECK(CountCancelEntries(Audit(server, admin)) == 11);
 
-  // What changes something is recorded all the same.
+  // A real change is still recorded.
   const auto clips = server.NewStub<v1::ClipService>();
   const auto deleted = Ask(*clips, &v1::ClipService::Stub::DeleteClip,
                            Named<v1::DeleteClipRequest>("databases/walks/clips/walk"), ingester);
   REQUIRE(deleted.status.ok());
   REQUIRE(cancel(deleted.response.operation().name()).status.ok());
-  CHECK(Cancels(Audit(server, admin)) == 12);
+  CHECK(CountCancelEntries(Audit(server, admin)) == 12);
 }
 
-// Takes a backup, to its end or until its first block is here.
-grpc::Status Backup(TestServer& server, bool to_its_end, const std::string& token = "") {
+// Reads a backup to its end, or cancels it after the first block.
+grpc::Status Backup(TestServer& server, bool read_all, const std::string& token = "") {
   const auto stub = server.NewStub<v1::StoreService>();
   grpc::ClientContext context;
   if (!token.empty()) context.AddMetadata("authorization", "Bearer " + token);
   const auto stream = stub->BackupStore(&context, {});
   v1::BackupStoreResponse block;
   while (stream->Read(&block)) {
-    if (!to_its_end) context.TryCancel();
+    if (!read_all) context.TryCancel();
   }
   return stream->Finish();
 }
 
-TEST_CASE("Audit: who copies the whole store is recorded, also where it was refused or broken off",
-          "[security][rpc]") {
+TEST_CASE("Audit: backups are recorded, also refused and cancelled ones", "[security][rpc]") {
   TestServer server;
   server.CreateDatabase("walks");
-  // More than fits between a server and a client that takes nothing.
+  // More than the buffers between the server and a client that does not read.
   v1::IngestClipHeader header;
   header.set_parent("databases/walks");
   header.set_file_name("walk.bvh");
   REQUIRE(server.Ingest(header, WriteBvh({}) + std::string(std::size_t{12} << 20, '\n')).ok());
   const auto ingester = NewToken(server, v1::ROLE_INGESTER);
   const auto admin = NewToken(server, v1::ROLE_ADMIN);
-  AskForTokens(server);
+  RequireTokens(server);
   const std::size_t before = Audit(server, admin.secret()).size();
 
   CHECK(Backup(server, true, ingester.secret()).error_code() == StatusCode::PERMISSION_DENIED);
   CHECK(Backup(server, true, admin.secret()).ok());
   CHECK(Backup(server, false, admin.secret()).error_code() == StatusCode::CANCELLED);
   std::vector<v1::AuditEntry> entries;
-  do {  // the server may learn later than the client that it was broken off
+  do {  // the server may notice the cancellation later
     entries = Audit(server, admin.secret());
   } while (entries.size() < before + 3);
-  const std::string what = " StoreService.BackupStore  -> ";
+  const std::string call = " StoreService.BackupStore  -> ";
   const auto lines = Lines({entries.begin(), entries.begin() + 3});
-  CHECK(lines[0] == ingester.token().name() + what + std::to_string(StatusCode::PERMISSION_DENIED));
-  CHECK(lines[1] == admin.token().name() + what + "0");
-  CHECK(lines[2] == admin.token().name() + what + std::to_string(StatusCode::CANCELLED));
+  CHECK(lines[0] == ingester.token().name() + call + std::to_string(StatusCode::PERMISSION_DENIED));
+  CHECK(lines[1] == admin.token().name() + call + "0");
+  CHECK(lines[2] == admin.token().name() + call + std::to_string(StatusCode::CANCELLED));
   CHECK(entries.front().peer() == "127.0.0.1");
 }
 

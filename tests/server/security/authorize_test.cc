@@ -14,12 +14,12 @@ CallRule Rule(Role least_role, Scope scope) {
   return {"S.M", least_role, false, server::RequestClass::kLight, scope, "name"};
 }
 
-TEST_CASE("Authorize: each role may do what those before it may", "[security]") {
-  for (const Role has : {Role::kReader, Role::kIngester, Role::kAdmin}) {
-    for (const Role needs : {Role::kReader, Role::kIngester, Role::kAdmin}) {
-      const Caller caller{"tokens/a", has};
-      const absl::Status status = Authorize(caller, Rule(needs, Scope::kServer), "");
-      CHECK(status.ok() == (has >= needs));
+TEST_CASE("Authorize: each role includes the lower roles", "[security]") {
+  for (const Role role : {Role::kReader, Role::kIngester, Role::kAdmin}) {
+    for (const Role required : {Role::kReader, Role::kIngester, Role::kAdmin}) {
+      const Caller caller{"tokens/a", role};
+      const absl::Status status = Authorize(caller, Rule(required, Scope::kServer), "");
+      CHECK(status.ok() == (role >= required));
       CHECK((status.ok() || absl::IsPermissionDenied(status)));
     }
   }
@@ -28,25 +28,25 @@ TEST_CASE("Authorize: each role may do what those before it may", "[security]") 
   CHECK(std::string(refused.message()) == "S.M needs the role admin; tokens/a has the role reader");
 }
 
-TEST_CASE("Authorize: a caller of one database sees that alone", "[security]") {
+TEST_CASE("Authorize: a caller of one database sees only that database", "[security]") {
   const Caller caller{"tokens/a", Role::kAdmin, "walks"};
-  const auto may = [&](Scope scope, const char* resource) {
+  const auto is_allowed = [&](Scope scope, const char* resource) {
     return Authorize(caller, Rule(Role::kReader, scope), resource).ok();
   };
   for (const Scope scope : {Scope::kDatabase, Scope::kOperation}) {
-    CHECK(may(scope, "databases/walks"));
-    CHECK(may(scope, "databases/walks/clips/a"));
-    CHECK(!may(scope, "databases/walks2"));
-    CHECK(!may(scope, "databases/walk"));
-    CHECK(!may(scope, "databases/other/clips/databases/walks"));
-    CHECK(!may(scope, "walks"));
-    CHECK(!may(scope, ""));
+    CHECK(is_allowed(scope, "databases/walks"));
+    CHECK(is_allowed(scope, "databases/walks/clips/a"));
+    CHECK(!is_allowed(scope, "databases/walks2"));
+    CHECK(!is_allowed(scope, "databases/walk"));
+    CHECK(!is_allowed(scope, "databases/other/clips/databases/walks"));
+    CHECK(!is_allowed(scope, "walks"));
+    CHECK(!is_allowed(scope, ""));
   }
-  CHECK(may(Scope::kList, ""));
-  CHECK(may(Scope::kList, "databases/walks"));
-  CHECK(!may(Scope::kList, "databases/other"));
-  CHECK(!may(Scope::kServer, ""));
-  CHECK(!may(Scope::kServer, "databases/walks"));
+  CHECK(is_allowed(Scope::kList, ""));
+  CHECK(is_allowed(Scope::kList, "databases/walks"));
+  CHECK(!is_allowed(Scope::kList, "databases/other"));
+  CHECK(!is_allowed(Scope::kServer, ""));
+  CHECK(!is_allowed(Scope::kServer, "databases/walks"));
 }
 
 }  // namespace

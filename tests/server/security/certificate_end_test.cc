@@ -15,11 +15,11 @@ constexpr std::int64_t kNow = 1'800'000'000;  // 2027-01-15 08:00 UTC
 
 auto Lines(const CapturedLog& log) { return std::ranges::count(log.text(), '\n'); }
 
-TEST_CASE("CertificateEnd: a warning from 14 days before on, once for a certificate",
+TEST_CASE("CertificateEnd: warns from 14 days before expiry, once for each certificate",
           "[security]") {
   const CapturedLog log(spdlog::level::debug);
-  std::vector<std::int64_t> told;
-  CertificateEnd end([&](std::int64_t time_s) { told.push_back(time_s); });
+  std::vector<std::int64_t> reported;
+  CertificateEnd end([&](std::int64_t time_s) { reported.push_back(time_s); });
   const std::int64_t first = kNow + 15 * kDay;
   end.Look("/etc/server.pem", first, kNow);
   end.Look("/etc/server.pem", first, kNow + kDay - 1);
@@ -27,18 +27,18 @@ TEST_CASE("CertificateEnd: a warning from 14 days before on, once for a certific
   for (int day = 1; day < 16; ++day) end.Look("/etc/server.pem", first, kNow + day * kDay);
   CHECK(Lines(log) == 1);
   CHECK_THAT(log.text(), Catch::Contains("\"level\":\"warning\"") &&
-                             Catch::Contains("/etc/server.pem: a certificate in it ends on "
+                             Catch::Contains("/etc/server.pem: a certificate expires on "
                                              "2027-01-30 08:00 UTC"));
-  // Another one that is as short, in another file, then one that lasts.
+  // Another file with a short expiry, then one with a long expiry.
   end.Look("/etc/ca.pem", first + 1, kNow + 2 * kDay);
   CHECK(Lines(log) == 2);
-  CHECK_THAT(log.text(), Catch::Contains("/etc/ca.pem: a certificate in it ends on "));
+  CHECK_THAT(log.text(), Catch::Contains("/etc/ca.pem: a certificate expires on "));
   end.Look("/etc/server.pem", kNow + 300 * kDay, kNow + 2 * kDay);
   CHECK(Lines(log) == 2);
-  CHECK(told == std::vector<std::int64_t>{first, first + 1, kNow + 300 * kDay});
+  CHECK(reported == std::vector<std::int64_t>{first, first + 1, kNow + 300 * kDay});
 }
 
-TEST_CASE("CertificateEnd: one that has ended is told of, too", "[security]") {
+TEST_CASE("CertificateEnd: an expired certificate is logged, too", "[security]") {
   const CapturedLog log(spdlog::level::debug);
   CertificateEnd end({});
   end.Look("a.pem", kNow - kDay, kNow);

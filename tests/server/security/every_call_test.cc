@@ -1,4 +1,4 @@
-// Every call of the contract, through a real server, by everybody who may and may not make it.
+// Every RPC at a real server, by callers with and without permission.
 #include <google/protobuf/descriptor.h>
 #include <google/protobuf/message.h>
 
@@ -27,7 +27,7 @@ using google::protobuf::Message;
 using google::protobuf::MessageFactory;
 using grpc::StatusCode;
 
-// Sets the text field at `path`, and the messages on the way to it.
+// Sets the text field at `path` and creates the messages on the path.
 void SetText(Message& message, const std::string& path, const std::string& text) {
   const std::size_t dot = path.find('.');
   const FieldDescriptor* field = message.GetDescriptor()->FindFieldByName(path.substr(0, dot));
@@ -63,7 +63,7 @@ class EveryCall {
     server_.Restart();
   }
 
-  // The status with which a call of `rule` ends, on the database "here" or what is in it.
+  // Makes a call of `rule` on the database "here", or on a resource in it, and returns its status.
   grpc::Status Call(const server::CallRule& rule, const Headers& headers) {
     const std::string full = "motiondb.v1." + std::string(rule.method);
     const auto* method = DescriptorPool::generated_pool()->FindMethodByName(full);
@@ -101,7 +101,7 @@ class EveryCall {
     return answer.response;
   }
 
-  // Something in "here" that no call can harm.
+  // Returns a resource in "here" that no call can change.
   std::string Subject(const server::CallRule& rule) const {
     const std::string method(rule.method);
     if (rule.scope == server::Scope::kOperation) return operation_;
@@ -121,8 +121,8 @@ bool IsRefused(const grpc::Status& status) {
 
 v1::Role ToProto(storage::Role role) { return static_cast<v1::Role>(role); }
 
-TEST_CASE("Every call: is made by who may, and by nobody else", "[security][rpc]") {
-  v1::BackupStoreRequest::descriptor();  // its file is linked in
+TEST_CASE("Every call: succeeds with permission only", "[security][rpc]") {
+  v1::BackupStoreRequest::descriptor();  // links its file
   EveryCall calls;
   int count = 0;
   for (const server::CallRule& rule : server::CallRules()) {
@@ -155,7 +155,7 @@ TEST_CASE("Every call: is made by who may, and by nobody else", "[security][rpc]
   CHECK(count >= 36);
 }
 
-// The id in an error's details.
+// Returns the request id in the details of an error.
 std::string RequestIdIn(const grpc::Status& status) {
   v1::Status details;
   if (!details.ParseFromString(status.error_details())) return "(details do not parse)";
@@ -169,7 +169,7 @@ std::string RequestIdIn(const grpc::Status& status) {
   return "(none)";
 }
 
-TEST_CASE("Every call: errors carry the caller's request id, or one of the server's",
+TEST_CASE("Every call: errors have the caller's request id, or one of the server",
           "[security][rpc]") {
   EveryCall calls;
   for (const server::CallRule& rule : server::CallRules()) {
@@ -181,8 +181,7 @@ TEST_CASE("Every call: errors carry the caller's request id, or one of the serve
   }
 }
 
-TEST_CASE("Every call: is in the record of changes if its row says so, and only then",
-          "[security][rpc]") {
+TEST_CASE("Every call: is in the audit log exactly if its row requires it", "[security][rpc]") {
   EveryCall calls;
   const std::string token = calls.tokens[v1::ROLE_ADMIN];
   std::set<std::string> expected;
@@ -203,8 +202,7 @@ TEST_CASE("Every call: is in the record of changes if its row says so, and only 
   CHECK(recorded == expected);
 }
 
-TEST_CASE("Every call: a stream that ends before its first message is refused alike",
-          "[security][rpc]") {
+TEST_CASE("Every call: a stream without a message is checked, too", "[security][rpc]") {
   EveryCall calls;
   const auto stub = calls.server().NewStub<v1::ObserveService>();
   grpc::ClientContext observe;

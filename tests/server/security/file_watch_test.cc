@@ -14,16 +14,16 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// "level: message" of each line that a watch logs whose looks come to these results.
-std::vector<std::string> LogOf(const std::vector<absl::StatusOr<bool>>& looks) {
+// Returns the log lines, "level: message", of a watch whose reads have these results.
+std::vector<std::string> LogOf(const std::vector<absl::StatusOr<bool>>& results) {
   const CapturedLog log(spdlog::level::info);
   std::atomic<std::size_t> done = 0;
   {
     const server::FileWatch watch(
         "certificates", "server.pem",
-        [&] { return done < looks.size() ? looks[done++] : absl::StatusOr<bool>(false); },
+        [&] { return done < results.size() ? results[done++] : absl::StatusOr<bool>(false); },
         milliseconds(1));
-    while (done < looks.size()) std::this_thread::sleep_for(milliseconds(1));
+    while (done < results.size()) std::this_thread::sleep_for(milliseconds(1));
   }
   std::vector<std::string> lines;
   std::istringstream text(log.text());
@@ -34,30 +34,31 @@ std::vector<std::string> LogOf(const std::vector<absl::StatusOr<bool>>& looks) {
   return lines;
 }
 
-TEST_CASE("FileWatch: tells of what is new, and once of each fault", "[security]") {
-  const absl::Status gone = absl::InvalidArgumentError("server.pem: No such file");
+TEST_CASE("FileWatch: logs changes, and each error once", "[security]") {
+  const absl::Status missing = absl::InvalidArgumentError("server.pem: No such file");
   const absl::Status other = absl::InvalidArgumentError("server.key: is another's");
-  const std::string taken = "info: new certificates, from server.pem";
-  const std::string kept = "warning: no new certificates, what was read before stays in force: ";
-  CHECK(LogOf({false, true, false, false}) == std::vector{taken});
-  CHECK(LogOf({gone, gone, other, other, true, gone}) ==
-        std::vector{kept + "server.pem: No such file", kept + "server.key: is another's", taken,
-                    kept + "server.pem: No such file"});
-  CHECK(LogOf({gone, false, gone}).size() == 2);
+  const std::string reloaded = "info: reloaded certificates: file=server.pem";
+  const std::string failure =
+      "warning: cannot reload certificates; the previous content stays in use: error=";
+  CHECK(LogOf({false, true, false, false}) == std::vector{reloaded});
+  CHECK(LogOf({missing, missing, other, other, true, missing}) ==
+        std::vector{failure + "server.pem: No such file", failure + "server.key: is another's",
+                    reloaded, failure + "server.pem: No such file"});
+  CHECK(LogOf({missing, false, missing}).size() == 2);
 }
 
-TEST_CASE("FileWatch: ends at once, however seldom it looks", "[security]") {
-  bool looked = false;
+TEST_CASE("FileWatch: stops immediately, with any interval", "[security]") {
+  bool was_read = false;
   {
     const server::FileWatch watch(
         "certificates", "server.pem",
         [&] {
-          looked = true;
+          was_read = true;
           return absl::StatusOr<bool>(false);
         },
         std::chrono::hours(1));
   }
-  CHECK(!looked);
+  CHECK(!was_read);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// The role table against the contract as it lies on disk: no call without a row, no row without a
-// call, and every row's field is there.
+// Compares the role table with the .proto files: every RPC has a row, every row has an RPC, and the
+// fields of all rows exist.
 #include "server/security/role_table.h"
 
 #include <google/protobuf/descriptor.h>
@@ -25,7 +25,7 @@ namespace {
 using google::protobuf::FileDescriptor;
 using google::protobuf::MethodDescriptor;
 
-// Reads the .proto files themselves: what no program links cannot be forgotten.
+// Reads the .proto files, to find also RPCs that no program links.
 class Contract {
  public:
   Contract() {
@@ -60,7 +60,7 @@ std::string NameOf(const MethodDescriptor& method) {
   return method.service()->name() + "." + method.name();
 }
 
-TEST_CASE("Role table: has a row for every call of the contract, and no other", "[security]") {
+TEST_CASE("Role table: has exactly one row for every RPC", "[security]") {
   const Contract contract;
   REQUIRE(contract.methods().size() >= 36);
   std::set<std::string> names;
@@ -77,8 +77,7 @@ TEST_CASE("Role table: has a row for every call of the contract, and no other", 
   CHECK(server::CallRules().size() == names.size());
 }
 
-TEST_CASE("Role table: fields are those of the requests, and scopes have what they need",
-          "[security]") {
+TEST_CASE("Role table: fields exist in the requests, and scopes have their fields", "[security]") {
   const Contract contract;
   for (const MethodDescriptor* const method : contract.methods()) {
     INFO(method->full_name());
@@ -91,9 +90,9 @@ TEST_CASE("Role table: fields are those of the requests, and scopes have what th
   }
 }
 
-TEST_CASE("Role table: what is recorded is not for readers, and what administrators do is",
+TEST_CASE("Role table: recorded calls are not for readers; calls of admins are recorded",
           "[security]") {
-  // What they only look at.
+  // Read-only calls of admins.
   const std::set<std::string_view> looks = {
       "AccessService.ListTokens", "AccessService.ListAuditEntries", "StoreService.VerifyStore"};
   for (const server::CallRule& rule : server::CallRules()) {
@@ -103,7 +102,7 @@ TEST_CASE("Role table: what is recorded is not for readers, and what administrat
   }
 }
 
-TEST_CASE("Method: every request type belongs to one call", "[security]") {
+TEST_CASE("Method: every request type belongs to one RPC", "[security]") {
   const Contract contract;
   std::set<std::string> types;
   for (const MethodDescriptor* const method : contract.methods()) {

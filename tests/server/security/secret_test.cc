@@ -9,7 +9,7 @@
 namespace motiondb::tests::secret_test {
 namespace {
 
-TEST_CASE("Secret: random bytes are as many as asked for, and others each time", "[security]") {
+TEST_CASE("Secret: random bytes have the requested size and differ each time", "[security]") {
   std::set<std::string> seen;
   for (int i = 0; i < 100; ++i) {
     const auto random = server::RandomHex(32);
@@ -26,7 +26,7 @@ TEST_CASE("Secret: the hash is SHA-256 of salt and secret", "[security]") {
   CHECK(server::HashSecret("salt", "x") != server::HashSecret("tlas", "x"));
 }
 
-TEST_CASE("Secret: a token is split where it was joined", "[security]") {
+TEST_CASE("Secret: a joined token can be split", "[security]") {
   const std::string text = server::JoinToken("1f", "0a0b");
   CHECK(text == "mdb_1f_0a0b");
   const auto token = server::SplitToken(text);
@@ -39,7 +39,7 @@ TEST_CASE("Secret: a token is split where it was joined", "[security]") {
   }
 }
 
-TEST_CASE("Secret: bytes are the same or not", "[security]") {
+TEST_CASE("Secret: compares bytes", "[security]") {
   CHECK(server::SameBytes("", ""));
   CHECK(server::SameBytes("abc", "abc"));
   CHECK(!server::SameBytes("abc", "abd"));

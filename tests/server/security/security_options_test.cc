@@ -35,7 +35,7 @@ std::string Message(const SecurityOptions& options, const char* listen = kLoopba
   return std::string(plan.status().message());
 }
 
-TEST_CASE("Security: which addresses are this machine's alone", "[security]") {
+TEST_CASE("Security: loopback addresses", "[security]") {
   for (const char* own : {"127.0.0.1:1", "127.9.9.9:1", "localhost:1", "[::1]:1"}) {
     INFO(own);
     CHECK(server::IsLoopback(own));
@@ -47,7 +47,8 @@ TEST_CASE("Security: which addresses are this machine's alone", "[security]") {
   }
 }
 
-TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for", "[security]") {
+TEST_CASE("Security: on loopback every caller is accepted unless tokens are required",
+          "[security]") {
   const auto plain = PlanSecurity({}, kLoopback);
   REQUIRE(plain.ok());
   CHECK(!plain->access.authentication);
@@ -59,7 +60,7 @@ TEST_CASE("Security: on loopback everybody may call, unless tokens are asked for
   CHECK(!tokens->reflection);
 }
 
-TEST_CASE("Security: roles that nobody is asked for are told of", "[security]") {
+TEST_CASE("Security: warns of roles without authentication", "[security]") {
   const Files files;
   SecurityOptions options = files.Encrypted();
   options.tls.client_ca = files.authority.certificate();
@@ -75,37 +76,37 @@ TEST_CASE("Security: roles that nobody is asked for are told of", "[security]") 
   CHECK(asked->warnings.empty());
 }
 
-TEST_CASE("Security: elsewhere TLS and tokens are needed", "[security]") {
+TEST_CASE("Security: other addresses need TLS and tokens", "[security]") {
   const Files files;
   const absl::Status bare = PlanSecurity({}, kEverywhere).status();
   CHECK(absl::IsFailedPrecondition(bare));
   CHECK_THAT(std::string(bare.message()),
-             Catch::Contains("no TLS:") && Catch::Contains("--insecure"));
+             Catch::Contains("without TLS;") && Catch::Contains("--insecure"));
   SecurityOptions options = files.Encrypted();
   const auto good = PlanSecurity(options, kEverywhere);
   REQUIRE(good.ok());
   CHECK(good->access.authentication);
   CHECK(good->warnings.empty());
   options.authentication = Authentication::kNone;
-  CHECK_THAT(Message(options, kEverywhere), Catch::Contains("no authentication:"));
+  CHECK_THAT(Message(options, kEverywhere), Catch::Contains("without authentication;"));
   CHECK_THAT(Message({.authentication = Authentication::kNone}, kEverywhere),
-             Catch::Contains("no TLS and authentication:"));
+             Catch::Contains("without TLS and authentication;"));
 }
 
-TEST_CASE("Security: --insecure serves all the same, and says so", "[security]") {
+TEST_CASE("Security: --insecure serves with a warning", "[security]") {
   const Files files;
   const auto bare = PlanSecurity({.insecure = true}, kEverywhere);
   REQUIRE(bare.ok());
   CHECK(!bare->access.authentication);
   REQUIRE(bare->warnings.size() == 1);
   CHECK_THAT(bare->warnings[0], Catch::StartsWith("INSECURE: 0.0.0.0:0") &&
-                                    Catch::Contains("no TLS and authentication"));
+                                    Catch::Contains("without TLS and authentication"));
   const auto tokens =
       PlanSecurity({.authentication = Authentication::kToken, .insecure = true}, kEverywhere);
   REQUIRE(tokens.ok());
   CHECK(tokens->access.authentication);
   REQUIRE(tokens->warnings.size() == 1);
-  CHECK_THAT(tokens->warnings[0], Catch::Contains("no TLS."));
+  CHECK_THAT(tokens->warnings[0], Catch::Contains("without TLS."));
   SecurityOptions options = files.Encrypted();
   options.insecure = true;
   const auto encrypted = PlanSecurity(options, kEverywhere);
@@ -114,7 +115,7 @@ TEST_CASE("Security: --insecure serves all the same, and says so", "[security]")
   CHECK(encrypted->warnings.empty());
 }
 
-TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
+TEST_CASE("Security: the error names an invalid TLS file", "[security]") {
   const Files files;
   const KeyPairFiles other = files.authority.Issue("other", "other");
   SecurityOptions options = files.Encrypted();
@@ -144,12 +145,12 @@ TEST_CASE("Security: bad TLS files are refused by name", "[security]") {
   CHECK_THAT(Message(options), Catch::Contains("together"));
   options = {};
   options.tls.client_ca = files.authority.certificate();
-  CHECK_THAT(Message(options), Catch::Contains("need a certificate of the server"));
+  CHECK_THAT(Message(options), Catch::Contains("tls-client-ca needs tls-certificate"));
   CHECK_THAT(Message({.certificate_role = storage::Role::kReader}),
              Catch::Contains("certificate-role needs tls-client-ca"));
 }
 
-TEST_CASE("Security: a key that is not its owner's alone is told of", "[security]") {
+TEST_CASE("Security: warns of a key that others can read", "[security]") {
   const Files files;
   for (const auto& [mode, fault] : {std::pair(0644, "can read it"), std::pair(0622, "can write it"),
                                     std::pair(0660, "its group can write it")}) {
@@ -166,7 +167,7 @@ TEST_CASE("Security: a key that is not its owner's alone is told of", "[security
   }
 }
 
-TEST_CASE("Security: the administrator's token file is kept from others", "[security]") {
+TEST_CASE("Security: an admin token file that others can read is refused", "[security]") {
   const TemporaryDirectory directory;
   const std::string path = directory / "token";
   std::ofstream(path) << "  a long enough secret of an admin\n";
@@ -191,7 +192,7 @@ TEST_CASE("Security: the administrator's token file is kept from others", "[secu
   std::ofstream(path) << "short";
   CHECK_THAT(Message({.admin_token_file = path}), Catch::Contains("at least 20 characters"));
   CHECK_THAT(Message({.admin_token_file = path + "x"}), Catch::StartsWith(path + "x: "));
-  // What no header of a call can carry is not the token that whoever wrote it had in mind.
+  // A text that cannot be in a header cannot be the intended token.
   for (const char* const text :
        {"a long enough secret\nand another line", "a long enough secret \x01",
         "a long enough secr\xc3\xa9t", "\xff\xfe\x80 a long enough secret"}) {

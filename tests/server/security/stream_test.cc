@@ -1,4 +1,4 @@
-// Streams end at their next message when their token does.
+// A stream ends at its next message after its token became invalid.
 #include <catch2/catch.hpp>
 #include <memory>
 #include <string>
@@ -16,8 +16,8 @@ namespace {
 using Access = v1::AccessService::Stub;
 using grpc::StatusCode;
 
-struct Guarded {
-  Guarded() {
+struct ServerWithTokens {
+  ServerWithTokens() {
     server.CreateTrained("db");
     admin = Make(v1::ROLE_ADMIN);
     user = Make(v1::ROLE_INGESTER);
@@ -44,7 +44,7 @@ struct Guarded {
 };
 
 TEST_CASE("Streams: an observation ends when its token is revoked", "[security][rpc]") {
-  Guarded guarded;
+  ServerWithTokens guarded;
   const auto stub = guarded.server.NewStub<v1::ObserveService>();
   v1::RepresentRequest represent;
   represent.set_database("databases/db");
@@ -77,9 +77,9 @@ TEST_CASE("Streams: an observation ends when its token is revoked", "[security][
   CHECK(status.error_message() == guarded.user.token().name() + " was revoked");
 }
 
-TEST_CASE("Streams: an ingest ends when its token is revoked, and leaves nothing",
+TEST_CASE("Streams: an ingest ends when its token is revoked, and stores nothing",
           "[security][rpc]") {
-  Guarded guarded;
+  ServerWithTokens guarded;
   const auto stub = guarded.server.NewStub<v1::ClipService>();
   v1::IngestClipResponse response;
   const auto writer = stub->IngestClip(&guarded.context, &response);
@@ -99,9 +99,9 @@ TEST_CASE("Streams: an ingest ends when its token is revoked, and leaves nothing
   CHECK(listed.response.clips_size() == 3);
 }
 
-TEST_CASE("Streams: who waits for an operation is told nothing when its token has ended",
+TEST_CASE("Streams: a wait for an operation returns no result after its token is revoked",
           "[security][rpc]") {
-  Guarded guarded;
+  ServerWithTokens guarded;
   guarded.server.gate().Close();
   v1::IngestClipResponse ingested;
   const auto clips = guarded.server.NewStub<v1::ClipService>();

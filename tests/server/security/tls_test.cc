@@ -1,4 +1,4 @@
-// A server in this process, by TLS: who is let in, and what a change of the files does.
+// A server with TLS in this process: accepted clients, and changes of the files.
 #include <grpcpp/create_channel.h>
 #include <spdlog/spdlog.h>
 
@@ -48,7 +48,7 @@ class TlsServer {
     server = *std::move(started);
   }
 
-  // How a call ends on a new connection that trusts `authority` and shows `own`.
+  // Makes a call on a new connection that trusts `authority` and sends the certificate `own`.
   grpc::Status Call(const Authority& authority, const KeyPairFiles& own = {}) {
     grpc::SslCredentialsOptions pem{ReadFile(authority.certificate())};
     if (!own.key.empty()) {
@@ -59,7 +59,7 @@ class TlsServer {
     arguments.SetInt(GRPC_ARG_USE_LOCAL_SUBCHANNEL_POOL, 1);
     const auto channel =
         grpc::CreateCustomChannel(server->address(), grpc::SslCredentials(pem), arguments);
-    // Until it is connected or refused, however slow the machine.
+    // Until it is connected or refused, also on a slow machine.
     const auto end = std::chrono::system_clock::now() + seconds(20);
     auto state = channel->GetState(true);
     while (state != GRPC_CHANNEL_READY) {
@@ -77,8 +77,8 @@ class TlsServer {
   bool Connects(const Authority& authority, const KeyPairFiles& own = {}) {
     return Call(authority, own).error_code() != grpc::StatusCode::UNAVAILABLE;
   }
-  // As Connects, within a time in which the server sees its files change.
-  bool ComesToConnect(const Authority& authority, const KeyPairFiles& own = {}) {
+  // Like Connects, repeated until the server has noticed a change of its files.
+  bool ConnectsEventually(const Authority& authority, const KeyPairFiles& own = {}) {
     const auto end = std::chrono::steady_clock::now() + seconds(20);
     while (std::chrono::steady_clock::now() < end) {
       if (Connects(authority, own)) return true;
@@ -93,7 +93,7 @@ class TlsServer {
   std::unique_ptr<server::Server> server;
 };
 
-TEST_CASE("TLS: a connection needs an authority that vouches for the server", "[security]") {
+TEST_CASE("TLS: the client must trust the server's authority", "[security]") {
   TlsServer server(false);
   CHECK(server.Call(server.servers).ok());
   CHECK(!server.Connects(server.clients));
@@ -102,13 +102,13 @@ TEST_CASE("TLS: a connection needs an authority that vouches for the server", "[
   CHECK(!plain->WaitForConnected(std::chrono::system_clock::now() + milliseconds(500)));
 }
 
-TEST_CASE("TLS: new certificates are taken while the server runs, bad ones are not", "[security]") {
+TEST_CASE("TLS: a running server loads new certificates, but not invalid ones", "[security]") {
   TlsServer server(false);
   const Authority next(server.directory / "", "next");
   REQUIRE(server.Connects(server.servers));
   CHECK(!server.Connects(next));
 
-  // A key that is not the certificate's, for longer than the server takes to look.
+  // A key that does not match the certificate, for longer than the interval of the watch.
   const KeyPairFiles other = next.Issue("other", "localhost");
   const std::string good_key = ReadFile(server.pair.key);
   std::filesystem::copy_file(other.key, server.pair.key,
@@ -120,19 +120,19 @@ TEST_CASE("TLS: new certificates are taken while the server runs, bad ones are n
   CHECK(server.Connects(server.servers));
 
   next.Issue("server", "localhost");
-  CHECK(server.ComesToConnect(next));
+  CHECK(server.ConnectsEventually(next));
   CHECK(!server.Connects(server.servers));
 }
 
-TEST_CASE("TLS: figures tell when the first of the served certificates ends, also of new ones",
+TEST_CASE("TLS: statistics have the first expiry of the served certificates, also of new ones",
           "[security]") {
   TlsServer server(false);
   const auto ends_in_days = [&] {
     const auto end = server.server->monitor().Figures().certificate_end_time_s;
     return static_cast<double>(end - std::time(nullptr)) / 86'400;
   };
-  CHECK(ends_in_days() == Approx(2).margin(0.1));  // as Authority::Issue makes them
-  // The authority's own certificate, which ends in two days, is served behind one that lasts.
+  CHECK(ends_in_days() == Approx(2).margin(0.1));  // the validity by Authority::Issue
+  // The chain has the authority's certificate, which expires in two days, after a longer one.
   server.servers.Issue("server", "localhost", 300);
   const auto await = [&](double days) {
     const auto latest = std::chrono::steady_clock::now() + seconds(20);
@@ -150,12 +150,12 @@ TEST_CASE("TLS: figures tell when the first of the served certificates ends, als
   await(2);
 }
 
-TEST_CASE("TLS: of the server's certificate and its clients' authority, the first to end is told",
+TEST_CASE("TLS: statistics have the first expiry of server certificate and client authority",
           "[security]") {
   const TemporaryDirectory directory;
   const Authority servers(directory / "", "servers");
-  const Authority clients(directory / "", "clients");  // ends in two days
-  const auto first_of = [&](int days, const std::string& client_ca) {
+  const Authority clients(directory / "", "clients");  // expires in two days
+  const auto first_expiry = [&](int days, const std::string& client_ca) {
     const KeyPairFiles pair = servers.Issue("server", "localhost", days);
     const auto texts = server::ReadTlsFiles(
         {.certificate = pair.certificate, .key = pair.key, .client_ca = client_ca});
@@ -164,12 +164,12 @@ TEST_CASE("TLS: of the server's certificate and its clients' authority, the firs
         texts->first_to_end == client_ca,
         std::lround(static_cast<double>(texts->end_time_s - std::time(nullptr)) / 86'400));
   };
-  CHECK(first_of(300, "") == std::pair(false, 300L));
-  CHECK(first_of(300, clients.certificate()) == std::pair(true, 2L));
-  CHECK(first_of(1, clients.certificate()) == std::pair(false, 1L));
+  CHECK(first_expiry(300, "") == std::pair(false, 300L));
+  CHECK(first_expiry(300, clients.certificate()) == std::pair(true, 2L));
+  CHECK(first_expiry(1, clients.certificate()) == std::pair(false, 1L));
 }
 
-TEST_CASE("TLS: with an authority of clients, each shows a certificate and is known by it",
+TEST_CASE("TLS: with a client authority, each client is identified by its certificate",
           "[security]") {
   TlsServer server(true);
   const KeyPairFiles robot = server.clients.Issue("robot", "robot-7");
@@ -182,15 +182,15 @@ TEST_CASE("TLS: with an authority of clients, each shows a certificate and is kn
         "DatabaseService.CreateDatabase needs the role admin; certificate:robot-7 has the role "
         "ingester");
 
-  // Another authority of clients, while the server runs.
+  // Replaces the client authority while the server runs.
   std::filesystem::copy_file(server.servers.certificate(), server.clients.certificate(),
                              std::filesystem::copy_options::overwrite_existing);
-  CHECK(server.ComesToConnect(server.servers, stranger));
+  CHECK(server.ConnectsEventually(server.servers, stranger));
   CHECK(!server.Connects(server.servers, robot));
 }
 
-// OpenSSL writes its alerts by write(), which raises SIGPIPE where the client has gone.
-TEST_CASE("TLS: a closed connection does not end a program with a server", "[security]") {
+// OpenSSL writes alerts with write(), which raises SIGPIPE if the client has disconnected.
+TEST_CASE("TLS: a closed connection does not end the process", "[security]") {
   std::signal(SIGPIPE, SIG_DFL);
   const TlsServer server(false);
   CHECK(std::raise(SIGPIPE) == 0);

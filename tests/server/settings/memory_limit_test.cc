@@ -21,7 +21,7 @@ class FakeRoot {
   TemporaryDirectory directory_;
 };
 
-TEST_CASE("MemoryLimit: the machine's memory where no control group limits it", "[settings]") {
+TEST_CASE("MemoryLimit: the machine's memory if no control group limits it", "[settings]") {
   FakeRoot root;
   const std::int64_t machine = root.Limit();
   CHECK(machine > std::int64_t{64} << 20);
@@ -30,7 +30,7 @@ TEST_CASE("MemoryLimit: the machine's memory where no control group limits it", 
   CHECK(root.Limit() == machine);
 }
 
-TEST_CASE("MemoryLimit: the least of a control group and those above it", "[settings]") {
+TEST_CASE("MemoryLimit: the minimum of a control group and its parents", "[settings]") {
   FakeRoot root;
   SECTION("version 2") {
     root.Write("proc/self/cgroup", "0::/outer/inner\n");

@@ -27,7 +27,7 @@ std::string Problem(const std::string& text) {
   return std::string(problems[0].message());
 }
 
-TEST_CASE("SettingsFile: strings, numbers, truths and arrays, with their lines", "[settings]") {
+TEST_CASE("SettingsFile: strings, numbers, booleans and arrays, with their lines", "[settings]") {
   const auto settings = ParseWell(
       "# a comment\n"
       "\n"
@@ -51,7 +51,7 @@ TEST_CASE("SettingsFile: strings, numbers, truths and arrays, with their lines",
   CHECK(settings[6].line == 9);
 }
 
-TEST_CASE("SettingsFile: a byte order mark at its beginning is passed over", "[settings]") {
+TEST_CASE("SettingsFile: a byte order mark at the beginning is ignored", "[settings]") {
   const auto settings = ParseWell(
       "\xef\xbb\xbf"
       "a = 1\nb = '\xef\xbb\xbf'\n");
@@ -62,7 +62,7 @@ TEST_CASE("SettingsFile: a byte order mark at its beginning is passed over", "[s
   CHECK_THAT(Problem("a = 1\n\xef\xbb\xbf"), Catch::StartsWith("a.conf:2: "));
 }
 
-TEST_CASE("SettingsFile: a line that is no setting is named", "[settings]") {
+TEST_CASE("SettingsFile: the error names an invalid line", "[settings]") {
   CHECK_THAT(Problem("a = 1\nnonsense\n"), Catch::StartsWith("a.conf:2: "));
   for (const char* text : {"= 1", "a =", "a = two words", "a = bare", "a = \"open", "a = 'open",
                            "a = \"\\q\"", "a = [1 2]", "a = [1,"}) {
@@ -70,9 +70,8 @@ TEST_CASE("SettingsFile: a line that is no setting is named", "[settings]") {
     CHECK_THAT(Problem(text), Catch::StartsWith("a.conf:1: "));
   }
   CHECK_THAT(Problem("a = 1\n\na = 2"), Catch::StartsWith("a.conf:3: "));
-  CHECK(Problem("\n[network]\n") ==
-        "a.conf:2: network: expected `key = value`; there are no tables");
-  CHECK(Problem("a.b = 1") == "a.conf:1: a: expected `key = value`; there are no tables");
+  CHECK(Problem("\n[network]\n") == "a.conf:2: network: expected `key = value`, got a table");
+  CHECK(Problem("a.b = 1") == "a.conf:1: a: expected `key = value`, got a table");
   CHECK(Problem("a = 2026-01-01") ==
         "a.conf:1: a: expected a string, a number, true or false, or an array of these");
   CHECK(Problem("a = [[1]]") ==
@@ -87,7 +86,7 @@ TEST_CASE("SettingsFile: numbers keep their value", "[settings]") {
   CHECK(ParseWell("a = [\n1,\n'b']")[0].values == Values{"1", "b"});
 }
 
-TEST_CASE("SettingsFile: what is written is read back", "[settings]") {
+TEST_CASE("SettingsFile: written values can be read", "[settings]") {
   for (const Values& values : {Values{"0.3"}, Values{"true"}, Values{"a \"b\"\\ # c\n\t"},
                                Values{""}, Values{"127.0.0.1:0"}, Values{"inf"}, Values{"007"},
                                Values{".5"}, Values{"1 # x"}, Values{"1\nb = 2"}}) {
@@ -100,7 +99,7 @@ TEST_CASE("SettingsFile: what is written is read back", "[settings]") {
   CHECK(server::FormatValues({"info"}, false) == "\"info\"");
 }
 
-TEST_CASE("SettingsFile: a file that cannot be read is named", "[settings]") {
+TEST_CASE("SettingsFile: the error names an unreadable file", "[settings]") {
   const TemporaryDirectory directory;
   const auto missing = server::ReadSettingsFile(directory / "none.conf");
   CHECK(missing.status().code() == absl::StatusCode::kNotFound);

@@ -1,4 +1,4 @@
-// The three places of settings against each other.
+// Flags, variables and the configuration file, and their priority.
 #include "server/settings/settings_reader.h"
 
 #include <catch2/catch.hpp>
@@ -43,8 +43,7 @@ std::string WriteConfig(const TemporaryDirectory& directory, const std::string& 
   return directory / "motiondbd.conf";
 }
 
-TEST_CASE("Settings: flags beat variables, variables the file, the file the defaults",
-          "[settings]") {
+TEST_CASE("Settings: priority is flag, variable, file, default", "[settings]") {
   const TemporaryDirectory directory;
   const std::string file = WriteConfig(directory, "store = \"/s.db\"\nthreads = 3\n");
   struct Case {
@@ -52,7 +51,7 @@ TEST_CASE("Settings: flags beat variables, variables the file, the file the defa
     int threads;
     std::string source;
   };
-  // All eight ways of setting one thing in three places.
+  // All eight combinations of the three sources.
   for (const Case& c :
        {Case{false, false, false, 0, "default"}, Case{true, false, false, 3, file + ":2"},
         Case{false, true, false, 5, "MOTIONDBD_THREADS"},
@@ -83,12 +82,13 @@ TEST_CASE("Settings: a time is a number", "[settings]") {
   }
 }
 
-TEST_CASE("Settings: a count is a whole number, and told if it is not", "[settings]") {
+TEST_CASE("Settings: a count must be a whole number", "[settings]") {
   const TemporaryDirectory directory;
   for (const char* const key : {"threads", "max-frames", "failures-per-minute", "max-file-mib"}) {
     for (const char* const text : {"2.5", "many", "1e3", "7 ", ""}) {
       CAPTURE(key, text);
-      const std::string said = std::string(key) + ": '" + text + "' is not a whole number";
+      const std::string message =
+          std::string(key) + ": expected a whole number, got '" + text + "'";
       SettingsReader flag;
       const auto by_flag = Read(flag, {"--store", "/s.db", std::string("--") + key + "=" + text});
       SettingsReader file;
@@ -97,10 +97,10 @@ TEST_CASE("Settings: a count is a whole number, and told if it is not", "[settin
                                                              " = '" + text + "'\n")});
       if (*text != '\0') {
         REQUIRE(by_flag.size() == 1);
-        CHECK(by_flag[0] == "--" + said);
+        CHECK(by_flag[0] == "--" + message);
       }
       REQUIRE(by_file.size() == 1);
-      CHECK(by_file[0] == directory / "motiondbd.conf" + ":2: --" + said);
+      CHECK(by_file[0] == directory / "motiondbd.conf" + ":2: --" + message);
     }
     for (const char* const text : {"-1", "99999999999", "99999999999999999999999"}) {
       SettingsReader reader;
@@ -111,18 +111,17 @@ TEST_CASE("Settings: a count is a whole number, and told if it is not", "[settin
   }
 }
 
-TEST_CASE("Settings: a number that begins with 0 is not taken for octal", "[settings]") {
+TEST_CASE("Settings: a number that begins with 0 is not octal", "[settings]") {
   SettingsReader reader;
   const auto problems = Read(reader, {"--store", "/s.db"}, {{"MOTIONDBD_MAX_DATABASES", "010"}});
   REQUIRE(problems.size() == 1);
   CHECK(problems[0] ==
-        "MOTIONDBD_MAX_DATABASES: --max-databases: '010' begins with a 0: leave it out");
+        "MOTIONDBD_MAX_DATABASES: --max-databases: '010' begins with 0; omit the leading 0");
   SettingsReader zero;
   CHECK(Read(zero, {"--store", "/s.db", "--disk-reserve-mib", "0"}).empty());
 }
 
-TEST_CASE("Settings: what is true or false is said so, and not by an empty variable",
-          "[settings]") {
+TEST_CASE("Settings: a boolean is true or false; an empty variable is invalid", "[settings]") {
   for (const auto& [text, truth] : {std::pair("true", true),
                                     {"1", true},
                                     {"On", true},
@@ -153,7 +152,7 @@ TEST_CASE("Settings: what is true or false is said so, and not by an empty varia
   }
 }
 
-TEST_CASE("Settings: HTTP and gRPC cannot have one address", "[settings]") {
+TEST_CASE("Settings: HTTP and gRPC need different addresses", "[settings]") {
   const TemporaryDirectory directory;
   const auto refused = [&](const std::string& listen, const std::string& http) {
     SettingsReader reader;
@@ -171,15 +170,15 @@ TEST_CASE("Settings: HTTP and gRPC cannot have one address", "[settings]") {
   CHECK(refused("0.0.0.0:7", "127.0.0.1:7"));
   CHECK(refused("127.0.0.1:7", "[::]:7"));
   CHECK(refused("localhost:7", "127.0.0.1:7"));
-  CHECK(refused("127.0.0.1:9464", ""));  // where HTTP is by default
+  CHECK(refused("127.0.0.1:9464", ""));  // default address of HTTP
   CHECK(!refused("127.0.0.1:9464", "none"));
   CHECK(!refused("127.0.0.1:9464", "127.0.0.1:9465"));
-  CHECK(!refused("127.0.0.1:0", "127.0.0.1:0"));  // each a free one
+  CHECK(!refused("127.0.0.1:0", "127.0.0.1:0"));  // two free ports
   CHECK(!refused("127.0.0.1:7", "127.0.0.2:7"));
   CHECK(!refused("127.0.0.1:50051", ""));
 }
 
-TEST_CASE("Settings: every one has all three forms", "[settings]") {
+TEST_CASE("Settings: every setting has a flag, a variable and a file key", "[settings]") {
   const TemporaryDirectory directory;
   SettingsReader defaults;
   CHECK(Read(defaults, {"--store", "/s.db"}).empty());
@@ -198,7 +197,7 @@ TEST_CASE("Settings: every one has all three forms", "[settings]") {
     for (const char c : setting.key) variable += c == '-' ? '_' : static_cast<char>(toupper(c));
     std::vector<absl::Status> none;
     const auto parsed = server::ParseSettings("", "k = " + value, none)[0].values;
-    if (parsed.empty()) continue;  // an empty list is given by leaving it out
+    if (parsed.empty()) continue;  // an empty list is not written
     SettingsReader from_environment;
     Environment environment{{"MOTIONDBD_STORE", "/s.db"}};
     environment[variable] = parsed[0];
@@ -207,7 +206,7 @@ TEST_CASE("Settings: every one has all three forms", "[settings]") {
   }
 }
 
-TEST_CASE("Settings: the file is named by a flag, or else by a variable", "[settings]") {
+TEST_CASE("Settings: a flag or else a variable names the file", "[settings]") {
   const TemporaryDirectory directory;
   const std::string file = WriteConfig(directory, "store = '/from-file.db'");
   SettingsReader by_variable;
@@ -217,11 +216,11 @@ TEST_CASE("Settings: the file is named by a flag, or else by a variable", "[sett
   CHECK(Read(by_flag, {"--config", file}, {{"MOTIONDBD_CONFIG", "/absent"}}).empty());
   SettingsReader absent;
   const auto problems = Read(absent, {"--config", directory / "absent.conf"});
-  REQUIRE(problems.size() == 2);  // and no store
+  REQUIRE(problems.size() == 2);  // the second: no store
   CHECK(problems[0].find("absent.conf: cannot be read") != std::string::npos);
 }
 
-TEST_CASE("Settings: each mistake names its place, all at once", "[settings]") {
+TEST_CASE("Settings: all mistakes are reported, each with its place", "[settings]") {
   const TemporaryDirectory directory;
   const std::string file = WriteConfig(directory,
                                        "store = '/s.db'\n"
@@ -243,16 +242,16 @@ TEST_CASE("Settings: each mistake names its place, all at once", "[settings]") {
     return false;
   };
   for (const std::string& problem : problems) UNSCOPED_INFO(problem);
-  CHECK(names(file + ":2", "no such setting: thread"));
+  CHECK(names(file + ":2", "unknown setting: thread"));
   CHECK(names(file + ":3", "--threads"));
   CHECK(names(file + ":4", "many"));
   CHECK(names(file + ":6", "listen: expected one value"));
-  CHECK(names(file + ":7", "no such setting: config"));
+  CHECK(names(file + ":7", "unknown setting: config"));
   CHECK(names("MOTIONDBD_LOG_LEVEL", "loud"));
-  CHECK(names("MOTIONDBD_THRAEDS", "no such setting"));
+  CHECK(names("MOTIONDBD_THRAEDS", "unknown setting"));
 }
 
-TEST_CASE("Settings: a file that is no TOML is named beside other mistakes", "[settings]") {
+TEST_CASE("Settings: a file that is not TOML is reported with other mistakes", "[settings]") {
   const TemporaryDirectory directory;
   const std::string file = WriteConfig(directory, "threads = 2\nlog-level = info\n");
   SettingsReader reader;
@@ -279,7 +278,7 @@ TEST_CASE("Settings: addresses are HOST:PORT", "[settings]") {
   }
 }
 
-TEST_CASE("Settings: units are those that the names say", "[settings]") {
+TEST_CASE("Settings: units match the names", "[settings]") {
   SettingsReader reader;
   CHECK(Read(reader, {"--store", "/s.db", "--max-file-mib", "3", "--max-message-mib", "5",
                       "--rebuild-delay", "0.25", "--grace-seconds", "1.5"})
@@ -291,7 +290,7 @@ TEST_CASE("Settings: units are those that the names say", "[settings]") {
   CHECK(settings.grace == std::chrono::milliseconds(1500));
 }
 
-TEST_CASE("Settings: one client may have a quarter of the calls, and at least one", "[settings]") {
+TEST_CASE("Settings: one client may have a quarter of the calls, at least one", "[settings]") {
   for (const auto& [all, own] :
        {std::pair{"1", 1}, std::pair{"7", 1}, std::pair{"8", 2}, std::pair{"4000", 1000}}) {
     CAPTURE(all);
@@ -312,8 +311,7 @@ TEST_CASE("Settings: one client may have a quarter of the calls, and at least on
   }
 }
 
-TEST_CASE("Settings: ingests do not put off a rebuild for more than 10 s, or the delay",
-          "[settings]") {
+TEST_CASE("Settings: ingests delay a build by at most 10 s or the configured delay", "[settings]") {
   for (const auto& [delay, limit] :
        {std::pair{"0.5", 10}, std::pair{"10", 10}, std::pair{"20", 20}}) {
     CAPTURE(delay);
@@ -324,7 +322,7 @@ TEST_CASE("Settings: ingests do not put off a rebuild for more than 10 s, or the
   }
 }
 
-TEST_CASE("Settings: what is no setting any more is ignored with a warning", "[settings]") {
+TEST_CASE("Settings: a removed setting is ignored with a warning", "[settings]") {
   const TemporaryDirectory directory;
   const std::string file =
       WriteConfig(directory, "store = \"/s.db\"\nheavy-threads = 3\nmax-calls-per-client = 9\n");
@@ -335,12 +333,11 @@ TEST_CASE("Settings: what is no setting any more is ignored with a warning", "[s
   const std::vector<std::string>& warnings = reader.warnings();
   REQUIRE(warnings.size() == 4);
   CHECK(warnings[0] == file +
-                           ":2: heavy-threads is no setting any more and is ignored: all threads "
-                           "but one may be at long work (threads)");
-  CHECK(warnings[1].starts_with(file + ":3: max-calls-per-client is no setting any more"));
-  CHECK(
-      warnings[2].starts_with("MOTIONDBD_REBUILD_DELAY_LIMIT: rebuild-delay-limit is no setting"));
-  CHECK(warnings[3].starts_with("--max-metadata-kib: max-metadata-kib is no setting any more"));
+                           ":2: heavy-threads was removed and is ignored: long work uses all "
+                           "threads but one (see threads)");
+  CHECK(warnings[1].starts_with(file + ":3: max-calls-per-client was removed and is ignored"));
+  CHECK(warnings[2].starts_with("MOTIONDBD_REBUILD_DELAY_LIMIT: rebuild-delay-limit was removed"));
+  CHECK(warnings[3].starts_with("--max-metadata-kib: max-metadata-kib was removed and is"));
   const server::Settings& settings = reader.settings();
   CHECK(settings.server.engine.heavy_threads == 0);
   CHECK(settings.server.calls.calls.per_client == 1024);
@@ -351,7 +348,7 @@ TEST_CASE("Settings: what is no setting any more is ignored with a warning", "[s
   CHECK(reader.Help().find("per-client") == std::string::npos);
 }
 
-TEST_CASE("Settings: a limit of time that would end every call is refused", "[settings]") {
+TEST_CASE("Settings: a time limit that would end every call is refused", "[settings]") {
   for (const char* const key : {"--call-time-limit", "--silence-limit"}) {
     CAPTURE(key);
     for (const char* const bad : {"0", "0.9", "-1"}) {
@@ -367,14 +364,14 @@ TEST_CASE("Settings: a limit of time that would end every call is refused", "[se
     SettingsReader broken;
     CHECK(Read(broken, {"--store", "/s.db", key, "1.5"}).empty());
   }
-  SettingsReader zero;  // where it means something
+  SettingsReader zero;  // where 0 is valid
   CHECK(Read(zero, {"--store", "/s.db", "--rebuild-delay", "0", "--slow-call-seconds", "0",
                     "--disk-reserve-mib", "0"})
             .empty());
   CHECK(zero.settings().disk_reserve_bytes == 0);
 }
 
-TEST_CASE("Settings: help and version are asked for without any setting", "[settings]") {
+TEST_CASE("Settings: help and version need no setting", "[settings]") {
   SettingsReader help;
   CHECK(Read(help, {"--help"}, {{"MOTIONDBD_CONFIG", "/absent"}}).empty());
   CHECK(help.task() == Task::kHelp);
@@ -391,7 +388,7 @@ TEST_CASE("Settings: help and version are asked for without any setting", "[sett
   CHECK(Read(unknown, {"--stor", "x"}).size() == 1);
 }
 
-TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "[settings]") {
+TEST_CASE("Settings: a check examines the store's folder and changes nothing", "[settings]") {
   const TemporaryDirectory directory;
   const auto check = [&](const std::string& store) {
     SettingsReader reader;
@@ -405,10 +402,10 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   REQUIRE(check(directory / "folder").size() == 1);
   SettingsReader absent;
   REQUIRE(Read(absent, {"--store", directory / "new.db", "--read-only"}).empty());
-  REQUIRE(absent.Check().size() == 1);  // it would have to be made
+  REQUIRE(absent.Check().size() == 1);  // the folder is missing
   SettingsReader memory;
   REQUIRE(Read(memory, {"--store", directory / "a.db", "--message-memory-mib", "15"}).empty());
-  CHECK(memory.Check().size() == 2);  // neither the largest request nor the largest file fits
+  CHECK(memory.Check().size() == 2);  // too small for the largest request and file
   SettingsReader small_files;
   REQUIRE(Read(small_files, {"--store", directory / "a.db", "--message-memory-mib", "31",
                              "--max-file-mib", "15"})
@@ -416,7 +413,7 @@ TEST_CASE("Settings: a check looks at the store's folder and changes nothing", "
   CHECK(small_files.Check().size() == 1);
 }
 
-TEST_CASE("Settings: a start is refused what a check refuses, but for the store", "[settings]") {
+TEST_CASE("Settings: a start and a check refuse the same, except the store", "[settings]") {
   const TemporaryDirectory directory;
   const auto refused = [&](std::vector<std::string> arguments) {
     SettingsReader reader;
@@ -429,20 +426,21 @@ TEST_CASE("Settings: a start is refused what a check refuses, but for the store"
   };
   const std::string store = directory / "a.db";
   CHECK(refused({"--store", store}).empty());
-  CHECK(refused({"--store", directory / "none" + "/a.db"}).empty());  // opening it says so
+  CHECK(
+      refused({"--store", directory / "none" + "/a.db"}).empty());  // opening the store reports it
   const auto both = refused({"--store", store, "--message-memory-mib", "31", "--max-file-mib", "15",
                              "--listen", "0.0.0.0:50051"});
   REQUIRE(both.size() == 2);
   CHECK(both[0].find("message-memory-mib") != std::string::npos);
-  CHECK(both[1].find("there is no TLS") != std::string::npos);
+  CHECK(both[1].find("without TLS") != std::string::npos);
   const auto file =
       refused({"--store", store, "--tls-certificate", "/absent.crt", "--tls-key", "/absent.key"});
   REQUIRE(file.size() == 1);
   CHECK(file[0].find("/absent.crt") != std::string::npos);
 }
 
-// Every line of the sample that sets something, or would without its '#'. Each has a comment right
-// above it.
+// Returns the settings of the sample file, also those commented out. Each must have a comment
+// directly above.
 std::map<std::string, std::string> SampleSettings() {
   std::ifstream file(MOTIONDBD_CONF);
   REQUIRE(file);

@@ -6,7 +6,7 @@
 namespace motiondb::tests::access_message_test {
 namespace {
 
-TEST_CASE("WantedToken: what a request asks for", "[server]") {
+TEST_CASE("WantedToken: is read from a request", "[server]") {
   v1::CreateTokenRequest request;
   request.set_role(v1::ROLE_ADMIN);
   request.set_database("databases/walks");
@@ -35,7 +35,7 @@ TEST_CASE("WantedToken: what a request asks for", "[server]") {
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
 }
 
-TEST_CASE("AuditEntry: what somebody sent who was refused has no control characters", "[server]") {
+TEST_CASE("AuditEntry: texts of a refused caller have no control characters", "[server]") {
   storage::AuditRecord record;
   record.principal = "certificate:evil\nsecond line";
   record.resource =

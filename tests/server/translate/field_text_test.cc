@@ -7,7 +7,7 @@
 namespace motiondb::tests::field_text_test {
 namespace {
 
-TEST_CASE("FieldText: the text at a path, empty where the way is not there", "[server]") {
+TEST_CASE("FieldText: the text at a path, empty if the path does not exist", "[server]") {
   v1::IngestClipRequest request;
   CHECK(server::FieldText(request, "header.parent").empty());
   request.mutable_header()->set_parent("databases/walks");
@@ -17,7 +17,7 @@ TEST_CASE("FieldText: the text at a path, empty where the way is not there", "[s
   CHECK(server::FieldText(request, "header.parent").empty());
 }
 
-TEST_CASE("FindTextField: only a single string will do", "[server]") {
+TEST_CASE("FindTextField: accepts only a single string", "[server]") {
   const auto has = [](const char* path) {
     return server::FindTextField(*v1::PredictSeriesRequest::descriptor(), path) != nullptr;
   };

@@ -24,7 +24,7 @@ v1::IngestClipRequest Block(const std::string& bytes) {
 
 std::string Error(const absl::Status& status) { return std::string(status.message()); }
 
-TEST_CASE("IngestStream: blocks join to the file", "[server][translate]") {
+TEST_CASE("IngestStream: joins blocks to the file", "[server][translate]") {
   IngestStream stream(100);
   REQUIRE(stream.Take(Header("folder/walk.BVH")).ok());
   CHECK(stream.database() == "db");
@@ -58,7 +58,7 @@ TEST_CASE("IngestStream: sizes are limited", "[server][translate]") {
   CHECK(absl::IsResourceExhausted(stream.Take(Block("6"))));
 }
 
-TEST_CASE("IngestStream: every wrong field of the header is named", "[server][translate]") {
+TEST_CASE("IngestStream: the error names the invalid field of the header", "[server][translate]") {
   const auto expect = [](const std::string& field, const auto& change) {
     v1::IngestClipRequest message = Header("walk.bvh");
     change(*message.mutable_header());
@@ -99,7 +99,7 @@ TEST_CASE("IngestStream: every wrong field of the header is named", "[server][tr
   });
 }
 
-TEST_CASE("IngestStream: an AMC brings its skeleton", "[server][translate]") {
+TEST_CASE("IngestStream: an AMC file comes with its skeleton", "[server][translate]") {
   v1::IngestClipRequest header = Header("02_01.amc");
   header.mutable_header()->set_skeleton_file_name("02.asf");
   IngestStream stream(100);

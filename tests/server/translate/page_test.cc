@@ -5,14 +5,14 @@
 namespace motiondb::server::page_test {
 namespace {
 
-TEST_CASE("Page: sizes have a default and a cap", "[server][translate]") {
+TEST_CASE("Page: sizes have a default and a maximum", "[server][translate]") {
   CHECK(*PageSize(0, 100, 1000) == 100);
   CHECK(*PageSize(7, 100, 1000) == 7);
   CHECK(*PageSize(5000, 100, 1000) == 1000);
   CHECK(absl::IsInvalidArgument(PageSize(-1, 100, 1000).status()));
 }
 
-TEST_CASE("Page: a token serves the list that it was made for", "[server][translate]") {
+TEST_CASE("Page: a token is valid only for its list", "[server][translate]") {
   const std::string token = EncodePageToken("databases/a/clips", "walk");
   CHECK(*DecodePageToken("databases/a/clips", token) == "walk");
   CHECK(*DecodePageToken("databases/a/clips", "") == "");
@@ -22,8 +22,7 @@ TEST_CASE("Page: a token serves the list that it was made for", "[server][transl
   CHECK(!DecodePageToken("databases/a/clips", EncodePageToken("databases/a/clips", "")).ok());
 }
 
-TEST_CASE("Page: ends after so many items or bytes, but holds one at least",
-          "[server][translate]") {
+TEST_CASE("Page: is limited by items and bytes, but has at least one item", "[server][translate]") {
   PageBudget few(2);
   CHECK(few.Take(1));
   CHECK(few.Take(1));
@@ -43,7 +42,7 @@ TEST_CASE("Page: a position in a model is bound to its version and time", "[serv
   CHECK(DecodeModelPosition("nodes", "")->create_time_us == 0);
   const storage::ModelRecord same{.version = 3, .create_time_us = 1234567890123456};
   CHECK(CheckStillCurrent(*position, same).ok());
-  // A model that is not stored yet has the version of another.
+  // A model that is not stored yet has the version of another model.
   CHECK(absl::IsAborted(CheckStillCurrent(*position, {.version = 3, .create_time_us = 1})));
   CHECK(absl::IsAborted(
       CheckStillCurrent(*position, {.version = 4, .create_time_us = 1234567890123456})));

@@ -25,13 +25,13 @@ TEST_CASE("PlainText: a display control is refused and named", "[server][transla
     }
   }
   CHECK(server::CheckPlainText("label", "\xC2\x9B", 255).message() ==
-        "label: expected text, got the control or invisible format character U+009B; leave it out");
+        "label: expected text, got the control or invisible format character U+009B; omit it");
   CHECK(server::CheckPlainText("label", "M\xC3\xBCller \xF0\x9F\x8F\x83 \xD7\x90", 255).ok());
   CHECK(absl::IsInvalidArgument(server::CheckPlainText("label", "abc", 2)));
   CHECK(server::CheckPlainLines("file", "name a\r\nmarker\tb\n").ok());
 }
 
-TEST_CASE("PlainText: a token is refused wherever text is stored", "[server][translate]") {
+TEST_CASE("PlainText: a token is refused in every stored text", "[server][translate]") {
   for (const absl::Status& status :
        {server::CheckPlainText("label", AnyToken(), 255),
         server::CheckPlainText("label", "for " + AnyToken().substr(0, 40), 255),

@@ -14,7 +14,7 @@ core::Dof Turn(const Eigen::Vector3d& axis) {
   return {.kind = core::Dof::Kind::kRotation, .axis = axis};
 }
 
-// A base that moves and turns, a hinge, a fixed link, and a joint that turns about one axis twice.
+// A free base, a hinge, a fixed link, and a joint with two rotations about one axis.
 std::shared_ptr<const core::Skeleton> Arm() {
   const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
   const Eigen::Vector3d z = Eigen::Vector3d::UnitZ();
@@ -55,12 +55,13 @@ absl::Status Set(const core::PlanAnswer& answer, bool files, v1::PlanResponse& m
       {.answer = answer, .body = body}, "db", model, files, [] { return false; }, message);
 }
 
-TEST_CASE("DofNames: a joint's own name, or with what it does", "[server][translate]") {
+TEST_CASE("DofNames: the name of the joint, with the axis if it has several",
+          "[server][translate]") {
   CHECK(DofNames(*Arm()) ==
         Names{"base.tx", "base.rz", "elbow", "wrist.rz", "wrist.rx", "wrist.rz2"});
 }
 
-TEST_CASE("PlanMessage: the best, its alternatives and the search", "[server][translate]") {
+TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][translate]") {
   core::PlanAnswer answer;
   answer.outcome = core::PlanOutcome::kDeadline;
   answer.missing = "time";
@@ -123,7 +124,7 @@ TEST_CASE("PlanMessage: files have the names of their formats", "[server][transl
   CHECK(!bare.motion().has_file());
 }
 
-TEST_CASE("PlanMessage: nobody waits, nothing is written", "[server][translate]") {
+TEST_CASE("PlanMessage: a cancelled call writes no files", "[server][translate]") {
   core::PlanAnswer answer;
   answer.motions = {Motion()};
   v1::PlanResponse message;

@@ -9,13 +9,13 @@
 namespace motiondb::server::query_message_test {
 namespace {
 
-TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refused",
+TEST_CASE("SetRecognition: a response with too many clips and labels is refused",
           "[server][translate][hostile]") {
   const core::Model model = tests::SmallModel(2, 40, 3, 4, 1);
   core::RecognizedWindow window;
   window.clips.resize(1023);
   window.labels.resize(1);
-  std::vector<core::RecognizedWindow> windows(1024, window);  // 2^20: as many as fit
+  std::vector<core::RecognizedWindow> windows(1024, window);  // 2^20: the maximum
   windows.emplace_back().labels.resize(1);
 
   v1::RecognizeResponse response;
@@ -23,12 +23,12 @@ TEST_CASE("SetRecognition: an answer of more clips and labels than fit is refuse
   CHECK(refused.code() == absl::StatusCode::kInvalidArgument);
   CHECK(refused.GetPayload(core::kFieldUrl).has_value());
   CHECK_THAT(std::string(refused.message()),
-             Catch::StartsWith("top_count: the answer would have 1048577 clips and labels in 1025 "
-                               "windows, at most 1048576 fit"));
+             Catch::StartsWith("top_count: the response would have 1048577 clips and labels in "
+                               "1025 windows, the limit is 1048576"));
   CHECK(response.windows().empty());
   CHECK(SetRecognition(windows, "d", model, 1023, response).code() == refused.code());
 
-  // Fewer are answered.
+  // Fewer are accepted.
   REQUIRE(SetRecognition(windows, "d", model, 2, response).ok());
   CHECK(response.windows_size() == 1025);
   CHECK(response.windows(0).clips_size() == 2);

@@ -13,7 +13,7 @@ v1::Status DetailsOf(const grpc::Status& status) {
   return details;
 }
 
-TEST_CASE("RequestInfo: comes after the details that are there", "[server]") {
+TEST_CASE("RequestInfo: is added after existing details", "[server]") {
   const grpc::Status status = server::WithRequestInfo(
       server::ToGrpcStatus(server::FieldViolation("layer", "too deep")), "robot/1");
   CHECK(status.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
@@ -28,7 +28,7 @@ TEST_CASE("RequestInfo: comes after the details that are there", "[server]") {
   CHECK(info.request_id() == "robot/1");
 }
 
-TEST_CASE("RequestInfo: stands alone where there are no details", "[server]") {
+TEST_CASE("RequestInfo: is the only detail if there are no others", "[server]") {
   const v1::Status details =
       DetailsOf(server::WithRequestInfo({grpc::StatusCode::NOT_FOUND, "gone"}, "1"));
   CHECK(details.code() == 5);
@@ -36,7 +36,7 @@ TEST_CASE("RequestInfo: stands alone where there are no details", "[server]") {
   CHECK(details.details_size() == 1);
 }
 
-TEST_CASE("RetryInfo: says how long to wait", "[server]") {
+TEST_CASE("RetryInfo: has the time to wait", "[server]") {
   const absl::Status status = server::RetryLater(std::chrono::milliseconds(1500), "{} calls", 3);
   CHECK(absl::IsResourceExhausted(status));
   CHECK(std::string(status.message()) == "3 calls");

@@ -5,7 +5,7 @@
 namespace motiondb::server::resource_name_test {
 namespace {
 
-TEST_CASE("ResourceName: what is made is parsed", "[server][translate]") {
+TEST_CASE("ResourceName: made names can be parsed", "[server][translate]") {
   CHECK(*ParseDatabaseName("name", DatabaseName("db")) == "db");
   CHECK(ParseClipName("name", ClipName("db", "02_01"))->database == "db");
   CHECK(ParseClipName("name", ClipName("db", "02_01"))->id == "02_01");
@@ -15,7 +15,7 @@ TEST_CASE("ResourceName: what is made is parsed", "[server][translate]") {
   CHECK(*ParseOperationName("name", OperationName("17-3")) == "17-3");
 }
 
-TEST_CASE("ResourceName: other forms are refused with the one expected", "[server][translate]") {
+TEST_CASE("ResourceName: invalid names are refused with the expected form", "[server][translate]") {
   for (const char* name : {"", "db", "databases", "databases/", "/db", "clips/a", "databases/a/",
                            "databases/a/b", "Databases/a", "databases/a/clips/c"}) {
     const auto parsed = ParseDatabaseName("name", name);

@@ -21,8 +21,7 @@ TEST_CASE("StatusMapping: every canonical code keeps its number", "[server][tran
         grpc::StatusCode::UNKNOWN);
 }
 
-TEST_CASE("StatusMapping: a field violation travels as google.rpc.BadRequest",
-          "[server][translate]") {
+TEST_CASE("StatusMapping: a field violation becomes google.rpc.BadRequest", "[server][translate]") {
   const grpc::Status mapped =
       ToGrpcStatus(FieldViolation("observation.markers.frame_rate_hz", "must be {}", "positive"));
   CHECK(mapped.error_code() == grpc::StatusCode::INVALID_ARGUMENT);
@@ -43,7 +42,7 @@ TEST_CASE("StatusMapping: a field violation travels as google.rpc.BadRequest",
 TEST_CASE("StatusMapping: messages fit gRPC's trailers and are UTF-8", "[server][translate]") {
   const grpc::Status mapped = ToGrpcStatus(FieldViolation("field", std::string(100'000, '\xff')));
   CHECK(mapped.error_message().size() <= 1024);
-  // The trailers hold 8 KiB: the message percent-encoded, the details in base64.
+  // Trailers are limited to 8 KiB: the message percent-encoded, the details in base64.
   CHECK(3 * mapped.error_message().size() + mapped.error_details().size() * 4 / 3 < 8000);
   v1::Status details;
   CHECK(details.ParseFromString(mapped.error_details()));

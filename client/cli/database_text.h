@@ -28,10 +28,10 @@ std::string IngestedClipText(const v1::Clip& clip);
 std::string BorrowedCalibrationText(v1::Calibration calibration);
 
 // The figures of the paper's Table I, and those beside them.
-std::string DescriptionText(const v1::DescribeDatabaseResponse& description);
+std::string DescriptionText(const v1::DatabaseStatistics& description);
 
 // The clips that could not be derived again, a line each; empty where there is none.
-std::string UnderivedText(const v1::DescribeDatabaseResponse& description);
+std::string UnderivedText(const v1::DatabaseStatistics& description);
 
 std::string OperationsText(const std::vector<v1::Operation>& operations);
 

@@ -89,7 +89,7 @@ absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& reque
 // A goal that cannot be reached is a failure to a script, and one that it can tell from others; so
 // is a file that was not written, unless there was nothing to write in it.
 absl::Status Outcome(const v1::PlanResponse& response, const absl::Status& written) {
-  if (response.outcome() != v1::UNREACHABLE) return written;
+  if (response.outcome() != v1::PLAN_OUTCOME_UNREACHABLE) return written;
   if (!written.ok() && !absl::IsNotFound(written)) return written;
   const absl::Status unreachable =
       absl::NotFoundError(fmt::format("the goal cannot be reached{}{}",

@@ -158,7 +158,7 @@ struct VerifyOptions {};
 void Declare(CLI::App&, VerifyOptions&) {}
 
 // One finding a line, on standard output: it is the answer.
-void Print(const v1::Damage& damage) {
+void Print(const v1::Corruption& damage) {
   PrintLine("damaged: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
             damage.description());
 }
@@ -176,7 +176,7 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
     if (global.json) {
       PrintJson(message);
     } else if (message.has_damage()) {
-      Print(message.damage());
+      Print(message.corruption());
     }
     return absl::OkStatus();
   };
@@ -190,9 +190,9 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
               CountText(summary->skeleton_count(), "skeleton"),
               static_cast<double>(summary->byte_count()) / 1e6);
   }
-  if (summary->damage_count() == 0) return absl::OkStatus();
+  if (summary->corruption_count() == 0) return absl::OkStatus();
   return absl::DataLossError(
-      fmt::format("{} of damage", CountText(summary->damage_count(), "finding")));
+      fmt::format("{} of damage", CountText(summary->corruption_count(), "finding")));
 }
 
 }  // namespace

@@ -14,10 +14,11 @@ namespace {
 absl::Status Within(const std::string& database, std::string_view what, std::int64_t stored,
                     std::int64_t more, std::int64_t most, std::string_view setting) {
   if (stored + more <= most) return absl::OkStatus();
-  return absl::ResourceExhaustedError(fmt::format(
-      "database '{}' holds {} {} and may hold {}, so {} more do not fit: delete clips first, or "
-      "raise --{}",
-      database, stored, what, most, more, setting));
+  return core::WithReason("QUOTA_EXCEEDED", absl::ResourceExhaustedError(fmt::format(
+                                                "database '{}' holds {} {} and may hold {}, so {} "
+                                                "more do not fit: delete clips first, or "
+                                                "raise --{}",
+                                                database, stored, what, most, more, setting)));
 }
 
 }  // namespace
@@ -114,7 +115,7 @@ absl::Status LiveDatabase::CheckAlive(Retiring retiring) {
     case Life::kDeleted:
       break;
   }
-  return core::NotFound("database '{}' was deleted", name_);
+  return core::WithReason("DATABASE_NOT_FOUND", core::NotFound("database '{}' was deleted", name_));
 }
 
 absl::Status LiveDatabase::WithSharedUse(Retiring retiring,

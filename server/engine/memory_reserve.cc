@@ -79,9 +79,10 @@ void OnFailedAllocation() {
 
 absl::Status InstallMemoryReserve() {
   if (!Fill()) {
-    return absl::ResourceExhaustedError(
-        "not enough memory to start: 64 MiB of address space cannot be set aside; raise the limit "
-        "(ulimit -v, LimitAS)");
+    return core::WithReason("OUT_OF_MEMORY", absl::ResourceExhaustedError(
+                                                 "not enough memory to start: 64 MiB of address "
+                                                 "space cannot be set aside; raise the limit "
+                                                 "(ulimit -v, LimitAS)"));
   }
   rlimit limit{};
   is_limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;

@@ -40,7 +40,8 @@ absl::StatusOr<bool> ObserveSession::TakeOverModel() {
   const std::string& name = query_.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(Query current, Query::Begin(query_.engine(), name, query_.terms()));
   if (current.database() != query_.database()) {
-    return core::NotFound("database '{}' was deleted, and another created", name);
+    return core::WithReason("DATABASE_NOT_FOUND",
+                            core::NotFound("database '{}' was deleted, and another created", name));
   }
   if (current.snapshot() == query_.snapshot()) return false;
   MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));

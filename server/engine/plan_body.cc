@@ -73,10 +73,12 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
   if (!body.ok()) return body;
   if (body->skeleton == nullptr) {
     if (!request.with_files) return body;
-    return core::FailedPrecondition(
-        "a plan on bare markers fits no motion file: name a skeleton of the database or send a "
-        "robot (motiondb plan {} --skeleton NAME|FILE.urdf), or leave include_files out",
-        database);
+    return core::WithReason(
+        "NO_SKELETON",
+        core::FailedPrecondition(
+            "a plan on bare markers fits no motion file: name a skeleton of the database or send a "
+            "robot (motiondb plan {} --skeleton NAME|FILE.urdf), or leave include_files out",
+            database));
   }
   const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";
   if (body->skeleton->dof_count() > kMostDofs || body->skeleton->joint_count() > kMostJoints) {

@@ -27,7 +27,9 @@ absl::Status HeavyWork() {
 }
 
 absl::Status TooLong(const std::string& how) {
-  return absl::ResourceExhaustedError("the motion " + how + " (--max-frames): send it in parts");
+  return core::WithReason(
+      "MOTION_TOO_LONG",
+      absl::ResourceExhaustedError("the motion " + how + " (--max-frames): send it in parts"));
 }
 
 double FrameCount(const core::Motion& motion) {

@@ -56,7 +56,10 @@ CallKind KindOf(const Method& method) {
 
 }  // namespace
 
-grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
+grpc::Status Stopping() {
+  return ToGrpcStatus(
+      core::WithReason("SERVER_STOPPING", absl::UnavailableError("the server is stopping")));
+}
 
 CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
                      const Method& method, std::function<void()> on_close)
@@ -206,28 +209,31 @@ absl::Status CallEntry::Recheck() const {
 }
 
 grpc::Status CallEntry::Silent() const {
-  if (!checked_) {
-    return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("nothing came for the {:g} s that a client may be silent before its first "
-                        "message (--silence-limit, at most {:g} s there)",
-                        Seconds(host_.limits.first_silence()),
-                        Seconds(host_.limits.options().longest_first_silence))};
-  }
-  return {grpc::StatusCode::DEADLINE_EXCEEDED,
-          fmt::format("nothing came or went for the {:g} s that a client may be silent "
-                      "(--silence-limit)",
-                      Seconds(host_.limits.options().longest_silence))};
+  const CallLimitOptions& options = host_.limits.options();
+  const std::string message =
+      checked_ ? fmt::format(
+                     "nothing came or went for the {:g} s that a client may be silent "
+                     "(--silence-limit)",
+                     Seconds(options.longest_silence))
+               : fmt::format(
+                     "nothing came for the {:g} s that a client may be silent before its "
+                     "first message (--silence-limit, at most {:g} s there)",
+                     Seconds(host_.limits.first_silence()), Seconds(options.longest_first_silence));
+  return ToGrpcStatus(core::WithReason("IDLE_TIMEOUT", absl::DeadlineExceededError(message)));
 }
 
 grpc::Status CallEntry::TimeIsUp() const {
   const auto now = std::chrono::system_clock::now();
   if (deadline_ < client_deadline_ && now > deadline_) {
-    return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("took longer than the {:g} s that a call may (--call-time-limit)",
-                        Seconds(host_.limits.options().longest_call))};
+    return ToGrpcStatus(core::WithReason(
+        "SERVER_TIME_LIMIT", absl::DeadlineExceededError(fmt::format(
+                                 "took longer than the {:g} s that a call may (--call-time-limit)",
+                                 Seconds(host_.limits.options().longest_call)))));
   }
   if (now < client_may_give_up_) return grpc::Status::OK;
-  return {grpc::StatusCode::DEADLINE_EXCEEDED, "took longer than the deadline that the client set"};
+  return ToGrpcStatus(core::WithReason(
+      "CLIENT_DEADLINE",
+      absl::DeadlineExceededError("took longer than the deadline that the client set")));
 }
 
 grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {

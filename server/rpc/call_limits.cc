@@ -27,11 +27,13 @@ constexpr std::size_t Index(RequestClass request_class) {
 }
 
 absl::Status TooMany(const Words& words, int open, std::string_view whose, std::string_view share) {
-  return RetryLater(words.retry_after,
-                    "{} {} are under way {}, as many as there may be ({}--max-{}): try again in "
-                    "{:g} s, or when one has ended",
-                    open, words.what, whose, share, words.setting,
-                    std::chrono::duration<double>(words.retry_after).count());
+  return core::WithReason(
+      "TOO_MANY_CALLS",
+      RetryLater(words.retry_after,
+                 "{} {} are under way {}, as many as there may be ({}--max-{}): try again in "
+                 "{:g} s, or when one has ended",
+                 open, words.what, whose, share, words.setting,
+                 std::chrono::duration<double>(words.retry_after).count()));
 }
 
 }  // namespace

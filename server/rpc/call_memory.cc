@@ -44,12 +44,14 @@ absl::Status CallMemory::Change(const std::string& client, std::int64_t from, st
   const std::int64_t of_client = own == per_client_.end() ? 0 : own->second;
   const bool fits_client = of_client + more <= client_limit_;
   if (more > 0 && !(fits_client && reserved_ + more <= limit_)) {
-    return RetryLater(std::chrono::seconds(1),
-                      "{:.1f} MiB more do not fit: {} reserve {:.1f} of {:.1f} MiB "
-                      "(--message-memory-mib); try again in a second",
-                      Mebibytes(more), fits_client ? "all calls" : "calls of this client",
-                      Mebibytes(fits_client ? reserved_ : of_client),
-                      Mebibytes(fits_client ? limit_ : client_limit_));
+    return core::WithReason(
+        "OUT_OF_MEMORY",
+        RetryLater(std::chrono::seconds(1),
+                   "{:.1f} MiB more do not fit: {} reserve {:.1f} of {:.1f} MiB "
+                   "(--message-memory-mib); try again in a second",
+                   Mebibytes(more), fits_client ? "all calls" : "calls of this client",
+                   Mebibytes(fits_client ? reserved_ : of_client),
+                   Mebibytes(fits_client ? limit_ : client_limit_)));
   }
   Add(client, more);
   return absl::OkStatus();

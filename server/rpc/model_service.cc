@@ -23,10 +23,12 @@ absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id
   const bool is_current = snapshot->is_stored() && id.version == snapshot->record.version;
   if (id.version == 0 || is_current) return snapshot;
   MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
-  return core::FailedPrecondition(
-      "of model {} of database '{}' only the figures are kept; a newer model took its place: read "
-      "{}",
-      id.version, id.database, CurrentModelName(id.database));
+  return core::WithReason(
+      "MODEL_SUPERSEDED",
+      core::FailedPrecondition("of model {} of database '{}' only the figures are kept; a newer "
+                               "model took its place: read "
+                               "{}",
+                               id.version, id.database, CurrentModelName(id.database)));
 }
 
 absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,

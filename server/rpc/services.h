@@ -32,6 +32,7 @@ std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeServerService(CallHost& host);
 
 // The calls that are answered by a reactor of their own: IngestClip and RestoreStore, which take a
 // file in blocks; Observe; and WaitOperation, which waits without holding a thread. Each reactor is

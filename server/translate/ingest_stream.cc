@@ -82,9 +82,11 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
   }
   const std::size_t taken = file_.file_bytes.size() + file_.skeleton_bytes.size();
   if (block.size() > max_file_bytes_ - taken) {
-    return absl::ResourceExhaustedError(
-        fmt::format("{}: larger than the {} bytes that the server takes, skeleton included",
-                    file_.file_name, max_file_bytes_));
+    return core::WithReason(
+        "FILE_TOO_LARGE",
+        absl::ResourceExhaustedError(
+            fmt::format("{}: larger than the {} bytes that the server takes, skeleton included",
+                        file_.file_name, max_file_bytes_)));
   }
   if (bytes.empty()) {
     bytes.swap(block);

@@ -22,8 +22,8 @@ namespace motiondb::server {
 using core::AtField;
 using core::FieldViolation;
 
-// Positive, or 0 for not given.
-absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, double value);
+// INVALID_ARGUMENT unless `value` is finite and positive.
+absl::Status CheckPositive(std::string_view field, double value);
 
 // INVALID_ARGUMENT for what looks like a bearer token: whatever is stored has many readers.
 absl::Status CheckNoToken(std::string_view field, std::string_view text);
@@ -53,6 +53,9 @@ static_assert(std::endian::native == std::endian::little, "packed floats are cop
 inline void AppendPacked(const float* values, std::size_t count, std::string& bytes) {
   bytes.append(reinterpret_cast<const char*>(values), count * sizeof(float));
 }
+
+// Appends one packed float.
+inline void AppendPacked(float value, std::string& bytes) { AppendPacked(&value, 1, bytes); }
 
 // Microseconds since the Unix epoch -> google.protobuf.Timestamp.
 

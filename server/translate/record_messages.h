@@ -17,9 +17,9 @@ namespace motiondb::v1 {
 class AuditEntry;
 class Clip;
 class CreateTokenRequest;
-class Damage;
+class Corruption;
 class Database;
-class DescribeDatabaseResponse;
+class DatabaseStatistics;
 class Operation;
 class Skeleton;
 class Token;
@@ -45,14 +45,14 @@ void SetModelFigures(const storage::ModelRecord& record, Message& message) {
                                          record.nodes_per_layer.end());
   message.set_dimension_count(record.dimension_count);
   message.set_added_clip_count(record.added_clip_count);
-  message.set_stale_share(record.drift_fraction);
+  message.set_drift_fraction(record.drift_fraction);
 }
 
 void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
                  v1::Database& message);
 // `snapshot` may be null.
-void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
-                    v1::DescribeDatabaseResponse& message);
+void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
+                   v1::DatabaseStatistics& message);
 
 v1::Calibration ToProto(Calibration calibration);
 
@@ -85,7 +85,7 @@ struct WantedToken {
   storage::Role role = storage::Role::kReader;
   std::string database;  // its id; empty: all
   std::string description;
-  std::int64_t lifetime_us = 0;  // 0: for ever
+  std::int64_t ttl_us = 0;  // 0: for ever
 };
 
 // INVALID_ARGUMENT, naming the field.
@@ -97,6 +97,6 @@ void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
 // What was found damaged, as a message. Safe to call from any thread.
 
 // Texts come from a file that may hold anything: as much as a person reads of them.
-void SetDamage(const storage::Damage& damage, v1::Damage& message);
+void SetCorruption(const storage::Damage& damage, v1::Corruption& message);
 
 }  // namespace motiondb::server

@@ -69,12 +69,15 @@ absl::Status DiskReserve::CheckBeside(std::int64_t added_bytes) const {
 }
 
 absl::Status DiskReserve::Refuse(std::int64_t free, std::int64_t added_bytes) const {
-  return absl::ResourceExhaustedError(fmt::format(
-      "{} are free on the disk of '{}', and {} have to be: {} for the log and what is to be "
-      "stored, and {} that stay free for deleting (--disk-reserve-mib); free room there, or delete "
-      "clips",
-      Mebibytes(free), path_, Mebibytes(added_bytes + bytes_), Mebibytes(added_bytes),
-      Mebibytes(bytes_)));
+  return core::WithReason(
+      "DISK_FULL",
+      absl::ResourceExhaustedError(fmt::format(
+          "{} are free on the disk of '{}', and {} have to be: {} for the log and what is to be "
+          "stored, and {} that stay free for deleting (--disk-reserve-mib); free room there, or "
+          "delete "
+          "clips",
+          Mebibytes(free), path_, Mebibytes(added_bytes + bytes_), Mebibytes(added_bytes),
+          Mebibytes(bytes_))));
 }
 
 bool DiskReserve::IsLeft() const {

@@ -9,6 +9,7 @@
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"
+#include "tests/support/packed_floats.h"
 
 namespace motiondb::tests::text_test {
 namespace {
@@ -91,9 +92,9 @@ TEST_CASE("EstimationText: missing markers with where they are and how far off",
   v1::EstimateResponse response;
   auto& frame = *response.add_filled_frames();
   frame.set_seconds(1.2);
-  for (const float value : {0.1F, 0.2F, 0.3F, 1.0F, -2.0F, 0.5F}) frame.add_marker_positions(value);
-  frame.add_marker_deviations(0);
-  frame.add_marker_deviations(0.012F);
+  frame.set_marker_positions(Pack({0.1F, 0.2F, 0.3F, 1.0F, -2.0F, 0.5F}));
+  frame.set_marker_deviations(Pack({0, 0.012F}));
+  frame.set_marker_count(2);
   const std::string text = EstimationText(response, {"Pelvis", "LWrist"});
   CHECK_THAT(text, Catch::Contains("filled in at 1.20 s"));
   CHECK_THAT(text, Catch::Contains("LWrist") && Catch::Contains("1.000  -2.000   0.500") &&
@@ -136,7 +137,7 @@ TEST_CASE("PredictionText: where the body and the first marker go, not every num
 }
 
 TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer", "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_name("databases/walks");
   description.set_frame_count(11969);
   description.set_clip_count(6);
@@ -154,7 +155,7 @@ TEST_CASE("DescriptionText: the figures of Table I and the nodes of each layer",
 
 TEST_CASE("DescriptionText, RecognitionText, PredictionText: whose calibration it is",
           "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_calibration(v1::CALIBRATION_OWN);
   CHECK_THAT(DescriptionText(description),
              Catch::Contains("calibration             own\n") && !Catch::Contains("new model"));
@@ -176,7 +177,7 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: whose calibration i
 
 TEST_CASE("DescriptionText, ClipsText: what becomes of glitches, and which there were",
           "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_glitches(v1::GLITCHES_KEEP);
   CHECK_THAT(DescriptionText(description), Catch::Contains("glitches               keep\n"));
   v1::Clip clip;
@@ -187,7 +188,7 @@ TEST_CASE("DescriptionText, ClipsText: what becomes of glitches, and which there
 }
 
 TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   CHECK_THAT(DescriptionText(description), !Catch::Contains("derived"));
   description.set_underived_clip_count(2);
   auto* const one = description.add_underived_clips();

@@ -74,7 +74,8 @@ def await_operations(server, database):
     """Waits until nothing is left to do; the newest operation."""
     for _ in range(1000):
         operations = server.ask("operations", "list", database)
-        left = [operation["name"] for operation in operations if not operation["done"]]
+        left = [operation["name"] for operation in operations if operation["state"] in
+                ("OPERATION_STATE_PENDING", "OPERATION_STATE_RUNNING")]
         if not left:
             return operations[0]
         server.run("operations", "wait", left[-1].rsplit("/", 1)[-1])

@@ -60,8 +60,6 @@ class Client {
                                                           CallOptions options = {}) const;
   absl::StatusOr<v1::DeleteDatabaseResponse> DeleteDatabase(
       const v1::DeleteDatabaseRequest& request, CallOptions options = {}) const;
-  absl::StatusOr<v1::DescribeDatabaseResponse> DescribeDatabase(
-      const v1::DescribeDatabaseRequest& request, CallOptions options = {}) const;
   // Derives all clips again from their files; WaitOperation waits for the operation in the
   // response.
   absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
@@ -171,13 +169,13 @@ class Client {
       const v1::ListAuditEntriesRequest& request, CallOptions options = {}) const;
 
   // ---- The server ------------------------------------------------------------------------------
-  // How the server is doing, as its metrics say it too. Messages: <motiondb/v1/store.pb.h>.
+  // How the server is doing, as its metrics say it too. Messages: <motiondb/v1/server.pb.h>.
   absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(
       const v1::GetServerStatusRequest& request, CallOptions options = {}) const;
 
   // ---- The store as a whole --------------------------------------------------------------------
   // Checks all that is stored, calling `on_message` (which may be null) with progress and with what
-  // is damaged; returns what was read. Damage is no error: see its damage_count. An error from
+  // is damaged; returns what was read. Damage is no error: see its corruption_count. An error from
   // `on_message` ends the call and is returned.
   absl::StatusOr<v1::VerifySummary> VerifyStore(
       const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message = {},
@@ -224,7 +222,17 @@ class Client {
   std::shared_ptr<const Connection> connection_;
 };
 
-// How an operation ended: OK, CANCELLED, or its error. FAILED_PRECONDITION if it has not ended.
+// Returns whether the operation is in a final state.
+bool IsDone(const v1::Operation& operation);
+
+// Returns OK, CANCELLED, or the error of an operation; FAILED_PRECONDITION if it has not ended.
 absl::Status OperationStatus(const v1::Operation& operation);
+
+// Returns the name of the model that a successful operation made; empty if no clip is left.
+const std::string& ModelOf(const v1::Operation& operation);
+
+// Values of a field of packed little-endian float32, as marker positions are sent. Bytes after the
+// last whole value are ignored.
+std::vector<float> UnpackFloats(const std::string& bytes);
 
 }  // namespace motiondb::client

@@ -21,10 +21,9 @@ class Token;
 class CreateDatabaseRequest;
 class CreateDatabaseResponse;
 class Database;
+class DatabaseStatistics;
 class DeleteDatabaseRequest;
 class DeleteDatabaseResponse;
-class DescribeDatabaseRequest;
-class DescribeDatabaseResponse;
 class GetDatabaseRequest;
 class GetDatabaseResponse;
 class ListDatabasesRequest;
@@ -105,7 +104,7 @@ class PredictSeriesResponse;
 class RecognizeRequest;
 class RecognizeResponse;
 
-// store.proto
+// server.proto
 class GetServerStatusRequest;
 class GetServerStatusResponse;
 

@@ -64,7 +64,8 @@ absl::Status FromGrpc(const grpc::Status& status) {
   // gRPC and absl number the canonical codes alike.
   absl::Status result(static_cast<absl::StatusCode>(status.error_code()), message);
   for (const auto& detail : details.details()) {
-    for (const absl::string_view url : {kRequestInfoTypeUrl, kRetryInfoTypeUrl}) {
+    for (const absl::string_view url :
+         {kErrorInfoTypeUrl, kRequestInfoTypeUrl, kRetryInfoTypeUrl}) {
       if (IsOfType(detail, url)) result.SetPayload(url, absl::Cord(detail.value()));
     }
   }
@@ -88,6 +89,11 @@ absl::Status WithMessage(const absl::Status& status, const std::string& message)
   status.ForEachPayload(
       [&](absl::string_view url, const absl::Cord& payload) { result.SetPayload(url, payload); });
   return result;
+}
+
+std::string ErrorReason(const absl::Status& status) {
+  v1::ErrorInfo info;
+  return Payload(status, kErrorInfoTypeUrl, info) ? info.reason() : "";
 }
 
 std::string RequestId(const absl::Status& status) {

@@ -1,7 +1,10 @@
 #include <fmt/format.h>
 #include <motiondb/client.h>
 
+#include <cstdint>
+#include <cstring>
 #include <utility>
+#include <vector>
 
 #include "client/channel_credentials.h"
 #include "client/connection.h"
@@ -51,7 +54,6 @@ MOTIONDB_UNARY(CreateDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(GetDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(ListDatabases, databases, DatabaseService)
 MOTIONDB_UNARY(DeleteDatabase, databases, DatabaseService)
-MOTIONDB_UNARY(DescribeDatabase, databases, DatabaseService)
 MOTIONDB_UNARY(ReprocessDatabase, databases, DatabaseService)
 
 MOTIONDB_UNARY(GetClip, clips, ClipService)
@@ -79,7 +81,7 @@ MOTIONDB_UNARY(ListTokens, access, AccessService)
 MOTIONDB_UNARY(RevokeToken, access, AccessService)
 MOTIONDB_UNARY(ListAuditEntries, access, AccessService)
 
-MOTIONDB_UNARY(GetServerStatus, store, StoreService)
+MOTIONDB_UNARY(GetServerStatus, server, ServerService)
 
 #undef MOTIONDB_UNARY
 
@@ -216,8 +218,30 @@ absl::StatusOr<v1::Operation> Client::WaitOperation(
                           request, CallOptions{.timeout = poll + kPollGrace});
     if (!response.ok()) return response.status();
     if (on_progress) on_progress(response->operation());
-    if (response->operation().done()) return std::move(*response->mutable_operation());
+    if (IsDone(response->operation())) return std::move(*response->mutable_operation());
   }
+}
+
+std::vector<float> UnpackFloats(const std::string& bytes) {
+  std::vector<float> values(bytes.size() / sizeof(float));
+  for (size_t i = 0; i < values.size(); ++i) {
+    std::uint32_t bits = 0;
+    for (size_t b = 0; b < sizeof(float); ++b) {
+      bits |= std::uint32_t{static_cast<unsigned char>(bytes[sizeof(float) * i + b])} << (8 * b);
+    }
+    std::memcpy(&values[i], &bits, sizeof(float));
+  }
+  return values;
+}
+
+bool IsDone(const v1::Operation& operation) {
+  return operation.state() == v1::OPERATION_STATE_SUCCEEDED ||
+         operation.state() == v1::OPERATION_STATE_FAILED ||
+         operation.state() == v1::OPERATION_STATE_CANCELLED;
+}
+
+const std::string& ModelOf(const v1::Operation& operation) {
+  return operation.has_reprocess() ? operation.reprocess().model() : operation.rebuild().model();
 }
 
 absl::Status OperationStatus(const v1::Operation& operation) {

@@ -58,7 +58,8 @@ Client::Connection::Connection(ClientOptions options)
       observations(v1::ObserveService::NewStub(channel_)),
       operations(v1::OperationService::NewStub(channel_)),
       access(v1::AccessService::NewStub(channel_)),
-      store(v1::StoreService::NewStub(channel_)) {}
+      store(v1::StoreService::NewStub(channel_)),
+      server(v1::ServerService::NewStub(channel_)) {}
 
 absl::Status Client::Connection::WaitUntilConnected() const {
   if (channel_->WaitForConnected(std::chrono::system_clock::now() + options_.connect_timeout)) {

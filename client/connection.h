@@ -11,6 +11,7 @@
 #include <motiondb/v1/observe.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
+#include <motiondb/v1/server.grpc.pb.h>
 #include <motiondb/v1/store.grpc.pb.h>
 
 #include <cstddef>
@@ -119,6 +120,7 @@ class Client::Connection {
   const std::unique_ptr<v1::OperationService::Stub> operations;
   const std::unique_ptr<v1::AccessService::Stub> access;
   const std::unique_ptr<v1::StoreService::Stub> store;
+  const std::unique_ptr<v1::ServerService::Stub> server;
 };
 
 }  // namespace motiondb::client

@@ -79,7 +79,7 @@ std::int64_t TransportMemory(const CallLimitOptions& calls) {
 constexpr const char* kServiceNames[] = {
     "motiondb.v1.DatabaseService",  "motiondb.v1.ClipService",  "motiondb.v1.ModelService",
     "motiondb.v1.OperationService", "motiondb.v1.QueryService", "motiondb.v1.ObserveService",
-    "motiondb.v1.AccessService",    "motiondb.v1.StoreService"};
+    "motiondb.v1.AccessService",    "motiondb.v1.StoreService", "motiondb.v1.ServerService"};
 
 }  // namespace
 
@@ -137,6 +137,7 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
   services_.push_back(MakeObserveService(*host_));
   services_.push_back(MakeAccessService(*host_));
   services_.push_back(MakeStoreService(*host_));
+  services_.push_back(MakeServerService(*host_));
 }
 
 Server::~Server() { Drain(milliseconds(0)); }

@@ -100,14 +100,15 @@ absl::Status RunCreate(const TokenCreateOptions& options, const GlobalOptions& g
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   v1::CreateTokenRequest request;
-  request.set_role(options.role);
-  if (!options.database.empty()) request.set_database(DatabaseName(options.database));
+  request.mutable_token()->set_role(options.role);
+  if (!options.database.empty())
+    request.mutable_token()->set_database(DatabaseName(options.database));
   if (options.lifetime_seconds > 0) {
     const double max_seconds = 1e10;  // more than the server accepts, without overflow
-    *request.mutable_lifetime() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
+    *request.mutable_ttl() = google::protobuf::util::TimeUtil::MillisecondsToDuration(
         std::llround(std::min(options.lifetime_seconds, max_seconds) * 1000));
   }
-  request.set_description(options.description);
+  request.mutable_token()->set_description(options.description);
   const auto response = client->CreateToken(request);
   if (!response.ok()) return response.status();
   if (global.json) {

@@ -1,6 +1,7 @@
 #include "client/cli/answer_text.h"
 
 #include <fmt/format.h>
+#include <motiondb/client.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <algorithm>
@@ -90,14 +91,15 @@ std::string RunsText(const v1::NodePath& path) {
 // Returns "filled in at 1.20 s", then a line for each missing marker.
 std::string FilledText(const v1::FilledFrame& frame, const std::vector<std::string>& marker_names) {
   Table table({{"  MISSING"}, {"x, y, z (m)"}, {"EXPECTED ERROR (m)", Align::kRight}});
-  const int markers = std::min({frame.marker_deviations_size(), frame.marker_positions_size() / 3,
-                                static_cast<int>(marker_names.size())});
-  for (int m = 0; m < markers; ++m) {
-    if (frame.marker_deviations(m) == 0) continue;
+  const std::vector<float> positions = UnpackFloats(frame.marker_positions());
+  const std::vector<float> deviations = UnpackFloats(frame.marker_deviations());
+  const size_t markers = std::min({deviations.size(), positions.size() / 3, marker_names.size()});
+  for (size_t m = 0; m < markers; ++m) {
+    if (deviations[m] == 0) continue;
     table.AddRow({"  " + marker_names[m],
-                  fmt::format("{:7.3f} {:7.3f} {:7.3f}", frame.marker_positions(3 * m),
-                              frame.marker_positions(3 * m + 1), frame.marker_positions(3 * m + 2)),
-                  fmt::format("{:.3f}", frame.marker_deviations(m))});
+                  fmt::format("{:7.3f} {:7.3f} {:7.3f}", positions[3 * m], positions[3 * m + 1],
+                              positions[3 * m + 2]),
+                  fmt::format("{:.3f}", deviations[m])});
   }
   return fmt::format("filled in at {:.2f} s\n", frame.seconds()) + table.ToString();
 }
@@ -157,10 +159,10 @@ std::string Position(double x, double y, double z) {
 }
 
 // Returns the mean of all markers, the position of the body.
-std::string MiddleOf(const v1::PredictedFrame& frame) {
-  const int markers = frame.marker_positions_size() / 3;
+std::string MiddleOf(const std::vector<float>& positions) {
+  const size_t markers = positions.size() / 3;
   double sum[3] = {0, 0, 0};
-  for (int i = 0; i < 3 * markers; ++i) sum[i % 3] += frame.marker_positions(i);
+  for (size_t i = 0; i < 3 * markers; ++i) sum[i % 3] += positions[i];
   return Position(sum[0] / markers, sum[1] / markers, sum[2] / markers);
 }
 
@@ -175,12 +177,13 @@ std::string HorizonsText(const v1::PredictResponse& response,
                {first + " x, y, z (m)"}});
   for (const auto& frame : response.horizons()) {
     std::vector<std::string> cells = {
-        fmt::format("  {:.2f} s", frame.seconds()), fmt::format("{:.2f}", frame.confidence()),
-        frame.expected_error_m() > 0 ? fmt::format("{:.3f}", frame.expected_error_m()) : "-"};
-    if (frame.marker_positions_size() >= 3) {
-      cells.push_back(MiddleOf(frame));
-      cells.push_back(Position(frame.marker_positions(0), frame.marker_positions(1),
-                               frame.marker_positions(2)));
+        fmt::format("  {:.2f} s", frame.seconds()),
+        frame.has_confidence() ? fmt::format("{:.2f}", frame.confidence()) : "-",
+        frame.has_expected_error_m() ? fmt::format("{:.3f}", frame.expected_error_m()) : "-"};
+    const std::vector<float> positions = UnpackFloats(frame.marker_positions());
+    if (positions.size() >= 3) {
+      cells.push_back(MiddleOf(positions));
+      cells.push_back(Position(positions[0], positions[1], positions[2]));
     }
     table.AddRow(cells);
   }

@@ -177,14 +177,16 @@ void Declare(CLI::App& command, DescribeOptions& options) {
 absl::Status Run(const DescribeOptions& options, const GlobalOptions& global) {
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
-  v1::DescribeDatabaseRequest request;
+  v1::GetDatabaseRequest request;
   request.set_name(DatabaseName(options.database));
-  const auto response = client->DescribeDatabase(request);
+  request.set_view(v1::DATABASE_VIEW_FULL);
+  const auto response = client->GetDatabase(request);
   if (!response.ok()) return response.status();
+  const v1::DatabaseStatistics& statistics = response->database().statistics();
   if (global.json) {
-    PrintJson(*response);
+    PrintJson(statistics);
   } else {
-    PrintText(DescriptionText(*response));
+    PrintText(DescriptionText(statistics));
   }
   return absl::OkStatus();
 }

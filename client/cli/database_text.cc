@@ -122,7 +122,7 @@ std::string IngestedClipText(const v1::Clip& clip) {
   return text;
 }
 
-std::string UnderivedText(const v1::DescribeDatabaseResponse& description) {
+std::string UnderivedText(const v1::DatabaseStatistics& description) {
   if (description.underived_clip_count() == 0) return "";
   const int count = description.underived_clip_count();
   std::string text = fmt::format("{} could not be derived again from {}:\n",
@@ -142,7 +142,7 @@ std::string BorrowedCalibrationText(v1::Calibration calibration) {
       calibration == v1::CALIBRATION_PREVIOUS ? "the previous model's" : "a typical");
 }
 
-std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
+std::string DescriptionText(const v1::DatabaseStatistics& description) {
   Table table({{""}, {"", Align::kRight}});
   const auto count = [&](const std::string& what, int number) {
     table.AddRow({what, std::to_string(number)});
@@ -166,8 +166,9 @@ std::string DescriptionText(const v1::DescribeDatabaseResponse& description) {
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
   std::string text = table.ToString() + BorrowedCalibrationText(calibration);
   if (description.added_clip_count() > 0) {
-    text += fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),
-                        AddedSinceText(description.added_clip_count(), description.stale_share()));
+    text +=
+        fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),
+                    AddedSinceText(description.added_clip_count(), description.drift_fraction()));
   }
   if (description.stored_clip_count() != description.clip_count()) {
     const int stored = description.stored_clip_count();
@@ -208,7 +209,7 @@ std::string OperationsText(const std::vector<v1::Operation>& operations) {
     table.AddRow({ShortName(operation.name()), ShortName(operation.database()),
                   LastWord(v1::OperationKind_Name(operation.kind())), StateWord(operation),
                   fmt::format("{:.0f} %", operation.progress() * 100), operation.stage(),
-                  ShortName(operation.model()), TimeText(operation.create_time()),
+                  ShortName(ModelOf(operation)), TimeText(operation.create_time()),
                   operation.error().message()});
   }
   return table.ToString();

@@ -28,10 +28,10 @@ std::string IngestedClipText(const v1::Clip& clip);
 std::string BorrowedCalibrationText(v1::Calibration calibration);
 
 // Returns statistics of the model, with those of the paper's Table I.
-std::string DescriptionText(const v1::DescribeDatabaseResponse& description);
+std::string DescriptionText(const v1::DatabaseStatistics& description);
 
 // Returns the clips that could not be derived again, one per line; empty if there are none.
-std::string UnderivedText(const v1::DescribeDatabaseResponse& description);
+std::string UnderivedText(const v1::DatabaseStatistics& description);
 
 std::string OperationsText(const std::vector<v1::Operation>& operations);
 

@@ -234,7 +234,7 @@ absl::Status Dump::WriteNodes(int layer, const fs::path& folder,
       return absl::DataLossError(fmt::format("{}: layer {}: expected node {}, the server sent {}",
                                              model_.name(), layer, parents.size(), node.node_id()));
     }
-    parents.push_back(node.parent_id());
+    parents.push_back(node.has_parent_id() ? node.parent_id() : -1);
     mean.AppendBytes(node.mean());
     variance.AppendBytes(node.variance());
   }

@@ -60,10 +60,10 @@ void AddSourceOptions(CLI::App& command, SourceOptions& options) {
 
 v1::SourceConventions Conventions(const SourceOptions& options) {
   v1::SourceConventions conventions;
-  conventions.set_metres_per_unit(options.metres_per_unit);
+  if (options.metres_per_unit > 0) conventions.set_metres_per_unit(options.metres_per_unit);
   conventions.set_up_axis(UpAxisOf(options.up_axis));
-  conventions.set_frame_rate_hz(options.frame_rate_hz);
-  conventions.set_leg_length_m(options.leg_length_m);
+  if (options.frame_rate_hz > 0) conventions.set_frame_rate_hz(options.frame_rate_hz);
+  if (options.leg_length_m > 0) conventions.set_leg_length_m(options.leg_length_m);
   return conventions;
 }
 

@@ -63,10 +63,12 @@ v1::ObserveStart Start(const ObserveOptions& options, const v1::RepresentRequest
   start.set_database(request.database());
   *start.mutable_marker_names() = motion.marker_names();
   start.set_frame_rate_hz(motion.frame_rate_hz());
-  start.set_leg_length_m(options.query.source.leg_length_m);
+  if (options.query.source.leg_length_m > 0) {
+    start.set_leg_length_m(options.query.source.leg_length_m);
+  }
   start.set_window_seconds(options.window_seconds);
   for (const double horizon : options.horizon_seconds) start.add_horizon_seconds(horizon);
-  start.set_layer(options.query.layer);
+  if (options.query.layer > 0) start.set_layer(options.query.layer);
   if (options.query.floor) start.set_transition_floor(*options.query.floor);
   return start;
 }

@@ -120,8 +120,10 @@ std::string ObservedLine(const v1::ObserveResponse& answer, double seconds) {
                     answer.familiarity(), answer.state().node_id(), answer.state().probability());
     if (answer.horizons_size() > 0) {
       const v1::PredictedFrame& ahead = answer.horizons(answer.horizons_size() - 1);
-      line += fmt::format("  {:.2f} s ahead +-{:.1f} cm", ahead.seconds(),
-                          100 * ahead.expected_error_m());
+      line += fmt::format("  {:.2f} s ahead", ahead.seconds());
+      if (ahead.has_expected_error_m()) {
+        line += fmt::format(" +-{:.1f} cm", 100 * ahead.expected_error_m());
+      }
     }
   }
   if (answer.model_replaced()) {

@@ -38,7 +38,7 @@ absl::Status RunList(const OperationsListOptions& options, const GlobalOptions& 
   const auto client = Connect(global);
   if (!client.ok()) return client.status();
   v1::ListOperationsRequest request;
-  if (!options.database.empty()) request.set_database(DatabaseName(options.database));
+  if (!options.database.empty()) request.set_parent(DatabaseName(options.database));
   const auto operations = client->AllOperations(request);
   if (!operations.ok()) return operations.status();
   if (global.json) {

@@ -88,7 +88,7 @@ absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& reque
 // Returns the status of the command. An unreachable goal has an exit code of its own. If writing
 // failed for another reason than a missing motion, returns that error.
 absl::Status Outcome(const v1::PlanResponse& response, const absl::Status& written) {
-  if (response.outcome() != v1::UNREACHABLE) return written;
+  if (response.outcome() != v1::PLAN_OUTCOME_UNREACHABLE) return written;
   if (!written.ok() && !absl::IsNotFound(written)) return written;
   const absl::Status unreachable =
       absl::NotFoundError(fmt::format("the goal cannot be reached{}{}",

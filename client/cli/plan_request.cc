@@ -217,13 +217,15 @@ absl::Status SetPlanRequest(const PlanRequestOptions& options, v1::PlanRequest& 
     request.set_heading_tolerance_rad(tolerance[1]);
   }
   request.set_max_duration_seconds(options.max_duration_seconds);
-  request.set_max_search_seconds(options.search_seconds);
-  request.set_coarse_layer(options.layer);
+  const auto search = std::llround(1e9 * options.search_seconds);
+  request.mutable_search_timeout()->set_seconds(search / 1'000'000'000);
+  request.mutable_search_timeout()->set_nanos(static_cast<int>(search % 1'000'000'000));
+  if (options.layer != 0) request.set_coarse_layer(options.layer);
   for (const std::string& label : options.labels) request.add_labels(label);
   request.set_seed(options.seed);
   request.set_alternative_count(options.alternatives);
   request.set_ignore_joint_limits(options.ignore_joint_limits);
-  request.set_frame_rate_hz(options.frame_rate_hz);
+  if (options.frame_rate_hz != 0) request.set_frame_rate_hz(options.frame_rate_hz);
   request.set_method(options.method == "random" ? v1::PLAN_METHOD_RANDOM_SAMPLING
                                                 : v1::PLAN_METHOD_SEGMENT_SEARCH);
   SetObstacles(options, request);

@@ -48,9 +48,9 @@ const std::vector<QualityRow>& QualityRows() {
       {"path rotation", "rad",
        [](const auto& q) { return fmt::format("{:.3f}", q.correction_heading_rad()); }},
       {"foot slide", "cm/s",
-       [](const auto& q) { return fmt::format("{:.2f}", q.foot_slide_cm_per_s()); }},
+       [](const auto& q) { return fmt::format("{:.2f}", 100 * q.foot_slide_m_per_s()); }},
       {"floor penetration", "cm",
-       [](const auto& q) { return fmt::format("{:.2f}", q.floor_penetration_cm()); }},
+       [](const auto& q) { return fmt::format("{:.2f}", 100 * q.floor_penetration_m()); }},
       {"peak marker jerk", "m/s^3",
        [](const auto& q) { return fmt::format("{:.0f}", q.peak_marker_jerk_m_s3()); }},
       {"peak joint speed", "rad/s",
@@ -105,7 +105,8 @@ std::string EffortText(const v1::PlanResponse& response) {
 
 std::string OutcomeText(v1::PlanOutcome outcome) {
   const std::string& name = v1::PlanOutcome_Name(outcome);
-  return name.empty() ? fmt::format("outcome {}", static_cast<int>(outcome)) : name;
+  if (name.empty()) return fmt::format("outcome {}", static_cast<int>(outcome));
+  return name.substr(std::string_view("PLAN_OUTCOME_").size());
 }
 
 std::string PlanFigures(const v1::PlanQuality& quality) {

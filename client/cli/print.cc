@@ -3,11 +3,15 @@
 #include <fmt/format.h>
 #include <google/protobuf/struct.pb.h>
 #include <google/protobuf/util/json_util.h>
+#include <motiondb/client.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <utility>
 
+#include "absl/strings/escaping.h"
 #include "text/display_text.h"
 
 namespace motiondb::client {
@@ -76,6 +80,54 @@ std::string Table::ToString() const {
 
 namespace {
 
+// Fields of packed float32: the names of the bytes fields of motiondb.v1 that hold numbers.
+constexpr const char* kPackedFields[] = {"angles", "joint_angles",     "marker_deviations",
+                                         "mean",   "marker_positions", "positions",
+                                         "scales", "states",           "variance"};
+
+std::string Numbers(const std::string& bytes) {
+  std::string text;
+  for (const float value : UnpackFloats(bytes)) {
+    if (!text.empty()) text += ',';
+    if (std::isfinite(value)) {
+      fmt::format_to(std::back_inserter(text), "{}", value);
+    } else {  // as the JSON form of a float field
+      text += std::isnan(value) ? "\"NaN\"" : value > 0 ? "\"Infinity\"" : "\"-Infinity\"";
+    }
+  }
+  return "[" + text + "]";
+}
+
+// Replaces the base64 text of packed fields by arrays of numbers. A quotation mark within a JSON
+// string is escaped, so that `"name":` is found as a key only.
+std::string WithNumbers(std::string json) {
+  for (const char* const field : kPackedFields) {
+    const std::string key = fmt::format("\"{}\":", field);
+    for (size_t at = json.find(key); at != std::string::npos; at = json.find(key, at)) {
+      at += key.size();
+      const size_t begin = json.find_first_not_of(' ', at);
+      if (begin == std::string::npos || json[begin] != '"') continue;
+      const size_t end = json.find('"', begin + 1);
+      std::string bytes;
+      if (end == std::string::npos ||
+          !absl::Base64Unescape(json.substr(begin + 1, end - begin - 1), &bytes)) {
+        continue;
+      }
+      json.replace(begin, end + 1 - begin, Numbers(bytes));
+    }
+  }
+  return json;
+}
+
+// Outcomes of plans are printed as the words of the command line: EXACT, APPROXIMATE, ...
+std::string WithShortOutcomes(std::string json) {
+  constexpr std::string_view kPrefix = "\"PLAN_OUTCOME_";
+  for (size_t at = json.find(kPrefix); at != std::string::npos; at = json.find(kPrefix, at + 1)) {
+    json.erase(at + 1, kPrefix.size() - 1);
+  }
+  return json;
+}
+
 std::string Json(const google::protobuf::Message& message, bool indented) {
   google::protobuf::util::JsonPrintOptions options;
   options.preserve_proto_field_names = true;
@@ -84,7 +136,7 @@ std::string Json(const google::protobuf::Message& message, bool indented) {
   std::string json;
   // Fails only for an Any of an unknown type; callers remove these.
   (void)google::protobuf::util::MessageToJsonString(message, &json, options);
-  return text::EscapedJson(json);
+  return text::EscapedJson(WithShortOutcomes(WithNumbers(std::move(json))));
 }
 
 }  // namespace

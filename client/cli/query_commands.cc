@@ -25,7 +25,7 @@ struct RecognizeOptions {
   double hop_seconds = 0.1;
   int top = 0;
   int paths = 0;
-  v1::Method method = v1::BEST;
+  v1::Method method = v1::METHOD_BEST;
   std::string plot;
 };
 
@@ -70,7 +70,7 @@ v1::RecognizeRequest Request(const RecognizeOptions& options) {
     request.set_window_seconds(std::stod(options.window));
   }
   request.set_hop_seconds(options.hop_seconds);
-  request.set_top_count(options.top);
+  if (options.top > 0) request.set_top_count(options.top);
   request.set_method(options.method);
   if (options.paths > 0) {
     request.set_generation(v1::GENERATION_TOP_PATHS);
@@ -88,11 +88,11 @@ absl::Status CheckFiles(const RecognizeOptions& options) {
 // Queries all clips at each layer by the paper's method, and draws the answers.
 absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
                        v1::RecognizeRequest& request) {
-  request.set_top_count(0);
-  request.set_method(v1::PAPER);
+  request.clear_top_count();
+  request.set_method(v1::METHOD_PAPER);
   std::vector<v1::RecognizeResponse> layers;
   const auto ask = [&](int layer) {
-    request.set_layer(layer);
+    if (layer > 0) request.set_layer(layer);
     auto response = client.Recognize(request);
     if (response.ok()) layers.push_back(*std::move(response));
     return response.status();
@@ -104,7 +104,8 @@ absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
     }
   }
   if (!status.ok()) return status;
-  request.set_layer(options.query.layer);
+  request.clear_layer();
+  if (options.query.layer > 0) request.set_layer(options.query.layer);
   return WriteWholeFile(options.plot, RecognitionPlotSvg(request, layers));
 }
 
@@ -197,7 +198,7 @@ namespace {
 
 struct PredictOptions {
   QueryOptions query;
-  v1::Method method = v1::BEST;
+  v1::Method method = v1::METHOD_BEST;
   std::optional<double> at_seconds;
   std::optional<double> every_seconds;
   double history_seconds = 0.4;

@@ -25,7 +25,8 @@ void AddQueryOptions(CLI::App& command, QueryOptions& options) {
 }
 
 void AddMethodOption(CLI::App& command, v1::Method& method) {
-  const std::map<std::string, v1::Method> methods = {{"best", v1::BEST}, {"paper", v1::PAPER}};
+  const std::map<std::string, v1::Method> methods = {{"best", v1::METHOD_BEST},
+                                                     {"paper", v1::METHOD_PAPER}};
   command
       .add_option_function<std::string>(
           "--method", [&method, methods](const std::string& word) { method = methods.at(word); },

@@ -38,7 +38,7 @@ absl::Status SetQuery(const QueryOptions& options, Request& request) {
   if (!observation.ok()) return observation.status();
   request.set_database(DatabaseName(options.database));
   *request.mutable_observation() = *std::move(observation);
-  request.set_layer(options.layer);
+  if (options.layer > 0) request.set_layer(options.layer);
   if (options.floor) request.set_transition_floor(*options.floor);
   return absl::OkStatus();
 }

@@ -42,15 +42,15 @@ std::string AddedSinceText(int added_clips, double drift_fraction) {
 }
 
 absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operation& operation) {
-  if (operation.model().empty()) return std::string("no clip is left, so there is no model now");
+  if (ModelOf(operation).empty()) return std::string("no clip is left, so there is no model now");
   v1::GetModelRequest request;
-  request.set_name(operation.model());
+  request.set_name(ModelOf(operation));
   const auto response = client.GetModel(request);
   if (!response.ok()) return response.status();
   const v1::Model& model = response->model();
   return fmt::format("model {}: {}{}, {}, {}, built in {:.2f} s", model.version(),
                      CountText(model.clip_count(), "clip"),
-                     AddedSinceText(model.added_clip_count(), model.stale_share()),
+                     AddedSinceText(model.added_clip_count(), model.drift_fraction()),
                      CountText(model.frame_count(), "frame"),
                      CountText(model.nodes_per_layer_size(), "layer"), model.build_seconds());
 }

@@ -42,12 +42,13 @@ absl::Status Run(const ReprocessOptions& options, const GlobalOptions& global) {
   }
   const auto summary = ModelSummary(*client, *done);
   if (!summary.ok()) return summary.status();
-  v1::DescribeDatabaseRequest describe;
-  describe.set_name(request.name());
-  const auto description = client->DescribeDatabase(describe);
-  if (!description.ok()) return description.status();
+  v1::GetDatabaseRequest get;
+  get.set_name(request.name());
+  get.set_view(v1::DATABASE_VIEW_FULL);
+  const auto database = client->GetDatabase(get);
+  if (!database.ok()) return database.status();
   PrintLine("reprocessed {}: {}; {}", ShortName(request.name()), done->stage(), *summary);
-  PrintText(UnderivedText(*description));
+  PrintText(UnderivedText(database->database().statistics()));
   return absl::OkStatus();
 }
 

@@ -1,6 +1,6 @@
 #include <fmt/chrono.h>
 #include <google/protobuf/util/time_util.h>
-#include <motiondb/v1/store.pb.h>
+#include <motiondb/v1/server.pb.h>
 
 #include <algorithm>
 #include <cmath>
@@ -80,7 +80,7 @@ std::string StoreText(const v1::GetServerStatusResponse& status) {
   if (status.failed_write_count() > 0) {
     text += ", " + CountText(status.failed_write_count(), "failed write");
   }
-  if (status.disk_bytes() == 0) return text;  // unknown, or from an older server
+  if (!status.has_disk_bytes()) return text;
   return text + fmt::format("; {} of {} free on its disk", BytesText(status.disk_free_bytes()),
                             BytesText(status.disk_bytes()));
 }
@@ -89,7 +89,9 @@ std::string StoreText(const v1::GetServerStatusResponse& status) {
 std::string ErrorsText(const v1::MethodStatus& method) {
   std::string text;
   for (const v1::CodeCount& error : method.errors()) {
-    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", error.code(), error.call_count());
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ",
+                        absl::StatusCodeToString(static_cast<absl::StatusCode>(error.code())),
+                        error.call_count());
   }
   return text;
 }
@@ -188,11 +190,11 @@ std::string DatabasesText(const v1::GetServerStatusResponse& status) {
 }
 
 std::string DamagesText(const v1::GetServerStatusResponse& status) {
-  const int count = status.damages_size();
+  const int count = status.corruptions_size();
   if (count == 0) return "";
   std::string text = fmt::format("\ncorrupt: {} (`motiondb verify` checks everything)\n", count);
   for (int i = 0; i < std::min(count, kShownDamages); ++i) {
-    const v1::Damage& damage = status.damages(i);
+    const v1::Corruption& damage = status.corruptions(i);
     const std::string what = damage.resource().empty() ? "the store's file" : damage.resource();
     text +=
         fmt::format("  {}: {}\n", text::DisplayText(what), text::DisplayText(damage.description()));

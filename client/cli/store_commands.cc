@@ -157,7 +157,7 @@ struct VerifyOptions {};
 void Declare(CLI::App&, VerifyOptions&) {}
 
 // Prints a corrupt item as one line.
-void Print(const v1::Damage& damage) {
+void Print(const v1::Corruption& damage) {
   PrintLine("corrupt: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
             damage.description());
 }
@@ -175,7 +175,7 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
     if (global.json) {
       PrintJson(message);
     } else if (message.has_damage()) {
-      Print(message.damage());
+      Print(message.corruption());
     }
     return absl::OkStatus();
   };
@@ -189,9 +189,9 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
               CountText(summary->skeleton_count(), "skeleton"),
               static_cast<double>(summary->byte_count()) / 1e6);
   }
-  if (summary->damage_count() == 0) return absl::OkStatus();
+  if (summary->corruption_count() == 0) return absl::OkStatus();
   return absl::DataLossError(
-      fmt::format("{} found", CountText(summary->damage_count(), "corrupt item")));
+      fmt::format("{} found", CountText(summary->corruption_count(), "corrupt item")));
 }
 
 }  // namespace

@@ -50,6 +50,19 @@ inline absl::Status AtField(std::string_view field, absl::Status status) {
   return status;
 }
 
+// Type URL of the payload that holds the reason of an error.
+inline constexpr char kReasonUrl[] = "motiondb.reason";
+
+// Adds a stable reason in UPPER_SNAKE_CASE, by which a program tells failures of one code apart; it
+// reaches clients as google.rpc.ErrorInfo. docs/api.md lists the reasons. A status with a reason is
+// returned as it is.
+inline absl::Status WithReason(std::string_view reason, absl::Status status) {
+  if (!status.ok() && !status.GetPayload(kReasonUrl).has_value()) {
+    status.SetPayload(kReasonUrl, absl::Cord(std::string(reason)));
+  }
+  return status;
+}
+
 // Returns INVALID_ARGUMENT "{field}: {description}" with the field name.
 inline absl::Status FieldViolation(std::string_view field, std::string_view description) {
   return AtField(field, InvalidArgument("{}: {}", field, description));

@@ -54,10 +54,12 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
   live->set_scheme(std::move(scheme));
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   if (const std::size_t count = database_count(); count >= options_.max_databases) {
-    return absl::ResourceExhaustedError(
-        fmt::format("there are already {} databases, the maximum: delete one first, or raise "
-                    "--max-databases",
-                    count));
+    return core::WithReason(
+        "QUOTA_EXCEEDED",
+        absl::ResourceExhaustedError(
+            fmt::format("there are already {} databases, the maximum: delete one first, or raise "
+                        "--max-databases",
+                        count)));
   }
   MOTIONDB_RETURN_IF_ERROR(store_->CreateDatabase(record, terms));
   const storage::MutexLock lock(mutex_);
@@ -106,7 +108,9 @@ std::size_t Engine::database_count() {
 absl::StatusOr<std::shared_ptr<LiveDatabase>> Engine::FindDatabase(const std::string& database) {
   const storage::MutexLock lock(mutex_);
   const auto found = databases_.find(database);
-  if (found == databases_.end()) return core::NotFound("database '{}' does not exist", database);
+  if (found == databases_.end())
+    return core::WithReason("DATABASE_NOT_FOUND",
+                            core::NotFound("database '{}' does not exist", database));
   return found->second;
 }
 
@@ -129,13 +133,16 @@ std::optional<storage::OperationRecord> Engine::CurrentOperation(const LiveDatab
 absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveDatabase& database) {
   if (auto snapshot = database.lifecycle().snapshot()) return snapshot;
   if (const std::string operation = database.lifecycle().operation(); !operation.empty()) {
-    return core::FailedPrecondition(
-        "database '{}' has no model yet; its first model is being built: wait for operations/{}",
-        database.name(), operation);
+    return core::WithReason("MODEL_BUILDING",
+                            core::FailedPrecondition("database '{}' has no model yet; its first "
+                                                     "model is being built: wait for operations/{}",
+                                                     database.name(), operation));
   }
-  return core::FailedPrecondition(
-      "database '{}' has no model yet: ingest clips first (motiondb ingest {} FILE...)",
-      database.name(), database.name());
+  return core::WithReason(
+      "NO_MODEL",
+      core::FailedPrecondition(
+          "database '{}' has no model yet: ingest clips first (motiondb ingest {} FILE...)",
+          database.name(), database.name()));
 }
 
 absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(

@@ -14,10 +14,12 @@ namespace {
 absl::Status CheckQuota(const std::string& database, std::string_view things, std::int64_t stored,
                         std::int64_t added, std::int64_t limit, std::string_view setting) {
   if (stored + added <= limit) return absl::OkStatus();
-  return absl::ResourceExhaustedError(fmt::format(
-      "database '{}' has {} {}, the limit is {}, so {} more do not fit: delete clips first, or "
-      "raise --{}",
-      database, stored, things, limit, added, setting));
+  return core::WithReason(
+      "QUOTA_EXCEEDED",
+      absl::ResourceExhaustedError(fmt::format(
+          "database '{}' has {} {}, the limit is {}, so {} more do not fit: delete clips first, or "
+          "raise --{}",
+          database, stored, things, limit, added, setting)));
 }
 
 }  // namespace
@@ -115,7 +117,7 @@ absl::Status LiveDatabase::CheckAlive(Retiring retiring) {
     case Life::kDeleted:
       break;
   }
-  return core::NotFound("database '{}' was deleted", name_);
+  return core::WithReason("DATABASE_NOT_FOUND", core::NotFound("database '{}' was deleted", name_));
 }
 
 absl::Status LiveDatabase::WithSharedUse(Retiring retiring,

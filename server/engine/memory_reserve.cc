@@ -79,9 +79,11 @@ void OnFailedAllocation() {
 
 absl::Status InstallMemoryReserve() {
   if (!Fill()) {
-    return absl::ResourceExhaustedError(
-        "not enough memory to start: cannot reserve 64 MiB of address space; raise the limit "
-        "(ulimit -v, LimitAS)");
+    return core::WithReason(
+        "OUT_OF_MEMORY",
+        absl::ResourceExhaustedError(
+            "not enough memory to start: cannot reserve 64 MiB of address space; raise the limit "
+            "(ulimit -v, LimitAS)"));
   }
   rlimit limit{};
   is_limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;

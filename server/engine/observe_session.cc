@@ -40,7 +40,9 @@ absl::StatusOr<bool> ObserveSession::SwitchModel() {
   const std::string& name = query_.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(Query current, Query::Begin(query_.engine(), name, query_.terms()));
   if (current.database() != query_.database()) {
-    return core::NotFound("database '{}' was deleted and created again: open a new stream", name);
+    return core::WithReason(
+        "DATABASE_NOT_FOUND",
+        core::NotFound("database '{}' was deleted and created again: open a new stream", name));
   }
   if (current.snapshot() == query_.snapshot()) return false;
   MOTIONDB_RETURN_IF_ERROR(observer_->Replace(current.model()));

@@ -74,10 +74,13 @@ absl::StatusOr<PlanBody> FindBody(const Query& query, const PlanRequest& request
   if (!body.ok()) return body;
   if (body->skeleton == nullptr) {
     if (!request.with_files) return body;
-    return core::FailedPrecondition(
-        "a plan on bare markers cannot be written as a motion file: give a skeleton of the "
-        "database or a robot (motiondb plan {} --skeleton NAME|FILE.urdf), or omit include_files",
-        database);
+    return core::WithReason(
+        "NO_SKELETON",
+        core::FailedPrecondition(
+            "a plan on bare markers cannot be written as a motion file: give a skeleton of the "
+            "database or a robot (motiondb plan {} --skeleton NAME|FILE.urdf), or omit "
+            "include_files",
+            database));
   }
   const std::string_view field = body->is_robot ? "robot.urdf" : "skeleton";
   if (body->skeleton->dof_count() > kMaxDofs || body->skeleton->joint_count() > kMaxJoints) {

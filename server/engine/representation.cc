@@ -28,8 +28,9 @@ absl::Status HeavyWork() {
 }
 
 absl::Status TooLong(const std::string& problem) {
-  return absl::ResourceExhaustedError("the motion " + problem +
-                                      " (--max-frames): split it into shorter parts");
+  return core::WithReason("MOTION_TOO_LONG", absl::ResourceExhaustedError(
+                                                 "the motion " + problem +
+                                                 " (--max-frames): split it into shorter parts"));
 }
 
 double FrameCount(const core::Motion& motion) {

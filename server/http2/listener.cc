@@ -278,6 +278,7 @@ void Listener::Close(std::chrono::milliseconds grace) {
       const auto draining = loop.connections;
       for (const auto& connection : draining) connection->Drain();
       drained.count_down();
+      loop.work.reset();
       loop.ticks.expires_after(loop.connections.empty() ? std::chrono::milliseconds(0) : grace);
       loop.ticks.async_wait([&loop](const auto&) {
         const auto remaining = loop.connections;

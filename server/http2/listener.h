@@ -8,6 +8,7 @@
 #pragma once
 
 #include <atomic>
+#include <boost/asio/executor_work_guard.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -54,6 +55,9 @@ class Listener {
   // A thread and its connections.
   struct Loop {
     boost::asio::io_context context{1};
+    // Keeps the thread until Close has run on it: a tick that expires meanwhile is not renewed.
+    boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work{
+        context.get_executor()};
     boost::asio::steady_timer ticks{context};
     std::set<std::shared_ptr<Connection>> connections;
     std::thread thread;

@@ -24,7 +24,7 @@ absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request
     MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(wanted.database).status());
   }
   const std::int64_t now_us = NowMicroseconds();
-  const std::int64_t expire_time_us = wanted.lifetime_us == 0 ? 0 : now_us + wanted.lifetime_us;
+  const std::int64_t expire_time_us = wanted.ttl_us == 0 ? 0 : now_us + wanted.ttl_us;
   const auto audit = [&](const storage::TokenRecord& token) {
     return call.entry.RecordWithChange(TokenName(token.id));
   };

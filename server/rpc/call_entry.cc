@@ -58,7 +58,10 @@ CallKind KindOf(const Method& method) {
 
 }  // namespace
 
-grpc::Status Stopping() { return {grpc::StatusCode::UNAVAILABLE, "the server is stopping"}; }
+grpc::Status Stopping() {
+  return ToGrpcStatus(
+      core::WithReason("SERVER_STOPPING", absl::UnavailableError("the server is stopping")));
+}
 
 CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
                      const Method& method, std::function<void()> on_close)
@@ -208,27 +211,29 @@ absl::Status CallEntry::Recheck() const {
 }
 
 grpc::Status CallEntry::Silent() const {
-  if (!checked_) {
-    return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("idle timeout: no first message within {:g} s (--silence-limit, for the "
-                        "first message at most {:g} s)",
-                        Seconds(host_.limits.first_silence()),
-                        Seconds(host_.limits.options().longest_first_silence))};
-  }
-  return {grpc::StatusCode::DEADLINE_EXCEEDED,
-          fmt::format("idle timeout: nothing sent or received for {:g} s (--silence-limit)",
-                      Seconds(host_.limits.options().longest_silence))};
+  const CallLimitOptions& options = host_.limits.options();
+  const std::string message =
+      checked_ ? fmt::format("idle timeout: nothing sent or received for {:g} s (--silence-limit)",
+                             Seconds(options.longest_silence))
+               : fmt::format(
+                     "idle timeout: no first message within {:g} s (--silence-limit, for "
+                     "the first message at most {:g} s)",
+                     Seconds(host_.limits.first_silence()), Seconds(options.longest_first_silence));
+  return ToGrpcStatus(core::WithReason("IDLE_TIMEOUT", absl::DeadlineExceededError(message)));
 }
 
 grpc::Status CallEntry::DeadlineStatus() const {
   const auto now = std::chrono::system_clock::now();
   if (deadline_ < client_deadline_ && now > deadline_) {
-    return {grpc::StatusCode::DEADLINE_EXCEEDED,
-            fmt::format("the call took longer than {:g} s (--call-time-limit)",
-                        Seconds(host_.limits.options().longest_call))};
+    return ToGrpcStatus(core::WithReason(
+        "SERVER_TIME_LIMIT", absl::DeadlineExceededError(
+                                 fmt::format("the call took longer than {:g} s (--call-time-limit)",
+                                             Seconds(host_.limits.options().longest_call)))));
   }
   if (now < earliest_client_end_) return grpc::Status::OK;
-  return {grpc::StatusCode::DEADLINE_EXCEEDED, "the call took longer than the client's deadline"};
+  return ToGrpcStatus(core::WithReason(
+      "CLIENT_DEADLINE",
+      absl::DeadlineExceededError("the call took longer than the client's deadline")));
 }
 
 grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {

@@ -29,12 +29,13 @@ constexpr std::size_t Index(RequestClass request_class) {
 
 absl::Status TooMany(const ClassTexts& texts, int open, std::string_view whose,
                      std::string_view share) {
-  return RetryLater(
-      texts.retry_after,
-      "too many {}: {} in flight {}, the maximum ({}--max-{}); retry in {:g} s or when "
-      "one has ended",
-      texts.noun, open, whose, share, texts.setting,
-      std::chrono::duration<double>(texts.retry_after).count());
+  return core::WithReason(
+      "TOO_MANY_CALLS",
+      RetryLater(texts.retry_after,
+                 "too many {}: {} in flight {}, the maximum ({}--max-{}); retry in {:g} s or when "
+                 "one has ended",
+                 texts.noun, open, whose, share, texts.setting,
+                 std::chrono::duration<double>(texts.retry_after).count()));
 }
 
 }  // namespace

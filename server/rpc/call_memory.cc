@@ -44,12 +44,14 @@ absl::Status CallMemory::Change(const std::string& client, std::int64_t from, st
   const std::int64_t client_bytes = entry == per_client_.end() ? 0 : entry->second;
   const bool fits_client = client_bytes + increase <= client_limit_;
   if (increase > 0 && !(fits_client && reserved_ + increase <= limit_)) {
-    return RetryLater(std::chrono::seconds(1),
-                      "not enough memory for {:.1f} MiB more: {} reserve {:.1f} of {:.1f} MiB "
-                      "(--message-memory-mib); retry in 1 s",
-                      Mebibytes(increase), fits_client ? "all calls" : "calls of this client",
-                      Mebibytes(fits_client ? reserved_ : client_bytes),
-                      Mebibytes(fits_client ? limit_ : client_limit_));
+    return core::WithReason(
+        "OUT_OF_MEMORY",
+        RetryLater(std::chrono::seconds(1),
+                   "not enough memory for {:.1f} MiB more: {} reserve {:.1f} of {:.1f} MiB "
+                   "(--message-memory-mib); retry in 1 s",
+                   Mebibytes(increase), fits_client ? "all calls" : "calls of this client",
+                   Mebibytes(fits_client ? reserved_ : client_bytes),
+                   Mebibytes(fits_client ? limit_ : client_limit_)));
   }
   Add(client, increase);
   return absl::OkStatus();

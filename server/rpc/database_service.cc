@@ -2,6 +2,7 @@
 #include "motiondb/v1/database.grpc.pb.h"
 #include "server/rpc/call.h"
 #include "server/rpc/services.h"
+#include "server/translate/message_fields.h"
 #include "server/translate/page.h"
 #include "server/translate/record_messages.h"
 #include "server/translate/resource_name.h"
@@ -25,12 +26,30 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   return absl::OkStatus();
 }
 
+absl::StatusOr<bool> IsFull(v1::DatabaseView view) {
+  switch (view) {
+    case v1::DATABASE_VIEW_UNSPECIFIED:
+    case v1::DATABASE_VIEW_BASIC:
+      return false;
+    case v1::DATABASE_VIEW_FULL:
+      return true;
+    default:
+      return FieldViolation("view", "unknown view {}; expected basic or full",
+                            static_cast<int>(view));
+  }
+}
+
 absl::Status GetDatabase(const Call& call, const v1::GetDatabaseRequest& request,
                          v1::GetDatabaseResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
+  MOTIONDB_ASSIGN_OR_RETURN(const bool full, IsFull(request.view()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, call.engine.store().GetDatabase(id));
   SetDatabase(record, *live, *response.mutable_database());
+  if (full) {
+    SetStatistics(*live, live->lifecycle().snapshot().get(),
+                  *response.mutable_database()->mutable_statistics());
+  }
   return absl::OkStatus();
 }
 
@@ -70,14 +89,6 @@ absl::Status DeleteDatabase(const Call& call, const v1::DeleteDatabaseRequest& r
   return call.engine.DeleteDatabase(id, {&audit, call.cancelled});
 }
 
-absl::Status DescribeDatabase(const Call& call, const v1::DescribeDatabaseRequest& request,
-                              v1::DescribeDatabaseResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto live, call.engine.FindDatabase(id));
-  SetDescription(*live, live->lifecycle().snapshot().get(), response);
-  return absl::OkStatus();
-}
-
 absl::Status ReprocessDatabase(const Call& call, const v1::ReprocessDatabaseRequest& request,
                                v1::ReprocessDatabaseResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
@@ -110,11 +121,6 @@ class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
                                            const v1::DeleteDatabaseRequest* request,
                                            v1::DeleteDatabaseResponse* response) override {
     return Answer<server::DeleteDatabase>(host_, context, request, response);
-  }
-  grpc::ServerUnaryReactor* DescribeDatabase(grpc::CallbackServerContext* context,
-                                             const v1::DescribeDatabaseRequest* request,
-                                             v1::DescribeDatabaseResponse* response) override {
-    return Answer<server::DescribeDatabase>(host_, context, request, response);
   }
   grpc::ServerUnaryReactor* ReprocessDatabase(grpc::CallbackServerContext* context,
                                               const v1::ReprocessDatabaseRequest* request,

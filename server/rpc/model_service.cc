@@ -23,10 +23,12 @@ absl::StatusOr<SnapshotPointer> FindReadable(const Call& call, const ModelId& id
   const bool is_current = snapshot->is_stored() && id.version == snapshot->record.version;
   if (id.version == 0 || is_current) return snapshot;
   MOTIONDB_RETURN_IF_ERROR(call.engine.store().GetModel(id.database, id.version).status());
-  return core::FailedPrecondition(
-      "model {} of database '{}' was replaced by a newer one, only its statistics are stored: read "
-      "{}",
-      id.version, id.database, CurrentModelName(id.database));
+  return core::WithReason(
+      "MODEL_SUPERSEDED",
+      core::FailedPrecondition("model {} of database '{}' was replaced by a newer one, only its "
+                               "statistics are stored: read "
+                               "{}",
+                               id.version, id.database, CurrentModelName(id.database)));
 }
 
 absl::Status GetModel(const Call& call, const v1::GetModelRequest& request,

@@ -127,8 +127,8 @@ absl::Status GetOperation(const Call& call, const v1::GetOperationRequest& reque
 absl::Status ListOperations(const Call& call, const v1::ListOperationsRequest& request,
                             v1::ListOperationsResponse& response) {
   std::string database = call.entry.database();  // empty: the caller may see all
-  if (!request.database().empty()) {
-    MOTIONDB_ASSIGN_OR_RETURN(database, ParseDatabaseName("database", request.database()));
+  if (!request.parent().empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(database, ParseDatabaseName("parent", request.parent()));
     MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(database).status());
   }
   MOTIONDB_ASSIGN_OR_RETURN(const int size, PageSize(request.page_size(), 100, 1000));

@@ -32,8 +32,8 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto observation,
       ObservationFrom("observation", request.observation(), query.database()->name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto estimation,
-                            query.Estimate(observation, OptionsFrom(request)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto estimation, query.Estimate(observation, options));
   SetEstimation(estimation, query.model(), response);
   return absl::OkStatus();
 }
@@ -46,7 +46,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             ObservationFrom("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
-  SetPrediction(prediction, database, query.model(), response);
+  SetPrediction(prediction, database, query.model(), options.method, response);
   response.set_calibration(ToProto(query.snapshot()->calibration));
   return absl::OkStatus();
 }
@@ -61,10 +61,11 @@ absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation, ObservationFrom("prediction.observation",
                                                                     first.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto series, query.PredictSeries(observation, options));
-  return [series, database](v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
+  return [series, database, method = options.prediction.method](
+             v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
     MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, series->Next());
     if (!prediction.has_value()) return false;
-    SetPrediction(*prediction, database, series->model(), *message.mutable_prediction());
+    SetPrediction(*prediction, database, series->model(), method, *message.mutable_prediction());
     message.mutable_prediction()->set_calibration(ToProto(series->calibration()));
     return true;
   };

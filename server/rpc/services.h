@@ -31,6 +31,7 @@ std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
 std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeServerService(CallHost& host);
 
 // Reactors of the calls with special handling: IngestClip and RestoreStore (a file in blocks),
 // Observe, and WaitOperation (waits without a thread). gRPC owns them; they delete themselves in

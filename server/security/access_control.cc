@@ -62,10 +62,13 @@ absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
     return Caller{.principal = fmt::format("certificate:{}", evidence.common_name),
                   .role = *options_.certificate_role};
   }
-  return Fail("no token", evidence.address,
-              absl::UnauthenticatedError(
-                  "a token is needed; set --token-file or MOTIONDB_TOKEN for motiondb, or send the "
-                  "header `authorization: Bearer {token}`"));
+  return Fail(
+      "no token", evidence.address,
+      core::WithReason(
+          "TOKEN_MISSING",
+          absl::UnauthenticatedError(
+              "a token is needed; set --token-file or MOTIONDB_TOKEN for motiondb, or send the "
+              "header `authorization: Bearer {token}`")));
 }
 
 absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
@@ -76,16 +79,19 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
   if (token == nullptr) {
     const milliseconds wait = failures_.Wait(SourceOf(address));
     if (wait.count() > 0) {
-      return Fail("too many wrong tokens", address,
-                  RetryLater(wait, "too many wrong tokens from {}; try again in {:.0f} s", address,
-                             std::chrono::duration<double>(wait).count()));
+      return Fail(
+          "too many wrong tokens", address,
+          core::WithReason("TOO_MANY_ATTEMPTS",
+                           RetryLater(wait, "too many wrong tokens from {}; try again in {:.0f} s",
+                                      address, std::chrono::duration<double>(wait).count())));
     }
     MOTIONDB_ASSIGN_OR_RETURN(token, tokens_.Find(bearer));
   }
   if (token == nullptr) {
     failures_.Count(SourceOf(address));
     return Fail("a wrong token", address,
-                absl::UnauthenticatedError("the token is not one of this server's"));
+                core::WithReason("TOKEN_INVALID", absl::UnauthenticatedError(
+                                                      "the token is not one of this server's")));
   }
   if (absl::Status valid = token->CheckHolds(NowMicroseconds()); !valid.ok()) {
     const std::string what =

@@ -41,13 +41,15 @@ const char* RoleName(storage::Role role) {
 
 absl::Status Authorize(const Caller& caller, const CallRule& rule, std::string_view resource) {
   if (caller.role < rule.least_role) {
-    return absl::PermissionDeniedError(fmt::format("{} needs the role {}; {} has the role {}",
-                                                   rule.method, RoleName(rule.least_role),
-                                                   caller.principal, RoleName(caller.role)));
+    return core::WithReason(
+        "ROLE_REQUIRED", absl::PermissionDeniedError(fmt::format(
+                             "{} needs the role {}; {} has the role {}", rule.method,
+                             RoleName(rule.least_role), caller.principal, RoleName(caller.role))));
   }
   if (!caller.database.empty() && !IsWithin(caller, rule, resource)) {
-    return absl::PermissionDeniedError(
-        fmt::format("{} is valid for databases/{} only", caller.principal, caller.database));
+    return core::WithReason("DATABASE_NOT_ALLOWED", absl::PermissionDeniedError(fmt::format(
+                                                        "{} is valid for databases/{} only",
+                                                        caller.principal, caller.database)));
   }
   return absl::OkStatus();
 }

@@ -22,7 +22,6 @@ constexpr CallRule kRules[] = {
     {"DatabaseService.ListDatabases", kReader, kReads, kLight, kList, ""},
     {"DatabaseService.DeleteDatabase", kAdmin, kChanges, kLight, kDatabase, "name", kFullName,
      Pool::kChanges},
-    {"DatabaseService.DescribeDatabase", kReader, kReads, kLight, kDatabase, "name"},
     {"DatabaseService.ReprocessDatabase", kIngester, kChanges, kLight, kDatabase, "name", kFullName,
      Pool::kChanges},
 
@@ -51,19 +50,19 @@ constexpr CallRule kRules[] = {
     {"ObserveService.Represent", kReader, kReads, kLight, kDatabase, "database"},
 
     {"OperationService.GetOperation", kReader, kReads, kLight, kOperation, "name"},
-    {"OperationService.ListOperations", kReader, kReads, kLight, kList, "database"},
+    {"OperationService.ListOperations", kReader, kReads, kLight, kList, "parent"},
     {"OperationService.WaitOperation", kReader, kReads, kLight, kOperation, "name"},
     {"OperationService.CancelOperation", kIngester, kChanges, kLight, kOperation, "name", kFullName,
      Pool::kChanges, kUrgent},
 
-    {"AccessService.CreateToken", kAdmin, kChanges, kLight, kServer, "database", kFullName,
+    {"AccessService.CreateToken", kAdmin, kChanges, kLight, kServer, "token.database", kFullName,
      Pool::kChanges},
     {"AccessService.ListTokens", kAdmin, kReads, kLight, kServer, ""},
     {"AccessService.RevokeToken", kAdmin, kChanges, kLight, kServer, "name", kFullName,
      Pool::kChanges, kUrgent},
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
-    {"StoreService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
+    {"ServerService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
     {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
     {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
     {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, "", kFullName, Pool::kUpkeep},

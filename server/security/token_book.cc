@@ -31,10 +31,12 @@ bool KnownToken::HasSecret(std::string_view secret) const {
 
 absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
   if (state_ != State::kValid) {
-    return absl::UnauthenticatedError(fmt::format("tokens/{} was revoked", record_.id));
+    return core::WithReason("TOKEN_REVOKED", absl::UnauthenticatedError(
+                                                 fmt::format("tokens/{} was revoked", record_.id)));
   }
   if (HasExpired(now_us)) {
-    return absl::UnauthenticatedError(fmt::format("tokens/{} has expired", record_.id));
+    return core::WithReason("TOKEN_EXPIRED", absl::UnauthenticatedError(
+                                                 fmt::format("tokens/{} has expired", record_.id)));
   }
   return absl::OkStatus();
 }

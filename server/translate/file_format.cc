@@ -61,13 +61,18 @@ absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
     return fmt::format("{}.conventions.{}", prefix, name);
   };
   Conventions from;
-  MOTIONDB_ASSIGN_OR_RETURN(
-      from.read.metres_per_unit,
-      OptionalPositive(field("metres_per_unit"), conventions.metres_per_unit()));
-  MOTIONDB_ASSIGN_OR_RETURN(from.read.frame_rate_hz,
-                            OptionalPositive(field("frame_rate_hz"), conventions.frame_rate_hz()));
-  MOTIONDB_ASSIGN_OR_RETURN(from.leg_length_m,
-                            OptionalPositive(field("leg_length_m"), conventions.leg_length_m()));
+  if (conventions.has_metres_per_unit()) {
+    from.read.metres_per_unit = conventions.metres_per_unit();
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("metres_per_unit"), *from.read.metres_per_unit));
+  }
+  if (conventions.has_frame_rate_hz()) {
+    from.read.frame_rate_hz = conventions.frame_rate_hz();
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("frame_rate_hz"), *from.read.frame_rate_hz));
+  }
+  if (conventions.has_leg_length_m()) {
+    from.leg_length_m = conventions.leg_length_m();
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive(field("leg_length_m"), *from.leg_length_m));
+  }
   switch (conventions.up_axis()) {
     case v1::UP_AXIS_UNSPECIFIED:
       break;

@@ -82,9 +82,11 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
   }
   const std::size_t received = file_.file_bytes.size() + file_.skeleton_bytes.size();
   if (block.size() > max_file_bytes_ - received) {
-    return absl::ResourceExhaustedError(
-        fmt::format("{}: expected at most {} bytes, skeleton included (setting max-file-mib)",
-                    file_.file_name, max_file_bytes_));
+    return core::WithReason(
+        "FILE_TOO_LARGE",
+        absl::ResourceExhaustedError(
+            fmt::format("{}: expected at most {} bytes, skeleton included (setting max-file-mib)",
+                        file_.file_name, max_file_bytes_)));
   }
   if (bytes.empty()) {
     bytes.swap(block);

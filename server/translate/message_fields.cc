@@ -10,11 +10,9 @@
 
 namespace motiondb::server {
 
-absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, double value) {
-  if (value == 0) return std::nullopt;
-  if (std::isfinite(value) && value > 0) return value;
-  return FieldViolation(field, "expected a finite number above 0, or 0 for not given, got {}",
-                        value);
+absl::Status CheckPositive(std::string_view field, double value) {
+  if (std::isfinite(value) && value > 0) return absl::OkStatus();
+  return FieldViolation(field, "expected a finite number above 0, got {}", value);
 }
 
 namespace {

@@ -21,8 +21,8 @@ namespace motiondb::server {
 using core::AtField;
 using core::FieldViolation;
 
-// Returns the value, or nullopt for 0. Returns INVALID_ARGUMENT if it is negative or not finite.
-absl::StatusOr<std::optional<double>> OptionalPositive(std::string_view field, double value);
+// Returns INVALID_ARGUMENT unless `value` is finite and positive.
+absl::Status CheckPositive(std::string_view field, double value);
 
 // Returns INVALID_ARGUMENT if the text contains a bearer token, because many users can read stored
 // text.

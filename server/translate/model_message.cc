@@ -28,7 +28,7 @@ void SetModel(const storage::ModelRecord& record, const core::BuildSettings& set
   message.set_scaling(ToProto(settings.scaling));
   if (!current) return;
   const auto& divisor = snapshot->model.scale().divisor;
-  message.mutable_scales()->Add(divisor.data(), divisor.data() + divisor.size());
+  AppendPacked(divisor.data(), static_cast<std::size_t>(divisor.size()), *message.mutable_scales());
   for (const core::ModelClip& clip : snapshot->model.clips()) {
     message.add_clips(ClipName(record.database, clip.id));
     message.add_first_frames(clip.first_frame);
@@ -40,7 +40,7 @@ void SetNode(const core::Model& model, int layer, int node, v1::Node& message) {
   const core::Branch& branch = model.tree().branches()[index];
   const core::NodeGaussians& gaussians = model.gaussians();
   message.set_node_id(node);
-  message.set_parent_id(model.tree().parent(layer, node));
+  if (layer > 1) message.set_parent_id(model.tree().parent(layer, node));
   message.set_frame_count(branch.end - branch.begin);
   const auto dimensions = static_cast<std::size_t>(gaussians.dimension_count());
   AppendPacked(gaussians.means().row(index).data(), dimensions, *message.mutable_mean());

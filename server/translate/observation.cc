@@ -37,7 +37,7 @@ Observation FromMarkers(std::string field, const v1::MarkerObservation& message)
                       message.frame_rate_hz(),
                       {message.frame_count(), message.positions()}},
       std::nullopt};
-  if (message.leg_length_m() != 0) observation.leg_length_m = message.leg_length_m();
+  if (message.has_leg_length_m()) observation.leg_length_m = message.leg_length_m();
   return observation;
 }
 
@@ -77,7 +77,7 @@ absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start) {
   ObserveSetup setup;
   setup.marker_names.assign(start.marker_names().begin(), start.marker_names().end());
   setup.frame_rate_hz = start.frame_rate_hz();
-  if (start.leg_length_m() != 0) setup.leg_length_m = start.leg_length_m();
+  if (start.has_leg_length_m()) setup.leg_length_m = start.leg_length_m();
   MOTIONDB_ASSIGN_OR_RETURN(setup.options, OptionsFrom(start));
   return setup;
 }
@@ -99,7 +99,7 @@ void SetStep(const ObserveStep& step, int top_count, v1::ObserveResponse& messag
   SetState(observed.state, *message.mutable_state());
   SetLabels(observed.labels, top_count, *message.mutable_labels());
   message.set_familiarity(observed.familiarity);
-  SetHorizons(observed.horizons, *message.mutable_horizons());
+  SetHorizons(observed.horizons, true, *message.mutable_horizons());
 }
 
 void SetMarkers(const core::MarkerMotion& motion, v1::MarkerObservation& message) {

@@ -82,8 +82,10 @@ absl::Status CheckStillCurrent(const ModelPosition& position, const storage::Mod
       (position.version == current.version && position.create_time_us == current.create_time_us)) {
     return absl::OkStatus();
   }
-  return absl::AbortedError(
-      "the model was replaced while it was being listed; list again from the first page");
+  return core::WithReason(
+      "MODEL_REPLACED",
+      absl::AbortedError(
+          "the model was replaced while it was being listed; list again from the first page"));
 }
 
 }  // namespace motiondb::server

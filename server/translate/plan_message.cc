@@ -19,13 +19,13 @@ namespace {
 v1::PlanOutcome ToProto(core::PlanOutcome outcome) {
   switch (outcome) {
     case core::PlanOutcome::kExact:
-      return v1::EXACT;
+      return v1::PLAN_OUTCOME_EXACT;
     case core::PlanOutcome::kApproximate:
-      return v1::APPROXIMATE;
+      return v1::PLAN_OUTCOME_APPROXIMATE;
     case core::PlanOutcome::kUnreachable:
-      return v1::UNREACHABLE;
+      return v1::PLAN_OUTCOME_UNREACHABLE;
     case core::PlanOutcome::kDeadline:
-      return v1::DEADLINE;
+      return v1::PLAN_OUTCOME_DEADLINE;
   }
   return v1::PLAN_OUTCOME_UNSPECIFIED;
 }
@@ -49,8 +49,8 @@ void SetQuality(const core::PlanQuality& quality, v1::PlanQuality& message) {
   message.set_duration_seconds(quality.duration_seconds);
   message.set_correction_m(quality.correction_m);
   message.set_correction_heading_rad(quality.correction_heading_rad);
-  message.set_foot_slide_cm_per_s(quality.motion.foot_slide_cm_per_s);
-  message.set_floor_penetration_cm(quality.motion.floor_penetration_cm);
+  message.set_foot_slide_m_per_s(quality.motion.foot_slide_cm_per_s / 100);
+  message.set_floor_penetration_m(quality.motion.floor_penetration_cm / 100);
   message.set_peak_marker_jerk_m_s3(quality.motion.peak_marker_jerk_m_s3);
   message.set_peak_joint_speed_rad_s(quality.motion.peak_joint_speed_rad_s);
   message.set_peak_joint_jerk_rad_s3(quality.motion.peak_joint_jerk_rad_s3);
@@ -198,8 +198,7 @@ absl::StatusOr<core::Obstacles> ObstaclesFrom(const v1::Obstacles& message) {
   return obstacles;
 }
 
-// Sets the numbers of the request. A number without presence is not given if it is 0.
-void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
+absl::Status SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   core::PlanProblem& problem = plan.problem;
   if (request.has_position_tolerance_m()) {
     problem.position_tolerance_m = request.position_tolerance_m();
@@ -207,15 +206,28 @@ void SetNumbers(const v1::PlanRequest& request, PlanRequest& plan) {
   if (request.has_heading_tolerance_rad()) {
     problem.heading_tolerance_rad = request.heading_tolerance_rad();
   }
-  if (request.max_duration_seconds() != 0) {
+  if (request.has_max_duration_seconds()) {
     problem.max_duration_seconds = request.max_duration_seconds();
   }
-  if (request.max_search_seconds() != 0) plan.max_search_seconds = request.max_search_seconds();
-  problem.coarse_layer = request.coarse_layer();
+  if (request.has_search_timeout()) {
+    const auto& timeout = request.search_timeout();
+    plan.max_search_seconds = static_cast<double>(timeout.seconds()) + 1e-9 * timeout.nanos();
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive("search_timeout", plan.max_search_seconds));
+  }
+  if (request.has_coarse_layer()) {
+    if (request.coarse_layer() < 1) {
+      return FieldViolation("coarse_layer", "expected 1 or more, got {}", request.coarse_layer());
+    }
+    problem.coarse_layer = request.coarse_layer();
+  }
   problem.alternative_count = request.alternative_count();
-  problem.frame_rate_hz = request.frame_rate_hz();
+  if (request.has_frame_rate_hz()) {
+    MOTIONDB_RETURN_IF_ERROR(CheckPositive("frame_rate_hz", request.frame_rate_hz()));
+    problem.frame_rate_hz = request.frame_rate_hz();
+  }
   problem.seed = request.seed();
   problem.respect_joint_limits = !request.ignore_joint_limits();
+  return absl::OkStatus();
 }
 
 // Returns the id in a parsed name. Returns INVALID_ARGUMENT if the name is not in `database`.
@@ -260,7 +272,7 @@ absl::StatusOr<PlanRequest> PlanRequestFrom(const v1::PlanRequest& request,
                                             const std::string& database) {
   PlanRequest plan;
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.goal, GoalFrom(request));
-  SetNumbers(request, plan);
+  MOTIONDB_RETURN_IF_ERROR(SetNumbers(request, plan));
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.method, PlanMethodFrom(request.method()));
   plan.problem.labels = {request.labels().begin(), request.labels().end()};
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.obstacles, ObstaclesFrom(request.obstacles()));

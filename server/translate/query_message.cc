@@ -15,6 +15,11 @@ namespace {
 
 constexpr std::size_t kMaxScores = 1 << 20;  // in a response, about 100 bytes each
 
+absl::Status CheckCount(std::string_view field, int count) {
+  if (count >= 1) return absl::OkStatus();
+  return FieldViolation(field, "expected 1 or more, got {}", count);
+}
+
 std::size_t Count(std::size_t all, int top_count) {
   return top_count == 0 ? all : std::min(all, static_cast<std::size_t>(top_count));
 }
@@ -35,15 +40,17 @@ void SetLabels(const std::vector<core::LabelScore>& labels, int top_count,
   }
 }
 
-void SetHorizons(const std::vector<core::PredictedFrame>& frames,
+void SetHorizons(const std::vector<core::PredictedFrame>& frames, bool has_confidence,
                  google::protobuf::RepeatedPtrField<v1::PredictedFrame>& messages) {
   for (const core::PredictedFrame& frame : frames) {
     v1::PredictedFrame& to = *messages.Add();
     to.set_seconds(frame.seconds);
     const auto& positions = frame.marker_positions_m;
-    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
-    to.set_confidence(frame.confidence);
-    to.set_expected_error_m(frame.expected_error_m);
+    AppendPacked(positions.data(), static_cast<std::size_t>(positions.size()),
+                 *to.mutable_marker_positions());
+    to.set_marker_count(static_cast<int>(positions.size() / 3));
+    if (has_confidence) to.set_confidence(frame.confidence);
+    if (frame.expected_error_m > 0) to.set_expected_error_m(frame.expected_error_m);
   }
 }
 
@@ -95,14 +102,17 @@ void SetEstimation(const core::Estimation& estimation, const core::Model& model,
     to.set_frame(filled.frame);
     to.set_seconds(filled.frame / rate);
     const auto& positions = filled.marker_positions_m;
-    to.mutable_marker_positions()->Add(positions.data(), positions.data() + positions.size());
+    AppendPacked(positions.data(), static_cast<std::size_t>(positions.size()),
+                 *to.mutable_marker_positions());
     const auto& deviations = filled.deviations_m;
-    to.mutable_marker_deviations()->Add(deviations.data(), deviations.data() + deviations.size());
+    AppendPacked(deviations.data(), static_cast<std::size_t>(deviations.size()),
+                 *to.mutable_marker_deviations());
+    to.set_marker_count(static_cast<int>(deviations.size()));
   }
 }
 
 void SetPrediction(const core::Prediction& prediction, const std::string& database,
-                   const core::Model& model, v1::PredictResponse& message) {
+                   const core::Model& model, core::Method method, v1::PredictResponse& message) {
   message.set_at_seconds(prediction.at_seconds);
   message.set_layer(prediction.layer);
   SetState(prediction.state, *message.mutable_state());
@@ -112,28 +122,31 @@ void SetPrediction(const core::Prediction& prediction, const std::string& databa
     to.set_probability(next.probability);
     for (const int clip : next.clips) to.add_clips(ClipName(database, model.clips()[clip].id));
   }
-  SetHorizons(prediction.horizons, *message.mutable_horizons());
+  SetHorizons(prediction.horizons, method == core::Method::kBest, *message.mutable_horizons());
 }
 
 namespace {
 
-// 0 means not given.
-template <typename Number>
-void SetIfGiven(Number value, Number& option) {
-  if (value != 0) option = value;
+// Number of entries to return of each window; 0 if the request has none: all.
+template <typename Request>
+absl::Status CheckTopCount(const Request& request) {
+  return request.has_top_count() ? CheckCount("top_count", request.top_count()) : absl::OkStatus();
 }
 
-absl::Status CheckTopCount(int top_count) {
-  if (top_count >= 0) return absl::OkStatus();
-  return FieldViolation("top_count", "expected 0 or more, got {}", top_count);
+// The layer of a request; 0, core's word for the bottom layer, if it has none.
+template <typename Request>
+absl::StatusOr<int> LayerFrom(const Request& request) {
+  if (!request.has_layer()) return 0;
+  MOTIONDB_RETURN_IF_ERROR(CheckCount("layer", request.layer()));
+  return request.layer();
 }
 
 absl::StatusOr<core::Method> MethodFrom(v1::Method method) {
   switch (method) {
     case v1::METHOD_UNSPECIFIED:
-    case v1::BEST:
+    case v1::METHOD_BEST:
       return core::Method::kBest;
-    case v1::PAPER:
+    case v1::METHOD_PAPER:
       return core::Method::kPaper;
     default:
       return FieldViolation("method", "unknown method {}; expected best or paper",
@@ -160,20 +173,20 @@ absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& r
   core::RecognizeOptions options;
   MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
   MOTIONDB_ASSIGN_OR_RETURN(options.generation, GenerationFrom(request.generation()));
-  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(request.top_count()));
+  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(request));
   options.whole = request.whole();
-  SetIfGiven(request.window_seconds(), options.window_seconds);
-  SetIfGiven(request.hop_seconds(), options.hop_seconds);
-  options.layer = request.layer();
+  if (request.has_window_seconds()) options.window_seconds = request.window_seconds();
+  if (request.has_hop_seconds()) options.hop_seconds = request.hop_seconds();
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(request));
   if (request.has_transition_floor()) options.transition_floor = request.transition_floor();
-  SetIfGiven(request.path_count(), options.path_count);
+  if (request.has_path_count()) options.path_count = request.path_count();
   return options;
 }
 
-core::EstimateOptions OptionsFrom(const v1::EstimateRequest& request) {
+absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request) {
   core::EstimateOptions options;
-  options.search.layer = request.layer();
-  SetIfGiven(request.path_count(), options.search.path_count);
+  MOTIONDB_ASSIGN_OR_RETURN(options.search.layer, LayerFrom(request));
+  if (request.has_path_count()) options.search.path_count = request.path_count();
   if (request.has_transition_floor()) options.search.transition_floor = request.transition_floor();
   if (request.has_max_candidates()) options.search.max_candidates = request.max_candidates();
   if (request.fill_every_frame()) options.fill = core::Fill::kEveryFrame;
@@ -184,11 +197,11 @@ absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& reque
   core::PredictOptions options;
   MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
   if (request.has_at_seconds()) options.at_seconds = request.at_seconds();
-  SetIfGiven(request.history_seconds(), options.history_seconds);
+  if (request.has_history_seconds()) options.history_seconds = request.history_seconds();
   if (!request.horizon_seconds().empty()) {
     options.horizon_seconds = {request.horizon_seconds().begin(), request.horizon_seconds().end()};
   }
-  options.layer = request.layer();
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(request));
   if (request.has_transition_floor()) options.transition_floor = request.transition_floor();
   return options;
 }
@@ -201,12 +214,12 @@ absl::StatusOr<SeriesOptions> OptionsFrom(const v1::PredictSeriesRequest& reques
 
 absl::StatusOr<core::ObserverOptions> OptionsFrom(const v1::ObserveStart& start) {
   core::ObserverOptions options;
-  SetIfGiven(start.window_seconds(), options.window_seconds);
-  SetIfGiven(start.history_seconds(), options.history_seconds);
+  if (start.has_window_seconds()) options.window_seconds = start.window_seconds();
+  if (start.has_history_seconds()) options.history_seconds = start.history_seconds();
   options.horizon_seconds = {start.horizon_seconds().begin(), start.horizon_seconds().end()};
-  options.layer = start.layer();
+  MOTIONDB_ASSIGN_OR_RETURN(options.layer, LayerFrom(start));
   if (start.has_transition_floor()) options.transition_floor = start.transition_floor();
-  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(start.top_count()));
+  MOTIONDB_RETURN_IF_ERROR(CheckTopCount(start));
   return options;
 }
 

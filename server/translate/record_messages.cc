@@ -93,17 +93,19 @@ v1::Calibration ToProto(Calibration calibration) {
 absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
   core::BuildSettings settings;
   const double rate = database.frame_rate_hz();
-  if (rate != 0 && !(rate >= core::kLowestFrameRateHz && rate <= core::kHighestFrameRateHz)) {
+  if (database.has_frame_rate_hz() &&
+      !(rate >= core::kLowestFrameRateHz && rate <= core::kHighestFrameRateHz)) {
     return FieldViolation("database.frame_rate_hz", "expected {} to {}, got {}",
                           core::kLowestFrameRateHz, core::kHighestFrameRateHz, rate);
   }
   const int min_frames = database.min_frames();
-  if (min_frames != 0 && (min_frames < kLowestMinFrames || min_frames > kHighestMinFrames)) {
+  if (database.has_min_frames() &&
+      (min_frames < kLowestMinFrames || min_frames > kHighestMinFrames)) {
     return FieldViolation("database.min_frames", "expected {} to {}, got {}", kLowestMinFrames,
                           kHighestMinFrames, min_frames);
   }
-  if (rate > 0) settings.frame_rate_hz = rate;
-  if (min_frames != 0) settings.min_frames = min_frames;
+  if (database.has_frame_rate_hz()) settings.frame_rate_hz = rate;
+  if (database.has_min_frames()) settings.min_frames = min_frames;
   MOTIONDB_ASSIGN_OR_RETURN(settings.scaling, ScalingFrom(database.scaling()));
   MOTIONDB_ASSIGN_OR_RETURN(settings.glitches, GlitchPolicyFrom(database.glitches()));
   return settings;
@@ -140,8 +142,8 @@ void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live
   message.set_model_version(snapshot == nullptr ? 0 : snapshot->record.version);
 }
 
-void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
-                    v1::DescribeDatabaseResponse& message) {
+void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
+                   v1::DatabaseStatistics& message) {
   message.set_name(DatabaseName(live.name()));
   message.set_frame_rate_hz(live.settings().frame_rate_hz);
   message.set_glitches(ToProto(live.settings().glitches));
@@ -217,7 +219,7 @@ void SetSkeleton(const std::string& database, const storage::SkeletonRecord& rec
   for (const core::Joint& joint : record.skeleton.joints()) {
     v1::Skeleton::Joint& to = *message.add_joints();
     to.set_name(text::ValidUtf8(joint.name));
-    to.set_parent(joint.parent);
+    if (joint.parent >= 0) to.set_parent_joint(joint.parent);
     to.set_offset_x_m(joint.offset_m.x());
     to.set_offset_y_m(joint.offset_m.y());
     to.set_offset_z_m(joint.offset_m.z());
@@ -261,11 +263,17 @@ void SetOperation(const storage::OperationRecord& record, v1::Operation& message
   message.set_database(DatabaseName(record.database));
   message.set_kind(ToProto(record.kind));
   message.set_state(ToProto(record.state));
-  message.set_done(record.done());
   message.set_progress(record.progress);
   message.set_stage(record.stage);
-  if (record.model_version > 0) message.set_model(ModelName(record.database, record.model_version));
-  if (record.error_code != 0) {
+  if (record.state == storage::OperationState::kSucceeded) {
+    const std::string model =
+        record.model_version > 0 ? ModelName(record.database, record.model_version) : "";
+    if (record.kind == storage::OperationKind::kReprocess) {
+      message.mutable_reprocess()->set_model(model);
+    } else {
+      message.mutable_rebuild()->set_model(model);
+    }
+  } else if (record.done()) {
     message.mutable_error()->set_code(record.error_code);
     message.mutable_error()->set_message(text::SafeText(record.error_message));
   }
@@ -276,7 +284,7 @@ void SetOperation(const storage::OperationRecord& record, v1::Operation& message
 namespace {
 
 constexpr std::size_t kMaxDescriptionBytes = 200;
-constexpr std::int64_t kMaxLifetimeSeconds = std::int64_t{100} * 365 * 24 * 3600;
+constexpr std::int64_t kMaxTtlSeconds = std::int64_t{100} * 365 * 24 * 3600;
 
 absl::StatusOr<storage::Role> RoleFrom(v1::Role role) {
   switch (role) {
@@ -287,7 +295,7 @@ absl::StatusOr<storage::Role> RoleFrom(v1::Role role) {
     case v1::ROLE_ADMIN:
       return storage::Role::kAdmin;
     default:
-      return FieldViolation("role", "expected one of ROLE_READER, ROLE_INGESTER, ROLE_ADMIN");
+      return FieldViolation("token.role", "expected one of ROLE_READER, ROLE_INGESTER, ROLE_ADMIN");
   }
 }
 
@@ -303,32 +311,33 @@ v1::Role ToProto(storage::Role role) {
   return v1::ROLE_UNSPECIFIED;
 }
 
-absl::StatusOr<std::int64_t> LifetimeFrom(const google::protobuf::Duration& lifetime) {
-  const bool positive = lifetime.seconds() >= 0 && lifetime.nanos() >= 0 &&
-                        lifetime.nanos() <= 999'999'999 &&
-                        (lifetime.seconds() > 0 || lifetime.nanos() >= 1000);
-  if (!positive || lifetime.seconds() > kMaxLifetimeSeconds) {
-    return FieldViolation("lifetime",
+absl::StatusOr<std::int64_t> TtlFrom(const google::protobuf::Duration& ttl) {
+  const bool positive = ttl.seconds() >= 0 && ttl.nanos() >= 0 && ttl.nanos() <= 999'999'999 &&
+                        (ttl.seconds() > 0 || ttl.nanos() >= 1000);
+  if (!positive || ttl.seconds() > kMaxTtlSeconds) {
+    return FieldViolation("ttl",
                           "expected a positive duration of at most 100 years, got {} s {} ns",
-                          lifetime.seconds(), lifetime.nanos());
+                          ttl.seconds(), ttl.nanos());
   }
-  return lifetime.seconds() * 1'000'000 + lifetime.nanos() / 1000;
+  return ttl.seconds() * 1'000'000 + ttl.nanos() / 1000;
 }
 
 }  // namespace
 
 absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request) {
   WantedToken wanted;
-  MOTIONDB_ASSIGN_OR_RETURN(wanted.role, RoleFrom(request.role()));
-  if (!request.database().empty()) {
-    MOTIONDB_ASSIGN_OR_RETURN(wanted.database, ParseDatabaseName("database", request.database()));
+  const v1::Token& token = request.token();
+  MOTIONDB_ASSIGN_OR_RETURN(wanted.role, RoleFrom(token.role()));
+  if (!token.database().empty()) {
+    MOTIONDB_ASSIGN_OR_RETURN(wanted.database,
+                              ParseDatabaseName("token.database", token.database()));
   }
-  if (request.has_lifetime()) {
-    MOTIONDB_ASSIGN_OR_RETURN(wanted.lifetime_us, LifetimeFrom(request.lifetime()));
+  if (request.has_ttl()) {
+    MOTIONDB_ASSIGN_OR_RETURN(wanted.ttl_us, TtlFrom(request.ttl()));
   }
   MOTIONDB_RETURN_IF_ERROR(
-      CheckPlainText("description", request.description(), kMaxDescriptionBytes));
-  wanted.description = request.description();
+      CheckPlainText("token.description", token.description(), kMaxDescriptionBytes));
+  wanted.description = token.description();
   return wanted;
 }
 
@@ -363,7 +372,7 @@ constexpr std::size_t kTextLimit = 1024;
 
 }  // namespace
 
-void SetDamage(const storage::Damage& damage, v1::Damage& message) {
+void SetCorruption(const storage::Damage& damage, v1::Corruption& message) {
   message.set_resource(text::ValidUtf8(text::SafeText(damage.resource), kTextLimit));
   message.set_description(text::ValidUtf8(text::SafeText(damage.description), kTextLimit));
 }

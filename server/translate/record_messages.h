@@ -18,9 +18,9 @@ namespace motiondb::v1 {
 class AuditEntry;
 class Clip;
 class CreateTokenRequest;
-class Damage;
+class Corruption;
 class Database;
-class DescribeDatabaseResponse;
+class DatabaseStatistics;
 class Operation;
 class Skeleton;
 class Token;
@@ -44,14 +44,14 @@ void SetModelFigures(const storage::ModelRecord& record, Message& message) {
                                          record.nodes_per_layer.end());
   message.set_dimension_count(record.dimension_count);
   message.set_added_clip_count(record.added_clip_count);
-  message.set_stale_share(record.drift_fraction);
+  message.set_drift_fraction(record.drift_fraction);
 }
 
 void SetDatabase(const storage::DatabaseRecord& record, const LiveDatabase& live,
                  v1::Database& message);
 // `snapshot` may be null.
-void SetDescription(const LiveDatabase& live, const Snapshot* snapshot,
-                    v1::DescribeDatabaseResponse& message);
+void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
+                   v1::DatabaseStatistics& message);
 
 v1::Calibration ToProto(Calibration calibration);
 
@@ -78,7 +78,7 @@ struct WantedToken {
   storage::Role role = storage::Role::kReader;
   std::string database;  // id; empty: all
   std::string description;
-  std::int64_t lifetime_us = 0;  // 0: never expires
+  std::int64_t ttl_us = 0;  // 0: never expires
 };
 
 // Returns INVALID_ARGUMENT with the field.
@@ -88,6 +88,6 @@ void SetToken(const storage::TokenRecord& record, v1::Token& message);
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
 
 // Truncates the texts, because a corrupt file may have texts of any length.
-void SetDamage(const storage::Damage& damage, v1::Damage& message);
+void SetCorruption(const storage::Damage& damage, v1::Corruption& message);
 
 }  // namespace motiondb::server

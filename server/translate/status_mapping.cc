@@ -72,6 +72,25 @@ void AddFieldViolation(const absl::Status& status, const std::string& field, v1:
   detail.set_value(bad_request.SerializeAsString());
 }
 
+constexpr char kErrorInfoUrl[] = "type.googleapis.com/google.rpc.ErrorInfo";
+
+void AddErrorInfo(std::string reason, v1::Status& details) {
+  v1::ErrorInfo info;
+  info.set_reason(std::move(reason));
+  info.set_domain("motiondb");
+  google::protobuf::Any& detail = *details.add_details();
+  detail.set_type_url(kErrorInfoUrl);
+  detail.set_value(info.SerializeAsString());
+}
+
+// The reason of an error: its own, or else the name of its code.
+std::string ReasonOf(const absl::Status& status) {
+  const auto reason = status.GetPayload(core::kReasonUrl);
+  if (reason.has_value()) return std::string(*reason);
+  if (status.GetPayload(core::kFieldUrl).has_value()) return "INVALID_FIELD";
+  return absl::StatusCodeToString(status.code());
+}
+
 }  // namespace
 
 grpc::Status ToGrpcStatus(const absl::Status& status) {
@@ -80,14 +99,15 @@ grpc::Status ToGrpcStatus(const absl::Status& status) {
   details.set_code(ToGrpcCode(status.code()));
   details.set_message(
       text::ValidUtf8(text::SafeText(std::string(status.message())), kMessageLimit));
+  AddErrorInfo(ReasonOf(status), details);
   status.ForEachPayload([&](absl::string_view url, const absl::Cord& payload) {
+    if (url == core::kReasonUrl) return;
     if (url == core::kFieldUrl) return AddFieldViolation(status, std::string(payload), details);
     google::protobuf::Any& detail = *details.add_details();
     detail.set_type_url(std::string(url));
     detail.set_value(std::string(payload));
   });
-  return {ToGrpcCode(status.code()), details.message(),
-          details.details().empty() ? std::string() : details.SerializeAsString()};
+  return {ToGrpcCode(status.code()), details.message(), details.SerializeAsString()};
 }
 
 absl::Status RetryLater(std::chrono::milliseconds delay, std::string_view message) {
@@ -105,6 +125,8 @@ grpc::Status WithRequestInfo(const grpc::Status& error, const std::string& reque
   if (error.error_details().empty() || !details.ParseFromString(error.error_details())) {
     details.set_code(error.error_code());
     details.set_message(error.error_message());
+    AddErrorInfo(absl::StatusCodeToString(static_cast<absl::StatusCode>(error.error_code())),
+                 details);
   }
   v1::RequestInfo info;
   info.set_request_id(request_id);

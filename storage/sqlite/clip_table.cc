@@ -72,7 +72,8 @@ std::string DescribeClip(const std::string& database, const std::string& clip) {
 }
 
 absl::Status NoClip(const std::string& database, const std::string& clip) {
-  return core::NotFound("database '{}' has no clip '{}'", database, clip);
+  return core::WithReason("CLIP_NOT_FOUND",
+                          core::NotFound("database '{}' has no clip '{}'", database, clip));
 }
 
 absl::StatusOr<std::int64_t> FindClip(Connection& connection, const std::string& database,
@@ -103,16 +104,19 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
       database_key, record.content_hash);
   MOTIONDB_ASSIGN_OR_RETURN(const bool stored, alike.Step());
   if (stored) {
-    return absl::AlreadyExistsError(fmt::format(
-        "database '{}' already has the same motion as clip '{}'", record.database, alike.Text(0)));
+    return core::WithReason(
+        "MOTION_EXISTS", absl::AlreadyExistsError(
+                             fmt::format("database '{}' already has the same motion as clip '{}'",
+                                         record.database, alike.Text(0))));
   }
   MOTIONDB_ASSIGN_OR_RETURN(
       std::string free,
       FreeId(connection, "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
              database_key, record.id));
   if (clip.id_is_fixed && free != record.id) {
-    return absl::AlreadyExistsError(
-        fmt::format("database '{}' already has another clip '{}'", record.database, record.id));
+    return core::WithReason("CLIP_EXISTS", absl::AlreadyExistsError(fmt::format(
+                                               "database '{}' already has another clip '{}'",
+                                               record.database, record.id)));
   }
   return free;
 }

@@ -31,7 +31,8 @@ absl::StatusOr<DatabaseRecord> ToDatabaseRecord(const Statement& row) {
 }
 
 absl::Status NoDatabase(const std::string& name) {
-  return core::NotFound("database '{}' does not exist", name);
+  return core::WithReason("DATABASE_NOT_FOUND",
+                          core::NotFound("database '{}' does not exist", name));
 }
 
 }  // namespace
@@ -47,7 +48,8 @@ absl::Status InsertDatabase(Connection& connection, const DatabaseRecord& record
               record.create_time_us, ToText(record.settings.glitches))
           .Run();
   if (absl::IsAlreadyExists(inserted)) {
-    return absl::AlreadyExistsError(fmt::format("database '{}' already exists", record.name));
+    return core::WithReason("DATABASE_EXISTS", absl::AlreadyExistsError(fmt::format(
+                                                   "database '{}' already exists", record.name)));
   }
   MOTIONDB_RETURN_IF_ERROR(inserted);
   return SetRowChecksum(connection, "database", connection.last_insert_key());

@@ -69,11 +69,13 @@ absl::Status DiskReserve::CheckBeside(std::int64_t added_bytes) const {
 }
 
 absl::Status DiskReserve::Refuse(std::int64_t free, std::int64_t added_bytes) const {
-  return absl::ResourceExhaustedError(fmt::format(
-      "{} free on the disk of '{}', expected {}: {} for the log and the new data, and a reserve of "
-      "{} for deletions (--disk-reserve-mib); free disk space or delete clips",
-      Mebibytes(free), path_, Mebibytes(added_bytes + bytes_), Mebibytes(added_bytes),
-      Mebibytes(bytes_)));
+  return core::WithReason(
+      "DISK_FULL", absl::ResourceExhaustedError(fmt::format(
+                       "{} free on the disk of '{}', expected {}: {} for the log and the new data, "
+                       "and a reserve of "
+                       "{} for deletions (--disk-reserve-mib); free disk space or delete clips",
+                       Mebibytes(free), path_, Mebibytes(added_bytes + bytes_),
+                       Mebibytes(added_bytes), Mebibytes(bytes_))));
 }
 
 bool DiskReserve::IsLeft() const {

@@ -125,7 +125,8 @@ absl::StatusOr<CurrentModel> FindCurrentModel(Connection& connection, const std:
       "FROM model WHERE database_key = ? AND current = 1",
       database_key);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return core::NotFound("database '{}' has no model", database);
+  if (!found)
+    return core::WithReason("NO_MODEL", core::NotFound("database '{}' has no model", database));
   return CurrentModel{row.Integer(0), row.Integer(1), row.Integer<int>(2), row.Integer<int>(3),
                       row.Integer<int>(4)};
 }
@@ -181,7 +182,9 @@ absl::StatusOr<ModelRecord> SelectModel(Connection& connection, const std::strin
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t database_key, FindDatabase(connection, database));
   Statement row = connection.Query(SelectModels("version = ?"), database_key, version);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return core::NotFound("database '{}' has no model {}", database, version);
+  if (!found)
+    return core::WithReason("MODEL_NOT_FOUND",
+                            core::NotFound("database '{}' has no model {}", database, version));
   return ToModelRecord(connection, database, row);
 }
 

@@ -39,7 +39,8 @@ absl::StatusOr<OperationRecord> ToOperationRecord(const Statement& row) {
 }
 
 absl::Status NoOperation(const std::string& id) {
-  return core::NotFound("operation '{}' does not exist", id);
+  return core::WithReason("OPERATION_NOT_FOUND",
+                          core::NotFound("operation '{}' does not exist", id));
 }
 
 // Deletes old finished operations of a database.

@@ -91,7 +91,9 @@ absl::StatusOr<core::Skeleton> SelectSkeleton(Connection& connection, const std:
   Statement row = connection.Query(
       "SELECT skeleton_key FROM skeleton WHERE database_key = ? AND id = ?", database_key, id);
   MOTIONDB_ASSIGN_OR_RETURN(const bool found, row.Step());
-  if (!found) return core::NotFound("database '{}' has no skeleton '{}'", database, id);
+  if (!found)
+    return core::WithReason("SKELETON_NOT_FOUND",
+                            core::NotFound("database '{}' has no skeleton '{}'", database, id));
   return Decode(connection, row.Integer(0), database, id);
 }
 

@@ -36,7 +36,7 @@ absl::StatusOr<TokenRecord> ToTokenRecord(const Statement& row) {
 }
 
 absl::Status NoToken(const std::string& id) {
-  return core::NotFound("token '{}' does not exist", id);
+  return core::WithReason("TOKEN_NOT_FOUND", core::NotFound("token '{}' does not exist", id));
 }
 
 }  // namespace

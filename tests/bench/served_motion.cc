@@ -76,9 +76,10 @@ absl::Status ServedMotion::Await(const std::string& operation) {
 }
 
 absl::StatusOr<int> ServedMotion::ModelVersion(const std::string& database) {
-  v1::DescribeDatabaseRequest request;
+  v1::GetDatabaseRequest request;
+  request.set_view(v1::DATABASE_VIEW_FULL);
   request.set_name(Name(database));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto described, client_->DescribeDatabase(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto described, client_->GetDatabase(request));
   return described.model_version();
 }
 

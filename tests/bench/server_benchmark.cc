@@ -138,7 +138,7 @@ absl::Status RecognizeRow(Bench& bench, v1::Method method, Bar bar) {
                             BesidePeer(bench, "/motiondb.v1.QueryService/Recognize",
                                        EmptyPeer::Shape::kUnary, kRecognizeClients, make));
   BenchRow row = TimesTheirs(fmt::format("recognize over gRPC, {} clients{}", kRecognizeClients,
-                                         method == v1::PAPER ? ", PAPER" : ""),
+                                         method == v1::METHOD_PAPER ? ", PAPER" : ""),
                              sides.ours.rate(), "empty handler, same sizes", sides.theirs.rate(),
                              "calls/s", bar);
   row.note = fmt::format(
@@ -293,7 +293,7 @@ absl::Status IngestSlowly(ServedMotion& served, std::span<const MotionBytes> cli
 
 absl::Status RebuildRow(Bench& bench) {
   ServedMotion& served = *bench.served;
-  const auto requests = Questions(bench, v1::BEST);
+  const auto requests = Questions(bench, v1::METHOD_BEST);
   const auto client = NewRecognizeClient(served.address(), requests, 0);
   const auto clips = std::span(bench.test).first(bench.options.quick ? 6 : bench.test.size());
   const auto ask_for = [&](Seconds time) {
@@ -354,8 +354,8 @@ absl::Status SetUp(Bench& bench) {
 
 absl::StatusOr<BenchTable> Run(Bench& bench) {
   const std::pair<const char*, std::function<absl::Status()>> measurements[] = {
-      {"recognize", [&] { return RecognizeRow(bench, v1::BEST, AtLeast(0.5)); }},
-      {"recognize-paper", [&] { return RecognizeRow(bench, v1::PAPER, Reported()); }},
+      {"recognize", [&] { return RecognizeRow(bench, v1::METHOD_BEST, AtLeast(0.5)); }},
+      {"recognize-paper", [&] { return RecognizeRow(bench, v1::METHOD_PAPER, Reported()); }},
       {"observe", [&] { return ObserveRows(bench, {}, AtLeast(0.5), AtMost(2)); }},
       {"observe-predict", [&] { return ObserveRows(bench, {0.4}, Reported(), Reported()); }},
       {"ingest",

@@ -44,10 +44,10 @@ TEST_CASE("motiondb token create: sends the options; prints only the secret to s
   REQUIRE(requests.size() == 2);
   CHECK(requests[0].role() == v1::ROLE_READER);
   CHECK(requests[0].database() == "databases/walks");
-  CHECK(requests[0].lifetime().seconds() == 30 * 86400);
+  CHECK(requests[0].ttl().seconds() == 30 * 86400);
   CHECK(requests[0].description() == "the robot");
   CHECK(requests[1].role() == v1::ROLE_ADMIN);
-  CHECK(!requests[1].has_lifetime());
+  CHECK(!requests[1].has_ttl());
   for (const char* wrong : {"30", "0d", "-1d", "soon", "3y"}) {
     INFO(wrong);
     CHECK(RunMotiondb(server.address(),

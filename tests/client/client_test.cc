@@ -179,7 +179,6 @@ TEST_CASE("Client: waiting polls until the operation is done and reports progres
     v1::WaitOperationResponse response;
     response.mutable_operation()->set_name("operations/7");
     response.mutable_operation()->set_progress(progress);
-    response.mutable_operation()->set_done(progress == 1.0);
     response.mutable_operation()->set_state(progress == 1.0 ? v1::OPERATION_STATE_SUCCEEDED
                                                             : v1::OPERATION_STATE_RUNNING);
     server.Answer("WaitOperation", response);
@@ -246,7 +245,7 @@ TEST_CASE("Client: a series calls back for each message until the callback fails
 TEST_CASE("Client: receives a plan of 100 MB", "[client]") {
   FakeServer server;
   v1::PlanResponse answer;
-  answer.set_outcome(v1::EXACT);
+  answer.set_outcome(v1::PLAN_OUTCOME_EXACT);
   answer.mutable_motion()->mutable_file()->mutable_data()->assign(100 << 20, 'x');
   server.Answer("Plan", answer);
   const Client client = ConnectTo(server.address());
@@ -256,7 +255,7 @@ TEST_CASE("Client: receives a plan of 100 MB", "[client]") {
   const auto response = client.Plan(request);
   INFO(response.status().ToString());
   REQUIRE(response.ok());
-  CHECK(response->outcome() == v1::EXACT);
+  CHECK(response->outcome() == v1::PLAN_OUTCOME_EXACT);
   CHECK(response->motion().file().data().size() == 100 << 20);
   const auto seen = server.Requests<v1::PlanRequest>("Plan");
   REQUIRE(seen.size() == 1);

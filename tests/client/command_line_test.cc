@@ -156,11 +156,11 @@ TEST_CASE("motiondb list: a table, or one JSON message per line", "[client][cli]
 
 TEST_CASE("motiondb describe: JSON has the field names of the proto", "[client][cli]") {
   FakeServer server;
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_name("databases/walks");
   description.set_frame_count(100);
   description.add_nodes_per_layer(1);
-  server.Answer("DescribeDatabase", description);
+  server.Answer("GetDatabase", WithStatistics(description));
   const auto json = RunMotiondb(server.address(), {"describe", "walks", "--json"});
   for (const char* field :
        {"\"frame_count\":100", "\"clip_count\":0", "\"layer_count\":0", "\"node_count\":0",
@@ -173,7 +173,7 @@ TEST_CASE("motiondb describe: JSON has the field names of the proto", "[client][
 
 TEST_CASE("motiondb: prints the error of the server", "[client][cli]") {
   FakeServer server;
-  server.Fail("DescribeDatabase", 5, "there is no database \"walks\"");
+  server.Fail("GetDatabase", 5, "there is no database \"walks\"");
   const auto result = RunMotiondb(server.address(), {"describe", "walks", "--json"});
   CHECK(result.exit_code == 1);
   CHECK(result.out == "");
@@ -182,8 +182,8 @@ TEST_CASE("motiondb: prints the error of the server", "[client][cli]") {
 
 TEST_CASE("motiondb: fails if the answer cannot be written", "[client][cli]") {
   FakeServer server;
-  v1::DescribeDatabaseResponse description;
-  server.Answer("DescribeDatabase", description);
+  v1::DatabaseStatistics description;
+  server.Answer("GetDatabase", WithStatistics(description));
   for (const char* json : {"", "--json"}) {
     const auto result = RunProgram({"sh", "-c",
                                     std::string(MOTIONDB_CLI " describe walks --server ") +
@@ -326,7 +326,6 @@ TEST_CASE("motiondb delete: after deleting a clip, waits for the new model", "[c
   server.Answer("DeleteClip", started);
   v1::WaitOperationResponse done;
   done.mutable_operation()->set_name("operations/9");
-  done.mutable_operation()->set_done(true);
   done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
   server.Answer("WaitOperation", done);
   const auto text = RunMotiondb(server.address(), {"delete", "walks", "a"});
@@ -344,15 +343,14 @@ TEST_CASE("motiondb reprocess: waits, and lists the clips that were not derived"
   v1::WaitOperationResponse done;
   done.mutable_operation()->set_name("operations/9");
   done.mutable_operation()->set_kind(v1::OPERATION_KIND_REPROCESS);
-  done.mutable_operation()->set_done(true);
   done.mutable_operation()->set_stage("done, clips derived again: 2");
   done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
   server.Answer("WaitOperation", done);
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_underived_clip_count(1);
   description.add_underived_clips()->set_name("databases/walks/clips/a");
   description.mutable_underived_clips(0)->set_reason("chunk 0 is corrupt");
-  server.Answer("DescribeDatabase", description);
+  server.Answer("GetDatabase", WithStatistics(description));
   const auto text = RunMotiondb(server.address(), {"reprocess", "walks"});
   CHECK(text.exit_code == 0);
   CHECK(
@@ -375,7 +373,6 @@ TEST_CASE("motiondb operations: list, wait and cancel", "[client][cli]") {
   auto* failed = list.add_operations();
   failed->set_name("operations/9");
   failed->set_state(v1::OPERATION_STATE_FAILED);
-  failed->set_done(true);
   failed->mutable_error()->set_code(13);
   failed->mutable_error()->set_message("no memory");
   failed->mutable_error()->add_details()->set_type_url("type.googleapis.com/google.rpc.BadRequest");

@@ -7,13 +7,19 @@
 #include <motiondb/v1/model.grpc.pb.h>
 #include <motiondb/v1/operation.grpc.pb.h>
 #include <motiondb/v1/query.grpc.pb.h>
-#include <motiondb/v1/store.grpc.pb.h>
+#include <motiondb/v1/server.grpc.pb.h>
 
 #include <chrono>
 #include <thread>
 #include <utility>
 
 namespace motiondb::tests {
+
+v1::GetDatabaseResponse WithStatistics(const v1::DatabaseStatistics& statistics) {
+  v1::GetDatabaseResponse response;
+  *response.mutable_database()->mutable_statistics() = statistics;
+  return response;
+}
 namespace {
 
 using grpc::ServerContext;
@@ -79,7 +85,6 @@ struct FakeServer::Services {
     MOTIONDB_FAKE_UNARY(GetDatabase)
     MOTIONDB_FAKE_UNARY(ListDatabases)
     MOTIONDB_FAKE_UNARY(DeleteDatabase)
-    MOTIONDB_FAKE_UNARY(DescribeDatabase)
     MOTIONDB_FAKE_UNARY(ReprocessDatabase)
     FakeServer& fake;
   };
@@ -141,8 +146,8 @@ struct FakeServer::Services {
     FakeServer& fake;
   };
 
-  struct Store : v1::StoreService::Service {
-    explicit Store(FakeServer& server) : fake(server) {}
+  struct Server : v1::ServerService::Service {
+    explicit Server(FakeServer& server) : fake(server) {}
     MOTIONDB_FAKE_UNARY(GetServerStatus)
     FakeServer& fake;
   };
@@ -154,7 +159,7 @@ struct FakeServer::Services {
         queries(fake),
         operations(fake),
         access(fake),
-        store(fake) {}
+        server(fake) {}
 
   Databases databases;
   Clips clips;
@@ -162,7 +167,7 @@ struct FakeServer::Services {
   Queries queries;
   Operations operations;
   Access access;
-  Store store;
+  Server server;
   std::unique_ptr<grpc::Server> server;
 };
 
@@ -188,7 +193,7 @@ void FakeServer::Listen() {
   builder.RegisterService(&services_->queries);
   builder.RegisterService(&services_->operations);
   builder.RegisterService(&services_->access);
-  builder.RegisterService(&services_->store);
+  builder.RegisterService(&services_->server);
   services_->server = builder.BuildAndStart();
   address_ = "127.0.0.1:" + std::to_string(port);
 }

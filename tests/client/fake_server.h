@@ -8,7 +8,15 @@
 #include <string>
 #include <vector>
 
+namespace motiondb::v1 {
+class DatabaseStatistics;
+class GetDatabaseResponse;
+}  // namespace motiondb::v1
+
 namespace motiondb::tests {
+
+// The response of GetDatabase with DATABASE_VIEW_FULL.
+v1::GetDatabaseResponse WithStatistics(const v1::DatabaseStatistics& statistics);
 
 class FakeServer {
  public:

@@ -62,7 +62,7 @@ TEST_CASE("FloorPlanSvg: alternatives and obstacles", "[client][cli]") {
 
 TEST_CASE("FloorPlanSvg: draws the floor without a motion", "[client][cli]") {
   v1::PlanResponse response;
-  response.set_outcome(v1::UNREACHABLE);
+  response.set_outcome(v1::PLAN_OUTCOME_UNREACHABLE);
   response.set_missing("<too far> & \"behind\" the \x01 wall");
   v1::PlanRequest request = QuarterCircleRequest();
   request.set_heading_tolerance_rad(4);

@@ -66,10 +66,10 @@ TEST_CASE("motiondb: strings of the server cannot control the terminal", "[clien
   v1::CreateDatabaseResponse created;
   *created.mutable_database() = database;
   server.Answer("CreateDatabase", created);
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_name(database.name());
   description.add_labels()->set_label(kHostile);
-  server.Answer("DescribeDatabase", description);
+  server.Answer("GetDatabase", WithStatistics(description));
   v1::ListOperationsResponse operations;
   v1::Operation& operation = *operations.add_operations();
   operation.set_name("operations/" + kHostile);
@@ -93,12 +93,12 @@ TEST_CASE("motiondb: strings of the server cannot control the terminal", "[clien
   server.Answer("CreateToken", token);
   v1::GetServerStatusResponse status;
   status.set_version(kHostile);
-  v1::Damage& damage = *status.add_damages();
+  v1::Corruption& damage = *status.add_corruptions();
   damage.set_resource(kHostile);
   damage.set_description(kHostile);
   server.Answer("GetServerStatus", status);
   v1::VerifyStoreResponse verified;
-  *verified.mutable_damage() = damage;
+  *verified.mutable_corruption() = damage;
   server.Answer("VerifyStore", verified);
   server.Fail("GetModel", 13, kHostile);
   server.Fail("CancelOperation", 3, kHostile);
@@ -142,7 +142,7 @@ TEST_CASE("motiondb: strings of the server cannot control the terminal", "[clien
 
 TEST_CASE("motiondb: a token in the place of a name is not printed", "[client][cli]") {
   FakeServer server;
-  server.Fail("DescribeDatabase", 5, "there is no database '" + AnyToken() + "'");
+  server.Fail("GetDatabase", 5, "there is no database '" + AnyToken() + "'");
   const TemporaryFolder folder;
   for (const std::vector<std::string>& command : std::initializer_list<std::vector<std::string>>{
            {"describe", AnyToken()},

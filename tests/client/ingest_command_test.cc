@@ -30,9 +30,8 @@ void ServeDatabase(FakeServer& server) {
   v1::WaitOperationResponse running, done;
   running.mutable_operation()->set_progress(0.4);
   running.mutable_operation()->set_stage("tree, layer 7");
-  done.mutable_operation()->set_done(true);
   done.mutable_operation()->set_state(v1::OPERATION_STATE_SUCCEEDED);
-  done.mutable_operation()->set_model("databases/walks/models/3");
+  done.mutable_operation()->mutable_rebuild()->set_model("databases/walks/models/3");
   server.Answer("WaitOperation", running);
   server.Answer("WaitOperation", done);
   v1::GetModelResponse model;
@@ -151,7 +150,6 @@ TEST_CASE("motiondb ingest: a failed rebuild is an error", "[client][cli]") {
   server.Answer("GetDatabase", v1::GetDatabaseResponse());
   server.Answer("IngestClip", Stored("a", "operations/1"));
   v1::WaitOperationResponse failed;
-  failed.mutable_operation()->set_done(true);
   failed.mutable_operation()->set_state(v1::OPERATION_STATE_FAILED);
   failed.mutable_operation()->mutable_error()->set_code(8);
   failed.mutable_operation()->mutable_error()->set_message("out of disk");

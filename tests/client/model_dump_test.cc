@@ -37,7 +37,7 @@ v1::ListNodesResponse Nodes(const std::vector<int>& parents) {
   for (const int parent : parents) {
     auto* node = page.add_nodes();
     node->set_node_id(page.nodes_size() - 1);
-    node->set_parent_id(parent);
+    if (parent >= 0) node->set_parent_id(parent);
     node->set_mean(Floats({static_cast<float>(page.nodes_size()), 0.5f}));
     node->set_variance(Floats({1, 2}));
   }

@@ -48,7 +48,7 @@ TEST_CASE("motiondb plan: needs only a goal", "[client][cli]") {
   CHECK(!request.has_position_tolerance_m());
   CHECK(!request.has_obstacles());
   CHECK(request.max_duration_seconds() == 30);
-  CHECK(request.max_search_seconds() == 5);
+  CHECK(request.search_timeout().seconds() == 5);
   CHECK(request.method() == v1::PLAN_METHOD_SEGMENT_SEARCH);
   CHECK(!request.include_files());
 }
@@ -103,7 +103,7 @@ TEST_CASE("motiondb plan: options are sent in the request", "[client][cli]") {
   CHECK(request.position_tolerance_m() == 0.2);
   CHECK(request.heading_tolerance_rad() == 0.3);
   CHECK(request.max_duration_seconds() == 10);
-  CHECK(request.max_search_seconds() == 0.5);
+  CHECK(request.search_timeout().nanos() == 500'000'000);
   CHECK(request.coarse_layer() == 9);
   REQUIRE(request.labels_size() == 2);
   CHECK(request.labels(1) == "turn");
@@ -161,7 +161,7 @@ TEST_CASE("motiondb plan: writes motions and the picture", "[client][cli]") {
 TEST_CASE("motiondb plan: without a motion, writes only the picture", "[client][cli]") {
   FakeServer server;
   v1::PlanResponse nowhere;
-  nowhere.set_outcome(v1::UNREACHABLE);
+  nowhere.set_outcome(v1::PLAN_OUTCOME_UNREACHABLE);
   nowhere.set_missing("the goal is within an obstacle");
   server.Answer("Plan", nowhere);
   const TemporaryFolder folder;
@@ -185,7 +185,7 @@ TEST_CASE("motiondb plan: without a motion, writes only the picture", "[client][
 TEST_CASE("motiondb plan: writes a partial motion, and fails", "[client][cli]") {
   FakeServer server;
   v1::PlanResponse part = WithFiles(0);
-  part.set_outcome(v1::UNREACHABLE);
+  part.set_outcome(v1::PLAN_OUTCOME_UNREACHABLE);
   server.Answer("Plan", part);
   const TemporaryFolder folder;
   const auto result = RunMotiondb(server.address(), {"plan", "walks", "--goal", "1,1,0", "--out",
@@ -198,7 +198,7 @@ TEST_CASE("motiondb plan: writes a partial motion, and fails", "[client][cli]") 
             .exit_code == 1);
   // An expired deadline is not UNREACHABLE.
   FakeServer slow;
-  part.set_outcome(v1::DEADLINE);
+  part.set_outcome(v1::PLAN_OUTCOME_DEADLINE);
   slow.Answer("Plan", part);
   CHECK(RunMotiondb(slow.address(), {"plan", "walks", "--goal", "1,1,0"}).exit_code == 0);
 }

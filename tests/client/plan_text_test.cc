@@ -36,7 +36,7 @@ TEST_CASE("PlanText: alternatives are columns beside the best", "[client][cli]")
   v1::PlanResponse response = QuarterCirclePlan();
   v1::PlannedMotion& other = *response.add_alternatives();
   other = QuarterCircle(2);
-  other.set_outcome(v1::APPROXIMATE);
+  other.set_outcome(v1::PLAN_OUTCOME_APPROXIMATE);
   other.mutable_quality()->clear_smallest_clearance_m();
   const std::string text = PlanText(response);
   CHECK_THAT(text, Contains("BEST            2\n"));
@@ -46,7 +46,7 @@ TEST_CASE("PlanText: alternatives are columns beside the best", "[client][cli]")
 
 TEST_CASE("PlanText: reports why a goal is unreachable", "[client][cli]") {
   v1::PlanResponse response;
-  response.set_outcome(v1::UNREACHABLE);
+  response.set_outcome(v1::PLAN_OUTCOME_UNREACHABLE);
   response.set_missing("too far");
   CHECK_THAT(PlanText(response), StartsWith("UNREACHABLE: too far\nsearched 0 states"));
   CHECK(OutcomeText(static_cast<v1::PlanOutcome>(77)) == "outcome 77");

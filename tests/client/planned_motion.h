@@ -11,7 +11,7 @@ namespace motiondb::tests {
 // Returns 61 frames at 30 Hz from the origin to (radius, radius), with a final heading of pi / 2.
 inline v1::PlannedMotion QuarterCircle(double radius) {
   v1::PlannedMotion motion;
-  motion.set_outcome(v1::EXACT);
+  motion.set_outcome(v1::PLAN_OUTCOME_EXACT);
   motion.set_frame_rate_hz(30);
   motion.set_frame_count(61);
   for (int i = 0; i <= 60; ++i) {
@@ -30,14 +30,14 @@ inline v1::PlannedMotion QuarterCircle(double radius) {
   quality.set_heading_error_rad(0.0123);
   quality.set_length_m(std::numbers::pi / 2 * radius);
   quality.set_duration_seconds(2);
-  quality.set_foot_slide_cm_per_s(1.5);
+  quality.set_foot_slide_m_per_s(0.015);
   quality.set_smallest_clearance_m(0.42);
   return motion;
 }
 
 inline v1::PlanResponse QuarterCirclePlan() {
   v1::PlanResponse response;
-  response.set_outcome(v1::EXACT);
+  response.set_outcome(v1::PLAN_OUTCOME_EXACT);
   *response.mutable_motion() = QuarterCircle(1);
   response.set_leg_length_m(0.85);
   response.mutable_effort()->set_expansions(1234);

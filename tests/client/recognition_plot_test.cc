@@ -277,7 +277,7 @@ TEST_CASE("motiondb recognize --plot: one query for the answer, three for the la
   CHECK_THAT(ReadFile(plot), StartsWith("<?xml") && EndsWith("</svg>\n"));
   const auto requests = server.Requests<v1::RecognizeRequest>("Recognize");
   REQUIRE(requests.size() == 4);
-  CHECK(requests[0].method() == v1::BEST);
+  CHECK(requests[0].method() == v1::METHOD_BEST);
   CHECK(requests[0].top_count() == 1);
   const int layers[] = {0, 0, 8, 4};
   for (int i = 0; i < 4; ++i) {
@@ -285,7 +285,7 @@ TEST_CASE("motiondb recognize --plot: one query for the answer, three for the la
     CHECK(requests[i].hop_seconds() == 0.2);
     CHECK(requests[i].observation().file().data() == "HIERARCHY");
     if (i == 0) continue;
-    CHECK(requests[i].method() == v1::PAPER);
+    CHECK(requests[i].method() == v1::METHOD_PAPER);
     CHECK(requests[i].top_count() == 0);
   }
 
@@ -295,7 +295,7 @@ TEST_CASE("motiondb recognize --plot: one query for the answer, three for the la
   CHECK(Count(one.out, "\n") == 1);
   const auto all = server.Requests<v1::RecognizeRequest>("Recognize");
   REQUIRE(all.size() == 6);
-  CHECK(all[4].method() == v1::PAPER);
+  CHECK(all[4].method() == v1::METHOD_PAPER);
   CHECK(all[5].layer() == 6);
 }
 
@@ -334,8 +334,8 @@ TEST_CASE("motiondb predict --method: becomes the request", "[client][cli]") {
             .exit_code == 0);
   const auto requests = server.Requests<v1::PredictRequest>("Predict");
   REQUIRE(requests.size() == 2);
-  CHECK(requests[0].method() == v1::BEST);
-  CHECK(requests[1].method() == v1::PAPER);
+  CHECK(requests[0].method() == v1::METHOD_BEST);
+  CHECK(requests[1].method() == v1::METHOD_PAPER);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include <motiondb/v1/store.pb.h>
+#include <motiondb/v1/server.pb.h>
 
 #include <catch2/catch.hpp>
 #include <cstdint>
@@ -93,7 +93,7 @@ TEST_CASE("StatusText: latencies and errors of methods, most calls first", "[cli
   v1::GetServerStatusResponse status = SomeStatus();
   AddMethod("ClipService.IngestClip", 7, status);
   AddMethod("QueryService.Recognize", 1200, status);
-  for (const auto& [code, count] : {std::pair("NOT_FOUND", 3), std::pair("INTERNAL", 1)}) {
+  for (const auto& [code, count] : {std::pair(5, 3), std::pair(13, 1)}) {
     auto* error = status.mutable_methods(1)->add_errors();
     error->set_code(code);
     error->set_call_count(count);
@@ -189,7 +189,7 @@ TEST_CASE("StatusText: lists at most five corrupt items", "[client][cli]") {
   v1::GetServerStatusResponse status = SomeStatus();
   status.clear_databases();
   for (int i = 0; i < 8; ++i) {
-    auto* damage = status.add_damages();
+    auto* damage = status.add_corruptions();
     damage->set_resource("databases/walks/clips/c" + std::to_string(i));
     damage->set_description("checksum");
   }

@@ -9,6 +9,7 @@
 #include "client/cli/print.h"
 #include "client/cli/progress_bar.h"
 #include "client/cli/resource_name.h"
+#include "tests/support/packed_floats.h"
 
 namespace motiondb::tests::text_test {
 namespace {
@@ -91,9 +92,9 @@ TEST_CASE("EstimationText: positions and expected errors of missing markers", "[
   v1::EstimateResponse response;
   auto& frame = *response.add_filled_frames();
   frame.set_seconds(1.2);
-  for (const float value : {0.1F, 0.2F, 0.3F, 1.0F, -2.0F, 0.5F}) frame.add_marker_positions(value);
-  frame.add_marker_deviations(0);
-  frame.add_marker_deviations(0.012F);
+  frame.set_marker_positions(Pack({0.1F, 0.2F, 0.3F, 1.0F, -2.0F, 0.5F}));
+  frame.set_marker_deviations(Pack({0, 0.012F}));
+  frame.set_marker_count(2);
   const std::string text = EstimationText(response, {"Pelvis", "LWrist"});
   CHECK_THAT(text, Catch::Contains("filled in at 1.20 s"));
   CHECK_THAT(text, Catch::Contains("LWrist") && Catch::Contains("1.000  -2.000   0.500") &&
@@ -135,7 +136,7 @@ TEST_CASE("PredictionText: positions of the body and the first marker only", "[c
 }
 
 TEST_CASE("DescriptionText: statistics of Table I and nodes of each layer", "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_name("databases/walks");
   description.set_frame_count(11969);
   description.set_clip_count(6);
@@ -153,7 +154,7 @@ TEST_CASE("DescriptionText: statistics of Table I and nodes of each layer", "[cl
 
 TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration",
           "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_calibration(v1::CALIBRATION_OWN);
   CHECK_THAT(DescriptionText(description),
              Catch::Contains("calibration             own\n") && !Catch::Contains("is new"));
@@ -175,7 +176,7 @@ TEST_CASE("DescriptionText, RecognitionText, PredictionText: kind of calibration
 }
 
 TEST_CASE("DescriptionText, ClipsText: glitch policy and found glitches", "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   description.set_glitches(v1::GLITCHES_KEEP);
   CHECK_THAT(DescriptionText(description), Catch::Contains("glitches               keep\n"));
   v1::Clip clip;
@@ -186,7 +187,7 @@ TEST_CASE("DescriptionText, ClipsText: glitch policy and found glitches", "[clie
 }
 
 TEST_CASE("DescriptionText, ClipsText: clips that could not be derived again", "[client][cli]") {
-  v1::DescribeDatabaseResponse description;
+  v1::DatabaseStatistics description;
   CHECK_THAT(DescriptionText(description), !Catch::Contains("derived"));
   description.set_underived_clip_count(2);
   auto* const clip_a = description.add_underived_clips();

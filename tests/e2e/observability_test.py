@@ -137,7 +137,7 @@ class Observability(unittest.TestCase):
         requests = "motiondb_requests_total"
         self.assertEqual(value(before, requests, method="QueryService.Recognize", code="OK"), 0)
         self.assertEqual(value(after, requests, method="QueryService.Recognize", code="OK"), 1)
-        self.assertEqual(value(after, requests, method="DatabaseService.DescribeDatabase",
+        self.assertEqual(value(after, requests, method="DatabaseService.GetDatabase",
                                code="NOT_FOUND"), 1)
         self.assertEqual(value(after, "motiondb_request_seconds_count",
                                method="QueryService.Recognize"), 1)
@@ -244,7 +244,7 @@ class Observability(unittest.TestCase):
         missing = [line for line in calls if line["code"] == "NOT_FOUND"]
         self.assertEqual(len(missing), 2)
         for line in missing:
-            self.assertEqual(line["method"], "DatabaseService.DescribeDatabase")
+            self.assertEqual(line["method"], "DatabaseService.GetDatabase")
             self.assertEqual(line["level"], "debug")
             self.assertTrue(line["peer"].startswith("ipv4:127.0.0.1:"), line)
             self.assertGreaterEqual(line["milliseconds"], 0)

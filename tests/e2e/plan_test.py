@@ -52,7 +52,7 @@ class PaperDatabase(unittest.TestCase):
         self.assertLessEqual(quality["position_error_m"], tolerance_m)
         self.assertLessEqual(quality["heading_error_rad"], tolerance_rad)
         self.assertLessEqual(quality["correction_m"], 0.05 * quality["length_m"] + 1e-9)
-        self.assertLess(quality["foot_slide_cm_per_s"], FOOT_SLIDE_LIMIT_CM_PER_S)
+        self.assertLess(100 * quality["foot_slide_m_per_s"], FOOT_SLIDE_LIMIT_CM_PER_S)
 
     def test_the_papers_goals(self):
         for heading in (0, 1):

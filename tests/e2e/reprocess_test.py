@@ -75,7 +75,8 @@ def await_operations(server, database):
     """Waits until no operation is left. Returns the newest operation."""
     for _ in range(1000):
         operations = server.ask("operations", "list", database)
-        pending = [operation["name"] for operation in operations if not operation["done"]]
+        pending = [operation["name"] for operation in operations
+                   if operation["state"] in ("OPERATION_STATE_PENDING", "OPERATION_STATE_RUNNING")]
         if not pending:
             return operations[0]
         server.run("operations", "wait", pending[-1].rsplit("/", 1)[-1])

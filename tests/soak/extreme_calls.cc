@@ -89,7 +89,7 @@ ExtremeCall Recognize(std::mt19937& random, const ExtremeSubject& subject, std::
   if (OneIn(random, 2)) request.set_window_seconds(Magnitude(random, 1e-6, 1e6));
   if (OneIn(random, 2)) request.set_hop_seconds(Magnitude(random, 1e-6, 1e3));
   request.set_whole(OneIn(random, 3));
-  if (OneIn(random, 2)) request.set_method(v1::PAPER);
+  if (OneIn(random, 2)) request.set_method(v1::METHOD_PAPER);
   request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
   if (OneIn(random, 3)) request.set_transition_floor(0);
   if (OneIn(random, 2)) request.set_generation(v1::GENERATION_TOP_PATHS);
@@ -123,7 +123,7 @@ std::string SetPrediction(std::mt19937& random, const ExtremeSubject& subject,
   for (int h = 0; h < horizons; ++h) request.add_horizon_seconds(Magnitude(random, 1e-3, 4000));
   request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
   if (OneIn(random, 3)) request.set_transition_floor(0);
-  if (OneIn(random, 3)) request.set_method(v1::PAPER);
+  if (OneIn(random, 3)) request.set_method(v1::METHOD_PAPER);
   return what;
 }
 
@@ -166,7 +166,8 @@ ExtremeCall Plan(std::mt19937& random, const ExtremeSubject& subject, std::size_
   }
   request.mutable_goal()->set_x_m(OneIn(random, 2) ? 2 : Magnitude(random, 1e-3, 1e3));
   request.set_max_duration_seconds(Magnitude(random, 1, 120));
-  request.set_max_search_seconds(Magnitude(random, 0.01, 3));
+  request.mutable_search_timeout()->set_nanos(
+      static_cast<int>(1e9 * std::min(Magnitude(random, 0.01, 3), 0.999)));
   if (OneIn(random, 2)) request.set_frame_rate_hz(Magnitude(random, 1, 1000));
   request.set_alternative_count(AnyInt(random, 11));
   request.set_include_files(OneIn(random, 2));

@@ -141,9 +141,9 @@ ExtremeSubject FindSubject(const client::Client& client, const Options& options)
   v1::ExportClipRequest stored;
   stored.set_name(subject.clip);
   subject.clip_bytes = std::ssize(Required(client.ExportClip(stored)).file);
-  v1::DescribeDatabaseRequest describe;
+  v1::GetDatabaseRequest describe;
   describe.set_name(subject.database);
-  subject.marker_count = Required(client.DescribeDatabase(describe)).dimension_count() / 6;
+  subject.marker_count = Required(client.GetDatabase(describe)).database().marker_names_size();
   Create(client, "sink");
   Required(client.WaitOperation(
       IngestFigure(client, subject.sink, {.frame_count = 120}, 0).operation().name()));

@@ -183,7 +183,7 @@ void AskInTurn(Soak& soak, unsigned seed) {
       v1::PlanRequest plan;
       plan.set_database(kDatabase);
       plan.mutable_goal()->set_x_m(1);
-      plan.set_max_search_seconds(0.2);
+      plan.mutable_search_timeout()->set_nanos(200'000'000);
       soak.tally.Add("Plan", client.Plan(plan).status(),
                      {StatusCode::kNotFound, StatusCode::kFailedPrecondition});
     }
@@ -238,9 +238,10 @@ void Administer(Soak& soak) {
     v1::ListClipsRequest clips;
     clips.set_parent(kDatabase);
     soak.tally.Add("List", client.AllClips(clips).status());
-    v1::DescribeDatabaseRequest describe;
+    v1::GetDatabaseRequest describe;
+    describe.set_view(v1::DATABASE_VIEW_FULL);
     describe.set_name(kDatabase);
-    soak.tally.Add("Describe", client.DescribeDatabase(describe).status());
+    soak.tally.Add("Describe", client.GetDatabase(describe).status());
     for (int i = 0; i < 20 && !soak.over; ++i) Pause(100);
     v1::DeleteDatabaseRequest remove;
     remove.set_name("databases/" + id);

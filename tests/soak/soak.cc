@@ -100,11 +100,12 @@ std::vector<std::string> Missing(Soak& soak) {
 // Returns whether the model comes to contain exactly the remaining clips after the last change.
 bool CatchesUp(Soak& soak) {
   const client::Client client = Connect(soak);
-  v1::DescribeDatabaseRequest request;
+  v1::GetDatabaseRequest request;
+  request.set_view(v1::DATABASE_VIEW_FULL);
   request.set_name("databases/soak");
   const auto end = Clock::now() + std::chrono::seconds(120);
   while (Clock::now() < end) {
-    const auto described = client.DescribeDatabase(request);
+    const auto described = client.GetDatabase(request);
     if (!described.ok()) throw std::runtime_error(described.status().ToString());
     if (described->clip_count() == described->stored_clip_count()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(200));

@@ -140,14 +140,20 @@ void TestServer::CreateTrained(const std::string& id) {
   REQUIRE(operation.state() == v1::OPERATION_STATE_SUCCEEDED);
 }
 
-v1::DescribeDatabaseResponse TestServer::Describe(const std::string& id) {
-  v1::DescribeDatabaseRequest request;
+bool IsDone(const v1::Operation& operation) {
+  return operation.state() != v1::OPERATION_STATE_PENDING &&
+         operation.state() != v1::OPERATION_STATE_RUNNING;
+}
+
+v1::DatabaseStatistics TestServer::Describe(const std::string& id) {
+  v1::GetDatabaseRequest request;
+  request.set_view(v1::DATABASE_VIEW_FULL);
   request.set_name("databases/" + id);
   const auto stub = NewStub<v1::DatabaseService>();
-  const auto answer = Ask(*stub, &v1::DatabaseService::Stub::DescribeDatabase, request);
+  const auto answer = Ask(*stub, &v1::DatabaseService::Stub::GetDatabase, request);
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());
-  return answer.response;
+  return answer.response.database().statistics();
 }
 
 v1::Observation ObservedWalk() {

@@ -16,7 +16,7 @@
 #include "tests/support/temporary_directory.h"
 
 namespace motiondb::v1 {
-class DescribeDatabaseResponse;
+class DatabaseStatistics;
 class IngestClipHeader;
 class IngestClipResponse;
 class Observation;
@@ -24,6 +24,9 @@ class Operation;
 }  // namespace motiondb::v1
 
 namespace motiondb::tests {
+
+// Whether an operation is in a final state.
+bool IsDone(const v1::Operation& operation);
 
 class TestServer {
  public:
@@ -66,7 +69,7 @@ class TestServer {
   v1::Operation Wait(const std::string& operation);
   // Creates a database `id` with a walk, a squat, a wave, and a model.
   void CreateTrained(const std::string& id);
-  v1::DescribeDatabaseResponse Describe(const std::string& id);
+  v1::DatabaseStatistics Describe(const std::string& id);
 
  private:
   server::ServerOptions options_;

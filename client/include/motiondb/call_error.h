@@ -10,11 +10,17 @@
 
 namespace motiondb::client {
 
-// Type URLs of the payloads google.rpc.RequestInfo and google.rpc.RetryInfo in the absl::Status of
-// a failed call.
+// Type URLs of the payloads google.rpc.RequestInfo, google.rpc.RetryInfo and google.rpc.ErrorInfo
+// in the absl::Status of a failed call.
 inline constexpr absl::string_view kRequestInfoTypeUrl =
     "type.googleapis.com/google.rpc.RequestInfo";
 inline constexpr absl::string_view kRetryInfoTypeUrl = "type.googleapis.com/google.rpc.RetryInfo";
+
+inline constexpr absl::string_view kErrorInfoTypeUrl = "type.googleapis.com/google.rpc.ErrorInfo";
+
+// Returns the reason of an error that the server returned, a stable word such as `NO_MODEL`
+// (docs/api.md lists them); empty for an error of another origin.
+std::string ErrorReason(const absl::Status& status);
 
 // Returns the id of the failed call, as in the server's log; empty if no call was made.
 std::string RequestId(const absl::Status& status);

@@ -59,8 +59,6 @@ class Client {
                                                           CallOptions options = {}) const;
   absl::StatusOr<v1::DeleteDatabaseResponse> DeleteDatabase(
       const v1::DeleteDatabaseRequest& request, CallOptions options = {}) const;
-  absl::StatusOr<v1::DescribeDatabaseResponse> DescribeDatabase(
-      const v1::DescribeDatabaseRequest& request, CallOptions options = {}) const;
   // Derives all clips again from their files, as the operation in the response (WaitOperation).
   absl::StatusOr<v1::ReprocessDatabaseResponse> ReprocessDatabase(
       const v1::ReprocessDatabaseRequest& request, CallOptions options = {}) const;
@@ -170,13 +168,13 @@ class Client {
       const v1::ListAuditEntriesRequest& request, CallOptions options = {}) const;
 
   // ---- The server ------------------------------------------------------------------------------
-  // Returns the state and statistics of the server. Messages: <motiondb/v1/store.pb.h>.
+  // Returns the state and statistics of the server. Messages: <motiondb/v1/server.pb.h>.
   absl::StatusOr<v1::GetServerStatusResponse> GetServerStatus(
       const v1::GetServerStatusRequest& request, CallOptions options = {}) const;
 
   // ---- The store as a whole --------------------------------------------------------------------
   // Checks everything that is stored and returns a summary. Calls `on_message` (may be null) with
-  // the progress and each corrupt item. Corruption is not an error: see damage_count of the
+  // the progress and each corrupt item. Corruption is not an error: see corruption_count of the
   // summary. If `on_message` returns an error, the call is cancelled and the error returned.
   absl::StatusOr<v1::VerifySummary> VerifyStore(
       const std::function<absl::Status(const v1::VerifyStoreResponse&)>& on_message = {},
@@ -222,8 +220,18 @@ class Client {
   std::shared_ptr<const Connection> connection_;
 };
 
+// Returns whether the operation is in a final state.
+bool IsDone(const v1::Operation& operation);
+
 // Returns the result of an operation: OK, CANCELLED, or its error. FAILED_PRECONDITION: it has not
 // ended.
 absl::Status OperationStatus(const v1::Operation& operation);
+
+// Returns the name of the model that a successful operation made; empty if no clip is left.
+const std::string& ModelOf(const v1::Operation& operation);
+
+// Values of a field of packed little-endian float32, as marker positions are sent. Bytes after the
+// last whole value are ignored.
+std::vector<float> UnpackFloats(const std::string& bytes);
 
 }  // namespace motiondb::client

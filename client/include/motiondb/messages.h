@@ -20,10 +20,9 @@ class Token;
 class CreateDatabaseRequest;
 class CreateDatabaseResponse;
 class Database;
+class DatabaseStatistics;
 class DeleteDatabaseRequest;
 class DeleteDatabaseResponse;
-class DescribeDatabaseRequest;
-class DescribeDatabaseResponse;
 class GetDatabaseRequest;
 class GetDatabaseResponse;
 class ListDatabasesRequest;
@@ -104,7 +103,7 @@ class PredictSeriesResponse;
 class RecognizeRequest;
 class RecognizeResponse;
 
-// store.proto
+// server.proto
 class GetServerStatusRequest;
 class GetServerStatusResponse;
 

@@ -76,7 +76,7 @@ TEST_CASE("Seeds: Recognize, Estimate, Predict and Represent", "[seeds]") {
     recognize.set_database("databases/db");
     *recognize.mutable_observation() = observation;
     WriteSeed("recognize_fuzz", name, recognize.SerializeAsString());
-    recognize.set_method(v1::PAPER);
+    recognize.set_method(v1::METHOD_PAPER);
     recognize.set_layer(2);
     recognize.set_window_seconds(0.1);
     recognize.set_hop_seconds(0.05);
@@ -96,7 +96,7 @@ TEST_CASE("Seeds: Recognize, Estimate, Predict and Represent", "[seeds]") {
     predict.set_database("databases/db");
     *predict.mutable_observation() = observation;
     WriteSeed("predict_fuzz", name, predict.SerializeAsString());
-    predict.set_method(v1::PAPER);
+    predict.set_method(v1::METHOD_PAPER);
     predict.set_at_seconds(0.05);
     predict.set_history_seconds(0.1);
     predict.add_horizon_seconds(0.1);

@@ -147,7 +147,8 @@ TEST_CASE("ClipService: a deleted clip is removed from the model", "[server][rpc
   request.set_name("databases/db/clips/squat");
   const auto deleted = Ask(*stub, &Stub::DeleteClip, request);
   REQUIRE(deleted.status.ok());
-  CHECK(server.Wait(deleted.response.operation().name()).model() == "databases/db/models/2");
+  CHECK(server.Wait(deleted.response.operation().name()).rebuild().model() ==
+        "databases/db/models/2");
   CHECK(server.Describe("db").clip_count() == 2);
   CHECK(Ask(*stub, &Stub::DeleteClip, request).status.error_code() == grpc::StatusCode::NOT_FOUND);
   CHECK(Export(*stub, request.name()).status.error_code() == grpc::StatusCode::NOT_FOUND);
@@ -191,7 +192,7 @@ TEST_CASE("ClipService: skeletons are stored once and can be read", "[server][rp
   REQUIRE(got.status.ok());
   const v1::Skeleton& skeleton = got.response.skeleton();
   CHECK(skeleton.joints(0).name() == "Hips");
-  CHECK(skeleton.joints(0).parent() == -1);
+  CHECK(!skeleton.joints(0).has_parent_joint());
   CHECK(skeleton.joints(0).dofs_size() == 6);
   CHECK(skeleton.joints(0).dofs(0).translation());
   CHECK(skeleton.dof_count() == 33);

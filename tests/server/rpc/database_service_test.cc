@@ -122,9 +122,7 @@ TEST_CASE("DatabaseService: ReprocessDatabase derives clips again", "[server][rp
   const auto done = server.Wait(asked.response.operation().name());
   CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
   CHECK_THAT(done.stage(), Catch::Contains("clips derived again: 1"));
-  v1::DescribeDatabaseRequest describe;
-  describe.set_name("databases/db");
-  CHECK(Ask(*stub, &Stub::DescribeDatabase, describe).response.underived_clip_count() == 0);
+  CHECK(server.Describe("db").underived_clip_count() == 0);
   request.set_name("databases/none");
   CHECK(Ask(*stub, &Stub::ReprocessDatabase, request).status.error_code() ==
         grpc::StatusCode::NOT_FOUND);

@@ -59,14 +59,14 @@ TEST_CASE("Drain: waiting calls are answered, new ones refused, builds stay pend
   std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
   waiting.join();
   CHECK(waited.ok());
-  CHECK(!stood.operation().done());
+  CHECK(!IsDone(stood.operation()));
   server.gate().Open();
   draining.join();
   CHECK(!CheckHealth(server).status.ok());
   server.Restart();
   const v1::Operation done = server.Wait(operation);
   CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
-  CHECK(done.model() == "databases/db/models/1");
+  CHECK(done.rebuild().model() == "databases/db/models/1");
 }
 
 TEST_CASE("Drain: a call in flight may end, a new one is UNAVAILABLE", "[server][rpc]") {

@@ -177,7 +177,7 @@ TEST_CASE("Hostile request: counts are limited by reserved memory", "[server][rp
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
   *recognize.mutable_observation() = victim.Markers(kMaxFrames);
-  recognize.set_method(v1::PAPER);
+  recognize.set_method(v1::METHOD_PAPER);
   recognize.set_whole(true);
   recognize.set_generation(v1::GENERATION_TOP_PATHS);
   recognize.set_path_count(100);
@@ -343,7 +343,7 @@ TEST_CASE("Hostile request: the work of a cancelled call ends", "[server][rpc][h
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
   *recognize.mutable_observation() = minutes;
-  recognize.set_method(v1::PAPER);
+  recognize.set_method(v1::METHOD_PAPER);
   recognize.set_generation(v1::GENERATION_TOP_PATHS);
   recognize.set_path_count(100);
   recognize.set_hop_seconds(1e-9);
@@ -355,7 +355,7 @@ TEST_CASE("Hostile request: the work of a cancelled call ends", "[server][rpc][h
   *predict.mutable_observation() = minutes;
   predict.set_history_seconds(1e9);
   for (int h = 0; h < 1000; ++h) predict.add_horizon_seconds(3600 - h * 1e-3);
-  predict.set_method(v1::PAPER);
+  predict.set_method(v1::METHOD_PAPER);
   victim.EndsWithItsDeadline(&v1::QueryService::Stub::Predict, predict);
 }
 

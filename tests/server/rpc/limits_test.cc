@@ -183,7 +183,7 @@ TEST_CASE("Limits: an ingest that is never finished stores nothing and ends", "[
   CHECK(server.Describe("db").stored_clip_count() == 0);
   // The build does not wait for it: the next clip has its model soon.
   const auto next = server.IngestFigure("db", "squat", "squat", {});
-  CHECK(server.Wait(next.operation().name()).done());
+  CHECK(IsDone(server.Wait(next.operation().name())));
 }
 
 TEST_CASE("Limits: a stream without a first message ends soon", "[server][limits]") {
@@ -285,7 +285,7 @@ TEST_CASE("Limits: a wait for an operation has its own timeout, not that of call
                           &v1::OperationService::Stub::WaitOperation, request);
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());
-  CHECK(!answer.response.operation().done());
+  CHECK(!IsDone(answer.response.operation()));
   CHECK(std::chrono::steady_clock::now() - began >= milliseconds(200));
 }
 

@@ -57,7 +57,7 @@ TEST_CASE("ModelService: statistics of the current and of earlier models", "[ser
   CHECK(oldest.response.next_page_token().empty());
 }
 
-TEST_CASE("ModelService, DescribeDatabase, Recognize: a model that is not calibrated yet",
+TEST_CASE("ModelService, GetDatabase, Recognize: a model that is not calibrated yet",
           "[server][rpc]") {
   TestServer server;
   server.CreateTrained("db");
@@ -154,7 +154,7 @@ TEST_CASE("ModelService: the nodes of each layer have every frame once", "[serve
       REQUIRE(page.status.ok());
       for (const v1::Node& node : page.response.nodes()) {
         CHECK(node.node_id() == next++);
-        CHECK((node.parent_id() == -1) == (layer == 1));
+        CHECK(node.has_parent_id() == (layer > 1));
         CHECK(node.mean().size() == 60 * 4);
         CHECK(node.variance().size() == 60 * 4);
         frames += node.frame_count();

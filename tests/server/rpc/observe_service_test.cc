@@ -105,7 +105,7 @@ TEST_CASE("Observe: each message is answered in order, about all frames so far",
     REQUIRE(last.horizons_size() == 2);
     CHECK(last.horizons(0).seconds() == 0.2);
     CHECK(last.horizons(1).seconds() == 0.1);
-    CHECK(last.horizons(0).marker_positions_size() == 3 * motion.marker_names_size());
+    CHECK(last.horizons(0).marker_count() == motion.marker_names_size());
   }
   REQUIRE(last.labels_size() == 3);
   CHECK(last.labels(0).label() == "walk");
@@ -171,7 +171,7 @@ TEST_CASE("Observe: the error names the invalid field", "[server][rpc]") {
   CHECK(ViolatedFields(started([](auto& start) { start.set_layer(99); })) == "start.layer");
   CHECK(ViolatedFields(started([](auto& start) { start.set_transition_floor(2); })) ==
         "start.transition_floor");
-  CHECK(ViolatedFields(started([](auto& start) { start.set_top_count(-1); })) == "start.top_count");
+  CHECK(ViolatedFields(started([](auto& start) { start.set_top_count(0); })) == "start.top_count");
   CHECK(ViolatedFields(started([](auto& start) {
           start.clear_marker_names();
           start.add_marker_names("nothing");

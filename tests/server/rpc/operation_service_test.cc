@@ -43,13 +43,13 @@ TEST_CASE("OperationService: an operation can be watched from start to end", "[s
   REQUIRE(running.status.ok());
   CHECK(running.response.operation().state() == v1::OPERATION_STATE_RUNNING);
   CHECK(running.response.operation().stage() == "reading clips");
-  CHECK(!running.response.operation().done());
+  CHECK(!IsDone(running.response.operation()));
   held.server.gate().Open();
   const auto done = held.server.Wait(held.operation);
   CHECK(done.state() == v1::OPERATION_STATE_SUCCEEDED);
-  CHECK(done.done());
+  CHECK(IsDone(done));
   CHECK(done.progress() == 1);
-  CHECK(done.model() == "databases/db/models/1");
+  CHECK(done.rebuild().model() == "databases/db/models/1");
   CHECK(done.update_time().seconds() >= done.create_time().seconds());
 }
 
@@ -74,7 +74,7 @@ TEST_CASE("OperationService: a wait without a timeout responds before the deadli
   const grpc::Status status = held.stub->WaitOperation(&context, request, &response);
   INFO(status.error_message());
   CHECK(status.ok());
-  CHECK(!response.operation().done());
+  CHECK(!IsDone(response.operation()));
 }
 
 TEST_CASE("OperationService: many clients can wait for one operation without a thread each",
@@ -119,7 +119,7 @@ TEST_CASE("OperationService: cancels, and refuses with a reason if it cannot", "
   CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).status.ok());
   held.server.gate().Open();
   CHECK(held.server.Wait(held.operation).state() == v1::OPERATION_STATE_CANCELLED);
-  CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).response.operation().done());
+  CHECK(IsDone(Ask(*held.stub, &Stub::CancelOperation, cancel).response.operation()));
   cancel.set_name("operations/none");
   CHECK(Ask(*held.stub, &Stub::CancelOperation, cancel).status.error_code() ==
         grpc::StatusCode::NOT_FOUND);

@@ -93,8 +93,9 @@ TEST_CASE("Plan: the error names the invalid field", "[server][rpc][plan]") {
   expect("heading_tolerance_rad", [](auto& r) { r.set_heading_tolerance_rad(-1); });
   expect("max_duration_seconds", [](auto& r) { r.set_max_duration_seconds(-1); });
   expect("max_duration_seconds", [](auto& r) { r.set_max_duration_seconds(120.5); });
-  expect("max_search_seconds", [](auto& r) { r.set_max_search_seconds(kNan); });
-  expect("max_search_seconds", [](auto& r) { r.set_max_search_seconds(61); });
+  expect("search_timeout", [](auto& r) { r.mutable_search_timeout()->set_seconds(0); });
+  expect("search_timeout", [](auto& r) { r.mutable_search_timeout()->set_seconds(-1); });
+  expect("search_timeout", [](auto& r) { r.mutable_search_timeout()->set_seconds(61); });
   expect("coarse_layer", [](auto& r) { r.set_coarse_layer(-1); });
   expect("coarse_layer", [](auto& r) { r.set_coarse_layer(1000); });
   expect("alternative_count", [](auto& r) { r.set_alternative_count(11); });
@@ -229,7 +230,7 @@ TEST_CASE("Plan: without a skeleton there are markers, but no files", "[server][
   const auto answer = AskPlan(server, request);
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());
-  CHECK(answer.response.outcome() == v1::EXACT);
+  CHECK(answer.response.outcome() == v1::PLAN_OUTCOME_EXACT);
   CHECK(answer.response.motion().marker_names_size() == 6);
   CHECK(answer.response.motion().dof_names_size() == 0);
   CHECK(answer.response.leg_length_m() == Approx(0.8).margin(0.1));

@@ -7,6 +7,7 @@
 #include "core/format/motion_file.h"
 #include "core/motion/forward_kinematics.h"
 #include "tests/server/rpc/plan_support.h"
+#include "tests/support/packed_floats.h"
 
 namespace motiondb::tests::plan_test {
 namespace {
@@ -14,12 +15,6 @@ namespace {
 using Stub = v1::QueryService::Stub;
 using std::chrono::milliseconds;
 using Clock = std::chrono::steady_clock;
-
-std::vector<float> Unpack(const std::string& bytes) {
-  std::vector<float> values(bytes.size() / sizeof(float));
-  std::memcpy(values.data(), bytes.data(), bytes.size());
-  return values;
-}
 
 // Removes the fields in which two responses to one request may differ.
 std::string WithoutTimes(v1::PlanResponse response) {
@@ -34,7 +29,7 @@ TEST_CASE("Plan: walks to a goal ahead", "[server][rpc][plan]") {
   REQUIRE(answer.status.ok());
   const v1::PlanResponse& response = answer.response;
   INFO(response.missing());
-  CHECK(response.outcome() == v1::EXACT);
+  CHECK(response.outcome() == v1::PLAN_OUTCOME_EXACT);
   CHECK(response.missing().empty());
   CHECK(response.leg_length_m() == Approx(0.82).margin(0.05));
   CHECK(response.alternatives_size() == 0);
@@ -43,7 +38,7 @@ TEST_CASE("Plan: walks to a goal ahead", "[server][rpc][plan]") {
   CHECK(response.effort().total_seconds() >= response.effort().search_seconds());
 
   const v1::PlannedMotion& motion = response.motion();
-  CHECK(motion.outcome() == v1::EXACT);
+  CHECK(motion.outcome() == v1::PLAN_OUTCOME_EXACT);
   REQUIRE(motion.segments_size() >= 1);
   CHECK(motion.segments(0).clip() == "databases/db/clips/walk");
   CHECK(motion.segments(0).start_seconds() == Approx(0.2).margin(0.02));
@@ -126,7 +121,7 @@ TEST_CASE("Plan: an unreachable goal is reported", "[server][rpc][plan]") {
   const auto unreachable = AskPlan(PlanServer(), far);
   INFO(unreachable.status.error_message());
   REQUIRE(unreachable.status.ok());
-  CHECK(unreachable.response.outcome() == v1::UNREACHABLE);
+  CHECK(unreachable.response.outcome() == v1::PLAN_OUTCOME_UNREACHABLE);
   CHECK(!unreachable.response.missing().empty());
   CHECK(unreachable.response.effort().total_seconds() < 2);
 
@@ -136,7 +131,7 @@ TEST_CASE("Plan: an unreachable goal is reported", "[server][rpc][plan]") {
   disc.set_radius_m(0.2);
   const auto blocked = AskPlan(PlanServer(), inside);
   REQUIRE(blocked.status.ok());
-  CHECK(blocked.response.outcome() == v1::UNREACHABLE);
+  CHECK(blocked.response.outcome() == v1::PLAN_OUTCOME_UNREACHABLE);
   CHECK_THAT(blocked.response.missing(), Catch::Contains("obstacle"));
 }
 
@@ -144,7 +139,7 @@ TEST_CASE("Plan: an unreachable goal is reported", "[server][rpc][plan]") {
 v1::PlanRequest SearchUntilDeadline() {
   v1::PlanRequest request = WalkAhead();
   request.mutable_goal()->set_y_m(0.9);
-  request.set_max_search_seconds(60);
+  request.mutable_search_timeout()->set_seconds(60);
   request.set_method(v1::PLAN_METHOD_RANDOM_SAMPLING);
   return request;
 }
@@ -158,7 +153,7 @@ TEST_CASE("Plan: a deadline during the search returns the best plan so far",
   const grpc::Status status = stub->Plan(&context, SearchUntilDeadline(), &response);
   INFO(status.error_message() << response.missing());
   REQUIRE(status.ok());
-  CHECK(response.outcome() == v1::DEADLINE);
+  CHECK(response.outcome() == v1::PLAN_OUTCOME_DEADLINE);
   CHECK(!response.missing().empty());
   CHECK(response.motion().frame_count() > 1);
   CHECK(response.effort().search_seconds() > 1.4);

@@ -7,6 +7,7 @@
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
+#include "tests/support/packed_floats.h"
 #include "tests/support/test_server.h"
 
 namespace motiondb::tests::query_service_test {
@@ -22,10 +23,6 @@ Request RequestFor(const std::string& database) {
   request.set_database("databases/" + database);
   *request.mutable_observation() = ObservedWalk();
   return request;
-}
-
-std::string Pack(const std::vector<float>& values) {
-  return {reinterpret_cast<const char*>(values.data()), 4 * values.size()};
 }
 
 // A trained database that all tests here only query.
@@ -57,7 +54,7 @@ TEST_CASE("QueryService: recognizes a walk", "[server][rpc]") {
     REQUIRE(window.clips_size() == 3);
     CHECK(window.clips(0).clip() == "databases/db/clips/walk");
   }
-  request.set_method(v1::PAPER);
+  request.set_method(v1::METHOD_PAPER);
   const auto by_paper = Ask(*stub, &Stub::Recognize, request);
   for (const v1::RecognitionWindow& window : by_paper.response.windows()) {
     REQUIRE(window.clips_size() == 3);
@@ -97,7 +94,7 @@ TEST_CASE("QueryService: predicts, and a series has the same predictions", "[ser
   CHECK(at_end.response.at_seconds() == Approx(47 / 60.0));
   REQUIRE(at_end.response.horizons_size() == 6);
   CHECK(at_end.response.horizons(0).seconds() == Approx(0.08));
-  CHECK(at_end.response.horizons(0).marker_positions_size() == 30);
+  CHECK(at_end.response.horizons(0).marker_count() == 10);
 
   v1::PredictSeriesRequest series;
   *series.mutable_prediction() = request;
@@ -139,7 +136,7 @@ TEST_CASE("QueryService: a motion 90 km away has the same prediction as at the o
           "[server][rpc]") {
   const auto stub = Trained().NewStub<v1::QueryService>();
   auto request = RequestFor<v1::PredictRequest>("db");
-  for (const v1::Method method : {v1::BEST, v1::PAPER}) {
+  for (const v1::Method method : {v1::METHOD_BEST, v1::METHOD_PAPER}) {
     request.set_method(method);
     std::string& file = *request.mutable_observation()->mutable_file()->mutable_data();
     file = WithShiftedRoot(file, 0);
@@ -151,8 +148,8 @@ TEST_CASE("QueryService: a motion 90 km away has the same prediction as at the o
     REQUIRE(there.status.ok());
     REQUIRE(there.response.horizons_size() == here.response.horizons_size());
     for (int h = 0; h < here.response.horizons_size(); ++h) {
-      const auto& near = here.response.horizons(h).marker_positions();
-      const auto& far = there.response.horizons(h).marker_positions();
+      const auto near = Unpack(here.response.horizons(h).marker_positions());
+      const auto far = Unpack(there.response.horizons(h).marker_positions());
       REQUIRE(near.size() > 0);
       REQUIRE(far.size() == near.size());
       double max_deviation = 0;  // maximum deviation of a marker from the common shift, m
@@ -160,7 +157,7 @@ TEST_CASE("QueryService: a motion 90 km away has the same prediction as at the o
       for (int axis = 0; axis < 3; ++axis) {
         const double step = far[axis] - near[axis];
         distance += step * step;
-        for (int i = axis; i < near.size(); i += 3) {
+        for (std::size_t i = axis; i < near.size(); i += 3) {
           max_deviation = std::max(max_deviation, std::abs(far[i] - near[i] - step));
         }
       }
@@ -186,8 +183,7 @@ TEST_CASE("QueryService: markers and joints are observations like files", "[serv
     const auto answer = Ask(*stub, &Stub::Predict, request);
     INFO(answer.status.error_message());
     REQUIRE(answer.status.ok());
-    const auto& positions = answer.response.horizons(0).marker_positions();
-    markers.mutable_positions()->append(Pack({positions.begin(), positions.end()}));
+    markers.mutable_positions()->append(answer.response.horizons(0).marker_positions());
   }
   markers.set_frame_count(40);
   v1::RecognizeRequest recognize;
@@ -215,11 +211,14 @@ TEST_CASE("QueryService: markers and joints are observations like files", "[serv
   const v1::FilledFrame& filled = last.response.filled_frames(0);
   CHECK(filled.frame() == 39);
   CHECK(filled.seconds() == Approx(39 / 60.0));
-  REQUIRE(filled.marker_positions_size() == 30);
-  REQUIRE(filled.marker_deviations_size() == 10);
-  CHECK(filled.marker_deviations(8) == 0);
-  CHECK(filled.marker_deviations(9) > 0);
-  CHECK(std::isfinite(filled.marker_positions(29)));
+  CHECK(filled.marker_count() == 10);
+  const std::vector<float> positions = Unpack(filled.marker_positions());
+  const std::vector<float> deviations = Unpack(filled.marker_deviations());
+  REQUIRE(positions.size() == 30);
+  REQUIRE(deviations.size() == 10);
+  CHECK(deviations[8] == 0);
+  CHECK(deviations[9] > 0);
+  CHECK(std::isfinite(positions[29]));
   estimate.set_fill_every_frame(true);
   CHECK(Ask(*stub, &Stub::Estimate, estimate).response.filled_frames_size() == 10);
 
@@ -272,9 +271,11 @@ TEST_CASE("QueryService: the error names the invalid option", "[server][rpc]") {
   recognize("window_seconds", [](auto& r) { r.set_window_seconds(kNan); });
   recognize("window_seconds", [](auto& r) { r.set_window_seconds(-1); });
   recognize("hop_seconds", [](auto& r) { r.set_hop_seconds(-0.1); });
+  recognize("hop_seconds", [](auto& r) { r.set_hop_seconds(0); });
   recognize("layer", [](auto& r) { r.set_layer(-1); });
+  recognize("layer", [](auto& r) { r.set_layer(0); });
   recognize("layer", [](auto& r) { r.set_layer(1000); });
-  recognize("top_count", [](auto& r) { r.set_top_count(-1); });
+  recognize("top_count", [](auto& r) { r.set_top_count(0); });
   recognize("transition_floor", [](auto& r) { r.set_transition_floor(2); });
   recognize("transition_floor", [](auto& r) { r.set_transition_floor(kNan); });
   recognize("generation", [](auto& r) { r.set_generation(static_cast<v1::Generation>(7)); });

@@ -59,7 +59,7 @@ TEST_CASE("Reflection: is sufficient to make a call", "[server][rpc]") {
   const google::protobuf::DescriptorPool pool(files.get());
   const auto* service = pool.FindServiceByName("motiondb.v1.DatabaseService");
   REQUIRE(service != nullptr);
-  const auto* method = service->FindMethodByName("DescribeDatabase");
+  const auto* method = service->FindMethodByName("GetDatabase");
   REQUIRE(method != nullptr);
 
   google::protobuf::DynamicMessageFactory factory;

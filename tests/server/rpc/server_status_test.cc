@@ -32,7 +32,7 @@ TEST_CASE("GetServerStatus: an empty server", "[server][status]") {
   CHECK(status.open_file_count() > 3);
   CHECK(status.open_file_limit() >= status.open_file_count());
   CHECK(status.databases().empty());
-  CHECK(status.damages().empty());
+  CHECK(status.corruptions().empty());
 }
 
 TEST_CASE("GetServerStatus: a database while its first model is built, and after",

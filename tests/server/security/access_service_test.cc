@@ -18,8 +18,8 @@ using grpc::StatusCode;
 
 v1::CreateTokenRequest TokenRequest(v1::Role role, const std::string& database = "") {
   v1::CreateTokenRequest request;
-  request.set_role(role);
-  request.set_database(database);
+  request.mutable_token()->set_role(role);
+  request.mutable_token()->set_database(database);
   return request;
 }
 
@@ -38,8 +38,8 @@ TEST_CASE("CreateToken: returns the token, and the secret once", "[security][rpc
   TestServer server;
   server.CreateDatabase("walks");
   auto request = TokenRequest(v1::ROLE_INGESTER, "databases/walks");
-  request.set_description("the robot in the hall");
-  request.mutable_lifetime()->set_seconds(3600);
+  request.mutable_token()->set_description("the robot in the hall");
+  request.mutable_ttl()->set_seconds(3600);
   const auto made = Make(server, request);
   INFO(made.status.error_message());
   REQUIRE(made.status.ok());
@@ -62,19 +62,20 @@ TEST_CASE("CreateToken: returns the token, and the secret once", "[security][rpc
 TEST_CASE("CreateToken: the error names the invalid field", "[security][rpc]") {
   TestServer server;
   auto request = TokenRequest(v1::ROLE_READER);
-  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_UNSPECIFIED)).status) == "role");
-  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_READER, "walks")).status) == "database");
+  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_UNSPECIFIED)).status) == "token.role");
+  CHECK(ViolatedFields(Make(server, TokenRequest(v1::ROLE_READER, "walks")).status) ==
+        "token.database");
   CHECK(Make(server, TokenRequest(v1::ROLE_READER, "databases/none")).status.error_code() ==
         StatusCode::NOT_FOUND);
-  request.mutable_lifetime()->set_seconds(0);
-  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
-  request.mutable_lifetime()->set_seconds(-1);
-  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
-  request.mutable_lifetime()->set_seconds(std::int64_t{1} << 62);
-  CHECK(ViolatedFields(Make(server, request).status) == "lifetime");
-  request.clear_lifetime();
-  request.set_description(std::string(201, 'x'));
-  CHECK(ViolatedFields(Make(server, request).status) == "description");
+  request.mutable_ttl()->set_seconds(0);
+  CHECK(ViolatedFields(Make(server, request).status) == "ttl");
+  request.mutable_ttl()->set_seconds(-1);
+  CHECK(ViolatedFields(Make(server, request).status) == "ttl");
+  request.mutable_ttl()->set_seconds(std::int64_t{1} << 62);
+  CHECK(ViolatedFields(Make(server, request).status) == "ttl");
+  request.clear_ttl();
+  request.mutable_token()->set_description(std::string(201, 'x'));
+  CHECK(ViolatedFields(Make(server, request).status) == "token.description");
 }
 
 TEST_CASE("ListTokens: pages are in order of creation", "[security][rpc]") {

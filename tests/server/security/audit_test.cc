@@ -46,7 +46,7 @@ std::vector<std::string> Lines(const std::vector<v1::AuditEntry>& entries) {
 
 v1::CreateTokenResponse NewToken(TestServer& server, v1::Role role) {
   v1::CreateTokenRequest wanted;
-  wanted.set_role(role);
+  wanted.mutable_token()->set_role(role);
   return Ask(*server.NewStub<v1::AccessService>(), &Access::CreateToken, wanted).response;
 }
 
@@ -79,7 +79,7 @@ TEST_CASE("Audit: every change is recorded, newest first; reads are not", "[secu
       Named<v1::CancelOperationRequest>(operation));
   const auto access = server.NewStub<v1::AccessService>();
   v1::CreateTokenRequest wanted;
-  wanted.set_role(v1::ROLE_READER);
+  wanted.mutable_token()->set_role(v1::ROLE_READER);
   const auto token = Ask(*access, &Access::CreateToken, wanted).response.token();
   Ask(*access, &Access::RevokeToken, Named<v1::RevokeTokenRequest>(token.name()));
   const auto databases = server.NewStub<v1::DatabaseService>();

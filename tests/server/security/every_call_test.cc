@@ -91,9 +91,9 @@ class EveryCall {
  private:
   v1::CreateTokenResponse Make(v1::Role role, const std::string& database, int life_ns = 0) {
     v1::CreateTokenRequest request;
-    request.set_role(role);
-    request.set_database(database);
-    if (life_ns > 0) request.mutable_lifetime()->set_nanos(life_ns);
+    request.mutable_token()->set_role(role);
+    request.mutable_token()->set_database(database);
+    if (life_ns > 0) request.mutable_ttl()->set_nanos(life_ns);
     const auto stub = server_.NewStub<v1::AccessService>();
     const auto answer = Ask(*stub, &v1::AccessService::Stub::CreateToken, request);
     INFO(answer.status.error_message());

@@ -27,7 +27,7 @@ struct ServerWithTokens {
   }
   v1::CreateTokenResponse Make(v1::Role role) {
     v1::CreateTokenRequest request;
-    request.set_role(role);
+    request.mutable_token()->set_role(role);
     return Ask(*server.NewStub<v1::AccessService>(), &Access::CreateToken, request).response;
   }
   void RevokeUser() {

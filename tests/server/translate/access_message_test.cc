@@ -8,30 +8,30 @@ namespace {
 
 TEST_CASE("WantedToken: is read from a request", "[server]") {
   v1::CreateTokenRequest request;
-  request.set_role(v1::ROLE_ADMIN);
-  request.set_database("databases/walks");
-  request.set_description("for tests");
-  request.mutable_lifetime()->set_seconds(2);
-  request.mutable_lifetime()->set_nanos(500'000'000);
+  request.mutable_token()->set_role(v1::ROLE_ADMIN);
+  request.mutable_token()->set_database("databases/walks");
+  request.mutable_token()->set_description("for tests");
+  request.mutable_ttl()->set_seconds(2);
+  request.mutable_ttl()->set_nanos(500'000'000);
   const auto wanted = server::WantedFrom(request);
   REQUIRE(wanted.ok());
   CHECK(wanted->role == storage::Role::kAdmin);
   CHECK(wanted->database == "walks");
   CHECK(wanted->description == "for tests");
-  CHECK(wanted->lifetime_us == 2'500'000);
-  request.clear_lifetime();
-  CHECK(server::WantedFrom(request)->lifetime_us == 0);
-  request.mutable_lifetime()->set_nanos(1'000'000'000);
+  CHECK(wanted->ttl_us == 2'500'000);
+  request.clear_ttl();
+  CHECK(server::WantedFrom(request)->ttl_us == 0);
+  request.mutable_ttl()->set_nanos(1'000'000'000);
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
-  request.clear_lifetime();
+  request.clear_ttl();
   for (const std::string& text :
        {std::string("\x1b[31mred"), std::string("two\nlines"), std::string(201, 'x')}) {
-    request.set_description(text);
+    request.mutable_token()->set_description(text);
     CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
   }
-  request.clear_description();
+  request.mutable_token()->clear_description();
   REQUIRE(server::WantedFrom(request).ok());
-  request.set_role(static_cast<v1::Role>(9));
+  request.mutable_token()->set_role(static_cast<v1::Role>(9));
   CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
 }
 

@@ -71,13 +71,13 @@ TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][t
   answer.motions[1].quality.smallest_clearance_m = -0.5;
   v1::PlanResponse message;
   REQUIRE(Set(answer, true, message).ok());
-  CHECK(message.outcome() == v1::DEADLINE);
+  CHECK(message.outcome() == v1::PLAN_OUTCOME_DEADLINE);
   CHECK(message.missing() == "time");
   CHECK(message.leg_length_m() == 0.9);
   CHECK(message.effort().expansions() == 1000);
   CHECK(message.effort().improvements() == 3);
   const v1::PlannedMotion& motion = message.motion();
-  CHECK(motion.outcome() == v1::APPROXIMATE);
+  CHECK(motion.outcome() == v1::PLAN_OUTCOME_APPROXIMATE);
   CHECK(motion.missing() == "a metre");
   REQUIRE(motion.segments_size() == 2);
   CHECK(motion.segments(0).clip() == "databases/db/clips/clip0");
@@ -91,7 +91,7 @@ TEST_CASE("PlanMessage: the best plan, alternatives and the search", "[server][t
   CHECK(motion.root(1).y_m() == -0.25);
   CHECK(motion.marker_positions().size() == 2 * 3 * 4);
   CHECK(motion.quality().position_error_m() == 0.5);
-  CHECK(motion.quality().foot_slide_cm_per_s() == 2);
+  CHECK(motion.quality().foot_slide_m_per_s() == 0.02);
   CHECK(motion.quality().joint_limit_violations() == 7);
   CHECK(!motion.quality().has_smallest_clearance_m());
   CHECK(motion.dof_names_size() == 0);

@@ -20,20 +20,21 @@ TEST_CASE("RequestInfo: is added after existing details", "[server]") {
   CHECK(status.error_message() == "layer: too deep");
   const v1::Status details = DetailsOf(status);
   CHECK(details.code() == 3);
-  REQUIRE(details.details_size() == 2);
-  CHECK(details.details(0).type_url() == "type.googleapis.com/google.rpc.BadRequest");
+  REQUIRE(details.details_size() == 3);
+  CHECK(details.details(0).type_url() == "type.googleapis.com/google.rpc.ErrorInfo");
+  CHECK(details.details(1).type_url() == "type.googleapis.com/google.rpc.BadRequest");
   v1::RequestInfo info;
-  CHECK(details.details(1).type_url() == server::kRequestInfoUrl);
-  REQUIRE(info.ParseFromString(details.details(1).value()));
+  CHECK(details.details(2).type_url() == server::kRequestInfoUrl);
+  REQUIRE(info.ParseFromString(details.details(2).value()));
   CHECK(info.request_id() == "robot/1");
 }
 
-TEST_CASE("RequestInfo: is the only detail if there are no others", "[server]") {
+TEST_CASE("RequestInfo: a status without details also gets a reason", "[server]") {
   const v1::Status details =
       DetailsOf(server::WithRequestInfo({grpc::StatusCode::NOT_FOUND, "gone"}, "1"));
   CHECK(details.code() == 5);
   CHECK(details.message() == "gone");
-  CHECK(details.details_size() == 1);
+  CHECK(details.details_size() == 2);
 }
 
 TEST_CASE("RetryInfo: has the time to wait", "[server]") {

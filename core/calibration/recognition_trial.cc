@@ -11,6 +11,7 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
+#include "core/recognition/beginning_alignment.h"
 #include "core/recognition/metric_observation.h"
 #include "core/recognition/window_alignment.h"
 
@@ -57,25 +58,49 @@ class HeldOutClip {
   }
 
   // Windows of `width` frames of scaled states, from the given frames on (ascending).
-  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width,
-                 bool whole) const {
+  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
     Judged judged;
     if (!any_left_) return judged;
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
       const auto alignment =  // nobody cancels
-          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, whole), left_out_,
-                      whole, {});
-      judged.familiarity.push_back(static_cast<float>(alignment->familiarity_score));
-      if (!comparable_) continue;
-      judged.samples.push_back(
-          {LabelEvidence(model_, labels_, alignment->clips), label_, alignment->frames});
+          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, false), left_out_,
+                      false, {});
+      Add(*alignment, judged);
+    }
+    return judged;
+  }
+
+  // The first 10 to 100 % of the clip, as whole observations.
+  Judged Beginnings(const StateSequence& motion) const {
+    Judged judged;
+    if (!any_left_) return judged;
+    const int frames = motion.frame_count();
+    core::Beginnings beginnings{motion.states, {}, {}};
+    model_.scale().Apply(beginnings.states);
+    beginnings.newest.resize(std::ssize(kBeginnings), motion.states.cols());
+    for (const double share : kBeginnings) {
+      const int seen =
+          std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
+      beginnings.newest.row(std::ssize(beginnings.lengths)) = PastAt(motion, seen - 1, 1).states;
+      beginnings.lengths.push_back(seen);
+    }
+    model_.scale().Apply(beginnings.newest);
+    for (const WindowAlignment& alignment : AlignBeginnings(model_, beginnings, left_out_)) {
+      Add(alignment, judged);
     }
     return judged;
   }
 
  private:
+  void Add(const WindowAlignment& alignment, Judged& judged) const {
+    judged.familiarity.push_back(static_cast<float>(alignment.familiarity_score));
+    if (!comparable_) return;
+    judged.samples.push_back(
+        {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
+  }
+
   const Model& model_;
   const std::vector<std::string>& labels_;
   const std::vector<bool> left_out_;
@@ -124,18 +149,12 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     const int width = std::min(frames, full_width);
     const ModelClip& clip = model.clips()[clips[i]];
     const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kWindowsApart * rate)));
-    windows[i] = held_out.Windows(model.states().middleRows(clip.first_frame, frames),
-                                  SpreadEvenly(frames - width + 1, std::min(windows_each, apart)),
-                                  width, false);
+    windows[i] =
+        held_out.Windows(model.states().middleRows(clip.first_frame, frames),
+                         SpreadEvenly(frames - width + 1, std::min(windows_each, apart)), width);
 
     if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
-    for (const double share : kBeginnings) {
-      const int seen =
-          std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
-      StateSequence beginning = PastAt(motion, seen - 1, seen);
-      model.scale().Apply(beginning.states);
-      whole[i].Append(held_out.Windows(beginning.states, {0}, seen, true));
-    }
+    whole[i] = held_out.Beginnings(motion);
   };
   MOTIONDB_RETURN_IF_ERROR(RunTrials(count, "calibration of labels", parallel, progress, judge));
   for (int i = 1; i < count; ++i) {

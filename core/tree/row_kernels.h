@@ -52,6 +52,17 @@ inline constexpr int kSquaresLanes = 8;
 int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, const float* factors,
                         int dimensions, const float* limits, float* squares);
 
+// Whether ScaledSquares of every x with least <= x <= most (dimensions each) is greater than
+// `limit`, by a lower bound that allows for rounding. May be false though it is.
+bool IsBoxBeyond(const float* least, const float* most, const float* mean, const float* factors,
+                 int dimensions, float limit);
+
+// Adds, for the numbers x of each dimension that are between two bounds: how many there are, the
+// sum of (x - centre), and the sum of its square. `count` rows start `stride` numbers apart.
+void AddWithin(const float* rows, int count, Eigen::Index stride, int dimensions,
+               const float* least, const float* most, const double* centre, double* counts,
+               double* sums, double* squares);
+
 // Products of a few rows with a matrix, faster than Eigen's, which knows no processor newer than
 // the oldest. Pure; safe to call from any thread.
 

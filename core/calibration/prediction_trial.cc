@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -97,7 +98,8 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
   const std::vector<double> horizons = PredictOptions().horizon_seconds;
   const std::vector<Moment> moments = Moments(model);
   // The linear prior must not have seen the clip either: it is fitted anew without its part.
-  const MotionSums sums = MotionSums::Over(model.parts(), parallel);
+  const std::shared_ptr<const MotionSums> kept = model.parts().prior_sums;
+  const MotionSums sums = kept == nullptr ? MotionSums::Over(model.parts(), parallel) : *kept;
   std::vector<MotionPrior> priors(MotionSums::kParts);
   parallel(MotionSums::kParts, [&](int part) { priors[part] = sums.Fit(part); });
   std::vector<absl::StatusOr<Trial>> trials(moments.size(), Trial());

@@ -45,7 +45,7 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.marker_set = marker_set;
   MOTIONDB_RETURN_IF_ERROR(report(0, "states"));
   ConcatenatedInputs together = Concatenate(std::move(inputs));
-  parts.scale = MakeFeatureScale(settings.scaling, together.states);
+  parts.scale = MakeFeatureScale(settings.scaling, together.states, parallel);
   const Eigen::Index room = RoomToGrow(together.states.rows());
   together.states.conservativeResize(together.states.rows() + room, Eigen::NoChange);
   parts.clips = std::move(together.clips);
@@ -71,7 +71,8 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.familiarity = MakeFamiliarityReference(runs, window, states, parts.tree, parts.gaussians,
                                                parts.global_graphs, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(0.93, "how motion goes on"));
-  parts.prior = MotionSums::Over(parts, parallel).Fit();
+  parts.prior_sums = std::make_shared<const MotionSums>(MotionSums::Over(parts, parallel));
+  parts.prior = parts.prior_sums->Fit();
   MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));
   parts.metric = FitMotionMetric(parts, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(1, "done"));

@@ -21,8 +21,8 @@ struct SplitPlane {
 
 class PermutedStates {
  public:
-  // A working copy of states (frames x dimensions), in their own order.
-  PermutedStates(const Eigen::Ref<const FrameMatrix>& states, const ParallelFor& parallel);
+  // Moves the rows of `states` (frames x dimensions), which must outlive this.
+  explicit PermutedStates(Eigen::Map<FrameMatrix> states);
 
   // Divides the frames [begin, end) along their principal axis (eqs. 3-5): those left of the
   // minimum-error threshold come to stand before the others; frames that project alike are divided
@@ -37,15 +37,19 @@ class PermutedStates {
   // there is no threshold.
   bool SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
 
+  // Puts the rows of the states back into their own order, that of the frames.
+  void Restore(const ParallelFor& parallel);
+
   // The frame at each place.
   std::vector<std::int32_t>& order() { return order_; }
+  auto row(std::int32_t place) const { return rows_.row(place); }
 
  private:
   void Project(std::int32_t begin, std::int32_t end, const NodeAxis& node,
                const ParallelFor& parallel);
   void MoveLeft(std::int32_t begin, std::int32_t end, int left, const ParallelFor& parallel);
 
-  FrameMatrix rows_;
+  Eigen::Map<FrameMatrix> rows_;
   std::vector<std::int32_t> order_;
   // Of each place, valid from one Divide of it to the next.
   std::vector<double> projections_;

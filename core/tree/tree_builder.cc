@@ -30,10 +30,24 @@ SplitPlanes Together(const std::vector<SplitPlane>& each, Eigen::Index dimension
 
 absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done) {
+  constexpr int kRowsAtOnce = 4096;
+  FrameMatrix copy(states.rows(), states.cols());
+  const auto rows = static_cast<int>(states.rows());
+  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
+    const int first = block * kRowsAtOnce;
+    const int count = std::min(kRowsAtOnce, rows - first);
+    copy.middleRows(first, count) = states.middleRows(first, count);
+  });
+  return BuildTreeInPlace({copy.data(), copy.rows(), copy.cols()}, min_frames, parallel,
+                          layer_done);
+}
+
+absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_frames,
+                                      const ParallelFor& parallel, const LayerDone& layer_done) {
   if (states.rows() == 0) return InvalidArgument("a tree needs at least one frame");
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
-  PermutedStates permuted(states, parallel);
+  PermutedStates permuted(states);
   FramesAside aside;
   const DivisionRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
@@ -76,8 +90,8 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
       branches[b].left = left;
       branches[b].right = left + 1;
       const auto [begin, end] = divided[i];
-      aside.Add(b, {branches[b].begin, branches[b].end}, divided[i], permuted.order());
-      aside.PassDown(b, branches[b], open_planes[i], states);
+      aside.Add(b, {branches[b].begin, branches[b].end}, divided[i]);
+      aside.PassDown(b, branches[b], open_planes[i], permuted);
       planes.push_back(std::move(open_planes[i]));
       const std::int32_t middle = begin + left_counts[i];
       const std::int32_t below = branches[b].layer + 1;
@@ -90,6 +104,7 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
     if (layer_done && !layer_done(layer)) return absl::CancelledError("the build was cancelled");
   }
 
+  permuted.Restore(parallel);
   std::vector<std::int32_t> order = std::move(permuted.order());
   aside.PutBack(branches, order);
   for (const Branch& branch : branches) {
@@ -147,7 +162,7 @@ double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const F
     for (int i = 0; i < count; ++i) rows.row(i) = states.row(tree.frame_order()[leaf.begin + i]);
     std::vector<float> scratch;
     SplitPlane plane;
-    PermutedStates permuted(rows, threads);
+    PermutedStates permuted({rows.data(), rows.rows(), rows.cols()});
     NodePlaces places{0, count};
     if (DivideNode(rule, permuted, places, scratch, threads, plane) > 0) stale[b] = count;
   };

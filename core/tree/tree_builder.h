@@ -26,6 +26,12 @@ using LayerDone = std::function<bool(int layer)>;
 absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done = {});
 
+// The same without the copy: rows of `states` are moved while the tree is built, and are at their
+// places again afterwards, except where the build was cancelled.
+absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_frames,
+                                      const ParallelFor& parallel,
+                                      const LayerDone& layer_done = {});
+
 // A tree with more frames in it, and how far it is then from the tree that a build would give.
 // Pure functions; safe to call from any thread.
 

@@ -10,7 +10,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMaxWindows = 512;
+constexpr int kMaxWindows = 256;
 constexpr double kFloor = 1e-6;
 constexpr int kWindowsAtOnce = 32;  // statistics are read once for these
 constexpr float kHopeless = 40;     // e^-40 / kFloor is less than a float's rounding

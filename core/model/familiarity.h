@@ -32,7 +32,7 @@ struct FrameRun {
   int count = 0;
 };
 
-// Scores of windows of `window_frames` frames, spread evenly over the clips (at most 512 of them; a
+// Scores of windows of `window_frames` frames, spread evenly over the clips (at most 256 of them; a
 // clip shorter than a window is one), on every layer. Nodes where a frame's log density is more
 // than 40 below that in its own node are left out: with the floor of the score they change it by
 // less than its rounding. O(windows * branches), a few dimensions each, and what the nodes that are

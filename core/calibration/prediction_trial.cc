@@ -15,7 +15,7 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMoments = 192;
+constexpr int kMoments = 128;
 constexpr double kMomentsApart = 0.2;  // s from moment to moment: what is nearer says little more
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
@@ -34,7 +34,7 @@ std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
   const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
-  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMoments);
+  const std::vector<int> clips = SampleClips(model, kMoments);
   const int each = kMoments / static_cast<int>(clips.size());
   std::vector<Moment> moments;
   int tries = 0;

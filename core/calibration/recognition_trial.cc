@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -19,6 +18,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMostClips = 128;
+constexpr int kMostWhole = 64;  // of these
 constexpr int kMostWindows = 512;
 constexpr double kWindowSeconds = 0.4;
 constexpr double kWindowsApart =
@@ -26,9 +26,9 @@ constexpr double kWindowsApart =
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
-// The most comparisons of a frame of a beginning with a frame of the model. The alignment compares
-// every pair, so the cost of a beginning is proportional to its length times the size of the model.
-constexpr double kMostComparisons = 2.5e11;
+// The most comparisons of a frame of a clip with a frame of the model. The alignment compares every
+// pair, so the cost of a clip is proportional to its length times the size of the model.
+constexpr double kMostComparisons = 8e10;
 constexpr int kFewestWhole = 8;
 
 // What held-out observations gave.
@@ -121,10 +121,9 @@ void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& ca
 }  // namespace
 
 int ClipsTriedWhole(int clips, double frames) {
-  const double shares = std::accumulate(std::begin(kBeginnings), std::end(kBeginnings), 0.0);
-  const double comparisons_of_clip = shares * (frames / clips) * frames;
+  const double comparisons_of_clip = (frames / clips) * frames;
   const double affordable = kMostComparisons / comparisons_of_clip;
-  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostClips));
+  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostWhole));
 }
 
 absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
@@ -133,7 +132,7 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
   const std::vector<std::string> labels = Labels(model);
-  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMostClips);
+  const std::vector<int> clips = SampleClips(model, kMostClips);
   const auto count = static_cast<int>(clips.size());
   const int windows_each = std::max(1, kMostWindows / count);
   const double rate = model.settings().frame_rate_hz;

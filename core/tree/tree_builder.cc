@@ -17,6 +17,35 @@ namespace {
 // Lots that the smaller nodes are dealt out in, each with memory of its own that is used again.
 constexpr int kLots = 16;
 
+// A node of up to this many frames is divided with all below it, while its rows are in a near
+// cache.
+constexpr int kCachedFrames = 1024;
+
+// How a node was divided, and its children, where they were looked at yet.
+struct Division {
+  NodePlaces divided;  // of the node's places
+  int left = 0;        // frames; 0: it is a leaf
+  SplitPlane plane;
+  std::unique_ptr<Division> children[2];
+};
+
+std::unique_ptr<Division> Divide(const DivisionRule& rule, PermutedStates& permuted,
+                                 const NodePlaces& places, std::vector<float>& scratch,
+                                 const ParallelFor& parallel) {
+  auto division = std::make_unique<Division>();
+  division->divided = places;
+  const std::int32_t frames = places.end - places.begin;
+  if (frames < 2 * rule.min_frames) return division;
+  division->left =
+      DivideNode(rule, permuted, division->divided, scratch, parallel, division->plane);
+  if (division->left == 0 || frames > kCachedFrames) return division;
+  const auto [begin, end] = division->divided;
+  const std::int32_t middle = begin + division->left;
+  division->children[0] = Divide(rule, permuted, {begin, middle}, scratch, parallel);
+  division->children[1] = Divide(rule, permuted, {middle, end}, scratch, parallel);
+  return division;
+}
+
 SplitPlanes Together(const std::vector<SplitPlane>& each, Eigen::Index dimensions) {
   SplitPlanes planes{FrameMatrix(std::ssize(each), dimensions), {}};
   for (const SplitPlane& plane : each) {
@@ -54,24 +83,30 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
   std::vector<SplitPlane> planes;
   std::vector<std::vector<float>> scratch(kLots);
 
-  std::vector<std::int32_t> open{0};  // branches of the lowest layer that may yet split
+  // A branch of the lowest layer that may yet split.
+  struct Open {
+    std::int32_t branch = 0;
+    std::unique_ptr<Division> division;  // if it is known
+  };
+  std::vector<Open> open;
+  open.push_back({0, nullptr});
   for (int layer = 1; !open.empty(); ++layer) {
-    const auto frames = [&](std::int32_t b) { return branches[b].end - branches[b].begin; };
-    std::erase_if(open, [&](std::int32_t b) { return frames(b) < 2 * min_frames; });
+    const auto frames = [&](const Open& o) {
+      return branches[o.branch].end - branches[o.branch].begin;
+    };
+    std::erase_if(open, [&](const Open& o) { return frames(o) < 2 * min_frames; });
 
     // The largest first: the shared ones, then the others, so that threads end at about one time.
-    std::vector<std::int32_t> work(open.size());
-    for (std::size_t i = 0; i < open.size(); ++i) work[i] = static_cast<std::int32_t>(i);
-    std::stable_sort(work.begin(), work.end(), [&](std::int32_t a, std::int32_t b) {
+    std::vector<std::size_t> work;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (open[i].division == nullptr) work.push_back(i);
+    }
+    std::stable_sort(work.begin(), work.end(), [&](std::size_t a, std::size_t b) {
       return frames(open[a]) > frames(open[b]);
     });
-    std::vector<int> left_counts(open.size());
-    std::vector<SplitPlane> open_planes(open.size());
-    std::vector<NodePlaces> divided(open.size());
-    const auto divide = [&](std::int32_t i, int lot, const ParallelFor& threads) {
-      divided[i] = {branches[open[i]].begin, branches[open[i]].end};
-      left_counts[i] =
-          DivideNode(rule, permuted, divided[i], scratch[lot], threads, open_planes[i]);
+    const auto divide = [&](std::size_t i, int lot, const ParallelFor& threads) {
+      const Branch& branch = branches[open[i].branch];
+      open[i].division = Divide(rule, permuted, {branch.begin, branch.end}, scratch[lot], threads);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
@@ -82,23 +117,24 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
         divide(work[i], lot, Serially);
     });
 
-    std::vector<std::int32_t> children;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (left_counts[i] == 0) continue;
-      const std::int32_t b = open[i];
+    std::vector<Open> children;
+    for (Open& node : open) {
+      Division& division = *node.division;
+      if (division.left == 0) continue;
+      const std::int32_t b = node.branch;
       const auto left = static_cast<std::int32_t>(branches.size());
       branches[b].left = left;
       branches[b].right = left + 1;
-      const auto [begin, end] = divided[i];
-      aside.Add(b, {branches[b].begin, branches[b].end}, divided[i]);
-      aside.PassDown(b, branches[b], open_planes[i], permuted);
-      planes.push_back(std::move(open_planes[i]));
-      const std::int32_t middle = begin + left_counts[i];
+      const auto [begin, end] = division.divided;
+      aside.Add(b, {branches[b].begin, branches[b].end}, division.divided);
+      aside.PassDown(b, branches[b], division.plane, permuted);
+      planes.push_back(std::move(division.plane));
+      const std::int32_t middle = begin + division.left;
       const std::int32_t below = branches[b].layer + 1;
       branches.push_back({.parent = b, .begin = begin, .end = middle, .layer = below});
       branches.push_back({.parent = b, .begin = middle, .end = end, .layer = below});
-      children.push_back(left);
-      children.push_back(left + 1);
+      children.push_back({left, std::move(division.children[0])});
+      children.push_back({left + 1, std::move(division.children[1])});
     }
     open = std::move(children);
     if (layer_done && !layer_done(layer)) return absl::CancelledError("the build was cancelled");

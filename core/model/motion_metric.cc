@@ -2,6 +2,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <span>
@@ -23,10 +24,8 @@ constexpr Eigen::Index kDirections = 40;
 constexpr Eigen::Index kLoadings = 30;
 constexpr Eigen::Index kAligned = 48;        // directions in which frames are brought together
 constexpr std::int64_t kMostFrames = 65536;  // that the covariance of all motion is taken over
-// Differences between clips, some: neighbours in time say nearly the same, other pairs more.
+// Differences between clips, some. Neighbours in time say nearly the same, so these go first.
 constexpr double kMostDifferences = 65536;
-constexpr int kDifferencesApart = 2;  // strided frames from one to the next
-constexpr double kClipsObserved = 256;
 constexpr double kLeastNoise = 1e-4;
 constexpr double kLeastVariance = 1e-8;  // where stored clips of one label are all the same
 
@@ -119,13 +118,7 @@ class LearnedFrames {
     return Rows(rows);
   }
 
-  // References of each clip, so that there are some kMostDifferences of them.
-  int MostReferences() const {
-    const double frames_of_clip =
-        static_cast<double>(strided_.frame.size()) / static_cast<double>(strided_.begin.size() - 1);
-    return static_cast<int>(std::clamp(
-        kMostDifferences * kDifferencesApart / (kClipsObserved * frames_of_clip), 2.0, 8.0));
-  }
+  int CountOf(int clip) const { return strided_.count(clip); }
 
  private:
   FrameMatrix Rows(std::span<const int> rows) const {
@@ -152,12 +145,36 @@ class LearnedFrames {
   Eigen::RowVectorXf mean_;
 };
 
+// Which pairs of clips are brought together, and how many of their frames apart differences are
+// taken: all, if they are not too many, else every second one and those of fewer references.
+struct Comparisons {
+  std::vector<IndexPair> clips;
+  int frames_apart = 1;
+};
+
+Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const LearnedFrames& frames) {
+  constexpr int kFewestReferences = 2;
+  constexpr int kMostReferences = 8;
+  Comparisons chosen{ClipPairs(clips, kMostReferences)};
+  double differences = 0;
+  for (const IndexPair& pair : chosen.clips) differences += frames.CountOf(pair.observed);
+  if (differences <= kMostDifferences) return chosen;
+  chosen.frames_apart = 2;
+  const double share = kMostDifferences * chosen.frames_apart / differences;
+  if (share >= 1) return chosen;
+  chosen.clips = ClipPairs(
+      clips, std::max(kFewestReferences, static_cast<int>(std::lround(share * kMostReferences))));
+  return chosen;
+}
+
 // W: half the mean of d d^T, d from a frame to its like in another clip of the label. Frames are
 // brought together in the directions (D x q) along which stored motion varies most.
 Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& frames,
                                  const FrameMatrix& directions, const ParallelFor& parallel) {
-  const std::vector<IndexPair> pairs = ClipPairs(parts.clips, frames.MostReferences());
-  const auto count = static_cast<std::size_t>(pairs.size());
+  const Comparisons chosen = ChooseComparisons(parts.clips, frames);
+  const std::vector<IndexPair>& pairs = chosen.clips;
+  const std::size_t count = pairs.size();
+  const int apart = chosen.frames_apart;
   Scatter scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
     int clip = -1;
     FrameMatrix observed;
@@ -171,10 +188,9 @@ Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& f
       const FrameMatrix reference = frames.OfClip(pairs[p].reference);
       const std::vector<IndexPair> like =
           AlignFrames(observed_along, RowProduct(reference, directions), directions.rows());
-      const auto taken = (std::ssize(like) + kDifferencesApart - 1) / kDifferencesApart;
-      FrameMatrix differences(taken, directions.rows());
-      for (Eigen::Index i = 0; i < taken; ++i) {
-        const IndexPair& pair = like[i * kDifferencesApart];
+      FrameMatrix differences((std::ssize(like) + apart - 1) / apart, directions.rows());
+      for (Eigen::Index i = 0; i < differences.rows(); ++i) {
+        const IndexPair& pair = like[i * apart];
         differences.row(i) = observed.row(pair.observed) - reference.row(pair.reference);
       }
       sum.Add(differences);

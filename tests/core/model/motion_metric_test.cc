@@ -30,7 +30,6 @@ Eigen::MatrixXd WithinBehaviours(const core::Model& model) {
     const core::FrameMatrix a = frames_of(clips.observed);
     const core::FrameMatrix b = frames_of(clips.reference);
     for (const auto& pair : core::AlignFrames(a, b)) {
-      if (pair.observed % 2 != 0) continue;
       const Eigen::RowVectorXd d = (a.row(pair.observed) - b.row(pair.reference)).cast<double>();
       sum += d.transpose() * d;
       ++count;

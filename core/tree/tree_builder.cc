@@ -19,7 +19,7 @@ constexpr int kLots = 16;
 
 // A node of up to this many frames is divided with all below it, while its rows are in a near
 // cache.
-constexpr int kCachedFrames = 1024;
+constexpr int kCachedFrames = 512;
 
 // How a node was divided, and its children, where they were looked at yet.
 struct Division {

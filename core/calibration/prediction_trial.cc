@@ -15,7 +15,8 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMoments = 128;
+constexpr int kMoments = 192;
+constexpr int kMostClips = 128;        // moments of different clips say more than those of one
 constexpr double kMomentsApart = 0.2;  // s from moment to moment: what is nearer says little more
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
@@ -34,7 +35,7 @@ std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
   const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
-  const std::vector<int> clips = SampleClips(model, kMoments);
+  const std::vector<int> clips = SampleClips(model, kMostClips);
   const int each = kMoments / static_cast<int>(clips.size());
   std::vector<Moment> moments;
   int tries = 0;

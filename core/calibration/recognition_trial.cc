@@ -12,12 +12,13 @@
 #include "core/motion/states.h"
 #include "core/recognition/beginning_alignment.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/shortlist.h"
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostClips = 128;
+constexpr int kClipsTried = 128;
 constexpr int kMostWhole = 64;  // of these
 constexpr int kMostWindows = 512;
 constexpr double kWindowSeconds = 0.4;
@@ -26,9 +27,11 @@ constexpr double kWindowsApart =
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
-// The most comparisons of a frame of a clip with a frame of the model. The alignment compares every
-// pair, so the cost of a clip is proportional to its length times the size of the model.
-constexpr double kMostComparisons = 8e10;
+// Of a longer clip its beginning is observed: how evidence grows with time shows in it as well.
+constexpr double kLongestSeconds = 20;
+// The most comparisons of a frame of an observation with a frame of a clip that it is aligned with,
+// of all together: every pair is compared.
+constexpr double kMostComparisons = 6e9;
 constexpr int kFewestWhole = 8;
 
 // What held-out observations gave.
@@ -72,12 +75,14 @@ class HeldOutClip {
     return judged;
   }
 
-  // The first 10 to 100 % of the clip, as whole observations.
+  // The first 10 to 100 % of the clip, or of its first kLongestSeconds, as whole observations.
   Judged Beginnings(const StateSequence& motion) const {
     Judged judged;
     if (!any_left_) return judged;
-    const int frames = motion.frame_count();
-    core::Beginnings beginnings{motion.states, {}, {}};
+    const int frames = std::min(
+        motion.frame_count(),
+        std::max(1, static_cast<int>(std::lround(kLongestSeconds * motion.frame_rate_hz))));
+    core::Beginnings beginnings{motion.states.topRows(frames), {}, {}};
     model_.scale().Apply(beginnings.states);
     beginnings.newest.resize(std::ssize(kBeginnings), motion.states.cols());
     for (const double share : kBeginnings) {
@@ -120,8 +125,10 @@ void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& ca
 
 }  // namespace
 
-int ClipsTriedWhole(int clips, double frames) {
-  const double comparisons_of_clip = (frames / clips) * frames;
+int ClipsTriedWhole(int clips, double frames, double longest) {
+  const double length = frames / clips;
+  const double comparisons_of_clip =
+      std::min(length, longest) * length * std::min<double>(clips, kMostShortlisted);
   const double affordable = kMostComparisons / comparisons_of_clip;
   return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostWhole));
 }
@@ -132,13 +139,14 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
   const std::vector<std::string> labels = Labels(model);
-  const std::vector<int> clips = SampleClips(model, kMostClips);
+  const std::vector<int> clips = SampleClips(model, kClipsTried);
   const auto count = static_cast<int>(clips.size());
   const int windows_each = std::max(1, kMostWindows / count);
   const double rate = model.settings().frame_rate_hz;
   const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
-  const std::vector<int> whole_clips = SpreadEvenly(
-      count, ClipsTriedWhole(static_cast<int>(model.clips().size()), model.frame_count()));
+  const std::vector<int> whole_clips =
+      SpreadEvenly(count, ClipsTriedWhole(static_cast<int>(model.clips().size()),
+                                          model.frame_count(), kLongestSeconds * rate));
   std::vector<Judged> windows(clips.size());
   std::vector<Judged> whole(clips.size());
   const auto judge = [&](int i) {

@@ -162,12 +162,12 @@ TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][c
 
 TEST_CASE("ClipsTriedWhole: fewer of clips so long that all would take hours",
           "[core][calibration]") {
-  CHECK(core::ClipsTriedWhole(1, 1) == 64);
-  CHECK(core::ClipsTriedWhole(344, 119'685) == 64);
-  CHECK(core::ClipsTriedWhole(2'000, 1e6) == 64);
-  CHECK(core::ClipsTriedWhole(500, 1e6) == 40);
-  CHECK(core::ClipsTriedWhole(100, 1e6) == 8);
-  CHECK(core::ClipsTriedWhole(1, 1e9) == 8);
+  CHECK(core::ClipsTriedWhole(1, 1, 1200) == 64);
+  CHECK(core::ClipsTriedWhole(344, 119'685, 2400) == 64);
+  CHECK(core::ClipsTriedWhole(2'000, 1e6, 1200) == 64);
+  CHECK(core::ClipsTriedWhole(500, 1e6, 1200) == 39);
+  CHECK(core::ClipsTriedWhole(100, 1e6, 1200) == 8);
+  CHECK(core::ClipsTriedWhole(1, 1e9, 1200) == 8);
 }
 
 TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][calibration]") {

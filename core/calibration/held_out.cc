@@ -1,7 +1,10 @@
 #include "core/calibration/held_out.h"
 
 #include <algorithm>
+#include <numeric>
+#include <tuple>
 
+#include "core/model/even_spread.h"
 #include "core/model/model.h"
 
 namespace motiondb::core {
@@ -19,6 +22,18 @@ std::vector<bool> LeftOutWith(const Model& model, int held_out) {
         static_cast<int>(c) == held_out || (by_subject && clips[c].subject == out.subject);
   }
   return left_out;
+}
+
+std::vector<int> SampleClips(const Model& model, int most) {
+  const std::vector<ModelClip>& clips = model.clips();
+  std::vector<int> order(clips.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](int a, int b) {
+    return std::tie(clips[a].label, clips[a].subject) < std::tie(clips[b].label, clips[b].subject);
+  });
+  std::vector<int> sample;
+  for (const int i : SpreadEvenly(std::ssize(order), most)) sample.push_back(order[i]);
+  return sample;
 }
 
 StateSequence StoredMotion(const Model& model, int clip) {

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -15,6 +16,7 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMoments = 192;
+constexpr int kMostClips = 128;        // moments of different clips say more than those of one
 constexpr double kMomentsApart = 0.2;  // s from moment to moment: what is nearer says little more
 constexpr int kLeastMoments = 16;      // to fit a law to
 constexpr double kLeastFuture = 0.08;  // s
@@ -33,7 +35,7 @@ std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
   const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
-  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMoments);
+  const std::vector<int> clips = SampleClips(model, kMostClips);
   const int each = kMoments / static_cast<int>(clips.size());
   std::vector<Moment> moments;
   int tries = 0;
@@ -97,7 +99,8 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
   const std::vector<double> horizons = PredictOptions().horizon_seconds;
   const std::vector<Moment> moments = Moments(model);
   // The linear prior must not have seen the clip either: it is fitted anew without its part.
-  const MotionSums sums = MotionSums::Over(model.parts(), parallel);
+  const std::shared_ptr<const MotionSums> kept = model.parts().prior_sums;
+  const MotionSums sums = kept == nullptr ? MotionSums::Over(model.parts(), parallel) : *kept;
   std::vector<MotionPrior> priors(MotionSums::kParts);
   parallel(MotionSums::kParts, [&](int part) { priors[part] = sums.Fit(part); });
   std::vector<absl::StatusOr<Trial>> trials(moments.size(), Trial());

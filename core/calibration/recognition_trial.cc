@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -11,13 +10,16 @@
 #include "core/model/model.h"
 #include "core/motion/error.h"
 #include "core/motion/states.h"
+#include "core/recognition/beginning_alignment.h"
 #include "core/recognition/metric_observation.h"
+#include "core/recognition/shortlist.h"
 #include "core/recognition/window_alignment.h"
 
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostClips = 128;
+constexpr int kClipsTried = 128;
+constexpr int kMostWhole = 64;  // of these
 constexpr int kMostWindows = 512;
 constexpr double kWindowSeconds = 0.4;
 constexpr double kWindowsApart =
@@ -25,9 +27,11 @@ constexpr double kWindowsApart =
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
-// The most comparisons of a frame of a beginning with a frame of the model. The alignment compares
-// every pair, so the cost of a beginning is proportional to its length times the size of the model.
-constexpr double kMostComparisons = 2.5e11;
+// Of a longer clip its beginning is observed: how evidence grows with time shows in it as well.
+constexpr double kLongestSeconds = 20;
+// The most comparisons of a frame of an observation with a frame of a clip that it is aligned with,
+// of all together: every pair is compared.
+constexpr double kMostComparisons = 6e9;
 constexpr int kFewestWhole = 8;
 
 // What held-out observations gave.
@@ -57,25 +61,51 @@ class HeldOutClip {
   }
 
   // Windows of `width` frames of scaled states, from the given frames on (ascending).
-  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width,
-                 bool whole) const {
+  Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
     Judged judged;
     if (!any_left_) return judged;
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
       const auto alignment =  // nobody cancels
-          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, whole), left_out_,
-                      whole, {});
-      judged.familiarity.push_back(static_cast<float>(alignment->familiarity_score));
-      if (!comparable_) continue;
-      judged.samples.push_back(
-          {LabelEvidence(model_, labels_, alignment->clips), label_, alignment->frames});
+          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, false), left_out_,
+                      false, {});
+      Add(*alignment, judged);
+    }
+    return judged;
+  }
+
+  // The first 10 to 100 % of the clip, or of its first kLongestSeconds, as whole observations.
+  Judged Beginnings(const StateSequence& motion) const {
+    Judged judged;
+    if (!any_left_) return judged;
+    const int frames = std::min(
+        motion.frame_count(),
+        std::max(1, static_cast<int>(std::lround(kLongestSeconds * motion.frame_rate_hz))));
+    core::Beginnings beginnings{motion.states.topRows(frames), {}, {}};
+    model_.scale().Apply(beginnings.states);
+    beginnings.newest.resize(std::ssize(kBeginnings), motion.states.cols());
+    for (const double share : kBeginnings) {
+      const int seen =
+          std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
+      beginnings.newest.row(std::ssize(beginnings.lengths)) = PastAt(motion, seen - 1, 1).states;
+      beginnings.lengths.push_back(seen);
+    }
+    model_.scale().Apply(beginnings.newest);
+    for (const WindowAlignment& alignment : AlignBeginnings(model_, beginnings, left_out_)) {
+      Add(alignment, judged);
     }
     return judged;
   }
 
  private:
+  void Add(const WindowAlignment& alignment, Judged& judged) const {
+    judged.familiarity.push_back(static_cast<float>(alignment.familiarity_score));
+    if (!comparable_) return;
+    judged.samples.push_back(
+        {LabelEvidence(model_, labels_, alignment.clips), label_, alignment.frames});
+  }
+
   const Model& model_;
   const std::vector<std::string>& labels_;
   const std::vector<bool> left_out_;
@@ -95,11 +125,12 @@ void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& ca
 
 }  // namespace
 
-int ClipsTriedWhole(int clips, double frames) {
-  const double shares = std::accumulate(std::begin(kBeginnings), std::end(kBeginnings), 0.0);
-  const double comparisons_of_clip = shares * (frames / clips) * frames;
+int ClipsTriedWhole(int clips, double frames, double longest) {
+  const double length = frames / clips;
+  const double comparisons_of_clip =
+      std::min(length, longest) * length * std::min<double>(clips, kMostShortlisted);
   const double affordable = kMostComparisons / comparisons_of_clip;
-  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostClips));
+  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostWhole));
 }
 
 absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
@@ -108,13 +139,14 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
   const std::vector<std::string> labels = Labels(model);
-  const std::vector<int> clips = SpreadEvenly(static_cast<int>(model.clips().size()), kMostClips);
+  const std::vector<int> clips = SampleClips(model, kClipsTried);
   const auto count = static_cast<int>(clips.size());
   const int windows_each = std::max(1, kMostWindows / count);
   const double rate = model.settings().frame_rate_hz;
   const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
-  const std::vector<int> whole_clips = SpreadEvenly(
-      count, ClipsTriedWhole(static_cast<int>(model.clips().size()), model.frame_count()));
+  const std::vector<int> whole_clips =
+      SpreadEvenly(count, ClipsTriedWhole(static_cast<int>(model.clips().size()),
+                                          model.frame_count(), kLongestSeconds * rate));
   std::vector<Judged> windows(clips.size());
   std::vector<Judged> whole(clips.size());
   const auto judge = [&](int i) {
@@ -124,18 +156,12 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     const int width = std::min(frames, full_width);
     const ModelClip& clip = model.clips()[clips[i]];
     const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kWindowsApart * rate)));
-    windows[i] = held_out.Windows(model.states().middleRows(clip.first_frame, frames),
-                                  SpreadEvenly(frames - width + 1, std::min(windows_each, apart)),
-                                  width, false);
+    windows[i] =
+        held_out.Windows(model.states().middleRows(clip.first_frame, frames),
+                         SpreadEvenly(frames - width + 1, std::min(windows_each, apart)), width);
 
     if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
-    for (const double share : kBeginnings) {
-      const int seen =
-          std::clamp(static_cast<int>(std::lround(share * frames)), std::min(2, frames), frames);
-      StateSequence beginning = PastAt(motion, seen - 1, seen);
-      model.scale().Apply(beginning.states);
-      whole[i].Append(held_out.Windows(beginning.states, {0}, seen, true));
-    }
+    whole[i] = held_out.Beginnings(motion);
   };
   MOTIONDB_RETURN_IF_ERROR(RunTrials(count, "calibration of labels", parallel, progress, judge));
   for (int i = 1; i < count; ++i) {

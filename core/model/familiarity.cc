@@ -10,10 +10,10 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMaxWindows = 512;
+constexpr int kMaxWindows = 256;
 constexpr double kFloor = 1e-6;
-constexpr int kWindowsAtOnce = 8;  // statistics are read once for these
-constexpr float kHopeless = 40;    // e^-40 / kFloor is less than a float's rounding
+constexpr int kWindowsAtOnce = 32;  // statistics are read once for these
+constexpr float kHopeless = 40;     // e^-40 / kFloor is less than a float's rounding
 constexpr float kPadding = std::numeric_limits<float>::infinity();
 
 std::vector<FrameRun> Windows(const std::vector<FrameRun>& clips, int window_frames) {
@@ -58,27 +58,50 @@ class NodesOfBranches {
 // Of one layer, for each of some frames.
 using LikelyNodes = std::vector<std::vector<LikelyNode>>;
 
-// Frames of windows, end to end, as LogDensitiesFrom takes them, and for each layer what a node's
-// log density must be there (of padding: infinite).
+// The least and the greatest number of each dimension over some frames, and for each layer the
+// least log density that a node must have for one of them.
+struct Box {
+  Eigen::RowVectorXf least;
+  Eigen::RowVectorXf most;
+  Eigen::VectorXf at_least;       // [layer - 1]
+  Eigen::VectorXf at_least_from;  // the least of this layer's and those below
+};
+
+// Frames of windows as LogDensitiesFrom takes them: each window begins a block of its own. For
+// each layer what a node's log density must be there (of padding: infinite).
 struct WindowFrames {
   FrameMatrix blocks;         // blocks of dimensions x kSquaresLanes, end to end
   FrameMatrix at_least;       // [layer - 1] x frames
   FrameMatrix at_least_from;  // the least of this layer's and those below
+  std::vector<Box> of_block;
+  std::vector<Box> of_window;
+  std::vector<int> first_block;  // of each window, and the end
 };
+
+int BlocksOf(const FrameRun& window) { return (window.count + kSquaresLanes - 1) / kSquaresLanes; }
+
+Box BoxOf(const Eigen::Ref<const FrameMatrix>& states, const WindowFrames& frames, int place) {
+  return {states.colwise().minCoeff(), states.colwise().maxCoeff(),
+          frames.at_least.middleCols(place, states.rows()).rowwise().minCoeff(),
+          frames.at_least_from.middleCols(place, states.rows()).rowwise().minCoeff()};
+}
 
 WindowFrames GatherFrames(std::span<const FrameRun> windows,
                           const Eigen::Ref<const FrameMatrix>& states, const Tree& tree,
                           const NodeGaussians& gaussians) {
-  int frames = 0;
-  for (const FrameRun& window : windows) frames += window.count;
-  const int blocks = (frames + kSquaresLanes - 1) / kSquaresLanes;
   WindowFrames gathered;
+  int blocks = 0;
+  for (const FrameRun& window : windows) {
+    gathered.first_block.push_back(blocks);
+    blocks += BlocksOf(window);
+  }
+  gathered.first_block.push_back(blocks);
   gathered.blocks.setZero(blocks * states.cols(), kSquaresLanes);
   gathered.at_least.setConstant(tree.layer_count(), blocks * kSquaresLanes, kPadding);
-  int f = 0;
-  for (const FrameRun& window : windows) {
-    for (int t = 0; t < window.count; ++t, ++f) {
-      const int frame = window.first + t;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    for (int t = 0; t < windows[w].count; ++t) {
+      const int frame = windows[w].first + t;
+      const int f = gathered.first_block[w] * kSquaresLanes + t;
       gathered.blocks.block(f / kSquaresLanes * states.cols(), f % kSquaresLanes, states.cols(),
                             1) = states.row(frame).transpose();
       int known = -1;
@@ -97,32 +120,54 @@ WindowFrames GatherFrames(std::span<const FrameRun> windows,
     gathered.at_least_from.row(layer) =
         gathered.at_least.row(layer).cwiseMin(gathered.at_least_from.row(layer + 1));
   }
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const int place = gathered.first_block[w] * kSquaresLanes;
+    const auto rows = states.middleRows(windows[w].first, windows[w].count);
+    gathered.of_window.push_back(BoxOf(rows, gathered, place));
+    for (int t = 0; t < windows[w].count; t += kSquaresLanes) {
+      const int lanes = std::min(kSquaresLanes, windows[w].count - t);
+      gathered.of_block.push_back(BoxOf(rows.middleRows(t, lanes), gathered, place + t));
+    }
+  }
   return gathered;
 }
 
-// For each layer. A branch stands in several layers: its densities are computed once.
-std::vector<LikelyNodes> FindLikelyNodes(std::span<const FrameRun> windows,
-                                         const Eigen::Ref<const FrameMatrix>& states,
-                                         const Tree& tree, const NodesOfBranches& nodes,
+// For each layer. A branch stands in several layers: its densities are computed once. Most branches
+// are far from all frames of a window or a block, as the box around these shows.
+std::vector<LikelyNodes> FindLikelyNodes(const WindowFrames& frames, const Tree& tree,
+                                         const NodesOfBranches& nodes,
                                          const NodeGaussians& gaussians) {
-  const WindowFrames frames = GatherFrames(windows, states, tree, gaussians);
-  const auto padded = static_cast<int>(frames.at_least.cols());
-  std::vector<LikelyNodes> likely(tree.layer_count(), LikelyNodes(padded));
+  const Eigen::Index block_size = gaussians.dimension_count() * kSquaresLanes;
+  std::vector<LikelyNodes> likely(tree.layer_count(), LikelyNodes(frames.at_least.cols()));
   std::vector<float> scratch;
-  std::vector<float> log_densities(padded);
+  float log_densities[kSquaresLanes];
   for (int b = 0; b < gaussians.branch_count(); ++b) {
     const int first_layer = tree.branches()[b].layer - 1;
-    const FrameMatrix& least = nodes[b].size() == 1 ? frames.at_least : frames.at_least_from;
-    if (!gaussians.LogDensitiesFrom(b, frames.blocks.data(), padded / kSquaresLanes,
-                                    least.row(first_layer).data(), scratch, log_densities.data())) {
-      continue;
-    }
-    for (int f = 0; f < padded; ++f) {
-      if (!(log_densities[f] >= least(first_layer, f))) continue;
-      for (std::size_t i = 0; i < nodes[b].size(); ++i) {
-        const std::size_t layer = first_layer + i;
-        if (log_densities[f] < frames.at_least(static_cast<Eigen::Index>(layer), f)) continue;
-        likely[layer][f].push_back({nodes[b][i], log_densities[f]});
+    const bool is_in_one = nodes[b].size() == 1;
+    const FrameMatrix& least = is_in_one ? frames.at_least : frames.at_least_from;
+    const auto is_far = [&](const Box& box) {
+      return gaussians.IsBoxBelow(b, box.least.data(), box.most.data(),
+                                  (is_in_one ? box.at_least : box.at_least_from)[first_layer]);
+    };
+    for (std::size_t w = 0; w < frames.of_window.size(); ++w) {
+      if (is_far(frames.of_window[w])) continue;
+      for (int block = frames.first_block[w]; block < frames.first_block[w + 1]; ++block) {
+        const int first = block * kSquaresLanes;
+        if (is_far(frames.of_block[block]) ||
+            !gaussians.LogDensitiesFrom(b, frames.blocks.data() + block * block_size, 1,
+                                        &least(first_layer, first), scratch, log_densities)) {
+          continue;
+        }
+        for (int lane = 0; lane < kSquaresLanes; ++lane) {
+          const int f = first + lane;
+          if (!(log_densities[lane] >= least(first_layer, f))) continue;
+          for (std::size_t i = 0; i < nodes[b].size(); ++i) {
+            const std::size_t layer = first_layer + i;
+            if (log_densities[lane] < frames.at_least(static_cast<Eigen::Index>(layer), f))
+              continue;
+            likely[layer][f].push_back({nodes[b][i], log_densities[lane]});
+          }
+        }
       }
     }
   }
@@ -156,16 +201,16 @@ FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips
   parallel((count + kWindowsAtOnce - 1) / kWindowsAtOnce, [&](int chunk) {
     const int first = chunk * kWindowsAtOnce;
     const auto some = std::span(windows).subspan(first, std::min(kWindowsAtOnce, count - first));
-    const std::vector<LikelyNodes> likely = FindLikelyNodes(some, states, tree, nodes, gaussians);
+    const WindowFrames frames = GatherFrames(some, states, tree, gaussians);
+    const std::vector<LikelyNodes> likely = FindLikelyNodes(frames, tree, nodes, gaussians);
     std::vector<double> scratch;
     for (std::size_t layer = 0; layer < likely.size(); ++layer) {
       scratch.assign(global_graphs[layer].node_count(), 0);
-      int frame = 0;
       for (std::size_t w = 0; w < some.size(); ++w) {
-        const auto seen = std::span(likely[layer]).subspan(frame, some[w].count);
+        const auto seen =
+            std::span(likely[layer]).subspan(frames.first_block[w] * kSquaresLanes, some[w].count);
         reference.scores[layer][first + w] = static_cast<float>(
             LogGenerationAmong(global_graphs[layer], seen, kFloor, scratch) / some[w].count);
-        frame += some[w].count;
       }
     }
   });

@@ -32,11 +32,11 @@ struct FrameRun {
   int count = 0;
 };
 
-// Scores of windows of `window_frames` frames, spread evenly over the clips (at most 512 of them; a
+// Scores of windows of `window_frames` frames, spread evenly over the clips (at most 256 of them; a
 // clip shorter than a window is one), on every layer. Nodes where a frame's log density is more
 // than 40 below that in its own node are left out: with the floor of the score they change it by
-// less than its rounding. O(window's frames * branches), a few dimensions each, and what the nodes
-// that are left cost.
+// less than its rounding. O(windows * branches), a few dimensions each, and what the nodes that are
+// left cost.
 FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips, int window_frames,
                                               const Eigen::Ref<const FrameMatrix>& states,
                                               const Tree& tree, const NodeGaussians& gaussians,

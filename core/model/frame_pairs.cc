@@ -13,7 +13,6 @@ namespace motiondb::core {
 namespace {
 
 constexpr int kMostClips = 256;
-constexpr int kMostReferences = 8;
 constexpr Eigen::Index kMostFrames = 512;  // 17 s
 constexpr int kStarts = 4;
 constexpr float kLateStart = 0.05F;  // a dimension and frame
@@ -22,7 +21,7 @@ constexpr float kNever = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips) {
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_references) {
   std::map<std::string, std::vector<int>> of_label;
   std::vector<std::size_t> place(clips.size());  // among its label's
   for (std::size_t c = 0; c < clips.size(); ++c) {
@@ -38,20 +37,21 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips) {
   for (const int i : SpreadEvenly(std::ssize(with_others), kMostClips)) {
     const int clip = with_others[i];
     const auto& same = of_label[clips[clip].label];
-    for (const int k : SpreadEvenly(std::ssize(same) - 1, kMostReferences)) {
+    for (const int k : SpreadEvenly(std::ssize(same) - 1, most_references)) {
       pairs.push_back({clip, same[(place[clip] + 1 + k) % same.size()]});
     }
   }
   return pairs;
 }
 
-std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference) {
+std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference,
+                                   Eigen::Index dimensions) {
   const Eigen::Index frames = std::min(observed.rows(), kMostFrames);
   const Eigen::Index places = std::min(reference.rows(), (kSteps - 1) * frames + kStarts);
   const auto compared = reference.topRows(places);
   const FrameMatrix cost =
       SquaredDistances(observed.topRows(frames), compared, compared.rowwise().squaredNorm());
-  const float late = kLateStart * static_cast<float>(observed.cols());
+  const float late = kLateStart * static_cast<float>(dimensions);
 
   Eigen::Matrix<std::int8_t, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> step(frames, places);
   Eigen::RowVectorXf total(places);

@@ -18,15 +18,21 @@ struct IndexPair {
 };
 
 // Pairs of clips of one label. At most 256 clips are observed, spread evenly over those whose label
-// has another, each with at most 8 references, spread evenly: the work is bounded.
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips);
+// has another, each with at most `most_references` references, spread evenly: the work is bounded.
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_references = 8);
 
 // Dynamic time warping of all of `observed` onto `reference` (frames x dimensions, some 30 a
 // second; the first 512 frames of it): squared distances, with each observed frame the reference
 // moves on by 0, 1 or 2, starts at one of its first four frames (a later start costs 0.05 a
 // dimension and frame) and ends anywhere. One pair of rows for each observed frame, in order of
-// time; none where the reference is too short. O(frames * frames * dimensions).
-std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference);
+// time; none where the reference is too short. O(frames * frames * dimensions). Columns may stand
+// for more dimensions than they are, which a later start is then paid for.
+std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference,
+                                   Eigen::Index dimensions);
+inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
+                                          const FrameMatrix& reference) {
+  return AlignFrames(observed, reference, observed.cols());
+}
 
 // Squared Euclidean distances, rows of `a` x rows of `b`, whose squared norms are given. Rounding
 // is that of the norms: a distance far below them is only known to be small.

@@ -59,6 +59,8 @@ struct ModelParts {
   std::vector<std::shared_ptr<const ClipGraph>> clip_graphs;  // [clip], on the bottom layer
   FamiliarityReference familiarity;
   MotionPrior prior;
+  // What `prior` was fitted to, for the calibration of a built model; it is not stored.
+  std::shared_ptr<const MotionSums> prior_sums;
   MotionMetric metric;
   RecognitionCalibration recognition;
   PredictionConfidence confidence;
@@ -99,6 +101,7 @@ class Model {
   // For the calibration, before the model is shared.
   void set_confidence(PredictionConfidence confidence) {
     parts_.confidence = std::move(confidence);
+    parts_.prior_sums.reset();
   }
   const RigidTree& rigid_tree() const { return rigid_tree_; }
   // Index of each marker's other side; empty where the markers have no sides.

@@ -15,6 +15,17 @@ namespace {
 
 constexpr double kFamiliarityWindowSeconds = 0.4;  // the default window of a query
 
+void ScaleInPlace(const FeatureScale& scale, Eigen::Map<FrameMatrix> states,
+                  const ParallelFor& parallel) {
+  constexpr int kRowsAtOnce = 1024;
+  const auto rows = static_cast<int>(states.rows());
+  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
+    const int first = block * kRowsAtOnce;
+    states.middleRows(first, std::min(kRowsAtOnce, rows - first)).array().rowwise() /=
+        scale.divisor.array();
+  });
+}
+
 void CountGraphs(const ParallelFor& parallel, ModelParts& parts) {
   parts.global_graphs.resize(parts.tree.layer_count());
   parallel(parts.tree.layer_count(), [&](int l) {
@@ -45,20 +56,23 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.marker_set = marker_set;
   MOTIONDB_RETURN_IF_ERROR(report(0, "states"));
   ConcatenatedInputs together = Concatenate(std::move(inputs));
-  parts.scale = MakeFeatureScale(settings.scaling, together.states);
+  parts.scale = MakeFeatureScale(settings.scaling, together.states, parallel);
   const Eigen::Index room = RoomToGrow(together.states.rows());
   together.states.conservativeResize(together.states.rows() + room, Eigen::NoChange);
   parts.clips = std::move(together.clips);
-  parts.states = ScaleRows(parts.scale, std::move(together.states), room, parallel);
   parts.root_path = std::move(together.root_path);
-  const auto states = parts.states.view();
+  Eigen::Map<FrameMatrix> scaled(together.states.data(), together.states.rows() - room,
+                                 together.states.cols());
+  ScaleInPlace(parts.scale, scaled, parallel);
 
   // The depth is not known beforehand: progress closes half of what is left with each few layers.
   const auto layer_done = [&](int layer) {
     return report(0.8 * (1 - std::pow(0.85, layer)), fmt::format("tree, layer {}", layer)).ok();
   };
   MOTIONDB_ASSIGN_OR_RETURN(parts.tree,
-                            BuildTree(states, settings.min_frames, parallel, layer_done));
+                            BuildTreeInPlace(scaled, settings.min_frames, parallel, layer_done));
+  parts.states = SharedRows(std::move(together.states), room);
+  const auto states = parts.states.view();
   MOTIONDB_RETURN_IF_ERROR(report(0.8, "node statistics"));
   parts.gaussians = NodeGaussians::Fit(parts.tree, states, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(0.85, "transition graphs"));
@@ -71,7 +85,8 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
   parts.familiarity = MakeFamiliarityReference(runs, window, states, parts.tree, parts.gaussians,
                                                parts.global_graphs, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(0.93, "how motion goes on"));
-  parts.prior = MotionSums::Over(parts, parallel).Fit();
+  parts.prior_sums = std::make_shared<const MotionSums>(MotionSums::Over(parts, parallel));
+  parts.prior = parts.prior_sums->Fit();
   MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));
   parts.metric = FitMotionMetric(parts, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(1, "done"));

@@ -2,11 +2,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
 #include <vector>
 
+#include "core/model/even_spread.h"
 #include "core/model/frame_pairs.h"
 #include "core/model/metric_frames.h"
 #include "core/model/model.h"
+#include "core/tree/row_kernels.h"
 
 namespace motiondb::core {
 namespace {
@@ -16,6 +22,10 @@ constexpr Eigen::Index kRows = 256;  // summed at a time, as fast as a matrix pr
 constexpr double kShrinkage = 0.2;
 constexpr Eigen::Index kDirections = 40;
 constexpr Eigen::Index kLoadings = 30;
+constexpr Eigen::Index kAligned = 48;        // directions in which frames are brought together
+constexpr std::int64_t kMostFrames = 65536;  // that the covariance of all motion is taken over
+// Differences between clips, some. Neighbours in time say nearly the same, so these go first.
+constexpr double kMostDifferences = 65536;
 constexpr double kLeastNoise = 1e-4;
 constexpr double kLeastVariance = 1e-8;  // where stored clips of one label are all the same
 
@@ -53,51 +63,143 @@ Scatter SumParts(Eigen::Index dimensions, const ParallelFor& parallel,
   return std::move(scatters[0]);
 }
 
-Eigen::MatrixXd Covariance(const FrameMatrix& centred, const ParallelFor& parallel) {
-  const Scatter scatter = SumParts(centred.cols(), parallel, [&](int part, Scatter& sum) {
-    const Eigen::Index begin = part * centred.rows() / kParts;
-    sum.Add(centred.middleRows(begin, (part + 1) * centred.rows() / kParts - begin));
-  });
-  return scatter.sum / std::max(1.0, scatter.rows - 1);
-}
-
-// The rows of frames that kept glitches are in.
-std::vector<Eigen::Index> RowsOfGlitches(const std::vector<ModelClip>& clips,
-                                         const StridedFrames& strided) {
-  std::vector<Eigen::Index> rows;
-  for (std::size_t c = 0; c < clips.size(); ++c) {
-    if (clips[c].glitches.empty()) continue;
-    for (int row = strided.begin[c]; row < strided.begin[c + 1]; ++row) {
-      if (clips[c].HasGlitch(strided.frame[row], strided.frame[row])) rows.push_back(row);
+// The strided frames as the metric is learned from them: about their mean; frames that kept
+// glitches are in are as the mean, so that they say nothing.
+class LearnedFrames {
+ public:
+  explicit LearnedFrames(const ModelParts& parts)
+      : strided_(StrideFrames(parts.clips, parts.settings.frame_rate_hz)),
+        states_(parts.states.view()),
+        is_glitch_(strided_.frame.size()) {
+    for (std::size_t c = 0; c < parts.clips.size(); ++c) {
+      if (parts.clips[c].glitches.empty()) continue;
+      for (int row = strided_.begin[c]; row < strided_.begin[c + 1]; ++row) {
+        is_glitch_[row] = parts.clips[c].HasGlitch(strided_.frame[row], strided_.frame[row]);
+      }
     }
+    sampled_ = SpreadEvenly(std::ssize(strided_.frame), kMostFrames);
   }
-  return rows;
+
+  // Learns the mean of the sampled frames.
+  const Eigen::RowVectorXf& FindMean(const ParallelFor& parallel) {
+    const auto dimensions = static_cast<int>(states_.cols());
+    std::vector<Eigen::RowVectorXd> sums(kParts);
+    std::vector<int> counts(kParts);
+    parallel(kParts, [&](int part) {
+      sums[part].setZero(dimensions);
+      for (const int row : SampleOf(part)) {
+        if (is_glitch_[row]) continue;
+        sums[part] += states_.row(strided_.frame[row]).cast<double>();
+        ++counts[part];
+      }
+    });
+    for (int part = 1; part < kParts; ++part) {
+      sums[0] += sums[part];
+      counts[0] += counts[part];
+    }
+    mean_ = (sums[0] / std::max(1, counts[0])).cast<float>();
+    return mean_;
+  }
+
+  // Of the sampled frames.
+  Eigen::MatrixXd Covariance(const ParallelFor& parallel) const {
+    const Scatter scatter = SumParts(states_.cols(), parallel, [&](int part, Scatter& sum) {
+      const std::span<const int> rows = SampleOf(part);
+      for (std::size_t r = 0; r < rows.size(); r += kRows) {
+        sum.Add(Rows(rows.subspan(r, std::min<std::size_t>(kRows, rows.size() - r))));
+      }
+    });
+    return scatter.sum / std::max(1.0, scatter.rows - 1);
+  }
+
+  FrameMatrix OfClip(int clip) const {
+    std::vector<int> rows(strided_.count(clip));
+    std::iota(rows.begin(), rows.end(), strided_.begin[clip]);
+    return Rows(rows);
+  }
+
+  int CountOf(int clip) const { return strided_.count(clip); }
+
+ private:
+  FrameMatrix Rows(std::span<const int> rows) const {
+    FrameMatrix frames(std::ssize(rows), states_.cols());
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+      const auto to = static_cast<Eigen::Index>(r);
+      if (is_glitch_[rows[r]]) {
+        frames.row(to).setZero();
+      } else {
+        frames.row(to) = states_.row(strided_.frame[rows[r]]) - mean_;
+      }
+    }
+    return frames;
+  }
+  std::span<const int> SampleOf(int part) const {
+    const std::size_t begin = part * sampled_.size() / kParts;
+    return std::span(sampled_).subspan(begin, (part + 1) * sampled_.size() / kParts - begin);
+  }
+
+  StridedFrames strided_;
+  Eigen::Map<const FrameMatrix> states_;
+  std::vector<char> is_glitch_;  // of each strided frame
+  std::vector<int> sampled_;
+  Eigen::RowVectorXf mean_;
+};
+
+// Which pairs of clips are brought together, and how many of their frames apart differences are
+// taken: all, if they are not too many, else every second one and those of fewer references.
+struct Comparisons {
+  std::vector<IndexPair> clips;
+  int frames_apart = 1;
+};
+
+Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const LearnedFrames& frames) {
+  constexpr int kFewestReferences = 2;
+  constexpr int kMostReferences = 8;
+  Comparisons chosen{ClipPairs(clips, kMostReferences)};
+  double differences = 0;
+  for (const IndexPair& pair : chosen.clips) differences += frames.CountOf(pair.observed);
+  if (differences <= kMostDifferences) return chosen;
+  chosen.frames_apart = 2;
+  const double share = kMostDifferences * chosen.frames_apart / differences;
+  if (share >= 1) return chosen;
+  chosen.clips = ClipPairs(
+      clips, std::max(kFewestReferences, static_cast<int>(std::lround(share * kMostReferences))));
+  return chosen;
 }
 
-// W: half the mean of d d^T, d from a frame to its like in another clip of the label.
-Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const StridedFrames& strided,
-                                 const FrameMatrix& centred, const ParallelFor& parallel) {
-  const std::vector<IndexPair> pairs = ClipPairs(parts.clips);
-  const auto rows_of = [&](int clip) -> FrameMatrix {
-    return centred.middleRows(strided.begin[clip], strided.count(clip));
-  };
-  Scatter scatter = SumParts(centred.cols(), parallel, [&](int part, Scatter& sum) {
-    for (std::size_t p = part; p < pairs.size(); p += kParts) {
-      const FrameMatrix observed = rows_of(pairs[p].observed);
-      const FrameMatrix reference = rows_of(pairs[p].reference);
-      const std::vector<IndexPair> like = AlignFrames(observed, reference);
-      FrameMatrix differences(static_cast<Eigen::Index>(like.size()), centred.cols());
-      for (std::size_t i = 0; i < like.size(); ++i) {
-        differences.row(static_cast<Eigen::Index>(i)) =
-            observed.row(like[i].observed) - reference.row(like[i].reference);
+// W: half the mean of d d^T, d from a frame to its like in another clip of the label. Frames are
+// brought together in the directions (D x q) along which stored motion varies most.
+Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& frames,
+                                 const FrameMatrix& directions, const ParallelFor& parallel) {
+  const Comparisons chosen = ChooseComparisons(parts.clips, frames);
+  const std::vector<IndexPair>& pairs = chosen.clips;
+  const std::size_t count = pairs.size();
+  const int apart = chosen.frames_apart;
+  Scatter scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
+    int clip = -1;
+    FrameMatrix observed;
+    FrameMatrix observed_along;
+    for (std::size_t p = part * count / kParts; p < (part + 1) * count / kParts; ++p) {
+      if (clip != pairs[p].observed) {
+        clip = pairs[p].observed;
+        observed = frames.OfClip(clip);
+        observed_along = RowProduct(observed, directions);
+      }
+      const FrameMatrix reference = frames.OfClip(pairs[p].reference);
+      const std::vector<IndexPair> like =
+          AlignFrames(observed_along, RowProduct(reference, directions), directions.rows());
+      FrameMatrix differences((std::ssize(like) + apart - 1) / apart, directions.rows());
+      for (Eigen::Index i = 0; i < differences.rows(); ++i) {
+        const IndexPair& pair = like[i * apart];
+        differences.row(i) = observed.row(pair.observed) - reference.row(pair.reference);
       }
       sum.Add(differences);
     }
   });
   if (scatter.rows == 0) {
-    scatter = SumParts(centred.cols(), parallel, [&](int part, Scatter& sum) {
+    scatter = SumParts(directions.rows(), parallel, [&](int part, Scatter& sum) {
       for (std::size_t c = part; c < parts.clips.size(); c += kParts) {
-        const FrameMatrix clip = rows_of(static_cast<int>(c));
+        const FrameMatrix clip = frames.OfClip(static_cast<int>(c));
         sum.Add(clip.bottomRows(clip.rows() - 1) - clip.topRows(clip.rows() - 1));
       }
     });
@@ -108,20 +210,12 @@ Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const StridedFrames& s
 }  // namespace
 
 MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& parallel) {
-  const StridedFrames strided = StrideFrames(parts.clips, parts.settings.frame_rate_hz);
-  FrameMatrix frames = parts.states.view()(strided.frame, Eigen::all);
-  const Eigen::Index dimensions = frames.cols();
+  LearnedFrames frames(parts);
+  const Eigen::Index dimensions = parts.states.cols();
   MotionMetric metric;
-  const std::vector<Eigen::Index> glitches = RowsOfGlitches(parts.clips, strided);
-  for (const Eigen::Index row : glitches) frames.row(row).setZero();
-  const auto sound =
-      static_cast<double>(std::max(std::ssize(glitches) + 1, frames.rows()) - std::ssize(glitches));
-  metric.mean = (frames.cast<double>().colwise().sum() / sound).cast<float>();
-  frames.rowwise() -= metric.mean;
-  for (const Eigen::Index row : glitches)
-    frames.row(row).setZero();  // as the mean, they say nothing
+  metric.mean = frames.FindMean(parallel);
 
-  const Eigen::MatrixXd all = Covariance(frames, parallel);
+  const Eigen::MatrixXd all = frames.Covariance(parallel);
   const Solver of_all(all);
   const Eigen::Index loadings = std::min(kLoadings, dimensions - 1);
   const Eigen::VectorXd& variances = of_all.eigenvalues();  // ascending
@@ -131,7 +225,9 @@ MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& paralle
        (variances.tail(loadings).array() - metric.noise).max(0).sqrt().matrix().asDiagonal())
           .cast<float>();
 
-  Eigen::MatrixXd within = WithinBehaviours(parts, strided, frames, parallel);
+  const FrameMatrix directions =
+      of_all.eigenvectors().rightCols(std::min(kAligned, dimensions)).cast<float>();
+  Eigen::MatrixXd within = WithinBehaviours(parts, frames, directions, parallel);
   const double ridge =
       std::max(kShrinkage * within.trace() / static_cast<double>(dimensions), kLeastVariance);
   within *= 1 - kShrinkage;

@@ -27,10 +27,12 @@ struct MotionMetric {
   bool empty() const { return mean.size() == 0; }
 };
 
-// Fitted to every stride-th frame (core/model/metric_frames.h). W is the mean of d d^T / 2 over the
-// differences d of paired frames of clips of one label; where no label has two clips, of frames
-// that follow each other. With T, the covariance of all frames, and S = 0.8 W + 0.2 (tr W / D) I =
-// V diag(w) V^T: whitening = V diag(w)^-1/2, projection = whitening U, U the first eigenvectors of
+// Fitted to every stride-th frame (core/model/metric_frames.h), at most 65,536 of them, spread
+// evenly. W is the mean of d d^T / 2 over the differences d of paired frames of clips of one label;
+// from 65,536 on every second pair, then fewer clips, are taken. Where no label has two clips, of
+// frames that follow each other. Clips are brought together in the 48 directions in which all
+// motion varies most. With T, the covariance of all frames, and S = 0.8 W + 0.2 (tr W / D) I = V
+// diag(w) V^T: whitening = V diag(w)^-1/2, projection = whitening U, U the first eigenvectors of
 // whitening^T T whitening. The same bytes for any number of threads.
 MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& parallel);
 

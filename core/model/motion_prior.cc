@@ -45,41 +45,22 @@ std::vector<Moment> Moments(const ModelParts& parts) {
   return spread;
 }
 
-// Sums over a part of the moments, in blocks of rows that are as fast as a matrix product.
-void SumOver(const ModelParts& parts, const std::vector<Moment>& moments, std::size_t begin,
-             std::size_t end, const std::vector<int>& sides, Eigen::MatrixXf& gram,
-             Eigen::MatrixXf& products) {
-  const Eigen::Index numbers = 3 * parts.marker_set.marker_count();
-  const Eigen::Index features = (1 + kLags) * numbers;
+// What a moment's features and futures are, one row each.
+struct MomentRow {
+  Eigen::RowVectorXf features;
+  Eigen::RowVectorXf futures;
+};
+
+MomentRow RowOf(const ModelParts& parts, const Moment& moment) {
   const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
-  gram.setZero(features, features);
-  products.setZero(features, horizons * numbers);
-  FrameMatrix x(kFeatureRows, features);
-  FrameMatrix y(kFeatureRows, horizons * numbers);
-  Eigen::Index row = 0;
-  const auto add = [&] {
-    if (row == 0) return;  // Eigen divides by the number of rows
-    gram.selfadjointView<Eigen::Lower>().rankUpdate(x.topRows(row).transpose());
-    products.noalias() += x.topRows(row).transpose() * y.topRows(row);
-    row = 0;
-  };
-  for (std::size_t i = begin; i < end; ++i) {
-    const Track track(parts, moments[i].clip);
-    const FrameMatrix history = HistoryAt(track, moments[i].frame);
-    FrameMatrix future(horizons, numbers);
-    for (Eigen::Index h = 0; h < horizons; ++h) {
-      future.row(h) =
-          track.SeenFrom(moments[i].frame, kHorizons[h] * track.frame_rate_hz()) - history.row(0);
-    }
-    x.row(row) = MotionFeatures(history);
-    y.row(row++) = future.reshaped<Eigen::RowMajor>().transpose();
-    if (!sides.empty()) {
-      x.row(row) = MotionFeatures(MirrorPositions(sides, history));
-      y.row(row++) = MirrorPositions(sides, future).reshaped<Eigen::RowMajor>().transpose();
-    }
-    if (row + 2 > kFeatureRows) add();
+  const Track track(parts, moment.clip);
+  const FrameMatrix history = HistoryAt(track, moment.frame);
+  FrameMatrix future(horizons, history.cols());
+  for (Eigen::Index h = 0; h < horizons; ++h) {
+    future.row(h) =
+        track.SeenFrom(moment.frame, kHorizons[h] * track.frame_rate_hz()) - history.row(0);
   }
-  add();
+  return {MotionFeatures(history), future.reshaped<Eigen::RowMajor>().transpose()};
 }
 
 }  // namespace
@@ -101,8 +82,64 @@ Eigen::RowVectorXf MotionPrior::Displacement(const Eigen::RowVectorXf& features,
   return displacement;
 }
 
+MirrorBasis::MirrorBasis(const std::vector<int>& other_sides, int marker_count)
+    : numbers_(3 * marker_count) {
+  const float kHalf = std::sqrt(0.5F);
+  for (int marker = 0; marker < marker_count; ++marker) {
+    for (int axis = 0; axis < 3; ++axis) {
+      const Eigen::Index here = 3 * marker + axis;
+      if (other_sides.empty()) {
+        terms_[kEven].push_back({here, here, 1, 0});
+        continue;
+      }
+      const float sign = axis == 1 ? -1.0F : 1.0F;  // y points to the left
+      const Eigen::Index there = 3 * other_sides[marker] + axis;
+      if (here == there) {
+        terms_[sign > 0 ? kEven : kOdd].push_back({here, here, 1, 0});
+      } else if (here < there) {
+        terms_[kEven].push_back({here, there, kHalf, sign * kHalf});
+        terms_[kOdd].push_back({here, there, kHalf, -sign * kHalf});
+      }
+    }
+  }
+}
+
+void MirrorBasis::Take(Half half, const Eigen::Ref<const Eigen::RowVectorXf>& poses,
+                       Eigen::Ref<Eigen::RowVectorXf> parts) const {
+  Eigen::Index to = 0;
+  for (Eigen::Index pose = 0; pose < poses.size(); pose += numbers_) {
+    for (const Term& term : terms_[half]) {
+      parts[to++] = term.a * poses[pose + term.first] + term.b * poses[pose + term.second];
+    }
+  }
+}
+
+void MirrorBasis::AddRule(Half half, const FrameMatrix& rule, FrameMatrix& weights) const {
+  const std::vector<Term>& terms = terms_[half];
+  if (terms.empty()) return;
+  const auto expand = [&](const auto& add, Eigen::Index parts) {
+    for (Eigen::Index p = 0; p < parts; ++p) {
+      const Term& term = terms[p % std::ssize(terms)];
+      const Eigen::Index pose = p / std::ssize(terms) * numbers_;
+      add(p, pose + term.first, term.a);
+      if (term.b != 0) add(p, pose + term.second, term.b);
+    }
+  };
+  FrameMatrix to_poses = FrameMatrix::Zero(rule.rows(), weights.cols());
+  for (Eigen::Index row = 0; row < rule.rows(); ++row) {
+    expand([&](Eigen::Index p, Eigen::Index to,
+               float factor) { to_poses(row, to) += factor * rule(row, p); },
+           rule.cols());
+  }
+  expand([&](Eigen::Index p, Eigen::Index to,
+             float factor) { weights.row(to) += factor * to_poses.row(p); },
+         rule.rows());
+}
+
 MotionSums MotionSums::Over(const ModelParts& parts, const ParallelFor& parallel) {
-  MotionSums sums;
+  const int markers = parts.marker_set.marker_count();
+  const std::vector<int> sides = OtherSides(parts.marker_set.markers);
+  MotionSums sums(MirrorBasis(sides, markers));
   sums.part_of_clip_.assign(parts.clips.size(), 0);
   const std::vector<Moment> moments = Moments(parts);
   sums.moments_ = moments.size();
@@ -113,49 +150,95 @@ MotionSums MotionSums::Over(const ModelParts& parts, const ParallelFor& parallel
     while (end < moments.size() && moments[end].clip == moments[begin].clip) ++end;
     sums.part_of_clip_[moments[begin].clip] = part_of((begin + end) / 2);
   }
-  const std::vector<int> sides = OtherSides(parts.marker_set.markers);
   sums.parts_.resize(kParts);
+  const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
+  // A mirror image has the same even parts and the odd ones with the other sign: it counts as the
+  // motion itself does.
+  const float images = sides.empty() ? 1 : 2;
   parallel(kParts, [&](int part) {
     const auto first = [&](int p) { return (p * moments.size() + kParts - 1) / kParts; };
-    SumOver(parts, moments, first(part), first(part + 1), sides, sums.parts_[part].features,
-            sums.parts_[part].products);
+    FrameMatrix x[2];
+    FrameMatrix y[2];
+    for (const auto half : {MirrorBasis::kEven, MirrorBasis::kOdd}) {
+      const Eigen::Index size = sums.basis_.size(half);
+      x[half].resize(kFeatureRows, (1 + kLags) * size);
+      y[half].resize(kFeatureRows, horizons * size);
+      sums.parts_[part].halves[half].features.setZero(x[half].cols(), x[half].cols());
+      sums.parts_[part].halves[half].products.setZero(x[half].cols(), y[half].cols());
+    }
+    for (std::size_t i = first(part); i < first(part + 1); i += kFeatureRows) {
+      const auto rows =
+          static_cast<Eigen::Index>(std::min<std::size_t>(kFeatureRows, first(part + 1) - i));
+      for (Eigen::Index row = 0; row < rows; ++row) {
+        const MomentRow moment = RowOf(parts, moments[i + row]);
+        for (const auto half : {MirrorBasis::kEven, MirrorBasis::kOdd}) {
+          sums.basis_.Take(half, moment.features, x[half].row(row));
+          sums.basis_.Take(half, moment.futures, y[half].row(row));
+        }
+      }
+      for (const auto half : {MirrorBasis::kEven, MirrorBasis::kOdd}) {
+        if (sums.basis_.size(half) == 0) continue;
+        Sums& of_half = sums.parts_[part].halves[half];
+        const auto features = x[half].topRows(rows).transpose();
+        of_half.features.selfadjointView<Eigen::Lower>().rankUpdate(features, images);
+        of_half.products.noalias() += images * features * y[half].topRows(rows);
+      }
+    }
   });
   return sums;
 }
 
-MotionPrior MotionSums::Fit(int without_part) const {
-  if (parts_.empty()) return {};
-  Sums sums;
+MotionSums::Sums MotionSums::Total(MirrorBasis::Half half, int without_part) const {
+  Sums total;
   for (int part = 0; part < kParts; ++part) {
     if (part == without_part) continue;
-    if (sums.features.size() == 0) {
-      sums = parts_[part];
+    const Sums& of_part = parts_[part].halves[half];
+    if (total.features.size() == 0) {
+      total = of_part;
     } else {
-      sums.features += parts_[part].features;
-      sums.products += parts_[part].products;
+      total.features += of_part.features;
+      total.products += of_part.products;
     }
   }
-  std::vector<Eigen::Index> moving;
-  for (Eigen::Index d = 0; d < sums.features.rows(); ++d) {
-    const double scatter = sums.features(d, d) / static_cast<double>(moments_);
-    if (scatter > kStill * kStill) moving.push_back(d);
-  }
-  Eigen::MatrixXf gram = sums.features.selfadjointView<Eigen::Lower>();
-  gram = gram(moving, moving).eval();
+  return total;
+}
+
+MotionPrior MotionSums::Fit(int without_part) const {
+  if (parts_.empty()) return {};
+  const Sums totals[2] = {Total(MirrorBasis::kEven, without_part),
+                          Total(MirrorBasis::kOdd, without_part)};
   // Sums of floats are off by about so much of their trace. Where features are as large as a fast
   // motion over kilometres, that is more than the ridge, and the solution would be anything.
   constexpr float kRounding = 1e-5F;
-  gram.diagonal().array() += std::max(static_cast<float>(kPriorRidge), kRounding * gram.trace());
-  const Eigen::LLT<Eigen::MatrixXf> solver(gram);
-  if (solver.info() != Eigen::Success) return {};
-  const Eigen::MatrixXf solved = solver.solve(sums.products(moving, Eigen::all));
+  float trace = 0;
+  for (const Sums& sums : totals) trace += sums.features.trace();
+  const float ridge = std::max(static_cast<float>(kPriorRidge), kRounding * trace);
 
   MotionPrior prior;
-  prior.seconds.assign(std::begin(kHorizons), std::end(kHorizons));
-  prior.weights.setZero(sums.products.rows(), sums.products.cols());
-  for (std::size_t i = 0; i < moving.size(); ++i) {
-    prior.weights.row(moving[i]) = solved.row(static_cast<Eigen::Index>(i));
+  const Eigen::Index numbers = basis_.size(MirrorBasis::kEven) + basis_.size(MirrorBasis::kOdd);
+  const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
+  prior.weights.setZero((1 + kLags) * numbers, horizons * numbers);
+  for (const auto half : {MirrorBasis::kEven, MirrorBasis::kOdd}) {
+    const Sums& sums = totals[half];
+    std::vector<Eigen::Index> moving;
+    for (Eigen::Index d = 0; d < sums.features.rows(); ++d) {
+      const double scatter = sums.features(d, d) / static_cast<double>(moments_);
+      if (scatter > kStill * kStill) moving.push_back(d);
+    }
+    if (moving.empty()) continue;
+    Eigen::MatrixXf gram = sums.features.selfadjointView<Eigen::Lower>();
+    gram = gram(moving, moving).eval();
+    gram.diagonal().array() += ridge;
+    const Eigen::LLT<Eigen::MatrixXf> solver(gram);
+    if (solver.info() != Eigen::Success) return {};
+    const Eigen::MatrixXf solved = solver.solve(sums.products(moving, Eigen::all));
+    FrameMatrix rule = FrameMatrix::Zero(sums.products.rows(), sums.products.cols());
+    for (std::size_t i = 0; i < moving.size(); ++i) {
+      rule.row(moving[i]) = solved.row(static_cast<Eigen::Index>(i));
+    }
+    basis_.AddRule(half, rule, prior.weights);
   }
+  prior.seconds.assign(std::begin(kHorizons), std::end(kHorizons));
   return prior;
 }
 

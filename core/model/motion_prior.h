@@ -2,6 +2,8 @@
 // where no stored motion is like the one observed. Ridge regression. Immutable; safe to share.
 #pragma once
 
+#include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "core/model/pose_history.h"
@@ -21,6 +23,32 @@ struct MotionPrior {
   Eigen::RowVectorXf Displacement(const Eigen::RowVectorXf& features, double at_seconds) const;
 };
 
+// Poses in an orthonormal basis of parts that a mirror leaves as they are (even) and of parts whose
+// sign it changes (odd). Sums over motion and its mirror image have no products between even and
+// odd parts, so that they and the rule fall into two halves.
+class MirrorBasis {
+ public:
+  // `other_sides` as OtherSides; where it is empty there is no mirror and all is even.
+  MirrorBasis(const std::vector<int>& other_sides, int marker_count);
+
+  enum Half { kEven, kOdd };
+  int size(Half half) const { return static_cast<int>(terms_[half].size()); }  // of a pose
+  // Writes the half of poses (3 N_v numbers each, end to end) to `parts`, as many times size(half).
+  void Take(Half half, const Eigen::Ref<const Eigen::RowVectorXf>& poses,
+            Eigen::Ref<Eigen::RowVectorXf> parts) const;
+  // Adds to `weights`, from poses to poses, the rule from parts to parts.
+  void AddRule(Half half, const FrameMatrix& rule, FrameMatrix& weights) const;
+
+ private:
+  // a x[first] + b x[second], of the numbers x of a pose.
+  struct Term {
+    Eigen::Index first, second;
+    float a, b;
+  };
+  std::vector<Term> terms_[2];
+  Eigen::Index numbers_ = 0;  // of a pose
+};
+
 // What the rule is fitted to: at most some thousands of moments, spread evenly over the clips, each
 // also seen in a mirror where the markers have sides.
 class MotionSums {
@@ -36,11 +64,19 @@ class MotionSums {
   MotionPrior Fit(int without_part = -1) const;
 
  private:
+  explicit MotionSums(MirrorBasis basis) : basis_(std::move(basis)) {}
+  // Of one half.
   struct Sums {
     Eigen::MatrixXf features;  // X^T X, lower triangle
     Eigen::MatrixXf products;  // X^T Y
   };
-  std::vector<Sums> parts_;  // empty where stored clips are too short
+  struct Part {
+    Sums halves[2];
+  };
+  Sums Total(MirrorBasis::Half half, int without_part) const;
+
+  MirrorBasis basis_;
+  std::vector<Part> parts_;  // empty where stored clips are too short
   std::vector<int> part_of_clip_;
   std::size_t moments_ = 0;
 };

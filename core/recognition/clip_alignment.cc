@@ -111,36 +111,53 @@ std::int64_t StepsOfBlock(const MetricFrames& stored, int count) {
 
 }  // namespace
 
-ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
-    : frames_(static_cast<int>(observed.rows())), anchored_(anchored) {
+ObservedFrames::ObservedFrames(const FrameMatrix& observed)
+    : frames_(static_cast<int>(observed.rows())) {
   const int blocks = (frames_ + kFrameLanes - 1) / kFrameLanes;
-  observed_norms_.setZero(blocks * kFrameLanes);
-  observed_norms_.head(frames_) = observed.rowwise().squaredNorm();
+  squared_norms_.setZero(blocks * kFrameLanes);
+  squared_norms_.head(frames_) = observed.rowwise().squaredNorm();
   for (int block = 0; block < blocks; ++block) {
-    FrameMatrix& lanes = observed_.emplace_back(FrameMatrix::Zero(observed.cols(), kFrameLanes));
-    lanes.leftCols(FramesOf(block)) =
-        observed.middleRows(block * kFrameLanes, FramesOf(block)).transpose();
+    FrameMatrix& lanes = blocks_.emplace_back(FrameMatrix::Zero(observed.cols(), kFrameLanes));
+    lanes.leftCols(CountOf(block)) =
+        observed.middleRows(block * kFrameLanes, CountOf(block)).transpose();
   }
 }
 
-int ClipAligner::FramesOf(int block) const {
+int ObservedFrames::CountOf(int block) const {
   return std::min(kFrameLanes, frames_ - block * kFrameLanes);
 }
 
-void ClipAligner::ComputeDistances(const MetricFrames& stored, int first, int count, int block) {
+void ObservedFrames::ComputeDistances(const MetricFrames& stored, int clip, int block,
+                                      Eigen::ArrayXXf& distances) const {
+  const int first = stored.rows.begin[clip];
+  const int count = stored.rows.count(clip);
+  distances.resize(count, kFrameLanes);
   SquaredDistances(stored.projected.row(first).data(), stored.squared_norms.data() + first, count,
-                   static_cast<int>(stored.projected.cols()), observed_[block].data(),
-                   observed_norms_.data() + block * kFrameLanes, FramesOf(block), distances_.data(),
+                   static_cast<int>(stored.projected.cols()), blocks_[block].data(),
+                   squared_norms_.data() + block * kFrameLanes, CountOf(block), distances.data(),
                    count);
 }
 
-double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first, int count,
+void TakeNearer(const MetricFrames& stored, int clip,
+                const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float least,
+                NearestFrame& nearest) {
+  if (!(least < nearest.squared_distance)) return;
+  const auto at = std::find(squared_distances.begin(), squared_distances.end(), least) -
+                  squared_distances.begin();
+  nearest = {least, stored.rows.frame[stored.rows.begin[clip] + at]};
+}
+
+ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
+    : observed_(observed), anchored_(anchored) {}
+
+double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int clip,
                                            Patience& patience) {
+  const int count = stored.rows.count(clip);
   paths_.Begin(count, anchored_);
-  for (int block = 0; block * kFrameLanes < frames_; ++block) {
+  for (int block = 0; block < observed_.block_count(); ++block) {
     if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
-    ComputeDistances(stored, first, count, block);
-    for (int f = 0; f < FramesOf(block); ++f) paths_.See(distances_.col(f));
+    observed_.ComputeDistances(stored, clip, block, distances_);
+    for (int f = 0; f < observed_.CountOf(block); ++f) paths_.See(distances_.col(f));
   }
   return paths_.LogEvidence();
 }
@@ -148,28 +165,21 @@ double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int first
 double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
                           const Cancelled& cancelled) {
   Patience patience(cancelled);
-  const int first = stored.rows.begin[clip];
   const int count = stored.rows.count(clip);
-  distances_.resize(count, kFrameLanes);
   roots_.resize(count);
   paths_.Begin(count, anchored_);
-  for (int block = 0; block * kFrameLanes < frames_; ++block) {
+  for (int block = 0; block < observed_.block_count(); ++block) {
     if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
-    ComputeDistances(stored, first, count, block);
-    for (int f = 0; f < FramesOf(block); ++f) {
+    observed_.ComputeDistances(stored, clip, block, distances_);
+    for (int f = 0; f < observed_.CountOf(block); ++f) {
       const auto distances = distances_.col(f);
       const float least = Least(distances.data(), count);
-      NearestFrame& so_far = nearest[block * kFrameLanes + f];
-      if (least < so_far.squared_distance) {
-        const auto at = std::find(distances.begin(), distances.end(), least) - distances.begin();
-        so_far = {least, stored.rows.frame[first + at]};
-      }
+      TakeNearer(stored, clip, distances, least, nearest[block * kFrameLanes + f]);
       const bool cut_off = PathSum::Roots(distances, least, roots_);
       paths_.SeeRoots(roots_, least, cut_off);
     }
   }
-  return paths_.IsExact() ? paths_.LogEvidence()
-                          : LogEvidenceByDistances(stored, first, count, patience);
+  return paths_.IsExact() ? paths_.LogEvidence() : LogEvidenceByDistances(stored, clip, patience);
 }
 
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,

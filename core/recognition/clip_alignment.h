@@ -57,11 +57,37 @@ class PathSum {
 // are the clip's frames. The functions are safe to call from any thread.
 class Patience;
 
+// Observed frames as they are compared with stored ones: in blocks of kFrameLanes. Immutable.
+class ObservedFrames {
+ public:
+  // `observed`: frames x K, in the metric.
+  explicit ObservedFrames(const FrameMatrix& observed);
+
+  int count() const { return frames_; }
+  int block_count() const { return static_cast<int>(blocks_.size()); }
+  int CountOf(int block) const;
+  // Replaces `distances` (the clip's strided frames x kFrameLanes) by the squared distances of a
+  // block's frames to them.
+  void ComputeDistances(const MetricFrames& stored, int clip, int block,
+                        Eigen::ArrayXXf& distances) const;
+
+ private:
+  int frames_ = 0;
+  std::vector<FrameMatrix> blocks_;  // dimensions x kFrameLanes each
+  Eigen::ArrayXf squared_norms_;
+};
+
 // The stored frame that an observed one is most like.
 struct NearestFrame {
   float squared_distance = 0;
   int frame = 0;  // of the model
 };
+
+// Puts the frame nearest to an observed one, if it is nearer than `nearest`, in its place.
+// `squared_distances` are those to the clip's strided frames, `least` is the least of them.
+void TakeNearer(const MetricFrames& stored, int clip,
+                const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float least,
+                NearestFrame& nearest);
 
 struct ClipAlignment {
   double log_evidence = 0;
@@ -86,17 +112,10 @@ class ClipAligner {
                const Cancelled& cancelled = {});
 
  private:
-  // Squared distances (frames x count) of a block's frames to the clip's.
-  void ComputeDistances(const MetricFrames& stored, int first, int count, int block);
-  double LogEvidenceByDistances(const MetricFrames& stored, int first, int count,
-                                Patience& patience);
-  int FramesOf(int block) const;
+  double LogEvidenceByDistances(const MetricFrames& stored, int clip, Patience& patience);
 
-  const int frames_;
+  const ObservedFrames observed_;
   const bool anchored_;
-  // Blocks of kFrameLanes observed frames, each dimensions x kFrameLanes, and their squared norms.
-  std::vector<FrameMatrix> observed_;
-  Eigen::ArrayXf observed_norms_;
   PathSum paths_;
   Eigen::ArrayXXf distances_;  // clip's frames x block's
   Eigen::ArrayXf roots_;

@@ -21,7 +21,7 @@ bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMostShort
 std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMostFrames); }
 
 NearClipFinder::NearClipFinder(const ClipIndex& index, int clip_count)
-    : index_(index), nodes_(index.node_count()), found_by_(clip_count, -1) {
+    : index_(index), nodes_(std::min(kNearNodes, index.node_count())), found_by_(clip_count, -1) {
   std::iota(nodes_.begin(), nodes_.end(), 0);
 }
 
@@ -29,9 +29,18 @@ void NearClipFinder::Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_di
                           std::vector<NearClip>& near) {
   near.clear();
   const auto& to = squared_distances;
-  const int nodes = std::min(kNearNodes, index_.node_count());
-  std::partial_sort(nodes_.begin(), nodes_.begin() + nodes, nodes_.end(),
+  const auto nodes = static_cast<int>(nodes_.size());
+  // None of the nearest is further than the furthest of those that were nearest to the frame
+  // before.
+  float bound = to[nodes_[0]];
+  for (int n = 1; n < nodes; ++n) bound = std::max(bound, to[nodes_[n]]);
+  std::vector<int> within;
+  for (int node = 0; node < index_.node_count(); ++node) {
+    if (to[node] <= bound) within.push_back(node);
+  }
+  std::partial_sort(within.begin(), within.begin() + nodes, within.end(),
                     [&](int a, int b) { return std::pair(to[a], a) < std::pair(to[b], b); });
+  std::copy_n(within.begin(), nodes, nodes_.begin());
   const float furthest = to[nodes_[nodes - 1]];
   for (int n = 0; n < nodes; ++n) {
     for (const int clip : index_.clips(nodes_[n])) {

@@ -54,7 +54,7 @@ class NearClipFinder {
 
  private:
   const ClipIndex& index_;
-  std::vector<int> nodes_;
+  std::vector<int> nodes_;              // nearest to the frame before
   std::vector<std::int64_t> found_by_;  // the frame that found a clip last
   std::int64_t frame_ = 0;
 };

@@ -48,6 +48,12 @@ double FamiliarityOfDifference(double mean_square) {
   return -std::log(std::max(mean_square, kLeastDifference));
 }
 
+void SortByEvidence(std::vector<ClipEvidence>& clips) {
+  std::stable_sort(clips.begin(), clips.end(), [](const ClipEvidence& a, const ClipEvidence& b) {
+    return a.log_evidence > b.log_evidence;
+  });
+}
+
 absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
                                             const MetricObservation& observation,
                                             const std::vector<int>& compared,
@@ -66,9 +72,7 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
     if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
     window.clips.push_back({clip, log_evidence});
   }
-  std::stable_sort(
-      window.clips.begin(), window.clips.end(),
-      [](const ClipEvidence& a, const ClipEvidence& b) { return a.log_evidence > b.log_evidence; });
+  SortByEvidence(window.clips);
   window.familiarity_score = FamiliarityScore(model, observation, compared, nearest);
   return window;
 }

@@ -26,6 +26,9 @@ struct WindowAlignment {
   double familiarity_score = 0;
 };
 
+// Puts those with most evidence first; those with the same keep their order.
+void SortByEvidence(std::vector<ClipEvidence>& clips);
+
 // A familiarity score from the mean of the squared whitened differences.
 double FamiliarityOfDifference(double mean_square);
 

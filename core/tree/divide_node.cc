@@ -98,21 +98,20 @@ bool IsUndivided(const Tree& tree, int min_frames) {
   return tree.layer_count() == 1 && tree.frame_count() / kMany >= min_frames;
 }
 
-void FramesAside::Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided,
-                      const std::vector<std::int32_t>& order) {
+void FramesAside::Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided) {
   if (divided.begin == places.begin && divided.end == places.end) return;
-  std::vector<std::int32_t>& frames = of_branch_[branch];
-  frames.insert(frames.end(), order.begin() + places.begin, order.begin() + divided.begin);
-  frames.insert(frames.end(), order.begin() + divided.end, order.begin() + places.end);
+  std::vector<std::int32_t>& aside = of_branch_[branch];
+  for (std::int32_t place = places.begin; place < divided.begin; ++place) aside.push_back(place);
+  for (std::int32_t place = divided.end; place < places.end; ++place) aside.push_back(place);
 }
 
 void FramesAside::PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
-                           const Eigen::Ref<const FrameMatrix>& states) {
-  const auto frames = of_branch_.extract(branch);
-  if (frames.empty()) return;
-  for (const std::int32_t frame : frames.mapped()) {
-    const bool left = IsLeft(plane.axis, plane.threshold, states.row(frame));
-    of_branch_[left ? divided.left : divided.right].push_back(frame);
+                           const PermutedStates& permuted) {
+  const auto aside = of_branch_.extract(branch);
+  if (aside.empty()) return;
+  for (const std::int32_t place : aside.mapped()) {
+    const bool left = IsLeft(plane.axis, plane.threshold, permuted.row(place));
+    of_branch_[left ? divided.left : divided.right].push_back(place);
   }
 }
 
@@ -127,8 +126,9 @@ void FramesAside::PutBack(std::vector<Branch>& branches, std::vector<std::int32_
   for (const std::int32_t b : leaves) {
     const auto first = static_cast<std::int32_t>(whole.size());
     whole.insert(whole.end(), order.begin() + branches[b].begin, order.begin() + branches[b].end);
-    if (const auto added = of_branch_.find(b); added != of_branch_.end())
-      whole.insert(whole.end(), added->second.begin(), added->second.end());
+    if (const auto added = of_branch_.find(b); added != of_branch_.end()) {
+      for (const std::int32_t place : added->second) whole.push_back(order[place]);
+    }
     branches[b].begin = first;
     branches[b].end = static_cast<std::int32_t>(whole.size());
   }

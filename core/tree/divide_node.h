@@ -57,17 +57,16 @@ int MinimumErrorThreshold(std::span<const double> sorted);
 class FramesAside {
  public:
   // Adds the frames of a branch in `places` outside `divided`.
-  void Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided,
-           const std::vector<std::int32_t>& order);
+  void Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided);
   // Moves the outliers of a split branch to its children, by its plane.
   void PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
-                const Eigen::Ref<const FrameMatrix>& states);
+                const PermutedStates& permuted);
   // Appends each leaf's outliers to its frames, and updates the branches' ranges to the order of
   // all frames.
   void PutBack(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const;
 
  private:
-  std::map<std::int32_t, std::vector<std::int32_t>> of_branch_;
+  std::map<std::int32_t, std::vector<std::int32_t>> of_branch_;  // their places
 };
 
 }  // namespace motiondb::core

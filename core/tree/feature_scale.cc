@@ -5,6 +5,8 @@
 #include <limits>
 #include <vector>
 
+#include "core/tree/row_kernels.h"
+
 namespace motiondb::core {
 
 void FeatureScale::Apply(FrameMatrix& states) const { states.array().rowwise() /= divisor.array(); }
@@ -18,7 +20,9 @@ namespace {
 constexpr Eigen::Index kLookedAt = 4096;  // frames that the quantiles are of, at most
 constexpr double kTail = 0.01;            // of the frames on each side, and not less than
 constexpr Eigen::Index kLeastTail = 3;
-constexpr float kRoom = 2;  // ranges beside the middle one
+constexpr Eigen::Index kDimensionsTogether = 16;  // a cache line of a row
+constexpr int kParts = 16;                        // of the sums, whatever the threads
+constexpr float kRoom = 2;                        // ranges beside the middle one
 
 bool IsVelocity(Eigen::Index d) { return d % 6 >= 3; }
 
@@ -28,23 +32,33 @@ struct Bounds {
   Eigen::RowVectorXf most;
 };
 
-Bounds FindBounds(const Eigen::Ref<const FrameMatrix>& states) {
+Bounds FindBounds(const Eigen::Ref<const FrameMatrix>& states, const ParallelFor& parallel) {
   const Eigen::Index dimensions = states.cols();
   const Eigen::Index count = std::min(states.rows(), kLookedAt);
   const auto tail =
       std::min(count / 8,
                std::max(kLeastTail, static_cast<Eigen::Index>(kTail * static_cast<double>(count))));
   Bounds bounds{Eigen::RowVectorXf(dimensions), Eigen::RowVectorXf(dimensions)};
-  std::vector<float> values(count);
+  parallel(static_cast<int>((dimensions + kDimensionsTogether - 1) / kDimensionsTogether),
+           [&](int group) {
+             const Eigen::Index first = group * kDimensionsTogether;
+             const Eigen::Index together = std::min(kDimensionsTogether, dimensions - first);
+             Eigen::MatrixXf values(count, together);  // one dimension after the other
+             for (Eigen::Index i = 0; i < count; ++i) {
+               values.row(i) = states.row(i * states.rows() / count).segment(first, together);
+             }
+             for (Eigen::Index d = 0; d < together; ++d) {
+               float* const begin = values.col(d).data();
+               float* const low = begin + tail;
+               float* const high = begin + count - 1 - tail;
+               std::nth_element(begin, low, begin + count);
+               bounds.least[first + d] = *low;
+               std::nth_element(low, high, begin + count);  // moves what stands at `low`
+               bounds.most[first + d] = *high;
+             }
+           });
   float mean_range[2] = {0, 0};
   for (Eigen::Index d = 0; d < dimensions; ++d) {
-    for (Eigen::Index i = 0; i < count; ++i) values[i] = states(i * states.rows() / count, d);
-    const auto low = values.begin() + tail;
-    const auto high = values.end() - 1 - tail;
-    std::nth_element(values.begin(), low, values.end());
-    bounds.least[d] = *low;
-    std::nth_element(low, high, values.end());  // moves what stands at `low`
-    bounds.most[d] = *high;
     const float range = bounds.most[d] - bounds.least[d];
     mean_range[IsVelocity(d)] += 2 * range / static_cast<float>(dimensions);
   }
@@ -58,36 +72,46 @@ Bounds FindBounds(const Eigen::Ref<const FrameMatrix>& states) {
   return bounds;
 }
 
-}  // namespace
-
-Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states) {
-  if (states.rows() == 0) return Eigen::RowVectorXd::Zero(states.cols());
-  const Bounds bounds = FindBounds(states);
-  Eigen::RowVectorXd count = Eigen::RowVectorXd::Zero(states.cols());
-  Eigen::RowVectorXd mean = count;
-  Eigen::RowVectorXd squares = count;
-  const auto within = [&](Eigen::Index f) {
-    const auto row = states.row(f).array();
-    return ((row >= bounds.least.array()) && (row <= bounds.most.array())).cast<double>().eval();
-  };
-  for (Eigen::Index f = 0; f < states.rows(); ++f) {
-    const auto counts = within(f);
-    count.array() += counts;
-    mean.array() += counts * states.row(f).cast<double>().array();
-  }
-  mean.array() /= count.array().max(1);
-  for (Eigen::Index f = 0; f < states.rows(); ++f) {
-    squares.array() += within(f) * (states.row(f).cast<double>() - mean).array().square();
-  }
-  return squares.array() / count.array().max(1);
+// About the middle of the bounds, or zero where there are none: near enough to the mean that the
+// squares lose nothing.
+Eigen::RowVectorXd CentreOf(const Bounds& bounds) {
+  const Eigen::RowVectorXd middle = (bounds.least.cast<double>() + bounds.most.cast<double>()) / 2;
+  return middle.array().isFinite().select(middle, 0.0);
 }
 
-FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states) {
+}  // namespace
+
+Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states,
+                                   const ParallelFor& parallel) {
+  const Eigen::Index dimensions = states.cols();
+  if (states.rows() == 0) return Eigen::RowVectorXd::Zero(dimensions);
+  const Bounds bounds = FindBounds(states, parallel);
+  const Eigen::RowVectorXd centre = CentreOf(bounds);
+  // Of each part: how many count, the sum of (x - centre), and that of its square.
+  std::vector<Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor>> parts(kParts);
+  parallel(kParts, [&](int part) {
+    const Eigen::Index begin = part * states.rows() / kParts;
+    const Eigen::Index end = (part + 1) * states.rows() / kParts;
+    auto& sums = parts[part];
+    sums.setZero(3, dimensions);
+    AddWithin(states.data() + begin * states.outerStride(), static_cast<int>(end - begin),
+              states.outerStride(), static_cast<int>(dimensions), bounds.least.data(),
+              bounds.most.data(), centre.data(), sums.row(0).data(), sums.row(1).data(),
+              sums.row(2).data());
+  });
+  for (int part = 1; part < kParts; ++part) parts[0] += parts[part];
+  const auto count = parts[0].row(0).array().max(1);
+  const auto mean = parts[0].row(1).array() / count;
+  return (parts[0].row(2).array() / count - mean.square()).max(0);
+}
+
+FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states,
+                              const ParallelFor& parallel) {
   const Eigen::Index dimensions = states.cols();
   FeatureScale scale{Eigen::RowVectorXf::Ones(dimensions)};
   if (scaling == Scaling::kNone || states.rows() == 0) return scale;
 
-  const Eigen::RowVectorXd variance = RobustVariances(states);
+  const Eigen::RowVectorXd variance = RobustVariances(states, parallel);
   const auto divisor = [](double v) { return v > 0 ? static_cast<float>(std::sqrt(v)) : 1.0f; };
   if (scaling == Scaling::kDimension) {
     scale.divisor = variance.unaryExpr(divisor);

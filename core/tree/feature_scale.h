@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 
 #include "core/motion/matrix.h"
+#include "core/tree/parallel.h"
 
 namespace motiondb::core {
 
@@ -26,12 +27,14 @@ struct FeatureScale {
 // The variance of each dimension (1 x dimensions) about its own mean, but for numbers that are
 // further from the middle 98 % of their dimension than twice its width (or, where that is narrow,
 // than twice the mean width of its kind): a few corrupt frames do not change it. REQUIRES: finite
-// states.
-Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states);
+// states. The same bytes for any number of threads.
+Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states,
+                                   const ParallelFor& parallel = Serially);
 
 // The scale for these states (frames x dimensions, six numbers a marker: position, velocity). The
 // pooled standard deviation is the root of the mean of the dimensions' variances, each about its
 // own mean (RobustVariances). A dimension or kind that never varies is divided by 1.
-FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states);
+FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states,
+                              const ParallelFor& parallel = Serially);
 
 }  // namespace motiondb::core

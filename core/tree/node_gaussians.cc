@@ -141,7 +141,8 @@ NodeGaussians NodeGaussians::Fit(const Tree& tree, const Eigen::Ref<const FrameM
   FrameMatrix variances(branches.size(), states.cols());
   std::vector<Moments> moments = MomentsOfBranches(tree, states, parallel);
   // What all nodes are shrunk towards: not to be spoiled by a few corrupt frames.
-  moments[0].squares = moments[0].squares.cwiseMin(moments[0].count * RobustVariances(states));
+  moments[0].squares =
+      moments[0].squares.cwiseMin(moments[0].count * RobustVariances(states, parallel));
   const Shrinking shrinking(moments[0].squares / moments[0].count);
   parallel(static_cast<int>(branches.size()), [&](int b) {
     means.row(b) = moments[b].mean.cast<float>();
@@ -198,6 +199,13 @@ double NodeGaussians::LogDensity(int branch, const float* x) const {
     log_density -= 0.5 * std::log(product);
   }
   return log_density;
+}
+
+bool NodeGaussians::IsBoxBelow(int branch, const float* least, const float* most,
+                               float log_density) const {
+  return IsBoxBeyond(least, most, means_.row(branch).data(), inverse_deviations_.row(branch).data(),
+                     dimension_count(),
+                     2 * (static_cast<float>(log_normalizers_[branch]) - log_density));
 }
 
 bool NodeGaussians::LogDensitiesFrom(int branch, const float* frames, int blocks,

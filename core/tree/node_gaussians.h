@@ -47,9 +47,13 @@ class NodeGaussians {
   // left out: the density is that of the others. O(dimensions).
   double LogDensity(int branch, const float* x) const;
 
-  // The same, in single precision, of blocks of frames (ScaledSquaresWithin) without NaN, where it
-  // is at least `at_least` (blocks x kSquaresLanes, one a frame); elsewhere it may be minus
-  // infinity. Returns false if all are. `scratch` is used again.
+  // Whether log P_o(x | branch) is below `log_density` for every x with least <= x <= most
+  // (dimensions each, no NaN). May be false though it is.
+  bool IsBoxBelow(int branch, const float* least, const float* most, float log_density) const;
+
+  // The same as LogDensity, in single precision, of blocks of frames (ScaledSquaresWithin) without
+  // NaN, where it is at least `at_least` (blocks x kSquaresLanes, one a frame); elsewhere it may be
+  // minus infinity. Returns false if all are. `scratch` is used again.
   bool LogDensitiesFrom(int branch, const float* frames, int blocks, const float* at_least,
                         std::vector<float>& scratch, float* log_densities) const;
 

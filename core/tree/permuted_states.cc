@@ -26,19 +26,38 @@ void InChunks(std::int32_t begin, std::int32_t end, const ParallelFor& parallel,
 
 }  // namespace
 
-PermutedStates::PermutedStates(const Eigen::Ref<const FrameMatrix>& states,
-                               const ParallelFor& parallel)
-    : rows_(states.rows(), states.cols()) {
-  const auto count = static_cast<std::int32_t>(states.rows());
-  InChunks(0, count, parallel, [&](std::int32_t begin, std::int32_t end) {
-    rows_.middleRows(begin, end - begin) = states.middleRows(begin, end - begin);
-  });
+PermutedStates::PermutedStates(Eigen::Map<FrameMatrix> states) : rows_(states) {
+  const Eigen::Index count = rows_.rows();
   order_.resize(static_cast<std::size_t>(count));
   std::iota(order_.begin(), order_.end(), 0);
   projections_.resize(order_.size());
   sorted_.resize(order_.size());
   scratch_.resize(order_.size());
   misplaced_.resize(order_.size());
+}
+
+// Each thread moves some of the columns of all rows along the cycles of the permutation.
+void PermutedStates::Restore(const ParallelFor& parallel) {
+  constexpr Eigen::Index kColumns = 64;
+  const auto stripes = static_cast<int>((rows_.cols() + kColumns - 1) / kColumns);
+  parallel(stripes, [&](int stripe) {
+    const Eigen::Index first = stripe * kColumns;
+    auto columns = rows_.middleCols(first, std::min(kColumns, rows_.cols() - first));
+    std::vector<bool> is_there(order_.size());
+    Eigen::RowVectorXf moving(columns.cols());
+    Eigen::RowVectorXf displaced(columns.cols());
+    for (std::size_t begin = 0; begin < order_.size(); ++begin) {
+      if (is_there[begin]) continue;
+      moving = columns.row(static_cast<Eigen::Index>(begin));
+      for (auto to = static_cast<std::size_t>(order_[begin]); !is_there[to];
+           to = static_cast<std::size_t>(order_[to])) {
+        displaced = columns.row(static_cast<Eigen::Index>(to));
+        columns.row(static_cast<Eigen::Index>(to)) = moving;
+        is_there[to] = true;
+        moving.swap(displaced);
+      }
+    }
+  });
 }
 
 void PermutedStates::Project(std::int32_t begin, std::int32_t end, const NodeAxis& node,

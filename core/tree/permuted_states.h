@@ -21,8 +21,8 @@ struct SplitPlane {
 
 class PermutedStates {
  public:
-  // Copies states (frames x dimensions), in their own order.
-  PermutedStates(const Eigen::Ref<const FrameMatrix>& states, const ParallelFor& parallel);
+  // Moves the rows of `states` (frames x dimensions), which must outlive this object.
+  explicit PermutedStates(Eigen::Map<FrameMatrix> states);
 
   // Splits the frames [begin, end) along their principal axis (eqs. 3-5): moves those left of the
   // minimum-error threshold before the others. Equal projections are split by frame number. Returns
@@ -37,15 +37,19 @@ class PermutedStates {
   // nothing if there is no threshold.
   bool SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
 
+  // Moves the rows of the states back to the order of the frames.
+  void Restore(const ParallelFor& parallel);
+
   // Frame number at each place.
   std::vector<std::int32_t>& order() { return order_; }
+  auto row(std::int32_t place) const { return rows_.row(place); }
 
  private:
   void Project(std::int32_t begin, std::int32_t end, const NodeAxis& node,
                const ParallelFor& parallel);
   void MoveLeft(std::int32_t begin, std::int32_t end, int left, const ParallelFor& parallel);
 
-  FrameMatrix rows_;
+  Eigen::Map<FrameMatrix> rows_;
   std::vector<std::int32_t> order_;
   // By place; valid from one Divide to the next.
   std::vector<double> projections_;

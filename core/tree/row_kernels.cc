@@ -273,4 +273,62 @@ int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, cons
   return within;
 }
 
+MOTIONDB_WIDEST_VECTORS
+bool IsBoxBeyond(const float* least, const float* most, const float* mean, const float* factors,
+                 int dimensions, float limit) {
+  constexpr float kRounding = 1 - 1e-4F;  // far more than the sums differ by
+  constexpr int kFirstLook = 4;           // vectors; then after twice as many, and so on
+  Floats sums = {};
+  int d = 0;
+  int look = kFirstLook * kFloats;
+  for (; d + kFloats <= dimensions; d += kFloats) {
+    if (d == look) {
+      if (SumOf(SumOfHalves(sums)) * kRounding > limit) return true;
+      look *= 2;
+    }
+    const Floats at = Load(mean + d);
+    const Floats below = Load(least + d) - at;
+    const Floats above = at - Load(most + d);
+    Floats apart = below > above ? below : above;
+    apart = apart > 0.0F ? apart : Floats{};
+    apart *= Load(factors + d);
+    sums += apart * apart;
+  }
+  float sum = SumOf(SumOfHalves(sums));
+  for (; d < dimensions; ++d) {
+    const float below = least[d] - mean[d];
+    const float above = mean[d] - most[d];
+    float apart = below > above ? below : above;
+    apart = apart > 0 ? apart * factors[d] : 0;
+    sum += apart * apart;
+  }
+  return sum * kRounding > limit;
+}
+
+MOTIONDB_WIDEST_VECTORS
+void AddWithin(const float* rows, int count, Eigen::Index stride, int dimensions,
+               const float* least, const float* most, const double* centre, double* counts,
+               double* sums, double* squares) {
+  for (int r = 0; r < count; ++r, rows += stride) {
+    int d = 0;
+    for (; d + kDoubles <= dimensions; d += kDoubles) {
+      const Doubles x = Widened(LoadHalf(rows + d));
+      const Doubles one = Doubles{} + 1.0;
+      Doubles counted = x >= Widened(LoadHalf(least + d)) ? one : Doubles{};
+      counted = x <= Widened(LoadHalf(most + d)) ? counted : Doubles{};
+      const Doubles apart = (x - Load(centre + d)) * counted;
+      Store(Load(counts + d) + counted, counts + d);
+      Store(Load(sums + d) + apart, sums + d);
+      Store(Load(squares + d) + apart * apart, squares + d);
+    }
+    for (; d < dimensions; ++d) {
+      if (!(rows[d] >= least[d] && rows[d] <= most[d])) continue;
+      const double apart = rows[d] - centre[d];
+      counts[d] += 1;
+      sums[d] += apart;
+      squares[d] += apart * apart;
+    }
+  }
+}
+
 }  // namespace motiondb::core

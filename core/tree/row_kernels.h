@@ -53,6 +53,17 @@ inline constexpr int kSquaresLanes = 8;
 int ScaledSquaresWithin(const float* frames, int blocks, const float* mean, const float* factors,
                         int dimensions, const float* limits, float* squares);
 
+// Returns whether ScaledSquares of every x with low <= x <= high (dimensions each) is greater than
+// `limit`, by a lower bound that allows for rounding. Can be false although it is.
+bool IsBoxBeyond(const float* low, const float* high, const float* mean, const float* factors,
+                 int dimensions, float limit);
+
+// Adds, for the values x of each dimension between two bounds: their number, the sum of
+// (x - centre), and the sum of its square. `count` rows start `stride` values apart.
+void AddWithin(const float* rows, int count, Eigen::Index stride, int dimensions,
+               const float* low, const float* high, const double* centre, double* counts,
+               double* sums, double* squares);
+
 // Matrix products for few rows, faster than Eigen's, which is compiled for the baseline processor.
 
 // Returns rows * matrix. REQUIRES: rows.cols() == matrix.rows().

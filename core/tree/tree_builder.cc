@@ -17,6 +17,34 @@ namespace {
 // Number of batches of small nodes; each reuses its own scratch memory.
 constexpr int kBatches = 16;
 
+// A node of at most this many frames is split down to its leaves while its rows are cached.
+constexpr int kCachedFrames = 512;
+
+// How a node is split, and its children if they are known.
+struct NodeSplit {
+  NodePlaces divided;  // without outlier frames
+  int left = 0;        // frames; 0: it is a leaf
+  SplitPlane plane;
+  std::unique_ptr<NodeSplit> children[2];
+};
+
+std::unique_ptr<NodeSplit> Divide(const DivisionRule& rule, PermutedStates& permuted,
+                                 const NodePlaces& places, std::vector<float>& scratch,
+                                 const ParallelFor& parallel) {
+  auto division = std::make_unique<NodeSplit>();
+  division->divided = places;
+  const std::int32_t frames = places.end - places.begin;
+  if (frames < 2 * rule.min_frames) return division;
+  division->left =
+      DivideNode(rule, permuted, division->divided, scratch, parallel, division->plane);
+  if (division->left == 0 || frames > kCachedFrames) return division;
+  const auto [begin, end] = division->divided;
+  const std::int32_t middle = begin + division->left;
+  division->children[0] = Divide(rule, permuted, {begin, middle}, scratch, parallel);
+  division->children[1] = Divide(rule, permuted, {middle, end}, scratch, parallel);
+  return division;
+}
+
 SplitPlanes ToSplitPlanes(const std::vector<SplitPlane>& each, Eigen::Index dimensions) {
   SplitPlanes planes{FrameMatrix(std::ssize(each), dimensions), {}};
   for (const SplitPlane& plane : each) {
@@ -30,34 +58,54 @@ SplitPlanes ToSplitPlanes(const std::vector<SplitPlane>& each, Eigen::Index dime
 
 absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done) {
+  constexpr int kRowsAtOnce = 4096;
+  FrameMatrix copy(states.rows(), states.cols());
+  const auto rows = static_cast<int>(states.rows());
+  parallel((rows + kRowsAtOnce - 1) / kRowsAtOnce, [&](int block) {
+    const int first = block * kRowsAtOnce;
+    const int count = std::min(kRowsAtOnce, rows - first);
+    copy.middleRows(first, count) = states.middleRows(first, count);
+  });
+  return BuildTreeInPlace({copy.data(), copy.rows(), copy.cols()}, min_frames, parallel,
+                          layer_done);
+}
+
+absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_frames,
+                                      const ParallelFor& parallel, const LayerDone& layer_done) {
   if (states.rows() == 0) return InvalidArgument("states: expected at least one frame");
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
-  PermutedStates permuted(states, parallel);
+  PermutedStates permuted(states);
   FramesAside aside;
   const DivisionRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
   std::vector<SplitPlane> planes;
   std::vector<std::vector<float>> scratch(kBatches);
 
-  std::vector<std::int32_t> open{0};  // branches of the lowest layer that may split
+  // A branch of the lowest layer that may split.
+  struct Open {
+    std::int32_t branch = 0;
+    std::unique_ptr<NodeSplit> division;  // if it is known
+  };
+  std::vector<Open> open;
+  open.push_back({0, nullptr});
   for (int layer = 1; !open.empty(); ++layer) {
-    const auto frames = [&](std::int32_t b) { return branches[b].end - branches[b].begin; };
-    std::erase_if(open, [&](std::int32_t b) { return frames(b) < 2 * min_frames; });
+    const auto frames = [&](const Open& o) {
+      return branches[o.branch].end - branches[o.branch].begin;
+    };
+    std::erase_if(open, [&](const Open& o) { return frames(o) < 2 * min_frames; });
 
     // The largest nodes first: those shared by all threads, then the others, for balanced load.
-    std::vector<std::int32_t> work(open.size());
-    for (std::size_t i = 0; i < open.size(); ++i) work[i] = static_cast<std::int32_t>(i);
-    std::stable_sort(work.begin(), work.end(), [&](std::int32_t a, std::int32_t b) {
+    std::vector<std::size_t> work;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (open[i].division == nullptr) work.push_back(i);
+    }
+    std::stable_sort(work.begin(), work.end(), [&](std::size_t a, std::size_t b) {
       return frames(open[a]) > frames(open[b]);
     });
-    std::vector<int> left_counts(open.size());
-    std::vector<SplitPlane> open_planes(open.size());
-    std::vector<NodePlaces> divided(open.size());
-    const auto divide = [&](std::int32_t i, int batch, const ParallelFor& threads) {
-      divided[i] = {branches[open[i]].begin, branches[open[i]].end};
-      left_counts[i] =
-          DivideNode(rule, permuted, divided[i], scratch[batch], threads, open_planes[i]);
+    const auto divide = [&](std::size_t i, int batch, const ParallelFor& threads) {
+      const Branch& branch = branches[open[i].branch];
+      open[i].division = Divide(rule, permuted, {branch.begin, branch.end}, scratch[batch], threads);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
@@ -68,28 +116,30 @@ absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int 
         divide(work[i], batch, Serially);
     });
 
-    std::vector<std::int32_t> children;
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (left_counts[i] == 0) continue;
-      const std::int32_t b = open[i];
+    std::vector<Open> children;
+    for (Open& node : open) {
+      NodeSplit& division = *node.division;
+      if (division.left == 0) continue;
+      const std::int32_t b = node.branch;
       const auto left = static_cast<std::int32_t>(branches.size());
       branches[b].left = left;
       branches[b].right = left + 1;
-      const auto [begin, end] = divided[i];
-      aside.Add(b, {branches[b].begin, branches[b].end}, divided[i], permuted.order());
-      aside.PassDown(b, branches[b], open_planes[i], states);
-      planes.push_back(std::move(open_planes[i]));
-      const std::int32_t middle = begin + left_counts[i];
+      const auto [begin, end] = division.divided;
+      aside.Add(b, {branches[b].begin, branches[b].end}, division.divided);
+      aside.PassDown(b, branches[b], division.plane, permuted);
+      planes.push_back(std::move(division.plane));
+      const std::int32_t middle = begin + division.left;
       const std::int32_t below = branches[b].layer + 1;
       branches.push_back({.parent = b, .begin = begin, .end = middle, .layer = below});
       branches.push_back({.parent = b, .begin = middle, .end = end, .layer = below});
-      children.push_back(left);
-      children.push_back(left + 1);
+      children.push_back({left, std::move(division.children[0])});
+      children.push_back({left + 1, std::move(division.children[1])});
     }
     open = std::move(children);
     if (layer_done && !layer_done(layer)) return absl::CancelledError("the build was cancelled");
   }
 
+  permuted.Restore(parallel);
   std::vector<std::int32_t> order = std::move(permuted.order());
   aside.PutBack(branches, order);
   for (const Branch& branch : branches) {
@@ -147,7 +197,7 @@ double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const F
     for (int i = 0; i < count; ++i) rows.row(i) = states.row(tree.frame_order()[leaf.begin + i]);
     std::vector<float> scratch;
     SplitPlane plane;
-    PermutedStates permuted(rows, threads);
+    PermutedStates permuted({rows.data(), rows.rows(), rows.cols()});
     NodePlaces places{0, count};
     if (DivideNode(rule, permuted, places, scratch, threads, plane) > 0) stale[b] = count;
   };

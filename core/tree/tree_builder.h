@@ -24,6 +24,12 @@ using LayerDone = std::function<bool(int layer)>;
 absl::StatusOr<Tree> BuildTree(const Eigen::Ref<const FrameMatrix>& states, int min_frames,
                                const ParallelFor& parallel, const LayerDone& layer_done = {});
 
+// The same without a copy: moves rows of `states` during the build and restores their order at the
+// end, unless the build is cancelled.
+absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_frames,
+                                      const ParallelFor& parallel,
+                                      const LayerDone& layer_done = {});
+
 // Returns the tree with `added` (frames x dimensions, scaled) as its last frames: each goes to the
 // leaf on its side of every threshold. Branches keep their numbers, layers and thresholds.
 // FAILED_PRECONDITION if the tree has no thresholds. O(frames + added * depth * dimensions).

@@ -2,7 +2,9 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <map>
 #include <random>
+#include <string>
 
 #include "core/calibration/calibrate.h"
 #include "core/calibration/held_out.h"
@@ -160,12 +162,12 @@ TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][c
 
 TEST_CASE("ClipsTriedWhole: fewer of clips so long that all would take hours",
           "[core][calibration]") {
-  CHECK(core::ClipsTriedWhole(1, 1) == 128);
-  CHECK(core::ClipsTriedWhole(344, 119'685) == 128);
-  CHECK(core::ClipsTriedWhole(2'000, 1e6) == 128);
-  CHECK(core::ClipsTriedWhole(500, 1e6) == 40);
-  CHECK(core::ClipsTriedWhole(100, 1e6) == 8);
-  CHECK(core::ClipsTriedWhole(1, 1e9) == 8);
+  CHECK(core::ClipsTriedWhole(1, 1, 1200) == 64);
+  CHECK(core::ClipsTriedWhole(344, 119'685, 2400) == 64);
+  CHECK(core::ClipsTriedWhole(2'000, 1e6, 1200) == 64);
+  CHECK(core::ClipsTriedWhole(500, 1e6, 1200) == 39);
+  CHECK(core::ClipsTriedWhole(100, 1e6, 1200) == 8);
+  CHECK(core::ClipsTriedWhole(1, 1e9, 1200) == 8);
 }
 
 TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][calibration]") {
@@ -184,6 +186,30 @@ TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][c
   for (core::BuildInput& input : inputs) input.subject.clear();
   CHECK(core::LeftOutWith(ModelOf(inputs, set), 0) ==
         std::vector<bool>{true, false, false, false, false});
+}
+
+TEST_CASE("SampleClips: labels and subjects have their shares, in any order of the clips",
+          "[core][calibration]") {
+  const core::MarkerSet set = SmallMarkerSet(2);
+  std::vector<core::BuildInput> inputs = WanderingClips(40, 30, set, 1);
+  for (std::size_t c = 0; c < inputs.size(); ++c) {
+    inputs[c].label = c % 8 == 0 ? "rare" : c % 2 == 0 ? "often" : "most";
+    inputs[c].subject = c < 20 ? "x" : "y";
+  }
+  const core::Model model = ModelOf(inputs, set);
+  std::map<std::string, int> counts;
+  const std::vector<int> sample = core::SampleClips(model, 8);
+  REQUIRE(sample.size() == 8);
+  for (const int clip : sample) {
+    ++counts[model.clips()[clip].label];
+    ++counts[model.clips()[clip].subject];
+  }
+  CHECK(counts ==
+        std::map<std::string, int>{{"rare", 1}, {"often", 3}, {"most", 4}, {"x", 5}, {"y", 3}});
+  std::vector<int> all = core::SampleClips(model, 100);
+  std::ranges::sort(all);
+  CHECK(std::ranges::adjacent_find(all) == all.end());
+  CHECK(all.size() == 40);
 }
 
 TEST_CASE("StoredMotion: a clip comes back as it was given", "[core][calibration]") {

@@ -41,18 +41,18 @@ TEST_CASE("Familiarity: scores are those of every node of every layer", "[core][
 
 TEST_CASE("Familiarity: the same in any order of work; clips shorter than a window count",
           "[core][model]") {
-  const core::Model model = SmallModel(3, 150, 4, 8, 5);
+  const core::Model model = SmallModel(3, 80, 4, 8, 5);
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
   };
-  const std::vector<core::FrameRun> clips = {{0, 150}, {150, 5}, {155, 1}, {156, 294}};
+  const std::vector<core::FrameRun> clips = {{0, 80}, {80, 5}, {85, 1}, {86, 154}};
   const auto make = [&](const core::ParallelFor& parallel) {
     return core::MakeFamiliarityReference(clips, 24, model.states(), model.tree(),
                                           model.gaussians(), model.parts().global_graphs, parallel);
   };
   const core::FamiliarityReference once = make(core::Serially);
   CHECK(once.scores == make(backwards).scores);
-  CHECK(once.scores.front().size() == 127 + 1 + 1 + 271);
+  CHECK(once.scores.front().size() == 57 + 1 + 1 + 131);
 }
 
 }  // namespace motiondb::tests::familiarity_test

@@ -55,8 +55,8 @@ Frames FramesOf(const core::Tree& tree, const core::Branch& branch) {
 }
 
 // Returns the frames of each branch by the paper's rule alone.
-std::vector<Frames> NodesOfPaper(const core::FrameMatrix& states) {
-  core::PermutedStates permuted(states, core::Serially);
+std::vector<Frames> NodesOfPaper(core::FrameMatrix states) {
+  core::PermutedStates permuted({states.data(), states.rows(), states.cols()});
   std::vector<core::NodePlaces> nodes{{0, static_cast<std::int32_t>(states.rows())}};
   std::vector<Frames> frames;
   std::vector<float> scratch;

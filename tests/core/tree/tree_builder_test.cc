@@ -20,6 +20,21 @@ core::Tree Build(const core::FrameMatrix& states, int min_frames,
 
 }  // namespace
 
+TEST_CASE("BuildTreeInPlace: the same tree, and every row is at its place again", "[core][tree]") {
+  for (const int frames : {1, 40, 900}) {
+    const core::FrameMatrix states = WanderingStates(frames, 70, 3);
+    core::FrameMatrix moved = states;
+    const auto tree = core::BuildTree(states, 4, core::Serially);
+    const auto in_place =
+        core::BuildTreeInPlace({moved.data(), moved.rows(), moved.cols()}, 4, core::Serially);
+    REQUIRE(tree.ok());
+    REQUIRE(in_place.ok());
+    CHECK(moved == states);
+    CHECK(in_place->frame_order() == tree->frame_order());
+    CHECK(in_place->branches().size() == tree->branches().size());
+  }
+}
+
 TEST_CASE("BuildTree: every frame is in exactly one node of each layer", "[core][tree]") {
   const core::Tree tree = Build(WanderingStates(900, 12, 3), 4);
   REQUIRE(tree.layer_count() > 3);

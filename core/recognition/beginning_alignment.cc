@@ -1,0 +1,224 @@
+#include "core/recognition/beginning_alignment.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include "core/model/model.h"
+#include "core/recognition/alignment_loops.h"
+#include "core/recognition/clip_alignment.h"
+#include "core/recognition/shortlist.h"
+#include "core/tree/row_kernels.h"
+
+namespace motiondb::core {
+namespace {
+
+// The compared frames of all beginnings.
+struct ComparedBeginnings {
+  std::vector<int> shared;        // frames of the observation
+  std::vector<int> shared_count;  // of each beginning: so many of `shared`, then its newest
+};
+
+ComparedBeginnings FramesToCompare(const Beginnings& beginnings, int stride) {
+  ComparedBeginnings compared;
+  for (const int length : beginnings.lengths) {
+    compared.shared = ComparedFrames(0, length, stride, true);
+    compared.shared.pop_back();  // the newest
+    compared.shared_count.push_back(static_cast<int>(compared.shared.size()));
+  }
+  return compared;
+}
+
+// Where the result of a clip for a beginning goes.
+struct Place {
+  int beginning = 0;
+  int rank = 0;  // on the shortlist
+};
+
+// Squared whitened differences of observed frames from stored ones. Most nearest frames of a
+// beginning are those of the one before it, so their differences are kept.
+class WhitenedSquares {
+ public:
+  WhitenedSquares(const Model& model, const FrameMatrix& shared_states)
+      : model_(model),
+        shared_(shared_states),
+        frame_(shared_states.rows(), -1),
+        squares_(shared_states.rows()) {}
+
+  // The mean over frames and dimensions of a beginning. `nearest`: its shared frames', then its
+  // newest one's.
+  double Mean(const std::vector<NearestFrame>& nearest,
+              const Eigen::Ref<const Eigen::RowVectorXf>& newest) {
+    const std::size_t shared = nearest.size() - 1;
+    std::vector<std::size_t> changed;
+    for (std::size_t f = 0; f < shared; ++f) {
+      if (frame_[f] != nearest[f].frame) changed.push_back(f);
+    }
+    FrameMatrix differences(std::ssize(changed) + 1, newest.size());
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+      differences.row(static_cast<Eigen::Index>(i)) =
+          shared_.row(static_cast<Eigen::Index>(changed[i])) -
+          model_.states().row(nearest[changed[i]].frame);
+    }
+    differences.bottomRows(1) = newest - model_.states().row(nearest[shared].frame);
+    const FrameMatrix whitened = RowProduct(differences, model_.metric().whitening);
+    for (std::size_t i = 0; i < changed.size(); ++i) {
+      frame_[changed[i]] = nearest[changed[i]].frame;
+      squares_[changed[i]] = whitened.row(static_cast<Eigen::Index>(i)).squaredNorm();
+    }
+    double sum = whitened.bottomRows(1).squaredNorm();
+    for (std::size_t f = 0; f < shared; ++f) sum += squares_[f];
+    return sum / (static_cast<double>(nearest.size()) * static_cast<double>(whitened.cols()));
+  }
+
+ private:
+  const Model& model_;
+  const FrameMatrix& shared_;
+  std::vector<int> frame_;  // the stored frame that the difference is taken from
+  std::vector<double> squares_;
+};
+
+// Aligns clip after clip, in memory that is used again.
+class BeginningAligner {
+ public:
+  // `shared_count` of the `shared` frames and then its row of `newest` are a beginning; ascending.
+  BeginningAligner(const FrameMatrix& shared, const FrameMatrix& newest,
+                   const std::vector<int>& shared_count)
+      : shared_(shared), newest_(newest), shared_count_(shared_count) {}
+
+  // Writes the log evidence of the beginnings `asked` (ascending, one at least), and puts nearer
+  // frames in the place of theirs in `nearest`.
+  void Align(const MetricFrames& stored, int clip, const std::vector<int>& asked,
+             std::vector<std::vector<NearestFrame>>& nearest, std::vector<double>& log_evidence) {
+    ReadNewest(stored, clip);
+    inexact_.clear();
+    FollowPaths(
+        stored, clip, asked,
+        [&](PathSum& paths, const auto& distances, int frame) {
+          const float least = Least(distances.data(), static_cast<int>(distances.size()));
+          for (const int b : asked) {
+            if (frame < shared_count_[b])
+              TakeNearer(stored, clip, distances, least, nearest[b][frame]);
+          }
+          SeeByRoots(paths, distances, least);
+        },
+        [&](PathSum& paths, const auto& distances, int b) {
+          const float least = Least(distances.data(), static_cast<int>(distances.size()));
+          TakeNearer(stored, clip, distances, least, nearest[b].back());
+          SeeByRoots(paths, distances, least);
+          if (!paths.IsExact()) inexact_.push_back(b);
+          return paths.LogEvidence();
+        },
+        log_evidence);
+    if (inexact_.empty()) return;
+    const auto see = [](PathSum& paths, const auto& distances, int) { paths.See(distances); };
+    FollowPaths(
+        stored, clip, std::vector<int>(inexact_), see,
+        [&](PathSum& paths, const auto& distances, int) {
+          paths.See(distances);
+          return paths.LogEvidence();
+        },
+        log_evidence);
+  }
+
+ private:
+  void ReadNewest(const MetricFrames& stored, int clip) {
+    const int count = stored.rows.count(clip);
+    newest_distances_.resize(count, newest_.count());
+    for (int block = 0; block < newest_.block_count(); ++block) {
+      newest_.ComputeDistances(stored, clip, block, distances_);
+      newest_distances_.middleCols(block * kFrameLanes, newest_.CountOf(block)) =
+          distances_.leftCols(newest_.CountOf(block));
+    }
+  }
+
+  void SeeByRoots(PathSum& paths, const Eigen::Ref<const Eigen::ArrayXf>& distances, float least) {
+    roots_.resize(distances.size());
+    const bool cut_off = PathSum::Roots(distances, least, roots_);
+    paths.SeeRoots(roots_, least, cut_off);
+  }
+
+  // Takes the paths along the shared frames, and from where a beginning ends a copy of them to its
+  // newest frame.
+  template <typename SeeShared, typename SeeNewest>
+  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& asked,
+                   const SeeShared& see_shared, const SeeNewest& see_newest,
+                   std::vector<double>& log_evidence) {
+    paths_.Begin(stored.rows.count(clip), true);
+    auto next = asked.begin();
+    const auto end_beginnings = [&](int seen) {
+      for (; next != asked.end() && shared_count_[*next] == seen; ++next) {
+        ended_ = paths_;
+        log_evidence[*next] = see_newest(ended_, newest_distances_.col(*next), *next);
+      }
+    };
+    end_beginnings(0);
+    for (int block = 0; next != asked.end(); ++block) {
+      shared_.ComputeDistances(stored, clip, block, distances_);
+      for (int f = 0; f < shared_.CountOf(block) && next != asked.end(); ++f) {
+        const int frame = block * kFrameLanes + f;
+        see_shared(paths_, distances_.col(f), frame);
+        end_beginnings(frame + 1);
+      }
+    }
+  }
+
+  const ObservedFrames shared_;
+  const ObservedFrames newest_;
+  const std::vector<int>& shared_count_;
+  PathSum paths_;
+  PathSum ended_;
+  std::vector<int> inexact_;
+  Eigen::ArrayXXf distances_;         // clip's frames x block's
+  Eigen::ArrayXXf newest_distances_;  // clip's frames x beginnings
+  Eigen::ArrayXf roots_;
+};
+
+}  // namespace
+
+std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginnings& beginnings,
+                                             const std::vector<bool>& left_out) {
+  const auto count = beginnings.lengths.size();
+  const auto [frames, shared_count] =
+      FramesToCompare(beginnings, FrameStride(model.settings().frame_rate_hz));
+  const FrameMatrix shared_states = beginnings.states(frames, Eigen::all);
+  const FrameMatrix shared = Project(model.metric(), shared_states);
+  const FrameMatrix newest = Project(model.metric(), beginnings.newest);
+
+  std::vector<WindowAlignment> alignments(count);
+  std::vector<std::vector<NearestFrame>> nearest(count);
+  std::map<int, std::vector<Place>> places;  // of each clip, the shortest beginning first
+  for (std::size_t b = 0; b < count; ++b) {
+    FrameMatrix observed(shared_count[b] + 1, shared.cols());
+    observed << shared.topRows(shared_count[b]), newest.row(static_cast<Eigen::Index>(b));
+    alignments[b].frames = shared_count[b] + 1;
+    nearest[b].assign(observed.rows(), {std::numeric_limits<float>::infinity(), 0});
+    for (const int clip : ShortlistClips(model, nullptr, observed, left_out)) {
+      places[clip].push_back({static_cast<int>(b), static_cast<int>(alignments[b].clips.size())});
+      alignments[b].clips.push_back({clip, 0});
+    }
+  }
+
+  BeginningAligner aligner(shared, newest, shared_count);
+  std::vector<int> wanted;
+  std::vector<double> log_evidence(count);
+  for (const auto& [clip, of_clip] : places) {
+    wanted.clear();
+    for (const Place& place : of_clip) wanted.push_back(place.beginning);
+    aligner.Align(model.metric_frames(), clip, wanted, nearest, log_evidence);
+    for (const Place& place : of_clip) {
+      alignments[place.beginning].clips[place.rank].log_evidence = log_evidence[place.beginning];
+    }
+  }
+
+  WhitenedSquares squares(model, shared_states);
+  for (std::size_t b = 0; b < count; ++b) {
+    SortByEvidence(alignments[b].clips);
+    alignments[b].familiarity_score = FamiliarityOfDifference(
+        squares.Mean(nearest[b], beginnings.newest.row(static_cast<Eigen::Index>(b))));
+  }
+  return alignments;
+}
+
+}  // namespace motiondb::core

@@ -129,7 +129,7 @@ constexpr std::pair<const char*, ConnectFailure> kWords[] = {
     {"DNS resolution failed", ConnectFailure::kUnknownHost},
     {"certificate verify failed", ConnectFailure::kUntrusted},
     {"CERTIFICATE_VERIFY_FAILED", ConnectFailure::kUntrusted},  // BoringSSL
-    {"is not in peer certificate", ConnectFailure::kOtherName},
+    {"is not in peer certificate", ConnectFailure::kNameMismatch},
     {"wrong version number", ConnectFailure::kNotTls},
     {"WRONG_VERSION_NUMBER", ConnectFailure::kNotTls},
     {"Failed parsing HTTP/2", ConnectFailure::kNotGrpc},
@@ -189,7 +189,7 @@ std::string Reason(ConnectFailure failure, const ClientOptions& options,
       // The last part of gRPC's message is the error of the resolver.
       return fmt::format("the host name cannot be resolved: {}",
                          grpc_message.substr(grpc_message.rfind(": ") + 2));
-    case ConnectFailure::kSilent:
+    case ConnectFailure::kNoResponse:
       return "no response; the server hangs, a firewall blocks it, or the port belongs to another "
              "program";
     case ConnectFailure::kClosed:
@@ -200,7 +200,7 @@ std::string Reason(ConnectFailure failure, const ClientOptions& options,
       return "it does not use TLS";
     case ConnectFailure::kUntrusted:
       return fmt::format("its certificate is not signed by {}, or has expired", Authority(tls));
-    case ConnectFailure::kOtherName:
+    case ConnectFailure::kNameMismatch:
       return fmt::format("its certificate is not for {}",
                          tls.server_name.empty() ? "that host" : tls.server_name);
     case ConnectFailure::kUnusableTlsFiles:
@@ -214,7 +214,7 @@ std::string Reason(ConnectFailure failure, const ClientOptions& options,
 }  // namespace
 
 ConnectFailure ConnectFailureOf(const std::string& grpc_message) {
-  if (grpc_message.empty()) return ConnectFailure::kSilent;
+  if (grpc_message.empty()) return ConnectFailure::kNoResponse;
   for (const auto& [words, failure] : kWords) {
     if (grpc_message.find(words) != std::string::npos) return failure;
   }

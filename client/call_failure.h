@@ -30,12 +30,12 @@ absl::Status WithMessage(const absl::Status& status, const std::string& message)
 enum class ConnectFailure {
   kNotListening,      // connection refused
   kUnknownHost,       // the host name does not resolve
-  kSilent,            // no response, before or after the TCP connection was established
+  kNoResponse,        // no response, before or after the TCP connection was established
   kClosed,            // the peer closed the connection
   kNotGrpc,           // the response is not gRPC
   kNotTls,            // the response is not TLS
   kUntrusted,         // the server's certificate is not signed by a trusted authority, or expired
-  kOtherName,         // the server's certificate has another name
+  kNameMismatch,      // the server's certificate has another name
   kUnusableTlsFiles,  // options.tls names an invalid certificate, or a key that does not match it
   kOther,
 };

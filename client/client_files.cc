@@ -119,7 +119,7 @@ struct ExportedFile {
   // are accepted, because clips share skeletons.
   absl::Status Compare(bool overwrite) {
     if (!file) return absl::OkStatus();
-    const auto same = file->IsThereAlready();
+    const auto same = file->HasSameContent();
     if (!same.ok()) return same.status();
     std::error_code ignored;
     if (*same) {

@@ -139,7 +139,7 @@ absl::Status OutputFile::Flush(bool to_disk) {
   return to_disk && fsync(descriptor_) != 0 ? WriteError() : absl::OkStatus();
 }
 
-absl::StatusOr<bool> OutputFile::IsThereAlready() {
+absl::StatusOr<bool> OutputFile::HasSameContent() {
   if (absl::Status flushed = Flush(); !flushed.ok()) return flushed;
   const int existing = open(path_.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (existing < 0) return false;
@@ -202,7 +202,7 @@ absl::Status CheckFileNameFromServer(const std::string& name) {
                   name));
 }
 
-absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes) {
+absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
   auto file = OutputFile::Create(path);
   if (!file.ok()) return file.status();
   if (const absl::Status written = file->Append(bytes); !written.ok()) return written;

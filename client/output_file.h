@@ -27,7 +27,7 @@ class OutputFile {
   // Writes the buffer; with `to_disk` also syncs the file.
   absl::Status Flush(bool to_disk = false);
   // Returns whether the final name is a regular file, not a link, with the same contents.
-  absl::StatusOr<bool> IsThereAlready();
+  absl::StatusOr<bool> HasSameContent();
   // Flushes and gives the file its name. ALREADY_EXISTS: the name exists, also as a link, without
   // `replace`. FAILED_PRECONDITION: with `replace`, the name is neither a regular file nor a link.
   absl::Status Commit(bool replace);
@@ -50,6 +50,6 @@ absl::Status CheckFileNameFromServer(const std::string& name);
 
 // Writes a file atomically; replaces an existing one. UNKNOWN, with the file name: it cannot be
 // written; the existing file is unchanged.
-absl::Status WriteWholeFile(const std::filesystem::path& path, std::string_view bytes);
+absl::Status WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace motiondb::client

@@ -139,7 +139,7 @@ absl::Status Serve(const Settings& settings) {
   MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
                             PlanSecurity(settings.server.security, settings.server.listen));
   // At any log level.
-  for (const std::string& warning : plan.warnings) Tell(settings.log.format, warning);
+  for (const std::string& warning : plan.warnings) PrintAlways(settings.log.format, warning);
   // Before the store, so that a long start can be monitored.
   const auto monitor =
       std::make_shared<Monitor>(MonitorOptions{.methods = MethodNames(),
@@ -152,7 +152,7 @@ absl::Status Serve(const Settings& settings) {
     std::fflush(stdout);
   }
   // Before the store is created or upgraded: a server that cannot listen must not do it.
-  MOTIONDB_RETURN_IF_ERROR(TryListening(settings.server.listen));
+  MOTIONDB_RETURN_IF_ERROR(CheckListening(settings.server.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto store, OpenStore(settings));
   // Never shut down: grpc_shutdown waits for all of gRPC's threads, even for one that did not start
   // because memory was exhausted. Then the store would not be closed.
@@ -241,15 +241,16 @@ int Run(int argc, const char* const* argv) {
   const LogSettings& log = reader.settings().log;
   StartLog(log.format, log.level);
   LogGrpc();
-  for (const std::string& warning : reader.warnings()) Tell(log.format, warning);
+  for (const std::string& warning : reader.warnings()) PrintAlways(log.format, warning);
   const std::vector<absl::Status> violations = reader.CheckToServe();
-  for (const absl::Status& problem : violations) Tell(log.format, std::string(problem.message()));
+  for (const absl::Status& problem : violations)
+    PrintAlways(log.format, std::string(problem.message()));
   if (!violations.empty()) return kWrongSettings;
   const absl::Status status = ServeWithoutExceptions(reader.settings());
   if (status.ok()) return 0;
-  Tell(log.format, std::string(status.message()));
+  PrintAlways(log.format, std::string(status.message()));
   if (absl::IsDataLoss(status)) {
-    Tell(
+    PrintAlways(
         log.format,
         "the store is corrupt and cannot be opened: restore a backup into a new store, or copy the "
         "file with its -wal file and create a new store from the output of `sqlite3 COPY "

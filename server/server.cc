@@ -17,8 +17,8 @@
 #include "server/engine/clock.h"
 #include "server/http2/listener.h"
 #include "server/rpc/call_identity.h"
+#include "server/rpc/idle_timer.h"
 #include "server/rpc/services.h"
-#include "server/rpc/silence_limit.h"
 #include "server/security/operator_file.h"
 #include "server/security/tls.h"
 #include "storage/mutex.h"
@@ -58,12 +58,13 @@ void EnablePlugins() {
 
 // Cancels ended calls whose client has not read the response within the idle timeout, or up to a
 // tenth later.
-std::unique_ptr<SilenceLimit> WatchUnreadResponses(CallHost& host) {
-  const auto longest = host.limits.options().longest_silence;
+std::unique_ptr<IdleTimer> WatchUnreadResponses(ServiceContext& host) {
+  const auto longest = host.limits.options().idle_limit;
   const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
-  return std::make_unique<SilenceLimit>(
-      host.engine.workers(), period, period,
-      [&gate = host.gate, longest] { gate.CancelEndedBefore(CallGate::Clock::now() - longest); });
+  return std::make_unique<IdleTimer>(host.engine.workers(), period, period,
+                                     [&gate = host.gate, longest] {
+                                       gate.CancelEndedBefore(CallRegistry::Clock::now() - longest);
+                                     });
 }
 
 // Time for clients to close their connections before the server closes them.
@@ -107,7 +108,7 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
   }
   if (options.security.tls.enabled()) {
     const auto set_end = [&monitor = *server->monitor_](std::int64_t end_time_s) {
-      monitor.SetCertificateEnd(end_time_s);
+      monitor.SetCertificateExpiry(end_time_s);
     };
     MOTIONDB_ASSIGN_OR_RETURN(server->tls_, Tls::Start(options.security.tls, set_end));
   }
@@ -122,12 +123,12 @@ Server::Server(std::unique_ptr<Engine> engine, const AccessOptions& access,
     : monitor_(std::move(monitor)),
       engine_(std::move(engine)),
       attachment_(*monitor_, *engine_),
-      host_(new CallHost{*engine_,
-                         {engine_->store().access(), access},
-                         CallLimits(calls),
-                         CallMemory(calls.message_memory_bytes),
-                         {},
-                         *monitor_}) {
+      host_(new ServiceContext{*engine_,
+                               {engine_->store().access(), access},
+                               CallLimits(calls),
+                               CallMemory(calls.message_memory_bytes),
+                               {},
+                               *monitor_}) {
   idle_watch_ = WatchUnreadResponses(*host_);
   services_.push_back(MakeDatabaseService(*host_));
   services_.push_back(MakeClipService(*host_));
@@ -206,7 +207,7 @@ struct HealthWatch::State {
 
 HealthWatch::HealthWatch(Engine& engine, grpc::HealthCheckServiceInterface& health)
     : state_(std::make_shared<State>()),
-      timer_(std::make_unique<SilenceLimit>(
+      timer_(std::make_unique<IdleTimer>(
           engine.workers(), kCheckPeriod, kCheckPeriod, [&engine, state = state_] {
             // The check may block on the disk, so it must not run on a request thread.
             if (state->is_checking.exchange(true)) return;

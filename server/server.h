@@ -23,11 +23,11 @@ class HealthCheckServiceInterface;
 
 namespace motiondb::server {
 
-struct CallHost;
+struct ServiceContext;
 class FileWatch;
 class HealthWatch;
 class Listener;
-class SilenceLimit;
+class IdleTimer;
 class Tls;
 
 // Thread-safe. Owns the store, all threads and the socket.
@@ -58,9 +58,9 @@ class Server {
   const std::shared_ptr<Monitor> monitor_;
   const std::unique_ptr<Engine> engine_;
   const Monitor::Attachment attachment_;
-  const std::unique_ptr<CallHost> host_;
-  std::unique_ptr<SilenceLimit> idle_watch_;  // cancels calls with unread responses
-  std::unique_ptr<FileWatch> admin_token_;    // null: no admin token file
+  const std::unique_ptr<ServiceContext> host_;
+  std::unique_ptr<IdleTimer> idle_watch_;   // cancels calls with unread responses
+  std::unique_ptr<FileWatch> admin_token_;  // null: no admin token file
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;
@@ -69,7 +69,7 @@ class Server {
   std::string address_;
 };
 
-class SilenceLimit;
+class IdleTimer;
 
 // Updates gRPC's health service every second, on the thread of urgent changes. While the store
 // refuses additions (disk full or failing), the server as a whole and the services that add data
@@ -86,7 +86,7 @@ class HealthWatch {
   static void Check(Engine& engine, const std::shared_ptr<State>& state);
 
   const std::shared_ptr<State> state_;  // shared with posted work
-  const std::unique_ptr<SilenceLimit> timer_;
+  const std::unique_ptr<IdleTimer> timer_;
 };
 
 }  // namespace motiondb::server

@@ -13,7 +13,7 @@ namespace motiondb::storage {
 struct AuditRecord;
 
 // Options of a write to a store.
-struct ChangeTerms {
+struct WriteOptions {
   // Audit entry, stored in the same transaction as the change. Null: no entry.
   const AuditRecord* audit = nullptr;
   // Polled while the change waits in the queue, not after it has begun. If it returns true, the
@@ -57,7 +57,7 @@ class AccessStore {
   virtual ~AccessStore() = default;
 
   // ALREADY_EXISTS if the id exists.
-  virtual absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) = 0;
+  virtual absl::Status AddToken(const TokenRecord& record, const WriteOptions& terms = {}) = 0;
   // NOT_FOUND if there is no such token.
   virtual absl::StatusOr<TokenRecord> GetToken(const std::string& id) = 0;
   // Returns at most `limit` tokens after the token `after` (empty: from the first), in order of
@@ -67,9 +67,9 @@ class AccessStore {
   // Returns the updated record. A token that is already revoked keeps its revoke time. NOT_FOUND
   // if there is no such token.
   virtual absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                                  const ChangeTerms& terms = {}) = 0;
+                                                  const WriteOptions& terms = {}) = 0;
 
-  // The last 100,000 entries are kept. `cancelled`: see ChangeTerms.
+  // The last 100,000 entries are kept. `cancelled`: see WriteOptions.
   virtual absl::Status AddAuditRecord(const AuditRecord& record,
                                       const core::Cancelled& cancelled = {}) = 0;
   // Returns at most `limit` entries with a sequence below `before` (0: from the newest), newest

@@ -9,7 +9,7 @@
 
 namespace motiondb::storage {
 
-inline absl::Status NotWanted() {
+inline absl::Status CancelledInQueue() {
   return absl::CancelledError("the request was cancelled while it waited in the queue");
 }
 
@@ -24,11 +24,11 @@ class CancellableMutex {
   // Waits for the mutex. Returns CANCELLED within about 20 ms after `cancelled` returns true.
   absl::StatusOr<Holder> Lock(const core::Cancelled& cancelled) {
     const MutexLock lock(mutex_);
-    const bool is_free = released_.WaitUnless(mutex_, cancelled, [this] {
+    const bool is_free = released_.WaitOrCancel(mutex_, cancelled, [this] {
       mutex_.AssertHeld();
       return !is_held_;
     });
-    if (!is_free) return NotWanted();
+    if (!is_free) return CancelledInQueue();
     is_held_ = true;
     return Holder(this);
   }

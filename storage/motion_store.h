@@ -19,7 +19,7 @@
 #include "core/tree/parallel.h"
 #include "storage/access_store.h"
 #include "storage/records.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::core {
 class Model;
@@ -50,13 +50,13 @@ class MotionStore {
 
   // Databases, listed in order of name.
   virtual absl::Status CreateDatabase(const DatabaseRecord& record,
-                                      const ChangeTerms& terms = {}) = 0;
+                                      const WriteOptions& terms = {}) = 0;
   virtual absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) = 0;
   virtual absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) = 0;
   // Deletes a database with its content. It is invisible to other calls immediately, and its name
   // can be reused. PurgeDeletedDatabases frees its disk space.
   virtual absl::Status DeleteDatabase(const std::string& database,
-                                      const ChangeTerms& terms = {}) = 0;
+                                      const WriteOptions& terms = {}) = 0;
   // Frees the content of deleted databases in many short transactions; other writes run between
   // them. Only one call at a time; other functions may run concurrently. CANCELLED if `cancelled`
   // returns true; the next call continues. DATA_LOSS if some content cannot be read and stays; the
@@ -78,7 +78,7 @@ class MotionStore {
   // and DropModel free them if the current model does not need them.
   virtual absl::StatusOr<ClipRecord> DeleteClip(const std::string& database,
                                                 const std::string& clip,
-                                                const ChangeTerms& terms = {}) = 0;
+                                                const WriteOptions& terms = {}) = 0;
   // Returns the ingested bytes.
   virtual absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                                     const std::string& clip) = 0;
@@ -158,7 +158,7 @@ class MotionStore {
   virtual AccessStore& access() = 0;
 
   // Verify, backup and restore. Valid as long as this store.
-  virtual StoreUpkeep& upkeep() = 0;
+  virtual StoreMaintenance& maintenance() = 0;
 };
 
 }  // namespace motiondb::storage

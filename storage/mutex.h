@@ -82,7 +82,7 @@ using WaitClock = std::chrono::steady_clock;
 #endif
 
 // Returns when a waiting thread polls its cancellation next.
-inline WaitClock::time_point NextQuestion() {
+inline WaitClock::time_point NextPollTime() {
   return WaitClock::now() + std::chrono::milliseconds(20);
 }
 
@@ -105,12 +105,12 @@ class ConditionVariable {
   // Returns false if `cancelled` returns true before the condition does. `cancelled` is called with
   // the mutex held: immediately, and then every 20 ms. If it is empty, the wait is unlimited.
   template <typename Condition>
-  bool WaitUnless(Mutex& mutex, const core::Cancelled& cancelled, const Condition& condition)
+  bool WaitOrCancel(Mutex& mutex, const core::Cancelled& cancelled, const Condition& condition)
       ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex) {
     if (!cancelled) changed_.wait(mutex, condition);
     while (!condition()) {
       if (cancelled()) return false;
-      changed_.wait_until(mutex, NextQuestion(), condition);
+      changed_.wait_until(mutex, NextPollTime(), condition);
     }
     return true;
   }

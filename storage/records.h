@@ -69,7 +69,7 @@ struct NewClip {
   // Makes the audit entry of the stored clip, which is stored in the same transaction; empty: no
   // entry. May be called more than once, on the writer thread.
   std::function<AuditRecord(const ClipRecord&)> audit;
-  core::Cancelled cancelled;  // see ChangeTerms
+  core::Cancelled cancelled;  // see WriteOptions
 };
 
 // The result of an attempt to derive a clip's states from its file again.

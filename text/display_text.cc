@@ -75,7 +75,7 @@ std::string EscapedJson(std::string_view json) {
   return escaped;
 }
 
-std::string WithoutSecrets(std::string_view text) {
+std::string RedactSecrets(std::string_view text) {
   std::string shown;
   while (true) {
     const std::size_t begin = text.find(kTokenPrefix);
@@ -95,6 +95,6 @@ std::string WithoutSecrets(std::string_view text) {
   }
 }
 
-std::string SafeText(std::string_view text) { return DisplayText(WithoutSecrets(text)); }
+std::string SafeText(std::string_view text) { return DisplayText(RedactSecrets(text)); }
 
 }  // namespace motiondb::text

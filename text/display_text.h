@@ -33,7 +33,7 @@ inline constexpr int kTokenIdBytes = 6;
 
 // Replaces the secrets of tokens in the text by "...". A secret, also an incomplete one, follows
 // the prefix and id of a token and ends at white space, a quote, a bracket, or one of "/,;:@".
-std::string WithoutSecrets(std::string_view text);
+std::string RedactSecrets(std::string_view text);
 
 // Returns one line without secrets and display controls, for errors and logs.
 std::string SafeText(std::string_view text);

@@ -11,7 +11,7 @@ Character FirstCharacter(std::string_view text) {
   if (first < 0xC2 || first > 0xF4 || text.size() < bytes) return {};
   char32_t code = first & (0xFFU >> (bytes + 1));
   for (std::size_t i = 1; i < bytes; ++i) {
-    if (!ContinuesCharacter(text[i])) return {};
+    if (!IsContinuationByte(text[i])) return {};
     code = (code << 6) | (static_cast<std::uint8_t>(text[i]) & 0x3FU);
   }
   const bool overlong = (bytes == 3 && code < 0x800) || (bytes == 4 && code < 0x10000);
@@ -28,11 +28,11 @@ bool IsUtf8(std::string_view text) {
   return true;
 }
 
-bool ContinuesCharacter(char byte) { return (static_cast<std::uint8_t>(byte) & 0xC0) == 0x80; }
+bool IsContinuationByte(char byte) { return (static_cast<std::uint8_t>(byte) & 0xC0) == 0x80; }
 
-std::string_view CutAt(std::string_view text, std::size_t max_bytes) {
+std::string_view TruncateUtf8(std::string_view text, std::size_t max_bytes) {
   if (text.size() <= max_bytes) return text;
-  while (max_bytes > 0 && ContinuesCharacter(text[max_bytes])) --max_bytes;
+  while (max_bytes > 0 && IsContinuationByte(text[max_bytes])) --max_bytes;
   return text.substr(0, max_bytes);
 }
 
@@ -51,7 +51,7 @@ std::string ValidUtf8(std::string_view text, std::size_t limit) {
   constexpr std::string_view kCut = "...";
   std::string valid = ValidUtf8(text);
   if (valid.size() <= limit) return valid;
-  valid.resize(CutAt(valid, limit - kCut.size()).size());
+  valid.resize(TruncateUtf8(valid, limit - kCut.size()).size());
   return valid.append(kCut);
 }
 

@@ -21,10 +21,10 @@ Character FirstCharacter(std::string_view text);
 bool IsUtf8(std::string_view text);
 
 // Returns whether a byte is a continuation byte of a character.
-bool ContinuesCharacter(char byte);
+bool IsContinuationByte(char byte);
 
 // Returns the longest prefix of whole characters with at most `max_bytes` bytes.
-std::string_view CutAt(std::string_view text, std::size_t max_bytes);
+std::string_view TruncateUtf8(std::string_view text, std::size_t max_bytes);
 
 // Returns the text with each invalid byte replaced by U+FFFD.
 std::string ValidUtf8(std::string_view text);

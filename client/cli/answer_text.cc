@@ -27,14 +27,14 @@ std::string Label(const v1::RecognitionWindow& window, int rank) {
   if (rank >= window.labels_size()) return "";
   const auto& label = window.labels(rank);
   if (rank > 0 && label.probability() < kMinShownProbability) return "";
-  return fmt::format("{} {:.2f}", LabelWord(label.label()), label.probability());
+  return fmt::format("{} {:.2f}", LabelOrPlaceholder(label.label()), label.probability());
 }
 
 // "walk 93 % (14 of 15 windows), jog 7 % (1 of 15 windows)"
 std::string Summary(const v1::RecognizeResponse& response) {
   std::map<std::string, int> windows_of;
   for (const auto& window : response.windows()) {
-    if (window.labels_size() > 0) ++windows_of[LabelWord(window.labels(0).label())];
+    if (window.labels_size() > 0) ++windows_of[LabelOrPlaceholder(window.labels(0).label())];
   }
   std::vector<std::pair<std::string, int>> ranked(windows_of.begin(), windows_of.end());
   std::stable_sort(ranked.begin(), ranked.end(),
@@ -64,8 +64,7 @@ std::string RecognitionText(const v1::RecognizeResponse& response) {
                                              : "best clip " + ShortName(window.clips(0).clip()));
     table.AddRow(cells);
   }
-  return table.ToString() + Summary(response) + "\n" +
-         BorrowedCalibrationText(response.calibration());
+  return table.ToString() + Summary(response) + "\n" + CalibrationNote(response.calibration());
 }
 
 namespace {
@@ -198,7 +197,7 @@ std::string PredictionText(const v1::PredictResponse& response,
                      response.at_seconds(), response.state().node_id(), response.layer(),
                      response.state().probability()) +
          NextNodesText(response) + HorizonsText(response, marker_names) +
-         BorrowedCalibrationText(response.calibration());
+         CalibrationNote(response.calibration());
 }
 
 }  // namespace motiondb::client

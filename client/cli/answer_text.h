@@ -27,7 +27,7 @@ std::string PredictionText(const v1::PredictResponse& response,
 std::string OutcomeText(v1::PlanOutcome outcome);
 
 // Returns one line: duration, length, distance from the goal, smallest clearance.
-std::string PlanFigures(const v1::PlanQuality& quality);
+std::string PlanSummary(const v1::PlanQuality& quality);
 
 // Returns the outcome, the stored segments, a table of quality values with a column for each
 // motion, and the effort of the search.

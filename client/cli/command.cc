@@ -107,12 +107,12 @@ std::string Advice(ConnectFailure failure, const GlobalOptions& global) {
       return "omit --tls and the options and variables that begin with --tls- and MOTIONDB_TLS";
     case ConnectFailure::kUntrusted:
       return "set the certificate of its authority with --tls-ca";
-    case ConnectFailure::kOtherName:
+    case ConnectFailure::kNameMismatch:
       return "set the name in the certificate with --tls-server-name, or use it with --server";
     case ConnectFailure::kUnusableTlsFiles:
       return "check --tls-ca, --tls-certificate and --tls-key";
     case ConnectFailure::kUnknownHost:
-    case ConnectFailure::kSilent:
+    case ConnectFailure::kNoResponse:
     case ConnectFailure::kOther:
       break;
   }

@@ -23,7 +23,7 @@ std::string ModelWord(int version) { return version == 0 ? "none" : std::to_stri
 
 }  // namespace
 
-std::string LastWord(const std::string& enum_name) {
+std::string EnumValueText(const std::string& enum_name) {
   std::string word = enum_name.substr(enum_name.rfind('_') + 1);
   for (char& c : word) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return word;
@@ -33,12 +33,12 @@ std::string TimeText(const google::protobuf::Timestamp& time) {
   return TimeUtil::ToString(TimeUtil::SecondsToTimestamp(time.seconds()));
 }
 
-std::string LabelWord(const std::string& label) {
+std::string LabelOrPlaceholder(const std::string& label) {
   return label.empty() ? "(no label)" : text::DisplayText(label);
 }
 
-std::string StateWord(const v1::Operation& operation) {
-  return LastWord(v1::OperationState_Name(operation.state()));
+std::string OperationStateText(const v1::Operation& operation) {
+  return EnumValueText(v1::OperationState_Name(operation.state()));
 }
 
 std::string DatabasesText(const std::vector<v1::Database>& databases) {
@@ -55,7 +55,7 @@ std::string DatabasesText(const std::vector<v1::Database>& databases) {
     table.AddRow({ShortName(database.name()), std::to_string(database.clip_count()),
                   std::to_string(database.frame_count()),
                   fmt::format("{:g} Hz", database.frame_rate_hz()), database.marker_set(),
-                  LastWord(v1::Scaling_Name(database.scaling())),
+                  EnumValueText(v1::Scaling_Name(database.scaling())),
                   ModelWord(database.model_version()), TimeText(database.create_time())});
   }
   return table.ToString();
@@ -66,8 +66,8 @@ std::string DatabaseText(const v1::Database& database) {
   table.AddRow({"database", ShortName(database.name())});
   table.AddRow({"frame rate", fmt::format("{:g} Hz", database.frame_rate_hz())});
   table.AddRow({"minimum frames of a node", std::to_string(database.min_frames())});
-  table.AddRow({"scaling", LastWord(v1::Scaling_Name(database.scaling()))});
-  table.AddRow({"glitches", LastWord(v1::Glitches_Name(database.glitches()))});
+  table.AddRow({"scaling", EnumValueText(v1::Scaling_Name(database.scaling()))});
+  table.AddRow({"glitches", EnumValueText(v1::Glitches_Name(database.glitches()))});
   table.AddRow(
       {"marker set", database.marker_names_size() == 0
                          ? database.marker_set()
@@ -91,7 +91,7 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
   for (const v1::Clip& clip : clips) {
     any_failed = any_failed || !clip.derive_error().empty();
     table.AddRow(
-        {ShortName(clip.name()), LabelWord(clip.label()), clip.subject(),
+        {ShortName(clip.name()), LabelOrPlaceholder(clip.label()), clip.subject(),
          std::to_string(clip.frame_count()), fmt::format("{:.2f} s", clip.duration_seconds()),
          fmt::format("{:.3f} m", clip.leg_length_m()),
          fmt::format("{:g} Hz", clip.source_frame_rate_hz()), clip.file_name(), clip.glitches()});
@@ -107,11 +107,11 @@ std::string ClipsText(const std::vector<v1::Clip>& clips) {
 }
 
 std::string IngestedClipText(const v1::Clip& clip) {
-  std::string text = fmt::format("{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
-                                 text::DisplayText(ShortName(clip.name())), LabelWord(clip.label()),
-                                 CountText(clip.frame_count(), "frame"), clip.duration_seconds(),
-                                 clip.leg_length_m(), text::DisplayText(clip.file_name()),
-                                 clip.source_frame_rate_hz());
+  std::string text = fmt::format(
+      "{}  {}  {}  {:.2f} s  leg {:.3f} m  from {} at {:g} Hz\n",
+      text::DisplayText(ShortName(clip.name())), LabelOrPlaceholder(clip.label()),
+      CountText(clip.frame_count(), "frame"), clip.duration_seconds(), clip.leg_length_m(),
+      text::DisplayText(clip.file_name()), clip.source_frame_rate_hz());
   // Indents each line of the report under its clip.
   std::string report = clip.source_report();
   while (!report.empty()) {
@@ -135,7 +135,7 @@ std::string UnderivedText(const v1::DatabaseStatistics& description) {
   return text;
 }
 
-std::string BorrowedCalibrationText(v1::Calibration calibration) {
+std::string CalibrationNote(v1::Calibration calibration) {
   if (calibration != v1::CALIBRATION_PREVIOUS && calibration != v1::CALIBRATION_TYPICAL) return "";
   return fmt::format(
       "the model is new: it uses {} calibration until its own is complete, and is stored then\n",
@@ -156,19 +156,19 @@ std::string DescriptionText(const v1::DatabaseStatistics& description) {
   count("dimensions", description.dimension_count());
   table.AddRow({"frame rate", fmt::format("{:g} Hz", description.frame_rate_hz())});
   if (description.glitches() != v1::GLITCHES_UNSPECIFIED) {  // from an older server
-    table.AddRow({"glitches", LastWord(v1::Glitches_Name(description.glitches()))});
+    table.AddRow({"glitches", EnumValueText(v1::Glitches_Name(description.glitches()))});
   }
   table.AddRow({"model version", ModelWord(description.model_version())});
   const v1::Calibration calibration = description.calibration();
   if (calibration != v1::CALIBRATION_UNSPECIFIED) {  // no model, or an older server's
-    table.AddRow({"calibration", LastWord(v1::Calibration_Name(calibration))});
+    table.AddRow({"calibration", EnumValueText(v1::Calibration_Name(calibration))});
   }
   table.AddRow({"build time", fmt::format("{:.2f} s", description.build_seconds())});
-  std::string text = table.ToString() + BorrowedCalibrationText(calibration);
+  std::string text = table.ToString() + CalibrationNote(calibration);
   if (description.added_clip_count() > 0) {
     text +=
         fmt::format("{}{}\n", CountText(description.clip_count(), "clip"),
-                    AddedSinceText(description.added_clip_count(), description.drift_fraction()));
+                    AddedClipsText(description.added_clip_count(), description.drift_fraction()));
   }
   if (description.stored_clip_count() != description.clip_count()) {
     const int stored = description.stored_clip_count();
@@ -186,7 +186,7 @@ std::string DescriptionText(const v1::DatabaseStatistics& description) {
   if (description.labels_size() > 0) {
     Table labels({{"LABEL"}, {"CLIPS", Align::kRight}, {"FRAMES", Align::kRight}});
     for (const auto& label : description.labels()) {
-      labels.AddRow({LabelWord(label.label()), std::to_string(label.clip_count()),
+      labels.AddRow({LabelOrPlaceholder(label.label()), std::to_string(label.clip_count()),
                      std::to_string(label.frame_count())});
     }
     text += "\n" + labels.ToString();
@@ -207,7 +207,8 @@ std::string OperationsText(const std::vector<v1::Operation>& operations) {
                {"ERROR"}});
   for (const v1::Operation& operation : operations) {
     table.AddRow({ShortName(operation.name()), ShortName(operation.database()),
-                  LastWord(v1::OperationKind_Name(operation.kind())), StateWord(operation),
+                  EnumValueText(v1::OperationKind_Name(operation.kind())),
+                  OperationStateText(operation),
                   fmt::format("{:.0f} %", operation.progress() * 100), operation.stage(),
                   ShortName(ModelOf(operation)), TimeText(operation.create_time()),
                   operation.error().message()});
@@ -233,7 +234,7 @@ std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_se
   if (tokens.empty()) return "no tokens; create one with `motiondb token create --role ROLE`\n";
   Table table({{"TOKEN"}, {"ROLE"}, {"DATABASE"}, {"STATE"}, {"EXPIRES"}, {"CREATED"}, {"FOR"}});
   for (const v1::Token& token : tokens) {
-    table.AddRow({ShortName(token.name()), LastWord(v1::Role_Name(token.role())),
+    table.AddRow({ShortName(token.name()), EnumValueText(v1::Role_Name(token.role())),
                   DatabaseWord(token), StateText(token, now_seconds),
                   token.has_expire_time() ? TimeText(token.expire_time()) : "never",
                   TimeText(token.create_time()), token.description()});
@@ -243,7 +244,7 @@ std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_se
 
 std::string TokenText(const v1::Token& token) {
   return fmt::format(
-      "{}: {} of {}, {}", token.name(), LastWord(v1::Role_Name(token.role())),
+      "{}: {} of {}, {}", token.name(), EnumValueText(v1::Role_Name(token.role())),
       token.database().empty() ? "all databases" : token.database(),
       token.has_expire_time() ? "until " + TimeText(token.expire_time()) : "until it is revoked");
 }

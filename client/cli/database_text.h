@@ -25,7 +25,7 @@ std::string ClipsText(const std::vector<v1::Clip>& clips);
 std::string IngestedClipText(const v1::Clip& clip);
 
 // Returns a note if the model has no calibration of its own yet; else an empty string.
-std::string BorrowedCalibrationText(v1::Calibration calibration);
+std::string CalibrationNote(v1::Calibration calibration);
 
 // Returns statistics of the model, with those of the paper's Table I.
 std::string DescriptionText(const v1::DatabaseStatistics& description);
@@ -36,16 +36,16 @@ std::string UnderivedText(const v1::DatabaseStatistics& description);
 std::string OperationsText(const std::vector<v1::Operation>& operations);
 
 // "running", "succeeded", ...
-std::string StateWord(const v1::Operation& operation);
+std::string OperationStateText(const v1::Operation& operation);
 
 // Returns the last word of an enum name in lower case: SCALING_KIND -> "kind".
-std::string LastWord(const std::string& enum_name);
+std::string EnumValueText(const std::string& enum_name);
 
 // Returns the time without fractions of seconds.
 std::string TimeText(const google::protobuf::Timestamp& time);
 
 // Returns the label, or "(no label)" if it is empty.
-std::string LabelWord(const std::string& label);
+std::string LabelOrPlaceholder(const std::string& label);
 
 // `now_seconds`: Unix time, for the state of the tokens.
 std::string TokensText(const std::vector<v1::Token>& tokens, std::int64_t now_seconds);

@@ -43,9 +43,9 @@ FloorView::FloorView(const FloorBounds& bounds, double left, double top, const L
   Widen(std::max(bounds.width(), kMinExtentM) + 2 * border, bounds_.min_x, bounds_.max_x);
   Widen(std::max(bounds.height(), kMinExtentM) + 2 * border, bounds_.min_y, bounds_.max_y);
   pixels_per_m_ =
-      std::min(limits.largest_width / bounds_.width(), limits.largest_height / bounds_.height());
-  Widen(limits.least_width / pixels_per_m_, bounds_.min_x, bounds_.max_x);
-  Widen(limits.least_height / pixels_per_m_, bounds_.min_y, bounds_.max_y);
+      std::min(limits.max_width / bounds_.width(), limits.max_height / bounds_.height());
+  Widen(limits.min_width / pixels_per_m_, bounds_.min_x, bounds_.max_x);
+  Widen(limits.min_height / pixels_per_m_, bounds_.min_y, bounds_.max_y);
   frame_ = {left, top, Pixels(bounds_.width()), Pixels(bounds_.height())};
 }
 
@@ -291,7 +291,7 @@ std::string FloorLegendSvg(const v1::PlanRequest& request, const v1::PlanRespons
 // Returns the lines below the title.
 std::vector<std::string> LinesBelowTitle(const v1::PlanResponse& response) {
   std::vector<std::string> lines;
-  if (response.has_motion()) lines.push_back(PlanFigures(response.motion().quality()));
+  if (response.has_motion()) lines.push_back(PlanSummary(response.motion().quality()));
   if (!response.missing().empty()) lines.push_back(response.missing());
   return lines;
 }

@@ -34,10 +34,10 @@ class FloorView {
   // Shows `bounds` and a margin as large as the maximum width and height allow. Shows more floor if
   // the view would be smaller than the minimum. All limits in pixels.
   struct Limits {
-    double least_width = 520;
-    double least_height = 260;
-    double largest_width = 860;
-    double largest_height = 620;
+    double min_width = 520;
+    double min_height = 260;
+    double max_width = 860;
+    double max_height = 620;
   };
   FloorView(const FloorBounds& bounds, double left, double top, const Limits& limits);
 

@@ -283,7 +283,7 @@ absl::Status Dump::WriteJson(const v1::Database& database) const {
 }}
 )",
       IndentedJson(model_), database.frame_rate_hz(), markers);
-  return WriteWholeFile(directory_ / "model.json", json);
+  return WriteFileAtomically(directory_ / "model.json", json);
 }
 
 }  // namespace

@@ -82,10 +82,10 @@ class LiveLine {
   void Show(const v1::ObserveResponse& answer) {
     const double seconds = static_cast<double>(answer.frame()) / frame_rate_hz_;
     if (terminal_) {
-      fmt::print("\r\033[K{}", text::DisplayText(ObservedLine(answer, seconds)));
+      fmt::print("\r\033[K{}", text::DisplayText(ObserveAnswerLine(answer, seconds)));
       std::fflush(stdout);
     } else if (!shown_ || seconds >= *shown_ + kLineEvery - 1e-9 || answer.model_replaced()) {
-      PrintLineText(ObservedLine(answer, seconds));
+      PrintLineText(ObserveAnswerLine(answer, seconds));
       shown_ = seconds;
     }
   }

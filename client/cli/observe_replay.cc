@@ -62,7 +62,7 @@ void SendAll(const std::vector<float>& positions, int frame_count, const ReplayO
 
 }  // namespace
 
-absl::StatusOr<ReplayFigures> Replay(
+absl::StatusOr<ReplayStatistics> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
     const ReplayOptions& options,
     const std::function<void(const v1::ObserveResponse&)>& on_answer) {
@@ -72,7 +72,7 @@ absl::StatusOr<ReplayFigures> Replay(
 
   ObserveStream stream = client.Observe(start);
   SendTimes times;
-  ReplayFigures figures{.frames = motion.frame_count()};
+  ReplayStatistics figures{.frames = motion.frame_count()};
   const auto begin = Clock::now();
   std::thread sender(SendAll, std::cref(positions), motion.frame_count(), std::cref(options),
                      std::ref(stream), std::ref(times));
@@ -102,7 +102,7 @@ std::string LabelsText(const v1::ObserveResponse& answer) {
   std::string text;
   for (int i = 0; i < std::min(answer.labels_size(), kShownLabels); ++i) {
     const v1::LabelProbability& label = answer.labels(i);
-    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelWord(label.label()),
+    text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelOrPlaceholder(label.label()),
                         label.probability());
   }
   return text;
@@ -110,7 +110,7 @@ std::string LabelsText(const v1::ObserveResponse& answer) {
 
 }  // namespace
 
-std::string ObservedLine(const v1::ObserveResponse& answer, double seconds) {
+std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds) {
   std::string line = fmt::format("{:7.2f} s  ", seconds);
   if (!answer.has_state()) {
     line += "no frame with both hips yet";
@@ -136,7 +136,8 @@ std::string ObservedLine(const v1::ObserveResponse& answer, double seconds) {
   return line;
 }
 
-std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last, bool paced) {
+std::string ReplayText(const ReplayStatistics& figures, const v1::ObserveResponse& last,
+                       bool paced) {
   std::vector<double> sorted = figures.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
   std::string text = fmt::format(

@@ -18,7 +18,7 @@ struct ReplayOptions {
 };
 
 // Statistics of a replay.
-struct ReplayFigures {
+struct ReplayStatistics {
   int frames = 0;
   double seconds = 0;  // from the first message to the last answer
   // Time from each message to its answer, in order.
@@ -26,14 +26,15 @@ struct ReplayFigures {
 };
 
 // Calls `on_answer` with each answer, on the calling thread. Returns the error of the stream.
-absl::StatusOr<ReplayFigures> Replay(
+absl::StatusOr<ReplayStatistics> Replay(
     const Client& client, const v1::ObserveStart& start, const v1::MarkerObservation& motion,
     const ReplayOptions& options, const std::function<void(const v1::ObserveResponse&)>& on_answer);
 
 // Returns a line without line end. `seconds`: time of the newest frame in the motion.
-std::string ObservedLine(const v1::ObserveResponse& answer, double seconds);
+std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds);
 
 // Returns a summary. `paced`: messages were sent at a fixed rate, so that latencies are meaningful.
-std::string ReplayText(const ReplayFigures& figures, const v1::ObserveResponse& last, bool paced);
+std::string ReplayText(const ReplayStatistics& figures, const v1::ObserveResponse& last,
+                       bool paced);
 
 }  // namespace motiondb::client

@@ -87,21 +87,21 @@ std::string BackgroundSvg(double width, double height) {
                      SvgNumber(height));
 }
 
-std::string FittingText(const std::string& text, double width) {
+std::string TruncateToWidth(const std::string& text, double width) {
   constexpr std::string_view kCut = "...";
   const auto max_size = static_cast<std::size_t>(std::max(0.0, width) / kCharacterWidth);
   if (text.size() <= max_size) return text;
   if (max_size <= kCut.size()) return "";
-  return std::string(text::CutAt(text, max_size - kCut.size())).append(kCut);
+  return std::string(text::TruncateUtf8(text, max_size - kCut.size())).append(kCut);
 }
 
 std::string HeadingSvg(double left, double width, const std::string& title,
                        const std::vector<std::string>& lines) {
   double y = kTitleHeight;
-  std::string svg = SvgLabel("title", left, y, FittingText(title, width));
+  std::string svg = SvgLabel("title", left, y, TruncateToWidth(title, width));
   for (const std::string& line : lines) {
     y += kLineHeight;
-    svg += SvgLabel("line", left, y, FittingText(line, width));
+    svg += SvgLabel("line", left, y, TruncateToWidth(line, width));
   }
   return svg;
 }

@@ -33,7 +33,7 @@ std::string PictureHead(double width, double height, std::string_view title,
 std::string BackgroundSvg(double width, double height);
 
 // Cuts a line of the heading to a width.
-std::string FittingText(const std::string& text, double width);
+std::string TruncateToWidth(const std::string& text, double width);
 
 // A title and lines below it, and their height with the gap below.
 std::string HeadingSvg(double left, double width, const std::string& title,

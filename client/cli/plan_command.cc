@@ -65,7 +65,7 @@ fs::path Numbered(const fs::path& path, int number) {
 absl::Status WriteFiles(const PlanOptions& options, const v1::PlanRequest& request,
                         const v1::PlanResponse& response, std::vector<std::string>& written) {
   const auto write = [&](const fs::path& path, const std::string& bytes) {
-    absl::Status status = WriteWholeFile(path, bytes);
+    absl::Status status = WriteFileAtomically(path, bytes);
     if (status.ok()) written.push_back(path.string());
     return status;
   };

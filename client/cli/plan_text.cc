@@ -109,7 +109,7 @@ std::string OutcomeText(v1::PlanOutcome outcome) {
   return name.substr(std::string_view("PLAN_OUTCOME_").size());
 }
 
-std::string PlanFigures(const v1::PlanQuality& quality) {
+std::string PlanSummary(const v1::PlanQuality& quality) {
   std::string text = fmt::format("{:.2f} s, {:.2f} m, ends {:.3f} m and {:.3f} rad from the goal",
                                  quality.duration_seconds(), quality.length_m(),
                                  quality.position_error_m(), quality.heading_error_rad());

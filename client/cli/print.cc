@@ -46,7 +46,7 @@ std::string Line(const std::vector<Table::Column>& columns, const std::vector<si
 
 size_t DisplayWidth(const std::string& text) {
   return static_cast<size_t>(
-      std::count_if(text.begin(), text.end(), [](char c) { return !text::ContinuesCharacter(c); }));
+      std::count_if(text.begin(), text.end(), [](char c) { return !text::IsContinuationByte(c); }));
 }
 
 std::string PadRight(const std::string& text, size_t width) {

@@ -28,7 +28,7 @@ std::string ProgressLine(double fraction, const std::string& activity, int colum
   const std::string line =
       fmt::format("[{}{}] {:3.0f} %  {}", std::string(filled, '#'),
                   std::string(kBarCells - filled, '.'), shown * 100, text::DisplayText(activity));
-  return std::string(text::CutAt(line, static_cast<std::size_t>(std::max(columns - 1, 0))));
+  return std::string(text::TruncateUtf8(line, static_cast<std::size_t>(std::max(columns - 1, 0))));
 }
 
 ProgressBar::ProgressBar() : enabled_(isatty(STDERR_FILENO) == 1) {}

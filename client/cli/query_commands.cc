@@ -99,14 +99,14 @@ absl::Status WritePlot(const Client& client, const RecognizeOptions& options,
   };
   absl::Status status = ask(options.query.layer);
   if (status.ok() && options.query.layer == 0 && layers[0].windows_size() > 0) {
-    for (const int layer : LayersAbove(layers[0].windows(0).layer())) {
+    for (const int layer : PlottedLayers(layers[0].windows(0).layer())) {
       if (status = ask(layer); !status.ok()) break;
     }
   }
   if (!status.ok()) return status;
   request.clear_layer();
   if (options.query.layer > 0) request.set_layer(options.query.layer);
-  return WriteWholeFile(options.plot, RecognitionPlotSvg(request, layers));
+  return WriteFileAtomically(options.plot, RecognitionPlotSvg(request, layers));
 }
 
 absl::Status Run(const RecognizeOptions& options, const GlobalOptions& global) {

@@ -34,7 +34,7 @@ absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::st
   return done;
 }
 
-std::string AddedSinceText(int added_clips, double drift_fraction) {
+std::string AddedClipsText(int added_clips, double drift_fraction) {
   if (added_clips == 0) return "";
   return fmt::format(
       ", {} of them added since the build ({:.1f} % of frames in nodes that a build would split)",
@@ -50,7 +50,7 @@ absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operati
   const v1::Model& model = response->model();
   return fmt::format("model {}: {}{}, {}, {}, built in {:.2f} s", model.version(),
                      CountText(model.clip_count(), "clip"),
-                     AddedSinceText(model.added_clip_count(), model.drift_fraction()),
+                     AddedClipsText(model.added_clip_count(), model.drift_fraction()),
                      CountText(model.frame_count(), "frame"),
                      CountText(model.nodes_per_layer_size(), "layer"), model.build_seconds());
 }

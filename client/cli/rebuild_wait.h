@@ -15,7 +15,7 @@ absl::StatusOr<v1::Operation> WaitForRebuild(const Client& client, const std::st
 
 // Returns ", 3 of them added since the build (0.4 % of frames in nodes that a build would split)",
 // or an empty string if none was added.
-std::string AddedSinceText(int added_clips, double drift_fraction);
+std::string AddedClipsText(int added_clips, double drift_fraction);
 
 // Returns "model 3: 19 clips, 6552 frames, 20 layers, built in 4.21 s", or that there is no model.
 absl::StatusOr<std::string> ModelSummary(const Client& client, const v1::Operation& operation);

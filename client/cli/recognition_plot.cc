@@ -46,7 +46,7 @@ std::vector<WindowCell> Cells(const std::vector<const v1::RecognitionWindow*>& w
 
 }  // namespace
 
-LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
+LayerProfile LayerProfileFrom(const v1::RecognizeResponse& response) {
   constexpr double kNone = -std::numeric_limits<double>::infinity();
   std::vector<const v1::RecognitionWindow*> windows;
   for (const v1::RecognitionWindow& window : response.windows()) {
@@ -64,7 +64,7 @@ LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
       ClipProfile& drawn = clips[clip.clip()];
       if (drawn.log_probability.empty()) {
         drawn.clip = ShortName(clip.clip());
-        drawn.label = LabelWord(clip.label());
+        drawn.label = LabelOrPlaceholder(clip.label());
         drawn.log_probability.assign(windows.size(), kNone);
       }
       if (!std::isfinite(clip.log_probability())) continue;
@@ -74,7 +74,7 @@ LayerProfile ProfileOf(const v1::RecognizeResponse& response) {
     // If no clip has a path, all labels are equal, and none wins.
     profile.winners.emplace_back();
     if (explained && windows[i]->labels_size() > 0) {
-      profile.winners.back() = LabelWord(windows[i]->labels(0).label());
+      profile.winners.back() = LabelOrPlaceholder(windows[i]->labels(0).label());
     }
   }
   for (auto& [name, clip] : clips) profile.clips.push_back(std::move(clip));
@@ -125,7 +125,7 @@ std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers) {
   return labels;
 }
 
-std::map<std::string, int> PlacesOf(const std::vector<PlotLabel>& labels) {
+std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels) {
   std::map<std::string, int> places;
   for (const PlotLabel& label : labels) places.emplace(label.name, static_cast<int>(places.size()));
   return places;
@@ -163,7 +163,7 @@ constexpr double kBelowLegend = 24, kBetweenLegendEntries = 34;
 PanelAxes AxesOf(const std::vector<LayerProfile>& layers, const std::vector<PlotLabel>& labels) {
   constexpr double kMinSeconds = 0.01;
   PanelAxes axes;
-  axes.label_places = PlacesOf(labels);
+  axes.label_indices = LabelIndices(labels);
   bool first = true;
   for (const LayerProfile& layer : layers) {
     for (const WindowCell& window : layer.windows) {
@@ -214,7 +214,7 @@ std::vector<LegendEntry> LegendOf(const std::vector<PlotLabel>& labels) {
   std::vector<LegendEntry> entries;
   for (std::size_t i = 0; i < std::min(labels.size(), kMaxEntries); ++i) {
     const std::string style = "sample " + LabelLineStyle(static_cast<int>(i));
-    entries.push_back({fmt::format("{}: {}", FittingText(labels[i].name, kNameWidth),
+    entries.push_back({fmt::format("{}: {}", TruncateToWidth(labels[i].name, kNameWidth),
                                    CountText(labels[i].clip_count, "clip")),
                        [style](double x, double y) { return SvgLine(style, x, y, x + 20, y); }});
   }
@@ -227,7 +227,7 @@ std::vector<LegendEntry> LegendOf(const std::vector<PlotLabel>& labels) {
 
 }  // namespace
 
-std::vector<int> LayersAbove(int bottom_layer) {
+std::vector<int> PlottedLayers(int bottom_layer) {
   std::vector<int> layers;
   int below = bottom_layer;
   for (const int layer : {(bottom_layer + 1) / 2, std::max(2, bottom_layer / 4)}) {
@@ -242,14 +242,15 @@ std::string RecognitionPlotSvg(const v1::RecognizeRequest& request,
                                const std::vector<v1::RecognizeResponse>& responses) {
   constexpr double kTitleNameWidth = 230;
   std::vector<LayerProfile> layers;
-  for (const v1::RecognizeResponse& response : responses) layers.push_back(ProfileOf(response));
+  for (const v1::RecognizeResponse& response : responses)
+    layers.push_back(LayerProfileFrom(response));
   if (layers.empty()) layers.emplace_back();
   const std::vector<PlotLabel> labels = PlotLabels(layers);
   const PanelAxes axes = AxesOf(layers, labels);
   const std::string title =
       fmt::format("Generation probability: {} in {}",
-                  FittingText(request.observation().file().file_name(), kTitleNameWidth),
-                  FittingText(ShortName(request.database()), kTitleNameWidth));
+                  TruncateToWidth(request.observation().file().file_name(), kTitleNameWidth),
+                  TruncateToWidth(ShortName(request.database()), kTitleNameWidth));
   const std::vector<std::string> lines = HeadingLines(request, layers.front(), labels.size());
 
   std::string body = HeadingSvg(kPanelLeft, kPanelWidth, title, lines);

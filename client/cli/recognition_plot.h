@@ -34,7 +34,7 @@ struct LayerProfile {
 };
 
 // Converts a response. Omits windows with invalid times.
-LayerProfile ProfileOf(const v1::RecognizeResponse& response);
+LayerProfile LayerProfileFrom(const v1::RecognizeResponse& response);
 
 // A label of the plot. Labels have the colours of Okabe and Ito, which are safe for colour
 // blindness, except yellow; further labels have the same colours, dashed.
@@ -50,7 +50,7 @@ struct PlotLabel {
 std::vector<PlotLabel> PlotLabels(const std::vector<LayerProfile>& layers);
 
 // Returns the indices of the labels.
-std::map<std::string, int> PlacesOf(const std::vector<PlotLabel>& labels);
+std::map<std::string, int> LabelIndices(const std::vector<PlotLabel>& labels);
 
 // Style names of the label with index `place`: for lines, areas, and text on areas; and their style
 // sheet.
@@ -61,7 +61,7 @@ std::string LabelStyleSheet();
 
 // Returns the layers of the panels besides the bottom layer: a middle and an upper one, if the tree
 // has them below the root.
-std::vector<int> LayersAbove(int bottom_layer);
+std::vector<int> PlottedLayers(int bottom_layer);
 
 // Returns a self-contained SVG file with a panel for each response. A panel shows the log
 // generation probability of every stored clip at the middle of each window, coloured by label, and

@@ -120,7 +120,7 @@ std::string ProfilesSvg(const LayerProfile& layer, const PanelAxes& axes, const 
   for (const auto& [best, height, clip] : clips) {
     svg += ProfileSvg(*clip, layer.windows, panel,
                       fmt::format("clip {}{}", best ? "best " : "",
-                                  LabelLineStyle(axes.label_places.at(clip->label))));
+                                  LabelLineStyle(axes.label_indices.at(clip->label))));
   }
   return svg;
 }
@@ -134,13 +134,13 @@ std::string StripSvg(const LayerProfile& layer, const PanelAxes& axes, const Pan
     const auto& winner = layer.winners[begin];
     while (end < layer.winners.size() && layer.winners[end] == winner) ++end;
     if (!winner) continue;
-    const int place = axes.label_places.at(*winner);
+    const int place = axes.label_indices.at(*winner);
     const double left = panel.X(layer.windows[begin].start);
     const double width = panel.X(layer.windows[end - 1].end) - left;
     svg += fmt::format("<g><title>{}, {:.2f}-{:.2f} s</title>\n", SvgText(*winner),
                        layer.windows[begin].start, layer.windows[end - 1].end);
     svg += SvgRectangle("winner " + LabelAreaStyle(place), left, top, width, kStripHeight);
-    if (FittingText(*winner, width - 2 * kTextMargin) == *winner) {
+    if (TruncateToWidth(*winner, width - 2 * kTextMargin) == *winner) {
       svg += SvgLabel("winner-name " + LabelTextStyle(place), left + width / 2,
                       top + kStripHeight - 4.5, *winner, "text-anchor=\"middle\"");
     }

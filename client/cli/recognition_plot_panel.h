@@ -15,7 +15,7 @@ struct PanelAxes {
   double start_seconds = 0;
   double end_seconds = 1;
   LogProbabilityAxis log_probability;
-  std::map<std::string, int> label_places;
+  std::map<std::string, int> label_indices;
 };
 
 // Heights of a panel: title, frame, strip, and all together.

@@ -244,7 +244,7 @@ absl::StatusOr<std::vector<FilledFrame>> FillMissing(const Model& model,
   return filled;
 }
 
-void PutFilled(const std::vector<FilledFrame>& filled, StateSequence& observation) {
+void ApplyFilled(const std::vector<FilledFrame>& filled, StateSequence& observation) {
   for (const FilledFrame& frame : filled) {
     const auto root = observation.root_path.row(frame.frame);
     const double c = std::cos(root[2]);

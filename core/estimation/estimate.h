@@ -38,7 +38,7 @@ absl::StatusOr<std::vector<FilledFrame>> FillMissing(const Model& model,
                                                      Fill fill, const Cancelled& cancelled);
 
 // Writes filled positions to the observation's states; their velocities stay missing.
-void PutFilled(const std::vector<FilledFrame>& filled, StateSequence& observation);
+void ApplyFilled(const std::vector<FilledFrame>& filled, StateSequence& observation);
 
 // Ridge regression: the conditional mean of a Gaussian fitted to examples.
 struct Regressed {

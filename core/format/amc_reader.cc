@@ -192,10 +192,10 @@ absl::StatusOr<MotionFile> ReadAmc(SourceFile file, SourceFile skeleton,
   DecideUnit({.given = options.metres_per_unit,
               .stated = asf.length_unit ? std::optional(metres(*asf.length_unit)) : std::nullopt,
               .deduced = {},
-              .custom = metres(1)},
+              .fallback = metres(1)},
              report);
   DecideUpAxis(
-      {.given = options.up_axis, .stated = UpAxis::kY, .deduced = {}, .custom = UpAxis::kY},
+      {.given = options.up_axis, .stated = UpAxis::kY, .deduced = {}, .fallback = UpAxis::kY},
       report);
   MOTIONDB_ASSIGN_OR_RETURN(AsfSkeleton built, BuildAsfSkeleton(asf, report.metres_per_unit,
                                                                 WorldFromFile(report.up_axis)));

@@ -180,9 +180,9 @@ class AsfReader {
     if (!index_.emplace(bone_.name, static_cast<int>(file_.bones.size())).second) {
       return scanner_.Error("expected bone names to differ, found '{}' twice", bone_.name);
     }
-    if (file_.bones.size() >= kMostJoints) {
-      return scanner_.Error("expected at most {} joints, found bone '{}' after them", kMostJoints,
-                            bone_.name);
+    if (file_.bones.size() >= kMaxFileJoints) {
+      return scanner_.Error("expected at most {} joints, found bone '{}' after them",
+                            kMaxFileJoints, bone_.name);
     }
     file_.bones.push_back(std::move(bone_));
     return absl::OkStatus();
@@ -300,9 +300,9 @@ class AsfReader {
     const std::ptrdiff_t tips =
         std::count_if(children.begin() + 1, children.end(),
                       [](const std::vector<int>& below) { return below.empty(); });
-    if (static_cast<std::ptrdiff_t>(file_.bones.size()) + tips > kMostJoints) {
+    if (static_cast<std::ptrdiff_t>(file_.bones.size()) + tips > kMaxFileJoints) {
       return scanner_.Error("expected at most {} joints, found {} bones that end in {} tips",
-                            kMostJoints, file_.bones.size(), tips);
+                            kMaxFileJoints, file_.bones.size(), tips);
     }
     std::vector<AsfBone> ordered;
     std::vector<std::pair<int, int>> open = {{0, -1}};  // bone, index of its parent in `ordered`

@@ -80,9 +80,9 @@ class HierarchyReader {
   }
 
   absl::Status Open(BvhJoint joint) {
-    if (joints_.size() >= kMostJoints) {
-      return scanner_.Error("expected at most {} joints, found joint '{}' after them", kMostJoints,
-                            joint.name);
+    if (joints_.size() >= kMaxFileJoints) {
+      return scanner_.Error("expected at most {} joints, found joint '{}' after them",
+                            kMaxFileJoints, joint.name);
     }
     const std::string_view brace = scanner_.Token();
     if (brace != "{") {

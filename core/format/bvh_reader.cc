@@ -218,12 +218,12 @@ absl::Status DecideConventions(const std::vector<BvhJoint>& joints, const JointM
   DecideUnit({.given = options.metres_per_unit,
               .stated = {},
               .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
-              .custom = kCentimetre},
+              .fallback = kCentimetre},
              report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = {},
                 .deduced = DeduceUpAxis(names, positions),
-                .custom = UpAxis::kY},
+                .fallback = UpAxis::kY},
                report);
   if (report.unit_provenance == Provenance::kAssumed) {
     report.notes.push_back(

@@ -175,7 +175,7 @@ std::vector<std::string_view> C3dParameters::Strings(const std::string& group,
     return strings;
   }
   const std::size_t length = parameter->dimensions.empty() ? 1 : parameter->dimensions[0];
-  for (std::size_t at = 0; at < parameter->count && strings.size() < kMostStrings; at += length) {
+  for (std::size_t at = 0; at < parameter->count && strings.size() < kMaxStrings; at += length) {
     strings.push_back(Unpadded(bytes_.Text(parameter->offset + at, length)));
   }
   return strings;
@@ -188,7 +188,7 @@ std::vector<std::string_view> AllStrings(const C3dParameters& parameters, const 
   std::vector<std::string_view> all = parameters.Strings("POINT", name);
   for (int n = 2;; ++n) {
     const auto more = parameters.Strings("POINT", fmt::format("{}{}", name, n));
-    if (more.empty() || all.size() >= C3dParameters::kMostStrings) return all;
+    if (more.empty() || all.size() >= C3dParameters::kMaxStrings) return all;
     all.insert(all.end(), more.begin(), more.end());
   }
 }

@@ -68,8 +68,8 @@ class C3dParameters {
                                std::size_t element = 0) const;
 
   // Maximum number of strings, and of points, in a file.
-  static constexpr std::size_t kMostStrings = 65'535;
-  // Returns the strings of a text parameter, trimmed, at most kMostStrings; empty if there is none.
+  static constexpr std::size_t kMaxStrings = 65'535;
+  // Returns the strings of a text parameter, trimmed, at most kMaxStrings; empty if there is none.
   std::vector<std::string_view> Strings(const std::string& group, const std::string& name) const;
 
  private:

@@ -195,12 +195,12 @@ void DecideConventions(const C3dParameters& parameters, const std::vector<std::s
   DecideUnit({.given = options.metres_per_unit,
               .stated = unit.empty() ? std::nullopt : MetresPerUnitNamed(unit[0]),
               .deduced = stature ? DeduceMetresPerUnit(*stature) : std::nullopt,
-              .custom = kMillimetre},
+              .fallback = kMillimetre},
              report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = StatedUpAxis(parameters),
                 .deduced = DeduceUpAxis(names, positions),
-                .custom = UpAxis::kZ},
+                .fallback = UpAxis::kZ},
                report);
 }
 

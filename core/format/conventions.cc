@@ -16,7 +16,7 @@ namespace motiondb::core {
 namespace {
 
 template <typename T>
-void Decide(const Evidence<T>& evidence, T& value, Provenance& provenance) {
+void Decide(const ConventionSources<T>& evidence, T& value, Provenance& provenance) {
   if (evidence.given) {
     value = *evidence.given;
     provenance = Provenance::kGiven;
@@ -27,18 +27,18 @@ void Decide(const Evidence<T>& evidence, T& value, Provenance& provenance) {
     value = *evidence.deduced;
     provenance = Provenance::kDeduced;
   } else {
-    value = evidence.custom;
+    value = evidence.fallback;
     provenance = Provenance::kAssumed;
   }
 }
 
 }  // namespace
 
-void DecideUnit(const Evidence<double>& metres_per_unit, SourceReport& report) {
+void DecideUnit(const ConventionSources<double>& metres_per_unit, SourceReport& report) {
   Decide(metres_per_unit, report.metres_per_unit, report.unit_provenance);
 }
 
-void DecideUpAxis(const Evidence<UpAxis>& up, SourceReport& report) {
+void DecideUpAxis(const ConventionSources<UpAxis>& up, SourceReport& report) {
   Decide(up, report.up_axis, report.up_provenance);
 }
 

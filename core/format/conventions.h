@@ -20,16 +20,16 @@ inline constexpr double kRadiansPerDegree = std::numbers::pi / 180;
 
 // The known values of a unit or an axis, and the default.
 template <typename T>
-struct Evidence {
+struct ConventionSources {
   std::optional<T> given;
   std::optional<T> stated;
   std::optional<T> deduced;
-  T custom;
+  T fallback;
 };
 
 // Write the value with the highest priority and its provenance to the report.
-void DecideUnit(const Evidence<double>& metres_per_unit, SourceReport& report);
-void DecideUpAxis(const Evidence<UpAxis>& up, SourceReport& report);
+void DecideUnit(const ConventionSources<double>& metres_per_unit, SourceReport& report);
+void DecideUpAxis(const ConventionSources<UpAxis>& up, SourceReport& report);
 
 // Returns the metres per unit of a name such as "mm" or "meters", in any case; nothing if unknown.
 std::optional<double> MetresPerUnitNamed(std::string_view name);

@@ -122,8 +122,8 @@ class Reader {
       return InvalidArgument("expected unique markers, got '{}' twice", tokens[1].text);
     }
     if (mapping_) return InvalidArgument("expected all markers before the first mapping");
-    if (scheme_.set.markers.size() == kMostMarkers) {
-      return InvalidArgument("expected at most {} markers", kMostMarkers);
+    if (scheme_.set.markers.size() == kMaxMarkers) {
+      return InvalidArgument("expected at most {} markers", kMaxMarkers);
     }
     scheme_.set.markers.push_back(tokens[1].text);
     return absl::OkStatus();
@@ -153,8 +153,8 @@ class Reader {
   absl::Status ReadMapping(const std::vector<Token>& tokens) {
     MOTIONDB_RETURN_IF_ERROR(Expect(tokens, 2, "mapping NAME"));
     MOTIONDB_RETURN_IF_ERROR(FinishMapping());
-    if (scheme_.mappings.size() == kMostMappings) {
-      return InvalidArgument("expected at most {} mappings", kMostMappings);
+    if (scheme_.mappings.size() == kMaxMappings) {
+      return InvalidArgument("expected at most {} mappings", kMaxMappings);
     }
     mapping_ = MarkerMapping{tokens[1].text, {}, {}};
     mapping_->rules.resize(scheme_.set.markers.size());
@@ -169,8 +169,8 @@ class Reader {
 
   // OK if the rule can have one more point.
   static absl::Status CheckPointCount(const MarkerRule& rule, std::string_view marker) {
-    if (rule.points.size() < kMostRulePoints) return absl::OkStatus();
-    return InvalidArgument("marker '{}' is made of more than {} points", marker, kMostRulePoints);
+    if (rule.points.size() < kMaxRulePoints) return absl::OkStatus();
+    return InvalidArgument("marker '{}' is made of more than {} points", marker, kMaxRulePoints);
   }
 
   // MARKER = [WEIGHT] POINT [+ [WEIGHT] POINT]... [offset JOINT X Y Z]

@@ -115,8 +115,8 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
   return InvalidArgument("{}: expected a known file format", file.name);
 }
 
-std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
-                             std::optional<SourceFile> skeleton) {
+std::int64_t MaxBytesToRead(FileFormat format, SourceFile file,
+                            std::optional<SourceFile> skeleton) {
   constexpr std::int64_t kJoint = 2048;  // including the temporary skeletons
   constexpr std::int64_t kName = 400;    // including the sets that make names unique
   constexpr std::int64_t kMinBoneText = 40;
@@ -125,7 +125,7 @@ std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
   const auto words = static_cast<std::int64_t>(CountWords(file.bytes));
   const auto bytes = static_cast<std::int64_t>(file.bytes.size());
   const auto joints = [](std::int64_t count) {
-    return kJoint * std::min<std::int64_t>(kMostJoints, count);
+    return kJoint * std::min<std::int64_t>(kMaxFileJoints, count);
   };
   switch (format) {
     case FileFormat::kBvh:

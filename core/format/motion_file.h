@@ -63,9 +63,9 @@ absl::StatusOr<MotionFile> ReadMotionFile(FileFormat format, SourceFile file,
                                           const ReadOptions& options = {});
 
 // Returns the maximum memory (bytes) that ReadMotionFile uses, including its result. O(file size).
-std::int64_t MostBytesToRead(FileFormat format, SourceFile file,
-                             std::optional<SourceFile> skeleton = std::nullopt);
+std::int64_t MaxBytesToRead(FileFormat format, SourceFile file,
+                            std::optional<SourceFile> skeleton = std::nullopt);
 
-inline constexpr int kMostJoints = 2000;  // including end sites and tips of bones
+inline constexpr int kMaxFileJoints = 2000;  // including end sites and tips of bones
 
 }  // namespace motiondb::core

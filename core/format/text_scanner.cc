@@ -313,7 +313,7 @@ constexpr std::size_t kMaxName = 255;  // bytes
 }  // namespace
 
 std::string UniqueNames::Add(std::string_view name) {
-  const std::string requested = std::string(text::CutAt(ToUtf8(name), kMaxName));
+  const std::string requested = std::string(text::TruncateUtf8(ToUtf8(name), kMaxName));
   std::string given = requested;
   // Numbering continues from the last number of the same name: not quadratic if all names are
   // equal.

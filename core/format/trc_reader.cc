@@ -247,12 +247,12 @@ absl::StatusOr<MotionFile> ReadTrc(SourceFile file, const ReadOptions& options) 
   MotionFile read;
   read.report.notes = std::move(reader.notes());
   FrameMatrix positions = reader.positions();
-  DecideUnit({.given = options.metres_per_unit, .stated = unit, .deduced = {}, .custom = 1},
+  DecideUnit({.given = options.metres_per_unit, .stated = unit, .deduced = {}, .fallback = 1},
              read.report);
   DecideUpAxis({.given = options.up_axis,
                 .stated = {},
                 .deduced = DeduceUpAxis(reader.names(), positions),
-                .custom = UpAxis::kY},
+                .fallback = UpAxis::kY},
                read.report);
   ToWorld(read.report, positions);
   read.motion = MarkerMotion{.names = std::move(reader.names()),

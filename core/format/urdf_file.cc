@@ -206,9 +206,9 @@ class UrdfFileReader {
     joint.line = element.GetLineNum();
     MOTIONDB_RETURN_IF_ERROR(ReadName(element, "name", joint.name));
     // The base counts as one more joint.
-    if (urdf_.joints.size() + 1 >= kMostJoints) {
+    if (urdf_.joints.size() + 1 >= kMaxFileJoints) {
       return Error(element, "expected at most {} joints, found joint '{}' after them",
-                   kMostJoints - 1, Shown(joint.name));
+                   kMaxFileJoints - 1, Shown(joint.name));
     }
     MOTIONDB_RETURN_IF_ERROR(ReadType(element, joint));
     MOTIONDB_RETURN_IF_ERROR(ReadEnd(element, joint, "parent", joint.parent));

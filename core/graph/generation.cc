@@ -54,10 +54,10 @@ void Weigh(const Eigen::Ref<const Eigen::RowVectorXd>& emission, double peak,
 // becomes the log probabilities at the last frame.
 double LogGenerationOfSeen(const TransitionGraph& graph,
                            const Eigen::Ref<const EmissionMatrix>& emission,
-                           Eigen::VectorXd& forward, Patience& patience) {
+                           Eigen::VectorXd& forward, ThrottledCancellation& cancellation) {
   forward = emission.row(0).transpose();
   for (Eigen::Index t = 1; t < emission.rows(); ++t) {
-    if (patience.IsOver(StepsOf(graph, emission))) return kLogZero;
+    if (cancellation.cancelled(StepsOf(graph, emission))) return kLogZero;
     Eigen::VectorXd arriving = Eigen::VectorXd::Constant(emission.cols(), kLogZero);
     for (int from = 0; from < static_cast<int>(emission.cols()); ++from) {
       const double log_leaving = std::log(static_cast<double>(graph.row_sum(from)));
@@ -77,14 +77,14 @@ double LogGenerationOfSeen(const TransitionGraph& graph,
 
 double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const EmissionMatrix>& emission,
                      double transition_floor, Eigen::VectorXd* last, const Cancelled& cancelled) {
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   const Eigen::Index nodes = emission.cols();
   Eigen::VectorXd forward = Eigen::VectorXd::Ones(nodes);  // scaled to sum to 1 after each frame
   Eigen::VectorXd arriving(nodes);
   double log_probability = 0;
   if (last != nullptr) *last = Eigen::VectorXd::Zero(nodes);
   if (transition_floor == 0 && emission.rows() > 0) {
-    log_probability = LogGenerationOfSeen(graph, emission, forward, patience);
+    log_probability = LogGenerationOfSeen(graph, emission, forward, cancellation);
     if (last != nullptr && log_probability > kLogZero) {
       *last = (forward.array() - log_probability).exp();
     }
@@ -96,7 +96,7 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
   const double negligible_emission =
       transition_floor < kMinUsefulFloor ? kLogZero : kNegligibleEmission;
   for (Eigen::Index t = 0; t < emission.rows(); ++t) {
-    if (patience.IsOver(StepsOf(graph, emission))) return kLogZero;
+    if (cancellation.cancelled(StepsOf(graph, emission))) return kLogZero;
     if (t > 0) {
       // Every pair has the floor; counted transitions replace it.
       arriving.setConstant(transition_floor * forward.sum());
@@ -121,9 +121,9 @@ double LogGeneration(const TransitionGraph& graph, const Eigen::Ref<const Emissi
   return log_probability;
 }
 
-double LogGenerationAmong(const TransitionGraph& graph,
-                          std::span<const std::vector<LikelyNode>> frames, double floor,
-                          std::vector<double>& scratch) {
+double LogGenerationOfCandidates(const TransitionGraph& graph,
+                                 std::span<const std::vector<LikelyNode>> frames, double floor,
+                                 std::vector<double>& scratch) {
   std::vector<double> previous;  // probabilities of the previous frame's nodes, sum 1
   std::vector<double> forward;
   double log_probability = 0;

@@ -33,8 +33,8 @@ struct LikelyNode {
 // As LogGeneration, with candidates restricted to the listed nodes: at least one frame, at least
 // one node for each frame, no duplicates. `floor` > 0. `scratch`: one number for each node of the
 // graph, all 0 before and after. O(listed nodes and their edges).
-double LogGenerationAmong(const TransitionGraph& graph,
-                          std::span<const std::vector<LikelyNode>> frames, double floor,
-                          std::vector<double>& scratch);
+double LogGenerationOfCandidates(const TransitionGraph& graph,
+                                 std::span<const std::vector<LikelyNode>> frames, double floor,
+                                 std::vector<double>& scratch);
 
 }  // namespace motiondb::core

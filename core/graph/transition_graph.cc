@@ -51,7 +51,7 @@ TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequ
   return FromPairs(std::move(pairs), node_count);
 }
 
-TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b) {
+TransitionGraph MergeGraphs(const TransitionGraph& a, const TransitionGraph& b) {
   std::vector<std::int32_t> row_begin{0};
   std::vector<Edge> edges;
   edges.reserve(a.edges().size() + b.edges().size());

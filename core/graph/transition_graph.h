@@ -51,7 +51,7 @@ TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequ
                                  int node_count);
 
 // Returns the graph with the summed counts of both, which have the same node count.
-TransitionGraph Together(const TransitionGraph& a, const TransitionGraph& b);
+TransitionGraph MergeGraphs(const TransitionGraph& a, const TransitionGraph& b);
 
 // A clip's graph, restricted to the nodes that it visits. Its states are numbered in node order.
 struct ClipGraph {

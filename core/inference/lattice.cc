@@ -128,7 +128,7 @@ void Insert(std::vector<Step>& best, const Step& step, int count) {
 
 // Returns the best scores of paths from the first frame to each candidate, including its emission.
 std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& log_transitions,
-                                        Patience& patience) {
+                                        ThrottledCancellation& cancellation) {
   std::vector<Eigen::VectorXd> best(lattice.size());
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     best[t] = lattice[t].log_emission;
@@ -136,7 +136,7 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& 
     Eigen::VectorXd arriving = Eigen::VectorXd::Constant(best[t].size(), kLogZero);
     for (Eigen::Index i = 0; i < best[t - 1].size(); ++i) {
       if (best[t - 1][i] == kLogZero) continue;
-      if (patience.IsOver(arriving.size())) return best;
+      if (cancellation.cancelled(arriving.size())) return best;
       const Eigen::VectorXd& log_transition = log_transitions.From(t - 1, i);
       arriving = arriving.cwiseMax((log_transition.array() + best[t - 1][i]).matrix());
     }
@@ -148,7 +148,7 @@ std::vector<Eigen::VectorXd> ForwardMax(const Lattice& lattice, LogTransitions& 
 // Returns the log of the summed probability that arrives at each candidate of frame t from the
 // previous frame.
 Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eigen::Index candidates,
-                             LogTransitions& log_transitions, Patience& patience) {
+                             LogTransitions& log_transitions, ThrottledCancellation& cancellation) {
   Eigen::VectorXd arriving(candidates);
   if (candidates * forward.size() <= kMaxTableCells) {
     Eigen::MatrixXd through(candidates, forward.size());
@@ -161,13 +161,13 @@ Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eige
   // The table would be much larger than the lattice, so compute each column twice instead.
   Eigen::ArrayXd peak = Eigen::ArrayXd::Constant(candidates, kLogZero);
   for (Eigen::Index i = 0; i < forward.size(); ++i) {
-    if (patience.IsOver(candidates)) return arriving;
+    if (cancellation.cancelled(candidates)) return arriving;
     peak = peak.max(log_transitions.From(t - 1, i).array() + forward[i]);
   }
   const Eigen::ArrayXd base = (peak == kLogZero).select(0.0, peak);
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(candidates);
   for (Eigen::Index i = 0; i < forward.size(); ++i) {
-    if (patience.IsOver(candidates)) return arriving;
+    if (cancellation.cancelled(candidates)) return arriving;
     sum += (log_transitions.From(t - 1, i).array() + forward[i] - base).exp();
   }
   return base + sum.log();
@@ -177,7 +177,7 @@ Eigen::VectorXd ArrivingSums(std::size_t t, const Eigen::VectorXd& forward, Eige
 
 std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& graph,
                                 double transition_floor, int count, const Cancelled& cancelled) {
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   std::vector<std::vector<Step>> before;  // [candidate][rank], previous and current frame
   std::vector<std::vector<Step>> steps;
@@ -195,7 +195,7 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
     }
     for (std::size_t i = 0; i < before.size(); ++i) {
       if (before[i].empty()) continue;
-      if (patience.IsOver(std::ssize(frame.nodes) * std::ssize(before[i]))) return {};
+      if (cancellation.cancelled(std::ssize(frame.nodes) * std::ssize(before[i]))) return {};
       const Eigen::VectorXd& log_transition =
           log_transitions.From(t - 1, static_cast<Eigen::Index>(i));
       for (std::size_t j = 0; j < frame.nodes.size(); ++j) {
@@ -237,16 +237,16 @@ std::vector<NodePath> BestPaths(const Lattice& lattice, const TransitionGraph& g
 
 std::vector<Eigen::VectorXd> MaxMarginals(const Lattice& lattice, const TransitionGraph& graph,
                                           double transition_floor, const Cancelled& cancelled) {
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
-  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, log_transitions, patience);
-  if (lattice.empty() || patience.IsOver(0)) return marginals;
+  std::vector<Eigen::VectorXd> marginals = ForwardMax(lattice, log_transitions, cancellation);
+  if (lattice.empty() || cancellation.cancelled(0)) return marginals;
   Eigen::VectorXd ahead = Eigen::VectorXd::Zero(marginals.back().size());
   for (std::size_t t = lattice.size() - 1; t-- > 0;) {
     const Eigen::VectorXd from_next = ahead + lattice[t + 1].log_emission;
     ahead.resize(marginals[t].size());
     for (Eigen::Index i = 0; i < ahead.size(); ++i) {
-      if (patience.IsOver(from_next.size())) return marginals;
+      if (cancellation.cancelled(from_next.size())) return marginals;
       ahead[i] = (log_transitions.From(t, i) + from_next).maxCoeff();
     }
     marginals[t] += ahead;
@@ -258,18 +258,18 @@ Eigen::VectorXd LastNodeDistribution(const Lattice& lattice, const TransitionGra
                                      double transition_floor, const Cancelled& cancelled) {
   // In logarithms throughout: under the strict rule a path may underflow at one frame and be the
   // only path left at the next.
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   LogTransitions log_transitions(lattice, graph, std::log(transition_floor));
   Eigen::VectorXd forward;
   for (std::size_t t = 0; t < lattice.size(); ++t) {
     const Eigen::VectorXd& emission = lattice[t].log_emission;
-    if (patience.IsOver(emission.size() * emission.size())) {
+    if (cancellation.cancelled(emission.size() * emission.size())) {
       return Eigen::VectorXd::Zero(lattice.back().log_emission.size());
     }
     if (t == 0) {
       forward = emission;
     } else {
-      forward = ArrivingSums(t, forward, emission.size(), log_transitions, patience) + emission;
+      forward = ArrivingSums(t, forward, emission.size(), log_transitions, cancellation) + emission;
     }
   }
   const double sum = LogSum(forward);

@@ -119,7 +119,7 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
                           "fewer candidates or a shorter observation",
                           candidates, model.tree().node_count(bottom), bottom, observation.rows());
   }
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   std::vector<Descent> frames;
   for (Eigen::Index t = 0; t < observation.rows(); ++t) {
     frames.push_back({{0}, {model.gaussians().LogDensity(0, observation.row(t).data())}});
@@ -128,7 +128,7 @@ absl::StatusOr<Lattice> DescendTree(const Model& model, const FrameMatrix& obser
     if (cancelled && cancelled()) return QueryCancelled();
     for (Eigen::Index t = 0; t < observation.rows(); ++t) {
       const auto densities = 2 * std::ssize(frames[t].nodes);
-      if (patience.IsOver(densities * observation.cols())) return QueryCancelled();
+      if (cancellation.cancelled(densities * observation.cols())) return QueryCancelled();
       frames[t] = Children(model, layer, frames[t], observation.row(t).data());
     }
     if (options.max_candidates > 0 && layer + 1 < bottom) {

@@ -109,8 +109,8 @@ IkError PoseTracker::Follow(const Eigen::Ref<const Eigen::RowVectorXf>& markers_
   solver_.Aim(markers_m);
   if (!solver_.has_targets()) return {};
   if (has_begun_) {
-    FollowOn();
-    solver_.RunOn(last_angles_);
+    FollowFromLastPose();
+    solver_.UnwrapAngles(last_angles_);
   } else {
     search_.Run(kFirstAttempts, solver_);
     has_begun_ = true;
@@ -120,7 +120,7 @@ IkError PoseTracker::Follow(const Eigen::Ref<const Eigen::RowVectorXf>& markers_
   return last_error_;
 }
 
-void PoseTracker::FollowOn() {
+void PoseTracker::FollowFromLastPose() {
   solver_.Descend(search_.whole(), kFrameIterations, Pull(smoothness_, last_error_));
   if (!ClearlyWorse(solver_.Error(), last_error_)) return;
   // The markers moved further than the pull allows.

@@ -45,7 +45,7 @@ class PoseTracker {
 
  private:
   // Solves from the last pose.
-  void FollowOn();
+  void FollowFromLastPose();
 
   PoseSolver solver_;
   PoseSearch search_;

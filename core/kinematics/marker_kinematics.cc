@@ -204,7 +204,7 @@ Eigen::Vector3d MarkerKinematics::FreeAngles(int j, const Eigen::Matrix3d& world
   return AnglesAboutAxes(own, RotationAxes(joint), previous);
 }
 
-void MarkerKinematics::RunOn(const Eigen::RowVectorXd& angles, MarkerPose& pose) const {
+void MarkerKinematics::UnwrapAngles(const Eigen::RowVectorXd& angles, MarkerPose& pose) const {
   for (int j = 0; j < skeleton_->joint_count(); ++j) {
     const Joint& joint = skeleton_->joints()[j];
     const int first_rotation = FirstRotation(joint);

@@ -71,7 +71,7 @@ class MarkerKinematics {
   // Unwraps the pose's angles: of all angles that mean the same pose, including the two solutions
   // of a free rotation, chooses those nearest to `angles` (1 x dof_count). Does not allocate.
   // `pose` must be placed.
-  void RunOn(const Eigen::RowVectorXd& angles, MarkerPose& pose) const;
+  void UnwrapAngles(const Eigen::RowVectorXd& angles, MarkerPose& pose) const;
 
  private:
   // One term of a marker: a weighted joint origin, or an offset in a joint's frame (m).

@@ -81,7 +81,9 @@ void PoseSolver::Stand(const Eigen::RowVectorXd& angles) {
   kinematics_->Place(pose_);
 }
 
-void PoseSolver::RunOn(const Eigen::RowVectorXd& angles) { kinematics_->RunOn(angles, pose_); }
+void PoseSolver::UnwrapAngles(const Eigen::RowVectorXd& angles) {
+  kinematics_->UnwrapAngles(angles, pose_);
+}
 
 double PoseSolver::SumOfSquares(const IkStage& stage, const MarkerPose& pose,
                                 const Eigen::VectorXd& to_start, double pull) const {

@@ -67,7 +67,7 @@ class PoseSolver {
   // Sets the pose's angles (1 x dof_count), clamped to the limits.
   void Stand(const Eigen::RowVectorXd& angles);
   // Unwraps the pose's angles relative to `angles`.
-  void RunOn(const Eigen::RowVectorXd& angles);
+  void UnwrapAngles(const Eigen::RowVectorXd& angles);
   // Minimises the weighted sum of squared distances to the targets, plus `pull` (m^2) times the
   // squared displacement of the coordinates from the start. Ends when a step gains almost nothing.
   // Returns the final sum (m^2). Deterministic.

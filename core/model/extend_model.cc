@@ -49,7 +49,7 @@ void AppendGraphs(const Model& base, const std::vector<ModelClip>& added,
   parts.global_graphs.resize(base.layer_count());
   parallel(base.layer_count(), [&](int l) {
     parts.global_graphs[l] =
-        Together(base.global_graph(l + 1), CountGlobalGraph(parts.tree, l + 1, added));
+        MergeGraphs(base.global_graph(l + 1), CountGlobalGraph(parts.tree, l + 1, added));
   });
 }
 

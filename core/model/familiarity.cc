@@ -210,7 +210,7 @@ FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips
         const auto seen =
             std::span(likely[layer]).subspan(frames.first_block[w] * kSquaresLanes, some[w].count);
         reference.scores[layer][first + w] = static_cast<float>(
-            LogGenerationAmong(global_graphs[layer], seen, kFloor, scratch) / some[w].count);
+            LogGenerationOfCandidates(global_graphs[layer], seen, kFloor, scratch) / some[w].count);
       }
     }
   });

@@ -123,7 +123,7 @@ absl::StatusOr<Model> Model::Create(ModelParts parts, const ParallelFor& paralle
 
 absl::StatusOr<Model> Model::Create(ModelParts parts, const Model& base) {
   MOTIONDB_RETURN_IF_ERROR(Check(parts));
-  return Model(std::move(parts), base.metric_frames_, Serially);
+  return Model(std::move(parts), base.metric_frames_, RunSerially);
 }
 
 std::shared_ptr<const ClipGraph> Model::clip_graph(int layer, int clip) const {

@@ -71,7 +71,7 @@ class Model {
  public:
   // DATA_LOSS if the parts do not fit each other. What is derived from them is made on the threads
   // that are lent.
-  static absl::StatusOr<Model> Create(ModelParts parts, const ParallelFor& parallel = Serially);
+  static absl::StatusOr<Model> Create(ModelParts parts, const ParallelFor& parallel = RunSerially);
   // The same for a model that extends `base`: what was derived from base's frames is shared.
   static absl::StatusOr<Model> Create(ModelParts parts, const Model& base);
 

@@ -18,14 +18,14 @@ std::array<double, 3> Logs(const PredictionEvidence& evidence) {
           std::log(std::max(kLeast, evidence.spread)), std::log(std::max(kLeast, evidence.speed))};
 }
 
-Eigen::Vector4d Row(const ErrorLaw& law, const PredictionEvidence& evidence) {
+Eigen::Vector4d Row(const ErrorModel& law, const PredictionEvidence& evidence) {
   const std::array<double, 3> logs = Logs(evidence);
   Eigen::Vector4d row(1, 0, 0, 0);
   for (int i = 0; i < 3; ++i) row[i + 1] = std::clamp(logs[i], law.lowest[i], law.highest[i]);
   return row;
 }
 
-ExpectedError JudgeBy(const ErrorLaw& law, const PredictionEvidence& evidence, double limit) {
+ExpectedError JudgeBy(const ErrorModel& law, const PredictionEvidence& evidence, double limit) {
   const double middle =
       Row(law, evidence).dot(Eigen::Map<const Eigen::Vector4d>(law.coefficients.data()));
   const double below = (std::log(limit) - middle) / law.deviation;
@@ -40,19 +40,19 @@ ExpectedError PredictionConfidence::Judge(const PredictionEvidence& evidence, do
   if (laws.empty()) return {0, std::clamp(1 - evidence.variance, 0.0, 1.0)};
   const auto after = std::lower_bound(
       laws.begin(), laws.end(), at_seconds,
-      [](const ErrorLaw& law, double seconds) { return law.seconds < seconds - 1e-9; });
+      [](const ErrorModel& law, double seconds) { return law.seconds < seconds - 1e-9; });
   if (after == laws.end()) return JudgeBy(laws.back(), evidence, limit);
   const ExpectedError late = JudgeBy(*after, evidence, limit);
   if (after == laws.begin()) return late;
-  const ErrorLaw& before = *(after - 1);
+  const ErrorModel& before = *(after - 1);
   const double share = (at_seconds - before.seconds) / (after->seconds - before.seconds);
   const ExpectedError early = JudgeBy(before, evidence, limit);
   return {early.mean + share * (late.mean - early.mean),
           early.probability + share * (late.probability - early.probability)};
 }
 
-ErrorLaw FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples) {
-  ErrorLaw law{.seconds = seconds};
+ErrorModel FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples) {
+  ErrorModel law{.seconds = seconds};
   for (int i = 0; i < 3; ++i) {
     std::vector<double> logs;
     for (const ErrorSample& sample : samples) logs.push_back(Logs(sample.evidence)[i]);

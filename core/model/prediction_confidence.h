@@ -16,7 +16,7 @@ struct PredictionEvidence {
 
 // The logarithm of the mean marker error (leg lengths) at one horizon is Gaussian about a linear
 // function of the logarithms of the evidence.
-struct ErrorLaw {
+struct ErrorModel {
   double seconds = 0;
   std::array<double, 4> coefficients{};  // constant, variance, spread, speed
   std::array<double, 3> lowest{};        // logarithms of the evidence are clamped to what was seen
@@ -30,7 +30,7 @@ struct ExpectedError {
 };
 
 struct PredictionConfidence {
-  std::vector<ErrorLaw> laws;  // horizons ascending; empty where there was too little to fit to
+  std::vector<ErrorModel> laws;  // horizons ascending; empty where there was too little to fit to
 
   // Interpolated between horizons; before the first and after the last it is theirs. Where there
   // are no laws the error is not known (0) and the probability is 1 less the variance: not
@@ -44,6 +44,6 @@ struct ErrorSample {
   PredictionEvidence evidence;
   double error = 0;
 };
-ErrorLaw FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples);
+ErrorModel FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples);
 
 }  // namespace motiondb::core

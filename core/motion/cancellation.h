@@ -11,14 +11,14 @@ namespace motiondb::core {
 using Cancelled = std::function<bool()>;
 
 // Calls a Cancelled at a limited rate, for inner loops.
-class Patience {
+class ThrottledCancellation {
  public:
   // `cancelled` must outlive this object.
-  explicit Patience(const Cancelled& cancelled) : cancelled_(cancelled) {}
+  explicit ThrottledCancellation(const Cancelled& cancelled) : cancelled_(cancelled) {}
 
   // Adds `steps` (a few nanoseconds each) and calls `cancelled` about once a millisecond. Returns
   // true once the work is cancelled, and from then on.
-  bool IsOver(std::int64_t steps) {
+  bool cancelled(std::int64_t steps) {
     steps_ += steps;
     if (steps_ < kStepsBetween || !cancelled_) return over_;
     steps_ = 0;

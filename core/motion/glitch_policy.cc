@@ -58,7 +58,7 @@ absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
   for (int m = 0; m < markers; ++m) {
     for (const FrameSpan& span : Joined(std::move(of_marker[m]))) {
       const int frames = span.last - span.first + 1;
-      if (frames > kLongestRepairSeconds * motion.frame_rate_hz) {
+      if (frames > kMaxRepairSeconds * motion.frame_rate_hz) {
         // Describe the span by its first glitch.
         const auto first = std::ranges::find_if(glitches, [&](const Glitch& glitch) {
           return glitch.first_frame == span.first &&
@@ -68,7 +68,7 @@ absl::Status Repair(const std::vector<Glitch>& glitches, MarkerMotion& motion) {
             *first, glitches, motion,
             fmt::format("repair is limited to {:.2f} s, this lasts {:.2f} s; set --glitches "
                         "drop or keep on the database, or cut the file",
-                        kLongestRepairSeconds, frames / motion.frame_rate_hz));
+                        kMaxRepairSeconds, frames / motion.frame_rate_hz));
       }
       motion.positions_m.block(span.first, 3 * static_cast<Eigen::Index>(m), frames, 3)
           .setConstant(std::numeric_limits<float>::quiet_NaN());

@@ -15,11 +15,11 @@ namespace {
 constexpr PathLimits kMarkerLimits{40, 1200, 25, 0.2};  // leg lengths, see the header
 constexpr PathLimits kBodyLimits{40, 180, 15, 0.2};
 constexpr double kBeyond_m = 1e5;
-constexpr double kBridgedSeconds = 0.25;  // as kLongestRepairSeconds
+constexpr double kBridgedSeconds = 0.25;  // as kMaxRepairSeconds
 
 PathLimits InMetres(const PathLimits& limits, double leg_length_m) {
   return {leg_length_m * limits.speed, leg_length_m * limits.acceleration,
-          leg_length_m * limits.velocity_change, leg_length_m * limits.least_deviation};
+          leg_length_m * limits.velocity_change, leg_length_m * limits.min_deviation};
 }
 
 MarkerPath PathOf(const MarkerMotion& motion, int marker) {

@@ -62,13 +62,13 @@ std::string Describe(const Glitch& glitch, const std::vector<std::string>& marke
 
 // What ingest does with the glitches of a clip: a setting of the database.
 enum class GlitchPolicy {
-  kRepair,  // interpolate up to kLongestRepairSeconds, reject longer ones
+  kRepair,  // interpolate up to kMaxRepairSeconds, reject longer ones
   kReject,  // reject the clip
   kDrop,    // store the longest part without glitches
   kKeep,    // store the clip unchanged
 };
 
-inline constexpr double kLongestRepairSeconds = 0.25;
+inline constexpr double kMaxRepairSeconds = 0.25;
 
 // Prefix of the note on glitches in a clip's report.
 inline constexpr char kGlitchNote[] = "glitches ";

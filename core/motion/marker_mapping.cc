@@ -99,11 +99,11 @@ absl::StatusOr<MarkerScheme> SourceScheme(const Motion& motion) {
     const bool end_site = std::holds_alternative<JointMotion>(motion) && name.ends_with("_end");
     if (!end_site) scheme.set.markers.push_back(name);
   }
-  if (scheme.set.markers.size() > kMostMarkers) {
+  if (scheme.set.markers.size() > kMaxMarkers) {
     return InvalidArgument(
         "the motion has {} joints or markers, expected at most {}: select some in a marker-set "
         "file",
-        scheme.set.markers.size(), kMostMarkers);
+        scheme.set.markers.size(), kMaxMarkers);
   }
   scheme.set.landmarks = RecognizeLandmarks(scheme.set.markers);
   if (scheme.set.landmarks.left_hip < 0 || scheme.set.landmarks.right_hip < 0) {

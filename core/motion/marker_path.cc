@@ -66,8 +66,8 @@ class Path {
   double Reach(int steps) const { return limits_.speed * steps * dt_ + noise_; }
   double MaxDeviation(int steps) const {
     const double seconds = steps * dt_;
-    return std::max(limits_.least_deviation, std::min(limits_.acceleration * seconds * seconds,
-                                                      limits_.velocity_change * seconds)) +
+    return std::max(limits_.min_deviation, std::min(limits_.acceleration * seconds * seconds,
+                                                    limits_.velocity_change * seconds)) +
            steps * noise_;
   }
 

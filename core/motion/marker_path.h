@@ -16,7 +16,7 @@ struct PathLimits {
   double speed = 0;
   double acceleration = 0;
   double velocity_change = 0;  // from one frame to the next
-  double least_deviation = 0;  // smaller deviations are not faults
+  double min_deviation = 0;    // smaller deviations are not faults
 };
 
 // Returns the runs of at least three frames and 0.05 s with bitwise identical positions.

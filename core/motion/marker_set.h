@@ -80,8 +80,8 @@ absl::StatusOr<MarkerMotion> ApplyScheme(const MarkerScheme& scheme, const Motio
                                          std::optional<double> leg_length_m = std::nullopt,
                                          const Cancelled& cancelled = {});
 
-inline constexpr std::size_t kMostMarkers = 256;  // seven times the standard set; faces have fewer
-inline constexpr std::size_t kMostMappings = 200;
-inline constexpr std::size_t kMostRulePoints = 32;  // points of one virtual marker
+inline constexpr std::size_t kMaxMarkers = 256;  // seven times the standard set; faces have fewer
+inline constexpr std::size_t kMaxMappings = 200;
+inline constexpr std::size_t kMaxRulePoints = 32;  // points of one virtual marker
 
 }  // namespace motiondb::core

@@ -63,7 +63,7 @@ double MetricWindow::SquaredDifference(std::int64_t frame, int stored_frame) {
   return kept.squared_difference;
 }
 
-void KeptClip::Take(const Model& model, int clip, int window_frames) {
+void CachedClip::Take(const Model& model, int clip, int window_frames) {
   clip_ = clip;
   version_.assign(window_frames, -1);
   nearest_.resize(window_frames);
@@ -72,7 +72,8 @@ void KeptClip::Take(const Model& model, int clip, int window_frames) {
   distances_.resize(count);
 }
 
-const NearestFrame& KeptClip::See(const Model& model, std::size_t ring, const MetricFrame& frame) {
+const NearestFrame& CachedClip::See(const Model& model, std::size_t ring,
+                                    const MetricFrame& frame) {
   if (version_[ring] == frame.version) return nearest_[ring];
   version_[ring] = frame.version;
   const MetricFrames& stored = model.metric_frames();
@@ -89,8 +90,8 @@ const NearestFrame& KeptClip::See(const Model& model, std::size_t ring, const Me
   return nearest_[ring];
 }
 
-bool KeptClip::LogEvidence(std::span<const std::size_t> rings, PathSum& paths,
-                           double& log_evidence) const {
+bool CachedClip::LogEvidence(std::span<const std::size_t> rings, PathSum& paths,
+                             double& log_evidence) const {
   paths.Begin(roots_.rows(), false);
   for (const std::size_t ring : rings) {
     paths.SeeRoots(roots_.col(static_cast<Eigen::Index>(ring)), nearest_[ring].squared_distance);
@@ -99,10 +100,10 @@ bool KeptClip::LogEvidence(std::span<const std::size_t> rings, PathSum& paths,
   return paths.IsExact();
 }
 
-double KeptClip::LogEvidenceAtMost(std::span<const std::size_t> rings) const {
+double CachedClip::LogEvidenceBound(std::span<const std::size_t> rings) const {
   double sum = 0;
   for (const std::size_t ring : rings) sum += nearest_[ring].squared_distance;
-  return PathSum::LogEvidenceAtMost(roots_.rows(), sum);
+  return PathSum::LogEvidenceBound(roots_.rows(), sum);
 }
 
 }  // namespace motiondb::core

@@ -57,7 +57,7 @@ class MetricWindow {
 // thread-safe.
 class Model;
 
-class KeptClip {
+class CachedClip {
  public:
   // Starts with another clip of the model. `window_frames`: maximum length of a window.
   void Take(const Model& model, int clip, int window_frames);
@@ -71,9 +71,9 @@ class KeptClip {
   // result is inexact and AlignToClip is needed. `paths` is scratch.
   bool LogEvidence(std::span<const std::size_t> rings, PathSum& paths, double& log_evidence) const;
   // Returns an upper bound of LogEvidence.
-  double LogEvidenceAtMost(std::span<const std::size_t> rings) const;
+  double LogEvidenceBound(std::span<const std::size_t> rings) const;
 
-  std::int64_t last_asked = 0;  // used by the owner
+  std::int64_t last_used = 0;  // used by the owner
 
  private:
   int clip_ = -1;

@@ -88,18 +88,18 @@ void WindowRecognizer::ChooseFrames(const ObservedStates& states) {
   }
 }
 
-KeptClip& WindowRecognizer::Keep(int clip) {
-  auto cached = std::ranges::find(clips_, clip, &KeptClip::clip);
+CachedClip& WindowRecognizer::Keep(int clip) {
+  auto cached = std::ranges::find(clips_, clip, &CachedClip::clip);
   if (cached == clips_.end()) {
     if (clips_.size() < kKeptClips) {
       clips_.emplace_back();
       cached = clips_.end() - 1;
     } else {
-      cached = std::ranges::min_element(clips_, {}, &KeptClip::last_asked);
+      cached = std::ranges::min_element(clips_, {}, &CachedClip::last_used);
     }
     cached->Take(model_, clip, window_frames_);
   }
-  cached->last_asked = answers_;
+  cached->last_used = answers_;
   return *cached;
 }
 
@@ -114,7 +114,7 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   // Check once, not for every clip: a check takes longer than a clip.
   if (cancelled && cancelled()) return absl::CancelledError("the query was cancelled");
   for (const int clip : shortlist_) {
-    KeptClip& cached = Keep(clip);
+    CachedClip& cached = Keep(clip);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
       const NearestFrame& near = cached.See(model_, rings_[i], window_->At(states, frames_[i]));
       if (near.squared_distance < nearest_[i].squared_distance) nearest_[i] = near;
@@ -124,7 +124,7 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   return absl::OkStatus();
 }
 
-double WindowRecognizer::LogEvidence(const KeptClip& clip) {
+double WindowRecognizer::LogEvidence(const CachedClip& clip) {
   double log_evidence = 0;
   if (clip.LogEvidence(rings_, paths_, log_evidence)) return log_evidence;
   FrameMatrix observed(frames_.size(), model_.metric().projection.cols());
@@ -143,7 +143,7 @@ std::vector<ClipEvidence> WindowRecognizer::DecisiveClips() {
   std::vector<double> best(labels_.size(), kLogZero);
   std::vector<bool> is_listed(labels_.size());
   for (std::size_t place = 0; place < listed_.size(); ++place) {
-    order.push_back({listed_[place]->LogEvidenceAtMost(rings_), place});
+    order.push_back({listed_[place]->LogEvidenceBound(rings_), place});
     is_listed[label_of_clip_[shortlist_[place]]] = true;
   }
   std::ranges::sort(order, std::ranges::greater(), &Bounded::upper_bound);

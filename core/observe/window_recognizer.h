@@ -49,10 +49,10 @@ class WindowRecognizer {
   void ChooseFrames(const ObservedStates& states);
   // Compares the shortlisted clips with each frame.
   absl::Status CompareClips(const ObservedStates& states, const Cancelled& cancelled);
-  KeptClip& Keep(int clip);
+  CachedClip& Keep(int clip);
   // Returns the clips that determine each label's evidence, as LabelEvidence uses them.
   std::vector<ClipEvidence> DecisiveClips();
-  double LogEvidence(const KeptClip& clip);
+  double LogEvidence(const CachedClip& clip);
   double FamiliarityScore();
 
   int Width(const ObservedStates& states) const;
@@ -64,14 +64,14 @@ class WindowRecognizer {
   std::vector<int> label_of_clip_;
   std::optional<MetricWindow> window_;  // absent if the model has no metric
   ClipRanking ranking_;
-  std::vector<KeptClip> clips_;  // larger than a shortlist, because clips recur
+  std::vector<CachedClip> clips_;  // larger than a shortlist, because clips recur
   std::int64_t answers_ = 0;
 
   // Of the current answer.
   std::vector<std::int64_t> frames_;
   std::vector<std::size_t> rings_;
   std::vector<int> shortlist_;
-  std::vector<const KeptClip*> listed_;
+  std::vector<const CachedClip*> listed_;
   std::vector<NearestFrame> nearest_;
   PathSum paths_;
 };

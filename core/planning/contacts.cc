@@ -175,8 +175,8 @@ Foot FindFoot(const Sample& sample, const std::array<int, 3>& leg) {
 
 using Flags = Eigen::Array<bool, Eigen::Dynamic, 1>;
 
-// Inverts runs of `value` shorter than `shortest` frames. Keeps runs at the ends of the motion,
-// which may be longer.
+// Inverts runs of `value` shorter than `shortest` frames. HasClearance runs at the ends of the
+// motion, which may be longer.
 void DropShortRuns(bool value, Eigen::Index shortest, Flags& runs) {
   Eigen::Index begin = 0;
   for (Eigen::Index t = 1; t <= runs.size(); ++t) {

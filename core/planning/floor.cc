@@ -255,7 +255,7 @@ double FloorField::DistanceToGoal(const Eigen::Vector2d& point) const {
   return std::max(straight, around);
 }
 
-bool FloorField::Keeps(const Eigen::Vector2d& point, double distance_m) const {
+bool FloorField::HasClearance(const Eigen::Vector2d& point, double distance_m) const {
   if (cell_m_ == 0) return true;
   const int cell = IndexAt(point);
   // Distances change at most as fast as the point moves. Rounding to float is below 0.1 mm on any

@@ -84,7 +84,7 @@ class FloorField {
 
   // Whether Distance(obstacles, point) >= distance_m; does not examine the obstacles for most
   // points.
-  bool Keeps(const Eigen::Vector2d& point, double distance_m) const;
+  bool HasClearance(const Eigen::Vector2d& point, double distance_m) const;
 
  private:
   int IndexAt(const Eigen::Vector2d& point) const;

@@ -28,7 +28,7 @@ Values RaiseToFloor(const Foot& foot, double leg_length_m, double rate_hz,
     raise = raise.max(foot.rest_heights[i] * leg_length_m -
                       positions_m.col(3 * foot.contact_markers[i] + 2).cast<double>().array());
   }
-  return Cover(raise, FramesOf(kRaiseSeconds, rate_hz));
+  return UpperEnvelope(raise, FramesOf(kRaiseSeconds, rate_hz));
 }
 
 // Hip, knee and ankle in one frame.
@@ -79,7 +79,7 @@ Values MoveBody(const Feet& feet, const std::vector<FootMove>& moves, double rat
       }
     }
   }
-  return -Cover(-highest, FramesOf(kRaiseSeconds, rate_hz));
+  return -UpperEnvelope(-highest, FramesOf(kRaiseSeconds, rate_hz));
 }
 
 // Returns the leg with its ankle moved: the knee stays on its side, at the same distances from hip
@@ -143,8 +143,8 @@ void LockFeet(const Feet& feet, const ContactMatrix& contacts, double frame_rate
   Eigen::Index column = 0;
   for (const Foot& foot : feet) {
     const auto markers = static_cast<Eigen::Index>(foot.contact_markers.size());
-    moves.push_back({HoldFoot(foot, contacts.middleCols(column, markers), frame_rate_hz,
-                              leg_length_m, positions_m),
+    moves.push_back({FootShift(foot, contacts.middleCols(column, markers), frame_rate_hz,
+                               leg_length_m, positions_m),
                      RaiseToFloor(foot, leg_length_m, frame_rate_hz, positions_m)});
     column += markers;
   }
@@ -201,7 +201,7 @@ Eigen::ArrayXd Firmness(const ContactMatrix& contacts, double rate_hz) {
   for (Eigen::Index t = 0; t < loose.size(); ++t) {
     loose[t] = contacts.row(t).any() && contacts.row(t + 1).any() ? 0 : 1;
   }
-  return 1 - Cover(loose, FramesOf(kSettleSeconds, rate_hz));
+  return 1 - UpperEnvelope(loose, FramesOf(kSettleSeconds, rate_hz));
 }
 
 // Returns the displacement on the floor of each contact marker in each step of a stance: [marker]
@@ -282,8 +282,8 @@ FloorShift HoldStance(const Foot& foot, const ContactMatrix& contacts,
 
 }  // namespace
 
-FloorShift HoldFoot(const Foot& foot, const ContactMatrix& contacts, double frame_rate_hz,
-                    double leg_length_m, const FrameMatrix& positions_m) {
+FloorShift FootShift(const Foot& foot, const ContactMatrix& contacts, double frame_rate_hz,
+                     double leg_length_m, const FrameMatrix& positions_m) {
   const Eigen::Index frames = positions_m.rows();
   FloorShift shift = FloorShift::Zero(frames, 2);
   const Eigen::ArrayXd firmness = Firmness(contacts, frame_rate_hz);

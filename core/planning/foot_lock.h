@@ -1,4 +1,4 @@
-// Keeps standing feet in place (section VI-E: "the feet occasionally slip and penetrate the
+// HasClearance standing feet in place (section VI-E: "the feet occasionally slip and penetrate the
 // floor").
 #pragma once
 
@@ -17,8 +17,8 @@ namespace motiondb::core {
 // velocity and acceleration.
 //
 // A foot keeps its shape and direction. It is shifted so that, of the standing markers, the one
-// that moves least is fixed (HoldFoot). The knee moves in the plane of the leg; thigh and shin keep
-// their lengths and carry their markers. The whole body is smoothly raised or lowered by some
+// that moves least is fixed (FootShift). The knee moves in the plane of the leg; thigh and shin
+// keep their lengths and carry their markers. The whole body is smoothly raised or lowered by some
 // millimetres, so that straight legs reach their feet. All other markers move with the hips.
 // leg_length_m: the subject's. REQUIRES: no missing markers. O(frames * markers).
 void LockFeet(const Feet& feet, const ContactMatrix& contacts, double frame_rate_hz,
@@ -31,8 +31,8 @@ using FloorShift = Eigen::Array<double, Eigen::Dynamic, 2>;
 // the shift cancels the motion of the contact marker that moves least; between stances it is
 // interpolated to the next one, or to zero. It is continuous in position, velocity and
 // acceleration. O(frames).
-FloorShift HoldFoot(const Foot& foot, const ContactMatrix& contacts, double frame_rate_hz,
-                    double leg_length_m, const FrameMatrix& positions_m);
+FloorShift FootShift(const Foot& foot, const ContactMatrix& contacts, double frame_rate_hz,
+                     double leg_length_m, const FrameMatrix& positions_m);
 
 // The markers of one foot (3 x foot_markers, in order) when standing flat: origin on the floor
 // below the middle of its contact markers, x from the rear one to the front one, z up.

@@ -117,8 +117,9 @@ void Judge(const PlanProblem& problem, PlannedMotion& planned) {
 
 }  // namespace
 
-absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanProblem& problem,
-                     SynthesisedMotion motion, const Cancelled& cancelled, PlannedMotion& planned) {
+absl::Status RetargetToBody(const MarkerScheme& scheme, const Body& body,
+                            const PlanProblem& problem, SynthesisedMotion motion,
+                            const Cancelled& cancelled, PlannedMotion& planned) {
   const double model_rate = motion.markers.frame_rate_hz;
   const double rate = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate;
   MOTIONDB_ASSIGN_OR_RETURN(planned.markers, Resample(motion.markers, rate));

@@ -127,12 +127,13 @@ class Planner {
     }
     FoundPaths found;
     MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
-        SegmentGraph(model_, floor_, layer_, problem_.labels, Likeness::kAlike), field, found));
+        SegmentGraph(model_, floor_, layer_, problem_.labels, Similarity::kSimilar), field, found));
     if (!found.reached && !time_up_) {
       // Nodes of a layer half way up contain more frames that are roughly similar.
-      MOTIONDB_RETURN_IF_ERROR(SearchFromOrigins(
-          SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.labels, Likeness::kRoughlyAlike),
-          field, found));
+      MOTIONDB_RETURN_IF_ERROR(
+          SearchFromOrigins(SegmentGraph(model_, floor_, (layer_ + 1) / 2, problem_.labels,
+                                         Similarity::kRoughlySimilar),
+                            field, found));
     }
     if (control_.search_over) control_.search_over();
     for (const FoundPath& path : found.paths) {
@@ -157,7 +158,8 @@ class Planner {
       answer_.effort.complete = answer_.effort.complete && found.effort.complete;
       time_up_ = found.time_up;
       const bool nearer =
-          !found.paths.empty() && (best.paths.empty() || found.paths[0].lack < best.paths[0].lack);
+          !found.paths.empty() &&
+          (best.paths.empty() || found.paths[0].violation < best.paths[0].violation);
       if (found.reached || nearer) {
         best = std::move(found);
         origin_ = i;
@@ -214,7 +216,7 @@ class Planner {
     planned.quality.correction_heading_rad = root.turn_rad;
     SynthesisedMotion motion = Synthesise(model_, body_, origins_[origin_], path, root.poses);
     MOTIONDB_ASSIGN_OR_RETURN(planned.bottom_nodes, BottomNodes(motion.markers));
-    return Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
+    return RetargetToBody(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned);
   }
 
   // Returns the node path (section IV-A) of the motion itself.
@@ -255,7 +257,7 @@ class Planner {
     planned.coarse_nodes = std::move(path.coarse_nodes);
     planned.bottom_nodes = std::move(path.bottom_nodes);
     MOTIONDB_RETURN_IF_ERROR(
-        Perform(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned));
+        RetargetToBody(scheme_, body_, problem_, std::move(motion), control_.cancelled, planned));
     answer_.motions.push_back(std::move(planned));
     return absl::OkStatus();
   }

@@ -82,7 +82,7 @@ absl::StatusOr<SampledPath> Descend(const Model& model, int layer,
 struct Walk {
   std::vector<std::int32_t> nodes;
   FloorPose end;
-  double lack = std::numeric_limits<double>::infinity();
+  double violation = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace
@@ -129,16 +129,17 @@ absl::StatusOr<SampledPaths> SampleWalks(const Model& model, int layer, int star
       }
       walk.nodes.push_back(next);
       const GoalError error = ErrorAt(walk.end, settings.goal);
-      walk.lack = std::max(0.0, error.position_m - settings.position_tolerance_m) +
-                  std::max(0.0, error.heading_rad - settings.heading_tolerance_rad);
-      if (walk.lack < best.lack) best = {.nodes = {}, .end = walk.end, .lack = walk.lack};
-      if (walk.lack == best.lack) best_length = walk.nodes.size();
-      if (walk.lack == 0) break;
+      walk.violation = std::max(0.0, error.position_m - settings.position_tolerance_m) +
+                       std::max(0.0, error.heading_rad - settings.heading_tolerance_rad);
+      if (walk.violation < best.violation)
+        best = {.nodes = {}, .end = walk.end, .violation = walk.violation};
+      if (walk.violation == best.violation) best_length = walk.nodes.size();
+      if (walk.violation == 0) break;
     }
-    if (best.lack == 0 || best.lack < nearest.lack) {
+    if (best.violation == 0 || best.violation < nearest.violation) {
       walk.nodes.resize(best_length);
       best.nodes = std::move(walk.nodes);
-      (best.lack == 0 ? reached.emplace_back() : nearest) = std::move(best);
+      (best.violation == 0 ? reached.emplace_back() : nearest) = std::move(best);
     }
   }
   if (control.search_over) control.search_over();

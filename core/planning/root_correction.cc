@@ -44,7 +44,7 @@ GoalError ErrorAt(const FloorPose& end, const FloorPose& goal) {
 
 GoalError ErrorAfterCorrection(const FloorPose& end, double length_m, const FloorPose& goal) {
   const GoalError error = ErrorAt(end, goal);
-  const double allowed = kLargestCorrection * length_m;
+  const double allowed = kMaxCorrection * length_m;
   const double turn = std::min(error.heading_rad, allowed);
   // A rotation spread over the path bends it by up to an eighth of its length per radian.
   const double shift = std::max(0.0, allowed - turn * length_m / 8);
@@ -61,14 +61,14 @@ CorrectedRoot CorrectRoot(const std::vector<FloorPose>& root, const FloorPose& g
   if (!(length > 0)) return {.poses = root};
   for (double& share : progress) share /= length;
 
-  const double max_turn = kLargestCorrection * length;
+  const double max_turn = kMaxCorrection * length;
   const double turn =
       std::clamp(WrapAngle(goal.heading - root.back().heading), -max_turn, max_turn);
   double share = 1;
   CorrectedRoot corrected = Apply(root, progress, goal, turn, share);
   // The shift is nearly proportional to the share, so a few iterations satisfy the limit.
   for (int i = 0; i < 20; ++i) {
-    const double allowed = kLargestCorrection * std::min(length, corrected.length_m);
+    const double allowed = kMaxCorrection * std::min(length, corrected.length_m);
     if (corrected.largest_shift_m <= allowed) break;
     share *= 0.99 * allowed / corrected.largest_shift_m;
     corrected = Apply(root, progress, goal, turn, share);

@@ -9,7 +9,7 @@ namespace motiondb::core {
 
 // Limits of a correction: the shift of any pose as a fraction of the path length (before or after,
 // whichever is smaller), and the rotation of the end (rad) per metre of path length.
-inline constexpr double kLargestCorrection = 0.05;
+inline constexpr double kMaxCorrection = 0.05;
 
 struct GoalError {
   double position_m = 0;   // not negative

@@ -16,8 +16,8 @@ constexpr double kMinHalfWindowShare = 0.5;  // of kHalfWindowSeconds: a shorter
 constexpr std::size_t kMaxCandidates = 64;
 constexpr std::size_t kMaxJoins = 16;
 // Maximum mean squared difference of similar states, in squared standard deviations.
-constexpr double kAlike = 0.25;
-constexpr double kRoughlyAlike = 0.75;
+constexpr double kSimilar = 0.25;
+constexpr double kRoughlySimilar = 0.75;
 // Of joins that lead to nearly the same pose after a second only the best is kept: otherwise ten
 // joins straight ahead would displace the one that turns. In leg lengths and radians together.
 constexpr double kFutureSeconds = 1.0;
@@ -27,10 +27,10 @@ constexpr int kCoarseStep = 4;  // stride of the first comparison
 }  // namespace
 
 SegmentGraph::SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-                           const std::vector<std::string>& labels, Likeness likeness)
+                           const std::vector<std::string>& labels, Similarity likeness)
     : model_(model),
       floor_(floor),
-      largest_distance_(likeness == Likeness::kAlike ? kAlike : kRoughlyAlike),
+      largest_distance_(likeness == Similarity::kSimilar ? kSimilar : kRoughlySimilar),
       runs_of_node_(static_cast<std::size_t>(model.tree().node_count(layer))) {
   const double rate = model.settings().frame_rate_hz;
   const int max_frames = std::max(2, static_cast<int>(std::lround(kMaxRunSeconds * rate)));
@@ -63,7 +63,7 @@ int SegmentGraph::run_of_frame(int frame) const {
   return static_cast<int>(after - runs_.begin()) - 1;
 }
 
-bool SegmentGraph::Plays(int run) const {
+bool SegmentGraph::IsFreeOfGlitches(int run) const {
   return !model_.HasGlitch(runs_[run].first, runs_[run].last);
 }
 
@@ -133,12 +133,12 @@ const std::vector<RunJoin>& SegmentGraph::Joins(int run) {
     // A nearby run of the same clip would only repeat the motion or stall.
     const bool neighbour = clip_of_run_[to] == clip_of_run_[run] &&
                            std::abs(runs_[to].first - runs_[run].first) <= 4 * half_window_;
-    if (neighbour || !Plays(to)) continue;
+    if (neighbour || !IsFreeOfGlitches(to)) continue;
     if (auto join = BestJoin(run, to)) joins.push_back(*join);
   }
   std::stable_sort(joins.begin(), joins.end(),
                    [](const RunJoin& a, const RunJoin& b) { return a.distance < b.distance; });
-  return known->second = LeadingApart(std::move(joins));
+  return known->second = KeepDistinctFutures(std::move(joins));
 }
 
 FloorPose SegmentGraph::Future(const RunJoin& join) const {
@@ -149,7 +149,7 @@ FloorPose SegmentGraph::Future(const RunJoin& join) const {
   return floor_.Between(frame, std::min(end, frame + ahead));
 }
 
-std::vector<RunJoin> SegmentGraph::LeadingApart(std::vector<RunJoin> joins) const {
+std::vector<RunJoin> SegmentGraph::KeepDistinctFutures(std::vector<RunJoin> joins) const {
   std::vector<RunJoin> kept;
   std::vector<FloorPose> futures;
   for (const RunJoin& join : joins) {

@@ -23,7 +23,7 @@ struct Run {
   std::int32_t first = 0;
   std::int32_t last = 0;
   std::int32_t node = 0;
-  bool goes_on = false;  // the next run is of the same clip
+  bool continues = false;  // the next run is of the same clip
 };
 
 struct RunJoin {
@@ -35,14 +35,14 @@ struct RunJoin {
 
 // Required similarity of the states of a join. Rough similarity causes more jerk, but a small
 // database may offer nothing else.
-enum class Likeness { kAlike, kRoughlyAlike };
+enum class Similarity { kSimilar, kRoughlySimilar };
 
 class SegmentGraph {
  public:
   // Creates the runs of the clips with one of `labels` (empty: all), by the nodes of `layer`.
   // O(frames).
   SegmentGraph(const Model& model, const StoredFloor& floor, int layer,
-               const std::vector<std::string>& labels, Likeness likeness = Likeness::kAlike);
+               const std::vector<std::string>& labels, Similarity likeness = Similarity::kSimilar);
 
   const std::vector<Run>& runs() const { return runs_; }
   // Index of the run that contains a frame; -1 if its clip is not used. O(log runs).
@@ -50,7 +50,7 @@ class SegmentGraph {
   // Maximum number of frames blended on each side of a join.
   int half_window() const { return half_window_; }
   // Whether a run has no glitch. Joins lead only to such runs.
-  bool Plays(int run) const;
+  bool IsFreeOfGlitches(int run) const;
   // Returns the joins from a run, smallest distance first.
   const std::vector<RunJoin>& Joins(int run);
 
@@ -59,8 +59,8 @@ class SegmentGraph {
   std::optional<RunJoin> BestJoin(int from, int to);
   // Returns the pose one second after the frame that a join enters.
   FloorPose Future(const RunJoin& join) const;
-  // Keeps the best of the joins that lead to the same pose.
-  std::vector<RunJoin> LeadingApart(std::vector<RunJoin> joins) const;
+  // HasClearance the best of the joins that lead to the same pose.
+  std::vector<RunJoin> KeepDistinctFutures(std::vector<RunJoin> joins) const;
   double StateDistance(int a, int b) const;
   // half_window(), or less if a clip has fewer frames around the join.
   int HalfWindowAt(const ModelClip& from, int leave, const ModelClip& to, int enter) const;

@@ -63,7 +63,7 @@ struct Ending {
   std::int32_t join = kNoJoin;  // join from that run before the end
   std::int32_t frame = 0;
   double cost = 0;
-  double lack = std::numeric_limits<double>::infinity();
+  double violation = std::numeric_limits<double>::infinity();
 };
 
 class Search {
@@ -135,7 +135,7 @@ class Search {
   }
 
   bool Clear(const FloorPose& pose, double margin) const {
-    return field_.Keeps({pose.x, pose.y}, obstacles_.clearance_m + margin);
+    return field_.HasClearance({pose.x, pose.y}, obstacles_.clearance_m + margin);
   }
 
   int EntryFrame(const Arrival& arrival) const {
@@ -169,7 +169,7 @@ class Search {
     const double remaining = RemainingSeconds(arrival.pose);
     // A correction may cover the last part.
     const bool in_time =
-        arrival.frames + (1 - kLargestCorrection) * remaining * settings_.frame_rate_hz <=
+        arrival.frames + (1 - kMaxCorrection) * remaining * settings_.frame_rate_hz <=
         max_frames_ + 1;
     if (arrival.from >= 0 && (!in_time || arrival.cost + remaining >= WorstKept())) return;
     const auto index = static_cast<std::int32_t>(arrivals_.size());
@@ -207,7 +207,7 @@ class Search {
     const int first_end = arrival.from < 0 ? entry + 1 : entry;
     TryEnds(index, kNoJoin, settled ? first_end : entry + graph_.half_window() - arrival.since_join,
             run.last, entry, arrival.pose, arrival.frames, arrival.length_m, arrival.cost);
-    if (run.goes_on) {
+    if (run.continues) {
       Advance(index, kNoJoin, arrival.run + 1, entry, arrival.pose, arrival.frames,
               arrival.length_m, arrival.cost, arrival.since_join);
     }
@@ -230,7 +230,7 @@ class Search {
       const double landed_cost = cost + window / settings_.frame_rate_hz;
       TryEnds(index, number, landed, graph_.runs()[join.to].last, landed, pose, frames, length,
               landed_cost);
-      if (graph_.runs()[join.to].goes_on) {
+      if (graph_.runs()[join.to].continues) {
         Advance(index, number, join.to + 1, landed, pose, frames, length, landed_cost, window);
       }
     }
@@ -258,8 +258,8 @@ class Search {
            .frames = frames + played,
            .pose = pose * floor_.Between(at, first),
            .length_m = length + SignedLength(at, first),
-           .cost =
-               cost + played / settings_.frame_rate_hz + (graph_.Plays(to) ? 0 : kGlitchSeconds)});
+           .cost = cost + played / settings_.frame_rate_hz +
+                   (graph_.IsFreeOfGlitches(to) ? 0 : kGlitchSeconds)});
   }
 
   // Checks whether the motion can end at one of the frames first ... last; `pose` and the following
@@ -268,8 +268,8 @@ class Search {
                const FloorPose& pose, int frames, double length, double cost) {
     if (first > last || frames + first - at > max_frames_) return;
     const double reach = settings_.position_tolerance_m +
-                         std::abs(SignedLength(at, last)) * (1 + kLargestCorrection) +
-                         kLargestCorrection * length;
+                         std::abs(SignedLength(at, last)) * (1 + kMaxCorrection) +
+                         kMaxCorrection * length;
     const bool near = std::hypot(pose.x - goal_.x(), pose.y - goal_.y()) <= reach;
     for (int frame = first; frame <= (near ? last : first); ++frame) {
       const int played = frame - at;
@@ -284,19 +284,19 @@ class Search {
 
   void Consider(Ending ending, const FloorPose& end, double length) {
     const GoalError residual = ErrorAfterCorrection(end, length, settings_.goal);
-    const double lack =
+    const double violation =
         std::max(0.0, residual.position_m - kUsedTolerance * settings_.position_tolerance_m) +
         std::max(0.0, residual.heading_rad - kUsedTolerance * settings_.heading_tolerance_rad);
-    ending.lack = lack;
-    if (lack > 0) {
-      if (lack < nearest_.lack && IsClear(Corrected(ending).poses)) nearest_ = ending;
+    ending.violation = violation;
+    if (violation > 0) {
+      if (violation < nearest_.violation && IsClear(Corrected(ending).poses)) nearest_ = ending;
       return;
     }
     const GoalError error = ErrorAt(end, settings_.goal);
     if (length > 0) {
       ending.cost +=
-          kCorrectionSeconds * std::min(1.0, std::max(error.position_m, error.heading_rad) /
-                                                 (kLargestCorrection * length));
+          kCorrectionSeconds *
+          std::min(1.0, std::max(error.position_m, error.heading_rad) / (kMaxCorrection * length));
     }
     if (ending.cost < WorstKept() && Arrives(ending)) Keep(ending);
   }
@@ -320,7 +320,7 @@ class Search {
            IsClear(root.poses);
   }
 
-  // Keeps one ending for each path: another end frame of the same runs is not another plan.
+  // HasClearance one ending for each path: another end frame of the same runs is not another plan.
   void Keep(const Ending& ending) {
     const auto same = std::find_if(endings_.begin(), endings_.end(), [&](const Ending& other) {
       return LastJoinOf(other) == LastJoinOf(ending);
@@ -361,7 +361,7 @@ class Search {
     found_.reached = !endings_.empty();
     if (endings_.empty() && nearest_.arrival >= 0) endings_.push_back(nearest_);
     for (const Ending& ending : endings_) {
-      found_.paths.push_back({PathTo(ending), ending.cost, ending.lack});
+      found_.paths.push_back({PathTo(ending), ending.cost, ending.violation});
     }
   }
 

@@ -27,7 +27,7 @@ struct FoundPath {
   SplicedPath path;
   double cost = 0;  // seconds, with joins and correction converted to time
   // Remaining violation of the tolerances after correction; 0: within tolerance.
-  double lack = 0;
+  double violation = 0;
 };
 
 struct FoundPaths {

@@ -124,7 +124,7 @@ Eigen::ArrayXXd Smooth(const Eigen::ArrayXXd& rows, Eigen::Index reach) {
   return smooth;
 }
 
-Eigen::ArrayXd Cover(const Eigen::ArrayXd& values, Eigen::Index reach) {
+Eigen::ArrayXd UpperEnvelope(const Eigen::ArrayXd& values, Eigen::Index reach) {
   Eigen::ArrayXd highest(values.size());
   for (Eigen::Index t = 0; t < values.size(); ++t) {
     const Eigen::Index first = std::max<Eigen::Index>(0, t - reach);

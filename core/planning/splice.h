@@ -84,7 +84,7 @@ Eigen::ArrayXXd Smooth(const Eigen::ArrayXXd& rows, Eigen::Index reach);
 
 // Returns a smooth upper envelope: the maximum over `reach` rows on both sides, smoothed over as
 // many.
-Eigen::ArrayXd Cover(const Eigen::ArrayXd& values, Eigen::Index reach);
+Eigen::ArrayXd UpperEnvelope(const Eigen::ArrayXd& values, Eigen::Index reach);
 
 // Returns a smooth step from 0 at share 0 to 1 at share 1, clamped, with zero velocity and
 // acceleration at both ends.

@@ -58,7 +58,8 @@ Eigen::RowVectorXf OnFloor(const Eigen::Ref<const Eigen::RowVectorXf>& positions
 // Retargets the motion to the body and measures it. Sets root, markers, joints, and the quality
 // except the correction. The outcome is kExact or kApproximate, judged on the returned markers.
 // INVALID_ARGUMENT if the body cannot play the motion; CANCELLED.
-absl::Status Perform(const MarkerScheme& scheme, const Body& body, const PlanProblem& problem,
-                     SynthesisedMotion motion, const Cancelled& cancelled, PlannedMotion& planned);
+absl::Status RetargetToBody(const MarkerScheme& scheme, const Body& body,
+                            const PlanProblem& problem, SynthesisedMotion motion,
+                            const Cancelled& cancelled, PlannedMotion& planned);
 
 }  // namespace motiondb::core

@@ -239,9 +239,9 @@ void NodeForecaster::Step() {
 
 Eigen::RowVectorXf NodeForecaster::At(double seconds, const Cancelled& cancelled) {
   const auto frames = static_cast<int>(std::lround(seconds * model_.settings().frame_rate_hz));
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   const auto step = std::ssize(probability_) + model_.global_graph(layer_).edge_count();
-  for (; frames_ < frames && !patience.IsOver(step); ++frames_) Step();
+  for (; frames_ < frames && !cancellation.cancelled(step); ++frames_) Step();
   const Eigen::RowVectorXf mean = Mean();
   Eigen::RowVectorXf positions(mean.size() / 2);
   for (Eigen::Index m = 0; m < positions.size() / 3; ++m) {

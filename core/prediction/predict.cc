@@ -78,7 +78,7 @@ absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& sea
     MOTIONDB_ASSIGN_OR_RETURN(
         const auto filled, FillMissing(model, near, scaled, search.layer,
                                        search.paths.front().nodes, Fill::kEveryFrame, cancelled));
-    PutFilled(filled, complete);
+    ApplyFilled(filled, complete);
     complete.root_path = past.root_path;
   }
   return complete;

@@ -98,7 +98,7 @@ bool PathSum::IsExact() const { return blur_ < kExact; }
 
 double PathSum::LogEvidence() const { return log_sum_ + std::log(scale_ * ending_.sum()); }
 
-double PathSum::LogEvidenceAtMost(Eigen::Index count, double nearest_sum) {
+double PathSum::LogEvidenceBound(Eigen::Index count, double nearest_sum) {
   return std::log(static_cast<double>(count)) - nearest_sum / (2 * kTemper);
 }
 
@@ -151,11 +151,11 @@ ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
     : observed_(observed), anchored_(anchored) {}
 
 double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int clip,
-                                           Patience& patience) {
+                                           ThrottledCancellation& cancellation) {
   const int count = stored.rows.count(clip);
   paths_.Begin(count, anchored_);
   for (int block = 0; block < observed_.block_count(); ++block) {
-    if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
+    if (cancellation.cancelled(StepsOfBlock(stored, count))) return 0;
     observed_.ComputeDistances(stored, clip, block, distances_);
     for (int f = 0; f < observed_.CountOf(block); ++f) paths_.See(distances_.col(f));
   }
@@ -164,12 +164,12 @@ double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int clip,
 
 double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
                           const Cancelled& cancelled) {
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   const int count = stored.rows.count(clip);
   roots_.resize(count);
   paths_.Begin(count, anchored_);
   for (int block = 0; block < observed_.block_count(); ++block) {
-    if (patience.IsOver(StepsOfBlock(stored, count))) return 0;
+    if (cancellation.cancelled(StepsOfBlock(stored, count))) return 0;
     observed_.ComputeDistances(stored, clip, block, distances_);
     for (int f = 0; f < observed_.CountOf(block); ++f) {
       const auto distances = distances_.col(f);
@@ -179,7 +179,8 @@ double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<Near
       paths_.SeeRoots(roots_, least, cut_off);
     }
   }
-  return paths_.IsExact() ? paths_.LogEvidence() : LogEvidenceByDistances(stored, clip, patience);
+  return paths_.IsExact() ? paths_.LogEvidence()
+                          : LogEvidenceByDistances(stored, clip, cancellation);
 }
 
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,

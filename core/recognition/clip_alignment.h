@@ -36,7 +36,7 @@ class PathSum {
   double LogEvidence() const;
   // It is not above this for frames whose squared distances to the clip's nearest sum up to
   // `nearest_sum`.
-  static double LogEvidenceAtMost(Eigen::Index count, double nearest_sum);
+  static double LogEvidenceBound(Eigen::Index count, double nearest_sum);
 
  private:
   // Sums over the paths that end in each frame, the greatest being 1, behind two places where none
@@ -55,7 +55,7 @@ class PathSum {
 
 // How well a stored clip's own course explains an observation: a hidden Markov model whose states
 // are the clip's frames. The functions are safe to call from any thread.
-class Patience;
+class ThrottledCancellation;
 
 // Observed frames as they are compared with stored ones: in blocks of kFrameLanes. Immutable.
 class ObservedFrames {
@@ -112,7 +112,8 @@ class ClipAligner {
                const Cancelled& cancelled = {});
 
  private:
-  double LogEvidenceByDistances(const MetricFrames& stored, int clip, Patience& patience);
+  double LogEvidenceByDistances(const MetricFrames& stored, int clip,
+                                ThrottledCancellation& cancellation);
 
   const ObservedFrames observed_;
   const bool anchored_;

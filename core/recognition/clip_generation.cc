@@ -17,12 +17,12 @@ WindowEmission::WindowEmission(const Model& model, int layer, const FrameMatrix&
 }
 
 void WindowEmission::MoveTo(int first, const Cancelled& cancelled) {
-  Patience patience(cancelled);
+  ThrottledCancellation cancellation(cancelled);
   const auto frames = static_cast<int>(log_density_.rows());
   const int keep = std::clamp(computed_ - first, 0, frames);
   for (int t = 0; t < keep; ++t) log_density_.row(t) = log_density_.row(t + first - first_);
   for (int t = keep; t < frames; ++t) {
-    if (patience.IsOver(log_density_.cols() * observation_.cols())) return;
+    if (cancellation.cancelled(log_density_.cols() * observation_.cols())) return;
     const float* x = observation_.row(first + t).data();
     for (Eigen::Index node = 0; node < log_density_.cols(); ++node) {
       const int branch = model_.tree().branch(layer_, static_cast<int>(node));

@@ -29,12 +29,12 @@ struct FeatureScale {
 // than twice the mean width of its kind): a few corrupt frames do not change it. REQUIRES: finite
 // states. The same bytes for any number of threads.
 Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states,
-                                   const ParallelFor& parallel = Serially);
+                                   const ParallelFor& parallel = RunSerially);
 
 // The scale for these states (frames x dimensions, six numbers a marker: position, velocity). The
 // pooled standard deviation is the root of the mean of the dimensions' variances, each about its
 // own mean (RobustVariances). A dimension or kind that never varies is divided by 1.
 FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states,
-                              const ParallelFor& parallel = Serially);
+                              const ParallelFor& parallel = RunSerially);
 
 }  // namespace motiondb::core

@@ -11,7 +11,7 @@ namespace motiondb::core {
 using ParallelFor = std::function<void(int count, const std::function<void(int)>& body)>;
 
 // Runs on the calling thread only.
-inline void Serially(int count, const std::function<void(int)>& body) {
+inline void RunSerially(int count, const std::function<void(int)>& body) {
   for (int i = 0; i < count; ++i) body(i);
 }
 

@@ -5,8 +5,8 @@
 #include <numeric>
 #include <vector>
 
-#include "core/tree/divide_node.h"
 #include "core/tree/row_kernels.h"
+#include "core/tree/split_node.h"
 
 namespace motiondb::core {
 
@@ -114,9 +114,9 @@ void PermutedStates::MoveLeft(std::int32_t begin, std::int32_t end, int left,
   });
 }
 
-int PermutedStates::Divide(std::int32_t begin, std::int32_t end, int min_frames,
-                           std::vector<float>& centred, const ParallelFor& parallel,
-                           SplitPlane& plane) {
+int PermutedStates::Split(std::int32_t begin, std::int32_t end, int min_frames,
+                          std::vector<float>& centred, const ParallelFor& parallel,
+                          SplitPlane& plane) {
   const NodeRows rows{rows_.row(begin).data(), end - begin, static_cast<int>(rows_.cols())};
   const NodeAxis node = FindNodeAxis(rows, centred, parallel);
   Project(begin, end, node, parallel);
@@ -131,7 +131,8 @@ int PermutedStates::Divide(std::int32_t begin, std::int32_t end, int min_frames,
   return left;
 }
 
-bool PermutedStates::SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel) {
+bool PermutedStates::ExcludeOutliers(std::int32_t& begin, std::int32_t& end,
+                                     const ParallelFor& parallel) {
   const std::int32_t count = end - begin;
   const int left =
       MinimumErrorThreshold(std::span(sorted_).subspan(begin, static_cast<std::size_t>(count)));

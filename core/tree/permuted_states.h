@@ -29,13 +29,13 @@ class PermutedStates {
   // the number of frames on the left and sets `plane`; returns 0 and changes nothing if either side
   // would have fewer than min_frames. `centred` is scratch. The order within a side is
   // deterministic, but not that of frame numbers.
-  int Divide(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
-             const ParallelFor& parallel, SplitPlane& plane);
+  int Split(std::int32_t begin, std::int32_t end, int min_frames, std::vector<float>& centred,
+            const ParallelFor& parallel, SplitPlane& plane);
 
-  // REQUIRES: Divide has just returned 0 for [begin, end). Moves the frames on the smaller side of
+  // REQUIRES: Split has just returned 0 for [begin, end). Moves the frames on the smaller side of
   // the threshold to one end, and narrows the range to the others. Returns false and changes
   // nothing if there is no threshold.
-  bool SetAside(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
+  bool ExcludeOutliers(std::int32_t& begin, std::int32_t& end, const ParallelFor& parallel);
 
   // Moves the rows of the states back to the order of the frames.
   void Restore(const ParallelFor& parallel);
@@ -51,7 +51,7 @@ class PermutedStates {
 
   Eigen::Map<FrameMatrix> rows_;
   std::vector<std::int32_t> order_;
-  // By place; valid from one Divide to the next.
+  // By place; valid from one Split to the next.
   std::vector<double> projections_;
   std::vector<double> sorted_;
   std::vector<double> scratch_;

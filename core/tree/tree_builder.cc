@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "core/motion/error.h"
-#include "core/tree/divide_node.h"
 #include "core/tree/permuted_states.h"
+#include "core/tree/split_node.h"
 
 namespace motiondb::core {
 
@@ -22,26 +22,25 @@ constexpr int kCachedFrames = 512;
 
 // How a node is split, and its children if they are known.
 struct NodeSplit {
-  NodePlaces divided;  // without outlier frames
-  int left = 0;        // frames; 0: it is a leaf
+  NodeRange divided;  // without outlier frames
+  int left = 0;       // frames; 0: it is a leaf
   SplitPlane plane;
   std::unique_ptr<NodeSplit> children[2];
 };
 
-std::unique_ptr<NodeSplit> Divide(const DivisionRule& rule, PermutedStates& permuted,
-                                 const NodePlaces& places, std::vector<float>& scratch,
+std::unique_ptr<NodeSplit> Split(const SplitRule& rule, PermutedStates& permuted,
+                                 const NodeRange& places, std::vector<float>& scratch,
                                  const ParallelFor& parallel) {
   auto division = std::make_unique<NodeSplit>();
   division->divided = places;
   const std::int32_t frames = places.end - places.begin;
   if (frames < 2 * rule.min_frames) return division;
-  division->left =
-      DivideNode(rule, permuted, division->divided, scratch, parallel, division->plane);
+  division->left = SplitNode(rule, permuted, division->divided, scratch, parallel, division->plane);
   if (division->left == 0 || frames > kCachedFrames) return division;
   const auto [begin, end] = division->divided;
   const std::int32_t middle = begin + division->left;
-  division->children[0] = Divide(rule, permuted, {begin, middle}, scratch, parallel);
-  division->children[1] = Divide(rule, permuted, {middle, end}, scratch, parallel);
+  division->children[0] = Split(rule, permuted, {begin, middle}, scratch, parallel);
+  division->children[1] = Split(rule, permuted, {middle, end}, scratch, parallel);
   return division;
 }
 
@@ -76,8 +75,8 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
   if (min_frames < 2) return InvalidArgument("min_frames: expected at least 2, got {}", min_frames);
 
   PermutedStates permuted(states);
-  FramesAside aside;
-  const DivisionRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
+  OutlierFrames aside;
+  const SplitRule rule{min_frames, static_cast<std::int32_t>(states.rows())};
   std::vector<Branch> branches{{.begin = 0, .end = static_cast<std::int32_t>(states.rows())}};
   std::vector<SplitPlane> planes;
   std::vector<std::vector<float>> scratch(kBatches);
@@ -105,7 +104,7 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
     });
     const auto divide = [&](std::size_t i, int batch, const ParallelFor& threads) {
       const Branch& branch = branches[open[i].branch];
-      open[i].division = Divide(rule, permuted, {branch.begin, branch.end}, scratch[batch], threads);
+      open[i].division = Split(rule, permuted, {branch.begin, branch.end}, scratch[batch], threads);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
@@ -113,7 +112,7 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
     }
     parallel(kBatches, [&](int batch) {
       for (std::size_t i = shared + batch; i < work.size(); i += kBatches)
-        divide(work[i], batch, Serially);
+        divide(work[i], batch, RunSerially);
     });
 
     std::vector<Open> children;
@@ -126,7 +125,7 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
       branches[b].right = left + 1;
       const auto [begin, end] = division.divided;
       aside.Add(b, {branches[b].begin, branches[b].end}, division.divided);
-      aside.PassDown(b, branches[b], division.plane, permuted);
+      aside.MoveToChildren(b, branches[b], division.plane, permuted);
       planes.push_back(std::move(division.plane));
       const std::int32_t middle = begin + division.left;
       const std::int32_t below = branches[b].layer + 1;
@@ -141,7 +140,7 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
 
   permuted.Restore(parallel);
   std::vector<std::int32_t> order = std::move(permuted.order());
-  aside.PutBack(branches, order);
+  aside.AppendToLeaves(branches, order);
   for (const Branch& branch : branches) {
     if (branch.left < 0) std::sort(order.begin() + branch.begin, order.begin() + branch.end);
   }
@@ -182,7 +181,7 @@ absl::StatusOr<Tree> GrowTree(const Tree& tree, const Eigen::Ref<const FrameMatr
 double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const FrameMatrix>& states,
                      int min_frames, const ParallelFor& parallel) {
   const auto& branches = tree.branches();
-  const DivisionRule rule{min_frames, tree.frame_count()};
+  const SplitRule rule{min_frames, tree.frame_count()};
   std::vector<std::int32_t> stale(branches.size());
   const auto is_shared = [&](int b) {
     return branches[b].end - branches[b].begin >= kSharedFrames;
@@ -198,12 +197,12 @@ double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const F
     std::vector<float> scratch;
     SplitPlane plane;
     PermutedStates permuted({rows.data(), rows.rows(), rows.cols()});
-    NodePlaces places{0, count};
-    if (DivideNode(rule, permuted, places, scratch, threads, plane) > 0) stale[b] = count;
+    NodeRange places{0, count};
+    if (SplitNode(rule, permuted, places, scratch, threads, plane) > 0) stale[b] = count;
   };
   const auto branch_count = static_cast<int>(branches.size());
   parallel(branch_count, [&](int b) {
-    if (!is_shared(b)) check_leaf(b, Serially);
+    if (!is_shared(b)) check_leaf(b, RunSerially);
   });
   for (int b = 0; b < branch_count; ++b) {
     if (is_shared(b)) check_leaf(b, parallel);

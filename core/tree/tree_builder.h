@@ -16,7 +16,7 @@ using LayerDone = std::function<bool(int layer)>;
 
 // Splits every node along its principal axis at the minimum-error threshold, until no node of a
 // layer splits. A node is a leaf if the unconstrained threshold leaves fewer than `min_frames`
-// frames on either side; exception for large nodes with outliers: core/tree/divide_node.h.
+// frames on either side; exception for large nodes with outliers: core/tree/split_node.h.
 // `states`: frames x dimensions, scaled, finite. The result is bitwise identical for any number of
 // threads. INVALID_ARGUMENT for no frames or min_frames < 2; CANCELLED. Needs memory for one copy
 // of the states. Axes are exact to single precision in nodes of up to 16,384 frames, with a bounded
@@ -36,7 +36,7 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
 absl::StatusOr<Tree> GrowTree(const Tree& tree, const Eigen::Ref<const FrameMatrix>& added);
 
 // Returns the fraction of all frames, in [0, 1], in leaves that a build would now split
-// (core/tree/divide_node.h, with `min_frames`) because of the frames from `first_added` on. Checks
+// (core/tree/split_node.h, with `min_frames`) because of the frames from `first_added` on. Checks
 // only leaves with added frames. `states`: all frames x dimensions, scaled.
 double DriftFraction(const Tree& tree, int first_added, const Eigen::Ref<const FrameMatrix>& states,
                      int min_frames, const ParallelFor& parallel);

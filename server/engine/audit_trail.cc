@@ -4,8 +4,8 @@
 
 namespace motiondb::server {
 
-absl::Status KeepAuditRecord(storage::AccessStore& store, const storage::AuditRecord& record,
-                             const core::Cancelled& cancelled) {
+absl::Status StoreAuditRecord(storage::AccessStore& store, const storage::AuditRecord& record,
+                              const core::Cancelled& cancelled) {
   absl::Status stored = store.AddAuditRecord(record, cancelled);
   if (stored.ok() || absl::IsCancelled(stored)) return stored;
   // A read-only store keeps no entries: the log has them.

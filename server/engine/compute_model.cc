@@ -57,8 +57,8 @@ absl::StatusOr<std::optional<ExtendedModel>> ModelWithClips(storage::MotionStore
   return ExtendedModel{std::move(model), drift};
 }
 
-storage::ModelRecord FiguresOf(const std::string& database, int version, const core::Model& model,
-                               double drift_fraction) {
+storage::ModelRecord ModelRecordOf(const std::string& database, int version,
+                                   const core::Model& model, double drift_fraction) {
   storage::ModelRecord record;
   record.database = database;
   record.version = version;

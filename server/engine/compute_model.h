@@ -37,8 +37,8 @@ absl::StatusOr<std::optional<ExtendedModel>> ModelWithClips(storage::MotionStore
                                                             const core::ParallelFor& parallel);
 
 // Returns the record of a model that is not stored, with the given version and the current time.
-storage::ModelRecord FiguresOf(const std::string& database, int version, const core::Model& model,
-                               double drift_fraction);
+storage::ModelRecord ModelRecordOf(const std::string& database, int version,
+                                   const core::Model& model, double drift_fraction);
 
 // Returns whether the model's drift requires a new build (core::ModelDrift).
 bool HasDrifted(const storage::ModelRecord& record);

@@ -26,7 +26,7 @@ Engine::~Engine() {
 
 void Engine::Drain() {
   draining_ = true;
-  operations_.ReleaseWaiters();
+  operations_.EndWaits();
   const auto databases = Databases();
   for (const auto& database : databases) database->lifecycle().BeginStop();
   for (const auto& database : databases) database->lifecycle().AwaitStop();
@@ -43,7 +43,7 @@ std::shared_ptr<LiveDatabase> Engine::Serve(const std::string& name,
 absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string& database,
                                                                const core::BuildSettings& settings,
                                                                const MarkerSetSetting& marker_set,
-                                                               const storage::ChangeTerms& terms) {
+                                                               const storage::WriteOptions& terms) {
   const storage::DatabaseRecord record{.name = database,
                                        .settings = settings,
                                        .marker_set = marker_set.name,
@@ -70,7 +70,7 @@ absl::StatusOr<storage::DatabaseRecord> Engine::CreateDatabase(const std::string
 }
 
 absl::Status Engine::DeleteDatabase(const std::string& database,
-                                    const storage::ChangeTerms& terms) {
+                                    const storage::WriteOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto naming, naming_mutex_.Lock(terms.cancelled));
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   const auto remove = [&] {
@@ -90,10 +90,10 @@ absl::Status Engine::DeleteDatabase(const std::string& database,
 
 void Engine::FreeDeletedDatabases() {
   if (draining_ || purge_queued_.exchange(true)) return;
-  workers_.Post(Pool::kUpkeep, [this] {
+  workers_.Post(Pool::kMaintenance, [this] {
     purge_queued_ = false;  // reset first: this run may miss a database deleted later
     const absl::Status freed = store_->PurgeDeletedDatabases(
-        [this] { return draining_.load() || workers_.queued(Pool::kUpkeep) > 0; });
+        [this] { return draining_.load() || workers_.queued(Pool::kMaintenance) > 0; });
     if (absl::IsCancelled(freed)) return FreeDeletedDatabases();  // after the queued work
     if (freed.ok()) return;
     spdlog::warn("purge of deleted databases failed: {}", freed.ToString());
@@ -147,9 +147,9 @@ absl::StatusOr<std::shared_ptr<const Snapshot>> Engine::CurrentModel(const LiveD
 
 absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
     const std::shared_ptr<LiveDatabase>& database) {
-  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
+  MOTIONDB_RETURN_IF_ERROR(store_->maintenance().CheckIsWritable());
   std::unique_ptr<ModelLifecycle::Ingest> ingest;
-  MOTIONDB_RETURN_IF_ERROR(database->WithSharedUse(Retiring::kRefuse, [&] {
+  MOTIONDB_RETURN_IF_ERROR(database->WithSharedUse(DeletionPolicy::kRefuse, [&] {
     ingest = std::make_unique<ModelLifecycle::Ingest>(database);
     return absl::OkStatus();
   }));
@@ -157,7 +157,7 @@ absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
 }
 
 absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
-                                        IngestFile file, const WorkTerms& terms) {
+                                        IngestFile file, const WorkOptions& terms) {
   Ingested ingested;
   const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
     spdlog::info("database '{}': clip '{}' stored: frames={}; {}", clip.database, clip.id,
@@ -174,14 +174,14 @@ absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& dat
 
 absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& database,
                                                             const std::string& clip,
-                                                            const storage::ChangeTerms& terms) {
+                                                            const storage::WriteOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
-  const absl::Status deleted = live->WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
+  const absl::Status deleted = live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(const storage::ClipRecord record,
                               store_->DeleteClip(database, clip, terms));
     live->ForgetUnreadable(clip);
-    live->NoteUnderived(clip, "");
+    live->SetDeriveError(clip, "");
     skeletons_.Clear();
     live->AddStored(-AmountOf(record));
     spdlog::info("database '{}': clip '{}' deleted", database, clip);
@@ -195,10 +195,10 @@ absl::StatusOr<storage::OperationRecord> Engine::DeleteClip(const std::string& d
 
 absl::StatusOr<storage::OperationRecord> Engine::ReprocessDatabase(
     const std::string& database, const core::Cancelled& cancelled) {
-  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
+  MOTIONDB_RETURN_IF_ERROR(store_->maintenance().CheckIsWritable());
   MOTIONDB_ASSIGN_OR_RETURN(const auto live, FindDatabase(database));
   storage::OperationRecord operation;
-  MOTIONDB_RETURN_IF_ERROR(live->WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
+  MOTIONDB_RETURN_IF_ERROR(live->WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(operation, live->lifecycle().RequestReprocess(cancelled));
     return absl::OkStatus();
   }));
@@ -206,33 +206,33 @@ absl::StatusOr<storage::OperationRecord> Engine::ReprocessDatabase(
 }
 
 void Engine::RecordLater(const storage::AuditRecord& record) {
-  workers_.Post(Pool::kUpkeep,
-                [this, record] { KeepAuditRecord(store_->access(), record).IgnoreError(); });
+  workers_.Post(Pool::kMaintenance,
+                [this, record] { StoreAuditRecord(store_->access(), record).IgnoreError(); });
 }
 
-std::vector<storage::Damage> Engine::damages() {
-  std::vector<storage::Damage> damages;
+std::vector<storage::Corruption> Engine::corruptions() {
+  std::vector<storage::Corruption> corruptions;
   {
     const storage::MutexLock lock(mutex_);
     for (const auto& [name, live] : databases_) {
       for (const auto& [clip, what] : live->unreadable()) {
-        damages.push_back({fmt::format("databases/{}/clips/{}", name, clip), what});
+        corruptions.push_back({fmt::format("databases/{}/clips/{}", name, clip), what});
       }
     }
   }
-  for (storage::Damage& damage : damages_.List()) {
-    const bool known = std::ranges::any_of(damages, [&](const storage::Damage& other) {
-      return other.resource == damage.resource && other.description == damage.description;
+  for (storage::Corruption& corruption : damages_.List()) {
+    const bool known = std::ranges::any_of(corruptions, [&](const storage::Corruption& other) {
+      return other.resource == corruption.resource && other.description == corruption.description;
     });
-    if (!known) damages.push_back(std::move(damage));
+    if (!known) corruptions.push_back(std::move(corruption));
   }
-  if (damages.size() > DamageBook::kLimit) damages.resize(DamageBook::kLimit);
-  return damages;
+  if (corruptions.size() > CorruptionLog::kLimit) corruptions.resize(CorruptionLog::kLimit);
+  return corruptions;
 }
 
 absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operation,
                                                      const core::Cancelled& cancelled) {
-  MOTIONDB_RETURN_IF_ERROR(store_->upkeep().CheckIsWritable());
+  MOTIONDB_RETURN_IF_ERROR(store_->maintenance().CheckIsWritable());
   MOTIONDB_ASSIGN_OR_RETURN(const auto record, operations_.Get(operation));
   bool is_first = false;
   const auto database = FindDatabase(record.database);
@@ -241,7 +241,7 @@ absl::StatusOr<Cancellation> Engine::CancelOperation(const std::string& operatio
       MOTIONDB_ASSIGN_OR_RETURN(is_first, (*database)->lifecycle().Cancel(operation, cancelled));
       return absl::OkStatus();
     };
-    const absl::Status done = (*database)->WithSharedUse(Retiring::kRefuse, cancel);
+    const absl::Status done = (*database)->WithSharedUse(DeletionPolicy::kRefuse, cancel);
     // An operation of a deleted database ends by itself.
     if (!done.ok() && !absl::IsNotFound(done)) return done;
   }

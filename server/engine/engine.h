@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "server/engine/damage_book.h"
+#include "server/engine/corruption_log.h"
 #include "server/engine/ingest.h"
 #include "server/engine/live_database.h"
 #include "server/engine/marker_schemes.h"
@@ -28,7 +28,7 @@
 namespace motiondb::server {
 
 // Contents of a store.
-struct StoreAmount {
+struct StoreCounts {
   std::int32_t database_count = 0;
   std::int64_t clip_count = 0;
 };
@@ -47,8 +47,8 @@ class Engine {
  public:
   // Reads the stored models, without building any, and resumes the operations that the previous
   // server did not finish. Rebuilds a model that cannot be read or is out of date with the stored
-  // clips. Corrupt parts are left out and listed by damages(); the rest is served. Does not need to
-  // write to the store.
+  // clips. Corrupt parts are left out and listed by corruptions(); the rest is served. Does not
+  // need to write to the store.
   static absl::StatusOr<std::unique_ptr<Engine>> Open(std::unique_ptr<storage::MotionStore> store,
                                                       const EngineOptions& options);
   ~Engine();
@@ -65,9 +65,9 @@ class Engine {
   absl::StatusOr<storage::DatabaseRecord> CreateDatabase(const std::string& database,
                                                          const core::BuildSettings& settings,
                                                          const MarkerSetSetting& marker_set,
-                                                         const storage::ChangeTerms& terms = {});
+                                                         const storage::WriteOptions& terms = {});
   // Deletes the database with its clips, models and operations, and stops its running build.
-  absl::Status DeleteDatabase(const std::string& database, const storage::ChangeTerms& terms = {});
+  absl::Status DeleteDatabase(const std::string& database, const storage::WriteOptions& terms = {});
   // NOT_FOUND.
   absl::StatusOr<std::shared_ptr<LiveDatabase>> FindDatabase(const std::string& database);
 
@@ -88,12 +88,12 @@ class Engine {
   // the change was stored but the rebuild was not yet requested, here and in DeleteClip; the
   // rebuild is then requested in the background.
   absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database, IngestFile file,
-                                  const WorkTerms& terms);
+                                  const WorkOptions& terms);
   // Returns the rebuild that removes the clip from the model. NOT_FOUND; UNAVAILABLE, here and in
   // CancelOperation, while the database is being deleted.
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,
                                                       const std::string& clip,
-                                                      const storage::ChangeTerms& terms = {});
+                                                      const storage::WriteOptions& terms = {});
   // Derives the states of all clips again from their files, then rebuilds the model. NOT_FOUND,
   // UNAVAILABLE (as above). CANCELLED, with nothing changed.
   absl::StatusOr<storage::OperationRecord> ReprocessDatabase(const std::string& database,
@@ -105,14 +105,14 @@ class Engine {
   // Stores an audit log entry in the background, for a call that cannot wait until it is written.
   void RecordLater(const storage::AuditRecord& record);
 
-  // Corruption found since the start, at most DamageBook::kLimit entries.
-  std::vector<storage::Damage> damages();
+  // Corruption found since the start, at most CorruptionLog::kLimit entries.
+  std::vector<storage::Corruption> corruptions();
   // For callers outside the engine that find corruption.
-  void NoteDamage(const storage::Damage& damage) { damages_.Note(damage); }
+  void ReportCorruption(const storage::Corruption& corruption) { damages_.Note(corruption); }
 
   // Imports a completely received backup and serves its databases. Each database becomes visible
   // after its model is read. CANCELLED, with nothing changed; also the codes of StoreRestore.
-  absl::StatusOr<StoreAmount> Restore(storage::StoreRestore& restore,
+  absl::StatusOr<StoreCounts> Restore(storage::StoreRestore& restore,
                                       const core::Cancelled& cancelled);
 
   // Stops builds and ends all waits for operations. Stopped operations stay PENDING for the next
@@ -128,7 +128,7 @@ class Engine {
   // Key: database name.
   using LiveDatabases = std::map<std::string, std::shared_ptr<LiveDatabase>>;
   // Creates the live databases from the store, then makes them visible to callers.
-  absl::StatusOr<StoreAmount> Load();
+  absl::StatusOr<StoreCounts> Load();
   absl::Status ReadDatabases(LiveDatabases& databases);
   absl::Status ReadDatabase(LiveDatabase& live, const storage::DatabaseRecord& record);
   absl::Status ResumeOperations(const LiveDatabases& databases);
@@ -137,7 +137,7 @@ class Engine {
   const EngineOptions options_;
   const std::unique_ptr<storage::MotionStore> store_;
   OperationRegistry operations_;
-  DamageBook damages_;
+  CorruptionLog damages_;
   SkeletonCache skeletons_;
   MarkerSchemes schemes_;
   Workers workers_;

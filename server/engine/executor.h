@@ -12,11 +12,11 @@ namespace motiondb::server {
 
 // Thread pools.
 enum class Pool {
-  kRequests,    // queries and short work
-  kBuilds,      // models
-  kExtensions,  // extensions of models, also while other models are built
-  kChanges,     // changes of the store: they may wait for its writer; queries do not wait for them
-  kUpkeep,      // maintenance of the whole store; nothing waits for it
+  kRequests,     // queries and short work
+  kBuilds,       // models
+  kExtensions,   // extensions of models, also while other models are built
+  kChanges,      // changes of the store: they may wait for its writer; queries do not wait for them
+  kMaintenance,  // maintenance of the whole store; nothing waits for it
 };
 
 class Executor {

@@ -26,7 +26,7 @@ std::string ClipIdFromFileName(std::string_view file_name) {
     if (id.size() == kMaxIdLength) break;
     if (IsIdCharacter(c)) {
       id += c;
-    } else if (!text::ContinuesCharacter(c)) {
+    } else if (!text::IsContinuationByte(c)) {
       id += '_';  // one for all bytes of a UTF-8 character
     }
   }

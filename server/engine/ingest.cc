@@ -92,9 +92,9 @@ std::string ReportOf(const core::SourceReport& report, const std::vector<std::st
 
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
-    const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,
+    const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
-  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MostBytesToRead(
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(
       file.format, {file.file_name, file.file_bytes},
       file.skeleton_file_name.empty()
           ? std::nullopt
@@ -128,7 +128,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
   std::vector<std::string> notes;
   const RepresentationLimits limits{database.settings().frame_rate_hz,
                                     options.max_frames,
-                                    {Allowed::kAllWork, terms.cancelled, terms.reserve}};
+                                    {AllowedWork::kAllWork, terms.cancelled, terms.reserve}};
   auto states = RepresentWithin(limits, *scheme, source->motion, database.settings().glitches,
                                 file.leg_length_m, &notes);
   if (const absl::Status& status = states.status();
@@ -137,9 +137,9 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
                         fmt::format("{}: {}", file.file_name, std::string(status.message())));
   }
   if (!states.ok()) return states.status();
-  if (states->frame_count() < kFewestFrames) {
+  if (states->frame_count() < kMinClipFrames) {
     return core::InvalidArgument("{}: expected at least {} frames at {:g} Hz, got {}",
-                                 file.file_name, kFewestFrames, limits.frame_rate_hz,
+                                 file.file_name, kMinClipFrames, limits.frame_rate_hz,
                                  states->frame_count());
   }
 
@@ -150,7 +150,7 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
 
   clip.record.byte_count = ByteCount(clip);
   storage::ClipRecord record;
-  MOTIONDB_RETURN_IF_ERROR(database.WithSharedUse(Retiring::kRefuse, [&]() -> absl::Status {
+  MOTIONDB_RETURN_IF_ERROR(database.WithSharedUse(DeletionPolicy::kRefuse, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(record, AddWithinQuota(options.quota, store, database, clip));
     if (brings_scheme) database.set_scheme(scheme);
     return stored(record);

@@ -31,7 +31,7 @@ struct IngestFile {
 };
 
 // Minimum frames of a clip: velocities need two frames.
-inline constexpr int kFewestFrames = 2;
+inline constexpr int kMinClipFrames = 2;
 
 // Returns the source report of a clip record: the reader's report, then notes on the processing.
 std::string ReportOf(const core::SourceReport& report, const std::vector<std::string>& notes);
@@ -44,7 +44,7 @@ std::string ReportOf(const core::SourceReport& report, const std::vector<std::st
 // dies, the end of its stream looks like the end of the file.
 absl::StatusOr<storage::ClipRecord> IngestClip(
     storage::MotionStore& store, LiveDatabase& database, IngestFile file,
-    const EngineOptions& options, const core::ParallelFor& parallel, const WorkTerms& terms,
+    const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored);
 
 }  // namespace motiondb::server

@@ -71,7 +71,7 @@ void LiveDatabase::Add(const StoredAmount& amount) {
   stored_.byte_count += amount.byte_count;
 }
 
-void LiveDatabase::NoteUnreadable(const std::string& clip, const std::string& what) {
+void LiveDatabase::AddUnreadable(const std::string& clip, const std::string& what) {
   const storage::MutexLock lock(mutex_);
   if (!unreadable_.emplace(clip, what).second) return;
   spdlog::error("database '{}': clip '{}' is corrupt and left out of models: {}", name_, clip,
@@ -88,7 +88,7 @@ std::map<std::string, std::string> LiveDatabase::unreadable() const {
   return unreadable_;
 }
 
-void LiveDatabase::NoteUnderived(const std::string& clip, const std::string& reason) {
+void LiveDatabase::SetDeriveError(const std::string& clip, const std::string& reason) {
   const storage::MutexLock lock(mutex_);
   if (reason.empty()) {
     underived_.erase(clip);
@@ -102,8 +102,8 @@ std::map<std::string, std::string> LiveDatabase::underived() const {
   return underived_;
 }
 
-absl::Status LiveDatabase::CheckAlive(Retiring retiring) {
-  if (retiring == Retiring::kAwait) {
+absl::Status LiveDatabase::CheckAlive(DeletionPolicy retiring) {
+  if (retiring == DeletionPolicy::kAwait) {
     life_changed_.Wait(mutex_, [this] {
       mutex_.AssertHeld();
       return life_ != Life::kRetiring;
@@ -120,7 +120,7 @@ absl::Status LiveDatabase::CheckAlive(Retiring retiring) {
   return core::WithReason("DATABASE_NOT_FOUND", core::NotFound("database '{}' was deleted", name_));
 }
 
-absl::Status LiveDatabase::WithSharedUse(Retiring retiring,
+absl::Status LiveDatabase::WithSharedUse(DeletionPolicy retiring,
                                          const std::function<absl::Status()>& change) {
   {
     const storage::MutexLock lock(mutex_);
@@ -139,7 +139,7 @@ absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
                                   const core::Cancelled& cancelled) {
   {
     const storage::MutexLock lock(mutex_);
-    MOTIONDB_RETURN_IF_ERROR(CheckAlive(Retiring::kRefuse));
+    MOTIONDB_RETURN_IF_ERROR(CheckAlive(DeletionPolicy::kRefuse));
     life_ = Life::kRetiring;
   }
   Life after = Life::kAlive;
@@ -154,7 +154,7 @@ absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
       mutex_.AssertHeld();
       return changes_ == 0;
     };
-    while (!life_changed_.WaitUntil(mutex_, storage::NextQuestion(), unchanged)) {
+    while (!life_changed_.WaitUntil(mutex_, storage::NextPollTime(), unchanged)) {
       if (cancelled && cancelled()) {
         return absl::CancelledError(
             "the deletion was cancelled while it waited for running changes");

@@ -39,7 +39,7 @@ inline StoredAmount AmountOf(const storage::ClipRecord& clip) {
 
 // How a change behaves while the database is being deleted, which may still fail: it returns
 // UNAVAILABLE, or waits for the outcome.
-enum class Retiring { kRefuse, kAwait };
+enum class DeletionPolicy { kRefuse, kAwait };
 
 class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
  public:
@@ -66,13 +66,13 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   // Clips with corrupt stored states, and the reason. Models are built without them. Adding a known
   // clip has no effect.
-  void NoteUnreadable(const std::string& clip, const std::string& what);
+  void AddUnreadable(const std::string& clip, const std::string& what);
   void ForgetUnreadable(const std::string& clip);
   std::map<std::string, std::string> unreadable() const;
 
   // Clips that could not be derived again (Reprocess), and the reason, which the store keeps too.
   // An empty reason removes the clip.
-  void NoteUnderived(const std::string& clip, const std::string& reason);
+  void SetDeriveError(const std::string& clip, const std::string& reason);
   std::map<std::string, std::string> underived() const;
 
   // REQUIRES: Serve was called.
@@ -82,7 +82,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
 
   // Runs a change of the stored data. Several changes may run at a time. NOT_FOUND if the database
   // is deleted. Calls must not be nested.
-  absl::Status WithSharedUse(Retiring retiring, const std::function<absl::Status()>& change);
+  absl::Status WithSharedUse(DeletionPolicy retiring, const std::function<absl::Status()>& change);
   // Waits until running changes end, then runs `deletion` alone. New changes do not start
   // meanwhile, so the deletion is not starved. If `deletion` succeeds, the database is deleted.
   // CANCELLED if cancelled while it waits.
@@ -96,7 +96,7 @@ class LiveDatabase : public std::enable_shared_from_this<LiveDatabase> {
  private:
   void Add(const StoredAmount& amount) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
   // OK if the database is neither deleted nor being deleted.
-  absl::Status CheckAlive(Retiring retiring) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
+  absl::Status CheckAlive(DeletionPolicy retiring) ABSL_EXCLUSIVE_LOCKS_REQUIRED(mutex_);
 
   const std::string name_;
   const core::BuildSettings settings_;

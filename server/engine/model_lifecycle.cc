@@ -70,7 +70,7 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestReprocess(
 }
 
 void ModelLifecycle::RequestInBackground() {
-  database_.WithSharedUse(Retiring::kAwait, [&] { return Request().status(); })
+  database_.WithSharedUse(DeletionPolicy::kAwait, [&] { return Request().status(); })
       .IgnoreError();  // if the database was deleted, there is nothing to rebuild
 }
 
@@ -81,8 +81,8 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     while (true) {
       if (auto joined = Join(kind)) return *std::move(joined);
       if (!is_storing_request_) break;
-      if (cancelled && cancelled()) return storage::NotWanted();
-      changed_.WaitUntil(mutex_, storage::NextQuestion(), [this] {
+      if (cancelled && cancelled()) return storage::CancelledInQueue();
+      changed_.WaitUntil(mutex_, storage::NextPollTime(), [this] {
         mutex_.AssertHeld();
         return !is_storing_request_;
       });

@@ -66,7 +66,7 @@ class MotionStore;
 
 namespace motiondb::server {
 
-class DamageBook;
+class CorruptionLog;
 class LiveDatabase;
 class OperationRegistry;
 struct EngineOptions;
@@ -93,9 +93,9 @@ class ModelLifecycle {
   // `database` owns it.
   ModelLifecycle(LiveDatabase& database, const LifecycleServices& services);
 
-  // Serves the stored model. If it cannot be read, records that in `damages` and serves none.
+  // Serves the stored model. If it cannot be read, records that in `corruptions` and serves none.
   // Called once, before the database is visible to callers.
-  void LoadStored(DamageBook& damages);
+  void LoadStored(CorruptionLog& corruptions);
 
   // The model that answers queries; null if there is none.
   std::shared_ptr<const Snapshot> snapshot() const;

@@ -8,9 +8,9 @@
 
 #include "core/calibration/calibrate.h"
 #include "core/motion/error.h"
-#include "core/tree/divide_node.h"
+#include "core/tree/split_node.h"
 #include "server/engine/compute_model.h"
-#include "server/engine/damage_book.h"
+#include "server/engine/corruption_log.h"
 #include "server/engine/live_database.h"
 #include "server/engine/memory_reserve.h"
 #include "server/engine/model_lifecycle.h"
@@ -37,7 +37,7 @@ constexpr int kAttempts = 8;
 // A tree of one node cannot tell motions apart, but no call fails because of it.
 void WarnOfSingleNode(const std::string& database, const Snapshot& snapshot) {
   const core::Model& model = snapshot.model;
-  if (core::IsUndivided(model.tree(), model.settings().min_frames)) {
+  if (core::IsSingleNode(model.tree(), model.settings().min_frames)) {
     spdlog::warn(
         "database '{}': the tree of model {} is a single node of {} frames, so answers do not "
         "distinguish motions: all frames are alike, or some frames are far from all others; "
@@ -69,21 +69,21 @@ Result WithoutExceptions(const Work& work) {
 
 }  // namespace
 
-void ModelLifecycle::LoadStored(DamageBook& damages) {
+void ModelLifecycle::LoadStored(CorruptionLog& corruptions) {
   const std::string& name = database_.name();
   auto model = services_.store.ReadModel(name, services_.executor.Parallel(Pool::kRequests));
   if (absl::IsNotFound(model.status())) return;
   auto newest = services_.store.ListModels(name, 0, 1);
   const absl::Status status = model.ok() ? newest.status() : model.status();
   if (status.ok() && !newest->empty()) {
-    const bool takes_clips = TakesClips(services_.options, newest->front().build_seconds);
+    const bool is_extensible = TakesClips(services_.options, newest->front().build_seconds);
     return Serve(std::make_shared<const Snapshot>(
-        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, takes_clips}));
+        Snapshot{newest->front(), *std::move(model), Calibration::kOwn, is_extensible}));
   }
   spdlog::error("database '{}': cannot read the stored model: {}", name, status.ToString());
   if (!absl::IsDataLoss(status)) return;
   const int version = newest.ok() && !newest->empty() ? newest->front().version : 0;
-  damages.Note(
+  corruptions.Note(
       {fmt::format("databases/{}/models/{}", name, version), std::string(status.message())});
 }
 
@@ -105,7 +105,7 @@ void ModelLifecycle::Serve(SnapshotPointer snapshot) {
 
 absl::Status ModelLifecycle::Replace(const Replacement& next) {
   const MutexLock lock(replace_mutex_);
-  return database_.WithSharedUse(Retiring::kAwait, [&]() -> absl::Status {
+  return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
     MOTIONDB_ASSIGN_OR_RETURN(SnapshotPointer replacement, next(snapshot()));
     Serve(std::move(replacement));
     return absl::OkStatus();
@@ -115,7 +115,7 @@ absl::Status ModelLifecycle::Replace(const Replacement& next) {
 absl::Status ModelLifecycle::RunBuild(Build& build) {
   // Operations of a deleted database are not stored: a new database may have its name.
   const auto unless_deleted = [&](const std::function<void()>& store) {
-    return database_.WithSharedUse(Retiring::kAwait, [&] {
+    return database_.WithSharedUse(DeletionPolicy::kAwait, [&] {
       store();
       return absl::OkStatus();
     });
@@ -278,16 +278,17 @@ absl::Status ModelLifecycle::ServeBorrowing(core::Model model) {
       model.set_confidence(before->model.confidence());
     }
     // Known clips must stay in the model, so an extensible model is replaced by an extensible one.
-    const bool takes_clips = (before != nullptr && before->takes_clips) ||
-                             TakesClips(services_.options, model.build_seconds());
+    const bool is_extensible = (before != nullptr && before->is_extensible) ||
+                               TakesClips(services_.options, model.build_seconds());
     const int stored_version = before == nullptr ? 0 : before->record.version;
-    auto record = FiguresOf(database_.name(), stored_version, model, 0);
+    auto record = ModelRecordOf(database_.name(), stored_version, model, 0);
     spdlog::info("database '{}': serving a new model, calibration follows: clips={}",
                  database_.name(), record.clip_count);
-    return Extended(std::make_shared<const Snapshot>(Snapshot{
-                        std::move(record), std::move(model),
-                        can_borrow ? Calibration::kPrevious : Calibration::kTypical, takes_clips}),
-                    services_.executor.Parallel(Pool::kBuilds));
+    return Extended(
+        std::make_shared<const Snapshot>(
+            Snapshot{std::move(record), std::move(model),
+                     can_borrow ? Calibration::kPrevious : Calibration::kTypical, is_extensible}),
+        services_.executor.Parallel(Pool::kBuilds));
   });
 }
 
@@ -302,9 +303,9 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
                  : record.status();
     }
     version = record->version;
-    const bool takes_clips = TakesClips(services_.options, record->build_seconds);
+    const bool is_extensible = TakesClips(services_.options, record->build_seconds);
     const auto stored = std::make_shared<const Snapshot>(
-        Snapshot{*std::move(record), std::move(model), Calibration::kOwn, takes_clips});
+        Snapshot{*std::move(record), std::move(model), Calibration::kOwn, is_extensible});
     auto extended = Extended(stored, services_.executor.Parallel(Pool::kBuilds));
     // The built model is stored: clips that came meanwhile can wait for the next extension.
     if (!extended.ok()) {
@@ -321,7 +322,7 @@ absl::StatusOr<int> ModelLifecycle::StoreAndServe(core::Model model) {
 void ModelLifecycle::ExtendCurrent() {
   const absl::Status status = WithoutExceptions<absl::Status>([&] {
     return Replace(
-        [&](SnapshotPointer current) { return Extended(std::move(current), core::Serially); });
+        [&](SnapshotPointer current) { return Extended(std::move(current), core::RunSerially); });
   });
   if (!status.ok() && !absl::IsNotFound(status)) {
     spdlog::error("database '{}': extension failed, new clips wait for the next build: {}",
@@ -332,9 +333,9 @@ void ModelLifecycle::ExtendCurrent() {
 absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapshot,
                                                          const core::ParallelFor& parallel) {
   const std::string& name = database_.name();
-  const bool takes_clips =
-      snapshot != nullptr && snapshot->takes_clips && snapshot->model.tree().has_planes();
-  if (!takes_clips) return snapshot;
+  const bool is_extensible =
+      snapshot != nullptr && snapshot->is_extensible && snapshot->model.tree().has_planes();
+  if (!is_extensible) return snapshot;
   MOTIONDB_ASSIGN_OR_RETURN(auto staleness, services_.store.FindModelStaleness(name));
   // A model with outdated states of clips is not extended: it will be replaced.
   if (snapshot->is_stored() && staleness.outdated > 0) return snapshot;
@@ -351,7 +352,7 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
   const double drift = extended->drift.stale;
   auto record = snapshot->is_stored()
                     ? services_.store.PutExtension(name, extended->model, drift)
-                    : FiguresOf(name, snapshot->record.version, extended->model, drift);
+                    : ModelRecordOf(name, snapshot->record.version, extended->model, drift);
   if (absl::IsNotFound(record.status())) return snapshot;  // a clip was deleted meanwhile
   if (!record.ok()) return record.status();
   spdlog::info(
@@ -359,7 +360,7 @@ absl::StatusOr<SnapshotPointer> ModelLifecycle::Extended(SnapshotPointer snapsho
       "frames_in_nodes_to_split={:.2f} %",
       name, record->version, record->added_clip_count, 100 * extended->drift.added, 100 * drift);
   return std::make_shared<const Snapshot>(Snapshot{*std::move(record), std::move(extended->model),
-                                                   snapshot->calibration, snapshot->takes_clips});
+                                                   snapshot->calibration, snapshot->is_extensible});
 }
 
 absl::StatusOr<bool> ModelLifecycle::IsUpToDate() {

@@ -24,7 +24,7 @@ absl::Status CheckPositive(const Observation& observation, std::string_view name
 class Reader {
  public:
   Reader(const Observation& observation, const LiveDatabase& database, SkeletonCache& skeletons,
-         const WorkTerms& terms, const core::MarkerSet& set)
+         const WorkOptions& terms, const core::MarkerSet& set)
       : observation_(observation),
         database_(database),
         skeletons_(skeletons),
@@ -42,7 +42,7 @@ class Reader {
  private:
   absl::StatusOr<core::Motion> ReadForm(const ObservedFile& file) const {
     MOTIONDB_RETURN_IF_ERROR(
-        terms_.Reserve(core::MostBytesToRead(file.format, file.file, file.skeleton)));
+        terms_.Reserve(core::MaxBytesToRead(file.format, file.file, file.skeleton)));
     auto read = core::ReadMotionFile(file.format, file.file, file.skeleton, file.conventions);
     if (!read.ok()) return core::AtField(SubField(observation_, "data"), read.status());
     return std::move(read->motion);
@@ -86,7 +86,7 @@ class Reader {
   const Observation& observation_;
   const LiveDatabase& database_;
   SkeletonCache& skeletons_;
-  const WorkTerms& terms_;
+  const WorkOptions& terms_;
   const core::MarkerSet& set_;
 };
 
@@ -94,7 +94,7 @@ class Reader {
 
 absl::StatusOr<core::StateSequence> StatesOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
-                                             int max_frames, const WorkTerms& terms) {
+                                             int max_frames, const WorkOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const core::Motion motion,
                             Reader(observation, database, skeletons, terms, scheme->set).Read());
@@ -107,7 +107,7 @@ absl::StatusOr<core::StateSequence> StatesOf(const Observation& observation,
 
 absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
-                                             int max_frames, const WorkTerms& terms) {
+                                             int max_frames, const WorkOptions& terms) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto scheme, database.scheme());
   MOTIONDB_ASSIGN_OR_RETURN(const core::Motion motion,
                             Reader(observation, database, skeletons, terms, scheme->set).Read());

@@ -50,11 +50,11 @@ struct Observation {
 // INVALID_ARGUMENT, NOT_FOUND (skeleton), RESOURCE_EXHAUSTED, CANCELLED; see also IsHeavyWork.
 absl::StatusOr<core::StateSequence> StatesOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
-                                             int max_frames, const WorkTerms& terms);
+                                             int max_frames, const WorkOptions& terms);
 
 // Returns the database's markers at the observation's frame rate. Codes as above.
 absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
                                              const LiveDatabase& database, SkeletonCache& skeletons,
-                                             int max_frames, const WorkTerms& terms);
+                                             int max_frames, const WorkOptions& terms);
 
 }  // namespace motiondb::server

@@ -53,7 +53,7 @@ absl::StatusOr<bool> ObserveSession::SwitchModel() {
 
 absl::StatusOr<ObserveStep> ObserveSession::Take(std::int64_t first_frame,
                                                  const PackedFrames& positions_m) {
-  const WorkTerms& terms = query_.terms();
+  const WorkOptions& terms = query_.terms();
   MOTIONDB_ASSIGN_OR_RETURN(
       const core::FrameMatrix positions,
       Unpack("frames", "positions", positions_m, 3 * static_cast<int>(marker_names_.size())));

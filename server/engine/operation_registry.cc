@@ -184,7 +184,7 @@ void OperationRegistry::Unwatch(const std::string& id, std::uint64_t key) {
   if (const auto live = live_.find(id); live != live_.end()) live->second.watchers.erase(key);
 }
 
-void OperationRegistry::ReleaseWaiters() {
+void OperationRegistry::EndWaits() {
   std::vector<std::pair<Watcher, OperationRecord>> released;
   {
     const storage::MutexLock lock(mutex_);

@@ -56,12 +56,12 @@ class OperationRegistry {
   // CANCELLED, in memory only: its row is deleted with its database.
   void Abandon(const std::string& id);
 
-  // Calls `watcher` once with the operation, when it is done or ReleaseWaiters is called. Returns a
+  // Calls `watcher` once with the operation, when it is done or EndWaits is called. Returns a
   // key for Unwatch. Returns 0, without a call, if that has already happened.
   std::uint64_t Watch(const std::string& id, Watcher watcher);
   void Unwatch(const std::string& id, std::uint64_t key);
   // For shutdown: ends all current and future waits.
-  void ReleaseWaiters();
+  void EndWaits();
 
  private:
   struct Live {

@@ -36,7 +36,7 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
   PreparedPlan plan{.problem = request.problem};
   core::PlanProblem& problem = plan.problem;
   // The effort, not the clock, ends most searches, so that the same request returns the same plan.
-  problem.effort = 1 + std::max(0.0, request.max_search_seconds - kUsualSearchSeconds);
+  problem.effort = 1 + std::max(0.0, request.max_search_seconds - kDefaultSearchSeconds);
   if (request.observation_start) {
     MOTIONDB_ASSIGN_OR_RETURN(problem.start.observation, query.States(*request.observation_start));
   }
@@ -55,7 +55,7 @@ absl::StatusOr<PreparedPlan> PreparePlan(const Query& query, const PlanRequest& 
 
 absl::StatusOr<PlanResult> FindPlan(const Query& query, const PlanRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(PreparedPlan plan, PreparePlan(query, request));
-  const WorkTerms& terms = query.terms();
+  const WorkOptions& terms = query.terms();
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(BytesToPlan(query.model(), plan.problem)));
   SearchClock clock(request.max_search_seconds, terms.deadline);
   const core::PlanControl control{.cancelled = terms.cancelled,

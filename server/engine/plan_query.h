@@ -17,7 +17,7 @@ namespace motiondb::server {
 
 // Far more than the usual effort takes, so that a slow machine returns the same plans as a fast
 // one.
-inline constexpr double kUsualSearchSeconds = 5;
+inline constexpr double kDefaultSearchSeconds = 5;
 
 // Parameters of a plan. References the caller's data, which must outlive it.
 struct PlanRequest {
@@ -26,7 +26,7 @@ struct PlanRequest {
   // The body: none given (that of the start clip, or of the clip most similar to the start), a
   // skeleton id of the database, or a robot as URDF.
   std::variant<std::monostate, std::string, core::SourceFile> body;
-  double max_search_seconds = kUsualSearchSeconds;
+  double max_search_seconds = kDefaultSearchSeconds;
   bool with_files = false;  // also return each motion as a file; requires a body
 };
 

@@ -40,7 +40,7 @@ absl::Status CheckStep(double every_seconds, double frame_rate_hz) {
 
 absl::StatusOr<std::shared_ptr<PredictionSeries>> PredictionSeries::Open(
     std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
-    const SeriesOptions& options, const WorkTerms& terms) {
+    const SeriesOptions& options, const WorkOptions& terms) {
   MOTIONDB_RETURN_IF_ERROR(CheckCount(observation, options));
   const std::int64_t bytes = BytesToPredict(snapshot->model, observation, options.prediction);
   MOTIONDB_RETURN_IF_ERROR(terms.Reserve(bytes));
@@ -50,7 +50,7 @@ absl::StatusOr<std::shared_ptr<PredictionSeries>> PredictionSeries::Open(
 
 PredictionSeries::PredictionSeries(std::shared_ptr<const Snapshot> snapshot,
                                    core::StateSequence observation, const SeriesOptions& options,
-                                   const WorkTerms& terms, std::int64_t bytes)
+                                   const WorkOptions& terms, std::int64_t bytes)
     : snapshot_(std::move(snapshot)),
       observation_(std::move(observation)),
       terms_(terms),

@@ -30,7 +30,7 @@ class PredictionSeries {
   // earlier. INVALID_ARGUMENT for too many predictions in total; RESOURCE_EXHAUSTED.
   static absl::StatusOr<std::shared_ptr<PredictionSeries>> Open(
       std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
-      const SeriesOptions& options, const WorkTerms& terms);
+      const SeriesOptions& options, const WorkOptions& terms);
 
   // Returns the next prediction; nullopt after the last. Codes as core::Predict;
   // RESOURCE_EXHAUSTED.
@@ -41,11 +41,11 @@ class PredictionSeries {
 
  private:
   PredictionSeries(std::shared_ptr<const Snapshot> snapshot, core::StateSequence observation,
-                   const SeriesOptions& options, const WorkTerms& terms, std::int64_t bytes);
+                   const SeriesOptions& options, const WorkOptions& terms, std::int64_t bytes);
 
   const std::shared_ptr<const Snapshot> snapshot_;
   const core::StateSequence observation_;
-  const WorkTerms terms_;
+  const WorkOptions terms_;
   core::PredictOptions options_;
   const double every_seconds_;
   const double last_seconds_;

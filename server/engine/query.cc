@@ -7,7 +7,7 @@
 
 namespace motiondb::server {
 
-absl::StatusOr<Query> Query::Begin(Engine& engine, const std::string& database, WorkTerms terms) {
+absl::StatusOr<Query> Query::Begin(Engine& engine, const std::string& database, WorkOptions terms) {
   MOTIONDB_ASSIGN_OR_RETURN(auto live, engine.FindDatabase(database));
   MOTIONDB_ASSIGN_OR_RETURN(auto snapshot, engine.CurrentModel(*live));
   return Query(engine, std::move(live), std::move(snapshot), std::move(terms));

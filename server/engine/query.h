@@ -23,13 +23,14 @@ class Query {
  public:
   // `database`: id. The engine must outlive the query. NOT_FOUND; FAILED_PRECONDITION if the
   // database has no model.
-  static absl::StatusOr<Query> Begin(Engine& engine, const std::string& database, WorkTerms terms);
+  static absl::StatusOr<Query> Begin(Engine& engine, const std::string& database,
+                                     WorkOptions terms);
 
   Engine& engine() const { return *engine_; }
   const std::shared_ptr<LiveDatabase>& database() const { return database_; }
   const std::shared_ptr<const Snapshot>& snapshot() const { return snapshot_; }
   const core::Model& model() const { return snapshot_->model; }
-  const WorkTerms& terms() const { return terms_; }
+  const WorkOptions& terms() const { return terms_; }
 
   // Converts the observation to states (StatesOf) or to the database's markers (MarkersOf).
   absl::StatusOr<core::StateSequence> States(const Observation& observation) const;
@@ -49,7 +50,7 @@ class Query {
 
  private:
   Query(Engine& engine, std::shared_ptr<LiveDatabase> database,
-        std::shared_ptr<const Snapshot> snapshot, WorkTerms terms)
+        std::shared_ptr<const Snapshot> snapshot, WorkOptions terms)
       : engine_(&engine),
         database_(std::move(database)),
         snapshot_(std::move(snapshot)),
@@ -58,7 +59,7 @@ class Query {
   Engine* engine_;
   std::shared_ptr<LiveDatabase> database_;
   std::shared_ptr<const Snapshot> snapshot_;
-  WorkTerms terms_;
+  WorkOptions terms_;
 };
 
 }  // namespace motiondb::server

@@ -73,12 +73,12 @@ bool IsHeavyWork(const absl::Status& status) {
 absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
                        const core::Motion& motion) {
   const double own_frames = FrameCount(motion);
-  if (FrameRate(motion) * kMostFramesForOne < limits.frame_rate_hz) {
+  if (FrameRate(motion) * kMaxFramesPerSourceFrame < limits.frame_rate_hz) {
     return core::InvalidArgument(
         "expected a frame rate of at least {2:g} Hz, 1/{3:g} of the database's {4:g} Hz, got "
         "{0:g} Hz (Frame Time: {1:g}): check its unit",
-        FrameRate(motion), 1 / FrameRate(motion), limits.frame_rate_hz / kMostFramesForOne,
-        kMostFramesForOne, limits.frame_rate_hz);
+        FrameRate(motion), 1 / FrameRate(motion), limits.frame_rate_hz / kMaxFramesPerSourceFrame,
+        kMaxFramesPerSourceFrame, limits.frame_rate_hz);
   }
   if (own_frames > limits.max_frames) {
     return TooLong(fmt::format("has {} frames, the limit is {}", own_frames, limits.max_frames));
@@ -105,7 +105,7 @@ absl::Status CheckSize(const RepresentationLimits& limits, int marker_count,
         own_frames, joints->skeleton->joint_count());
   }
   const bool light = std::max(points, placings) <= kMaxLightPoints;
-  if (!light && limits.terms.allowed == Allowed::kLightWork) return HeavyWork();
+  if (!light && limits.terms.allowed == AllowedWork::kLightWork) return HeavyWork();
   return limits.terms.Reserve(
       BytesToRepresent(motion, static_cast<std::int64_t>(frames) + 1, marker_count));
 }

@@ -14,12 +14,12 @@
 
 namespace motiondb::server {
 
-// Allowed work: only light work, which ends within moments, or all work within the limits.
-enum class Allowed { kLightWork, kAllWork };
+// AllowedWork work: only light work, which ends within moments, or all work within the limits.
+enum class AllowedWork { kLightWork, kAllWork };
 
 // Limits of the work for a call: amount, time and memory.
-struct WorkTerms {
-  Allowed allowed = Allowed::kAllWork;
+struct WorkOptions {
+  AllowedWork allowed = AllowedWork::kAllWork;
   core::Cancelled cancelled;
   // Sets the memory reservation (bytes) for the rest of the work; replaces the previous one. Empty:
   // no limit.
@@ -35,14 +35,14 @@ struct WorkTerms {
 
 // A motion needs at least one frame for this many frames of the database. At a lower rate there is
 // only interpolation, and a few bytes would become hours of motion.
-inline constexpr double kMostFramesForOne = 32;
+inline constexpr double kMaxFramesPerSourceFrame = 32;
 
 struct RepresentationLimits {
   double frame_rate_hz = 0;  // of the database
   // At the database's rate and at the motion's own rate, for 34 markers; proportionally fewer for
   // more markers.
   int max_frames = 0;
-  WorkTerms terms;
+  WorkOptions terms;
 };
 
 // Returns whether a conversion was refused because it is heavy work and only light work is allowed.

@@ -156,18 +156,18 @@ class Reprocessor {
     // No frame limit: the clip is already stored.
     const RepresentationLimits limits{database_.settings().frame_rate_hz,
                                       std::numeric_limits<int>::max(),
-                                      {Allowed::kAllWork, stopped_}};
+                                      {AllowedWork::kAllWork, stopped_}};
     auto states = RepresentWithin(limits, scheme_, motion, policy, leg_length_m, &notes);
-    if (states.ok() && states->frame_count() < kFewestFrames) {
+    if (states.ok() && states->frame_count() < kMinClipFrames) {
       return core::InvalidArgument("expected at least {} frames at the database's rate, got fewer",
-                                   kFewestFrames);
+                                   kMinClipFrames);
     }
     return states;
   }
 
   // `listed`: contains the former records of `clips`.
   absl::Status Store(std::span<const ClipRecord> listed, std::span<const DerivedClip> clips) {
-    return database_.WithSharedUse(Retiring::kAwait, [&]() -> absl::Status {
+    return database_.WithSharedUse(DeletionPolicy::kAwait, [&]() -> absl::Status {
       MOTIONDB_ASSIGN_OR_RETURN(const auto stored, store_.PutDerived(database_.name(), clips));
       for (const ClipRecord& clip : stored) {
         const auto former = std::ranges::find(listed, clip.id, &ClipRecord::id);
@@ -188,7 +188,7 @@ class Reprocessor {
       database_.AddStored(AmountOf(clip));
       database_.ForgetUnreadable(clip.id);
     }
-    database_.NoteUnderived(clip.id, clip.derive_error);
+    database_.SetDeriveError(clip.id, clip.derive_error);
     if (clip.derive_error.empty()) return;
     ++done_.failed;
     spdlog::warn("database '{}': clip '{}' could not be derived again: {}", clip.database, clip.id,

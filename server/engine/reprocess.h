@@ -27,7 +27,7 @@ struct Reprocessed {
 // No clip is lost. A clip with glitches that the database's setting refuses is derived with the
 // setting `keep`, and its report notes that. A clip that cannot be derived, because its file is
 // corrupt or its reader refuses it now, keeps its states and the reason
-// (LiveDatabase::NoteUnderived). States of another version are in no new model. They are tried
+// (LiveDatabase::SetDeriveError). States of another version are in no new model. They are tried
 // again on request, or by the next version.
 //
 // Calls `progress` before each group of clips and polls `stopped` often: CANCELLED. NOT_FOUND (the

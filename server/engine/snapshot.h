@@ -23,7 +23,7 @@ struct Snapshot {
   core::Model model;
   Calibration calibration = Calibration::kOwn;
   // Whether clips can be added without a build (EngineOptions::extend_from).
-  bool takes_clips = false;
+  bool is_extensible = false;
 
   // Only a model with its own calibration is stored.
   bool is_stored() const { return calibration == Calibration::kOwn; }

@@ -14,15 +14,15 @@ namespace motiondb::server {
 absl::StatusOr<std::unique_ptr<Engine>> Engine::Open(std::unique_ptr<storage::MotionStore> store,
                                                      const EngineOptions& options) {
   std::unique_ptr<Engine> engine(new Engine(std::move(store), options));
-  for (const storage::Damage& damage : engine->store_->upkeep().FoundAtOpening()) {
-    engine->damages_.Note(damage);
+  for (const storage::Corruption& corruption : engine->store_->maintenance().FoundAtOpening()) {
+    engine->damages_.Note(corruption);
   }
   MOTIONDB_RETURN_IF_ERROR(engine->Load().status());
   return engine;
 }
 
-absl::StatusOr<StoreAmount> Engine::Load() {
-  const bool read_only = !store_->upkeep().CheckIsWritable().ok();
+absl::StatusOr<StoreCounts> Engine::Load() {
+  const bool read_only = !store_->maintenance().CheckIsWritable().ok();
   LiveDatabases databases;
   absl::Status status = ReadDatabases(databases);
   if (status.ok() && !read_only) status = ResumeOperations(databases);
@@ -33,7 +33,7 @@ absl::StatusOr<StoreAmount> Engine::Load() {
     status = absl::OkStatus();
   }
   if (status.ok() && !read_only) status = RebuildOutdated(databases);
-  StoreAmount amount;
+  StoreCounts amount;
   amount.database_count = static_cast<std::int32_t>(databases.size());
   for (const auto& [name, live] : databases) amount.clip_count += live->stored().clip_count;
   // Last: callers then find clips counted and models read. Also done if something could not be read
@@ -76,13 +76,13 @@ absl::Status Engine::ReadDatabase(LiveDatabase& live, const storage::DatabaseRec
   }
   live.set_scheme(std::move(scheme));
   // The previous server may have stopped before its purge.
-  if (store_->upkeep().CheckIsWritable().ok()) live.lifecycle().PurgeUnlessBuilding();
+  if (store_->maintenance().CheckIsWritable().ok()) live.lifecycle().PurgeUnlessBuilding();
   // Queries need only the model, even if the list of clips is corrupt.
   live.lifecycle().LoadStored(damages_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto clips, AllClips(*store_, record.name));
   for (const auto& clip : clips) {
     live.AddStored(AmountOf(clip));
-    live.NoteUnderived(clip.id, clip.derive_error);
+    live.SetDeriveError(clip.id, clip.derive_error);
   }
   const auto snapshot = live.lifecycle().snapshot();
   spdlog::info("database '{}' loaded: clips={} model={}", record.name, clips.size(),
@@ -128,7 +128,7 @@ absl::Status Engine::RebuildOutdated(const LiveDatabases& databases) {
   return absl::OkStatus();
 }
 
-absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
+absl::StatusOr<StoreCounts> Engine::Restore(storage::StoreRestore& restore,
                                             const core::Cancelled& cancelled) {
   // Takes as long as reading the whole backup. Databases may be created meanwhile; Finish detects
   // that.
@@ -140,7 +140,7 @@ absl::StatusOr<StoreAmount> Engine::Restore(storage::StoreRestore& restore,
   const core::Cancelled never;
   const storage::ReadScope scope(never);
   skeletons_.Clear();
-  MOTIONDB_ASSIGN_OR_RETURN(const StoreAmount amount, Load());
+  MOTIONDB_ASSIGN_OR_RETURN(const StoreCounts amount, Load());
   spdlog::info("backup restored: databases={} clips={}", amount.database_count, amount.clip_count);
   return amount;
 }

@@ -32,7 +32,7 @@ absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     auto states = record.ok() ? store.ReadClipStates(database.name(), clip) : record.status();
     if (absl::IsNotFound(states.status())) continue;
     if (absl::IsDataLoss(states.status())) {
-      database.NoteUnreadable(clip, std::string(states.status().message()));
+      database.AddUnreadable(clip, std::string(states.status().message()));
       continue;
     }
     if (!states.ok()) return states.status();

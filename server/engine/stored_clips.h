@@ -18,7 +18,7 @@ absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& 
                                                           const std::string& database);
 
 // Returns the states of these clips as model input. Skips clips that were deleted meanwhile, and
-// corrupt clips, which it records (LiveDatabase::NoteUnreadable). CANCELLED if `go_on` returns
+// corrupt clips, which it records (LiveDatabase::AddUnreadable). CANCELLED if `go_on` returns
 // false; it is called before each clip with the number of clips read. `go_on` may be empty.
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,

@@ -70,7 +70,7 @@ void Workers::Post(Pool pool, Work work) {
   boost::asio::post(to.threads.executor(), Counted(to.queued, std::move(work)));
 }
 
-void Workers::PostInTurn(Pool pool, const std::string& client, Work work) {
+void Workers::PostFair(Pool pool, const std::string& client, Work work) {
   Threads& to = At(pool);
   to.lane.Post(client, Counted(to.queued_in_turn, std::move(work)));
 }
@@ -92,14 +92,14 @@ QueueLengths Workers::queued() const {
           .heavy_requests = At(Pool::kRequests).queued_in_turn,
           .changes = At(Pool::kChanges).queued_in_turn,
           .urgent_changes = At(Pool::kChanges).queued,
-          .upkeep = queued(Pool::kUpkeep)};
+          .maintenance = queued(Pool::kMaintenance)};
 }
 
 void Workers::Join() {
   // Each pool before those that it may post to: requests may leave audit entries to the maintenance
   // thread, and all pools request builds and extensions.
   for (const Pool pool :
-       {Pool::kRequests, Pool::kChanges, Pool::kUpkeep, Pool::kBuilds, Pool::kExtensions}) {
+       {Pool::kRequests, Pool::kChanges, Pool::kMaintenance, Pool::kBuilds, Pool::kExtensions}) {
     At(pool).threads.Join();
   }
 }

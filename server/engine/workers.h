@@ -9,8 +9,8 @@
 #include <memory>
 #include <string>
 
+#include "server/engine/concurrency_limiter.h"
 #include "server/engine/executor.h"
-#include "server/engine/lane.h"
 #include "server/engine/options.h"
 #include "server/engine/thread_pool.h"
 
@@ -22,7 +22,7 @@ struct QueueLengths {
   int heavy_requests = 0;
   int changes = 0;
   int urgent_changes = 0;
-  int upkeep = 0;
+  int maintenance = 0;
 };
 
 class Workers : public Executor {
@@ -40,7 +40,7 @@ class Workers : public Executor {
 
   // Runs work that takes long or may block, on a thread of the pool. If a pool has several threads,
   // some stay reserved for work of Post. Clients take turns.
-  void PostInTurn(Pool pool, const std::string& client, Work work);
+  void PostFair(Pool pool, const std::string& client, Work work);
   QueueLengths queued() const;
   // Queued work that has not begun.
   int queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
@@ -53,13 +53,13 @@ class Workers : public Executor {
 
  private:
   struct Threads {
-    // `in_turn`: maximum threads for work of PostInTurn.
+    // `in_turn`: maximum threads for work of PostFair.
     Threads(int count, int in_turn) : thread_count(count), threads(count), lane(threads, in_turn) {}
     const int thread_count;
     std::atomic<int> queued{0};
     std::atomic<int> queued_in_turn{0};
     ThreadPool threads;
-    Lane lane;
+    ConcurrencyLimiter lane;
   };
 
   Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "server/http2/grpc_wire.h"
-#include "server/rpc/call_entry.h"
+#include "server/rpc/call_context.h"
 #include "server/rpc/call_identity.h"
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
@@ -47,7 +47,7 @@ ssize_t ReadAnswer(nghttp2_session*, std::int32_t, std::uint8_t* into, std::size
 
 }  // namespace
 
-CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id,
+CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamConnection> host, std::int32_t id,
                        bool exempt)
     : bridge_(bridge),
       host_(std::move(host)),
@@ -103,7 +103,7 @@ void CallStream::Begin() {
   const auto* const rpc = FindRpc(path_);
   streams_ = rpc != nullptr && rpc->client_streaming();
   checked_ = true;
-  request_latest_ = Clock::now() + bridge_.limits.options().longest_silence;
+  request_latest_ = Clock::now() + bridge_.limits.options().idle_limit;
   BeginCall();
 }
 
@@ -119,7 +119,7 @@ void CallStream::BeginCall() {
   }
   request_latest_ = Clock::time_point::max();
   // gRPC 1.51 crashes if an in-process call begins after the server was shut down.
-  if (host_->draining()) return Refuse(Stopping());
+  if (host_->draining()) return Refuse(StoppingStatus());
   context_.AddMetadata(kPeerMetadata, host_->peer());
   if (!host_->common_name().empty()) {
     context_.AddMetadata(kCommonNameMetadata, host_->common_name());
@@ -163,7 +163,7 @@ void CallStream::TakePrefix() {
     return Refuse(Refusal(grpc::StatusCode::UNIMPLEMENTED,
                           "compressed messages are not supported; send them uncompressed"));
   }
-  const std::uint32_t length = LengthIn(prefix_);
+  const std::uint32_t length = MessageLength(prefix_);
   if (length > bridge_.max_message_bytes) {
     return Refuse(Refusal(grpc::StatusCode::RESOURCE_EXHAUSTED,
                           fmt::format("expected a message of at most {} bytes "
@@ -265,7 +265,7 @@ void CallStream::Answer() {
   if (const absl::Status reserved = Reserve(bytes); !reserved.ok())
     return Refuse(ToGrpcStatus(reserved));
   answer_bytes_ = bytes;
-  const MessagePrefix prefix = PrefixOf(static_cast<std::uint32_t>(bytes));
+  const MessagePrefix prefix = MakeMessagePrefix(static_cast<std::uint32_t>(bytes));
   answer_.emplace_back(prefix.data(), prefix.size());
   std::vector<grpc::Slice> slices;
   if (incoming_.Dump(&slices).ok()) {
@@ -274,8 +274,8 @@ void CallStream::Answer() {
     }
   }
   incoming_.Clear();
-  answer_latest_ = Clock::now() + bridge_.limits.options().longest_silence +
-                   std::chrono::milliseconds(bytes / kSlowestBytesPerMillisecond);
+  answer_latest_ = Clock::now() + bridge_.limits.options().idle_limit +
+                   std::chrono::milliseconds(bytes / kMinBytesPerMillisecond);
   if (!std::exchange(responding_, true)) {
     Submit({{":status", "200"}, {"content-type", "application/grpc"}}, false);
   } else {
@@ -318,7 +318,7 @@ void CallStream::OnDone(const grpc::Status& status) {
 
 void CallStream::End(const grpc::Status& status) {
   if (std::exchange(ended_, true) || detached_) return;
-  trailers_ = TrailersOf(status);
+  trailers_ = MakeTrailers(status);
   if (responding_) {
     nghttp2_session_resume_data(host_->session(), id_);
     return;

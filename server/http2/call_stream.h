@@ -41,9 +41,9 @@ struct CallBridge {
 };
 
 // The connection of a stream.
-class StreamHost {
+class StreamConnection {
  public:
-  virtual ~StreamHost() = default;
+  virtual ~StreamConnection() = default;
   // Only for streams that are not detached, on the connection's thread.
   virtual nghttp2_session* session() = 0;
   // Runs `work` on the connection's thread, then sends pending output. Callable from any thread.
@@ -62,7 +62,8 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
 
   // `exempt`: the call itself does not count for the memory budget, so that a client that shares an
   // address with others can always make a few calls. Headers and messages always count.
-  CallStream(CallBridge& bridge, std::shared_ptr<StreamHost> host, std::int32_t id, bool exempt);
+  CallStream(CallBridge& bridge, std::shared_ptr<StreamConnection> host, std::int32_t id,
+             bool exempt);
 
   // False: the headers are far too large; close the connection.
   bool AddHeader(std::string_view name, std::string_view value);
@@ -103,7 +104,7 @@ class CallStream final : public grpc::ClientBidiReactor<grpc::ByteBuffer, grpc::
   void Credit(std::size_t bytes);
 
   CallBridge& bridge_;
-  const std::shared_ptr<StreamHost> host_;
+  const std::shared_ptr<StreamConnection> host_;
   const std::int32_t id_;
   const bool exempt_;
 

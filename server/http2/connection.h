@@ -29,7 +29,7 @@ namespace motiondb::server {
 
 using Session = std::unique_ptr<nghttp2_session, decltype(&nghttp2_session_del)>;
 
-class Connection final : public StreamHost, public std::enable_shared_from_this<Connection> {
+class Connection final : public StreamConnection, public std::enable_shared_from_this<Connection> {
  public:
   using Clock = std::chrono::steady_clock;
 

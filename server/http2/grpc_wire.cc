@@ -39,14 +39,14 @@ std::string Base64(std::string_view bytes) {
 
 }  // namespace
 
-MessagePrefix PrefixOf(std::uint32_t length) {
+MessagePrefix MakeMessagePrefix(std::uint32_t length) {
   return {0, static_cast<std::uint8_t>(length >> 24), static_cast<std::uint8_t>(length >> 16),
           static_cast<std::uint8_t>(length >> 8), static_cast<std::uint8_t>(length)};
 }
 
 bool IsCompressed(const MessagePrefix& prefix) { return prefix[0] != 0; }
 
-std::uint32_t LengthIn(const MessagePrefix& prefix) {
+std::uint32_t MessageLength(const MessagePrefix& prefix) {
   return std::uint32_t{prefix[1]} << 24 | std::uint32_t{prefix[2]} << 16 |
          std::uint32_t{prefix[3]} << 8 | std::uint32_t{prefix[4]};
 }
@@ -76,7 +76,7 @@ std::optional<std::chrono::nanoseconds> ParseTimeout(std::string_view text) {
   }
 }
 
-HeaderList TrailersOf(const grpc::Status& status) {
+HeaderList MakeTrailers(const grpc::Status& status) {
   HeaderList trailers = {{"grpc-status", std::to_string(static_cast<int>(status.error_code()))}};
   if (!status.error_message().empty()) {
     trailers.emplace_back("grpc-message", PercentEncoded(status.error_message()));

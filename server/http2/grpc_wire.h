@@ -21,15 +21,15 @@ using HeaderList = std::vector<std::pair<std::string, std::string>>;
 // Precedes each message: a byte that is 1 if it is compressed, and its length, big-endian.
 inline constexpr std::size_t kMessagePrefixBytes = 5;
 using MessagePrefix = std::array<std::uint8_t, kMessagePrefixBytes>;
-MessagePrefix PrefixOf(std::uint32_t length);
+MessagePrefix MakeMessagePrefix(std::uint32_t length);
 bool IsCompressed(const MessagePrefix& prefix);
-std::uint32_t LengthIn(const MessagePrefix& prefix);
+std::uint32_t MessageLength(const MessagePrefix& prefix);
 
 // Parses the header `grpc-timeout`: at most 8 digits and a unit, "250m". nullopt if malformed.
 std::optional<std::chrono::nanoseconds> ParseTimeout(std::string_view text);
 
 // Returns the trailers of a call: grpc-status, grpc-message and grpc-status-details-bin.
-HeaderList TrailersOf(const grpc::Status& status);
+HeaderList MakeTrailers(const grpc::Status& status);
 
 // Replaces everything but printable ASCII by '?': gRPC aborts the process if metadata has other
 // characters.

@@ -110,7 +110,7 @@ Listener::~Listener() {
 int Listener::port() const { return acceptors_.front().local_endpoint().port(); }
 
 absl::Status Listener::Listen(const std::string& listen) {
-  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> hosts, AddressesOf(listen));
+  MOTIONDB_ASSIGN_OR_RETURN(const std::vector<std::string> hosts, ResolveAddresses(listen));
   std::string port = listen.substr(listen.rfind(':') + 1);
   absl::Status failed;
   for (const std::string& host : hosts) {

@@ -38,7 +38,7 @@ std::size_t IndexOf(absl::StatusCode code) {
 
 }  // namespace
 
-bool IsOwnFault(absl::StatusCode code) {
+bool IsServerFault(absl::StatusCode code) {
   return code == absl::StatusCode::kInternal || code == absl::StatusCode::kUnknown ||
          code == absl::StatusCode::kDataLoss;
 }
@@ -72,7 +72,7 @@ void CallMeter::Add(const std::string& name) {
   method->seconds_ = &seconds_.Add({{"method", name}}, kSeconds);
   // Exports 0 from the start: a rate, and an alert on the first error, need a previous value.
   for (const absl::StatusCode code : kCodes) {
-    if (code == absl::StatusCode::kOk || IsOwnFault(code)) CounterOf(*method, code);
+    if (code == absl::StatusCode::kOk || IsServerFault(code)) CounterOf(*method, code);
   }
   methods_.emplace(name, std::move(method));
 }
@@ -127,16 +127,16 @@ std::int64_t CallMeter::ended() const {
   return Sum([](absl::StatusCode) { return true; });
 }
 
-std::int64_t CallMeter::failed() const { return Sum(IsOwnFault); }
+std::int64_t CallMeter::failed() const { return Sum(IsServerFault); }
 
 std::int64_t CallMeter::authentication_failures() const {
   return static_cast<std::int64_t>(authentication_failures_.Value());
 }
 
-std::vector<MethodFigures> CallMeter::Methods() const {
-  std::vector<MethodFigures> methods;
+std::vector<MethodStatistics> CallMeter::Methods() const {
+  std::vector<MethodStatistics> methods;
   for (const auto& [name, method] : methods_) {
-    MethodFigures figures{.method = name};
+    MethodStatistics figures{.method = name};
     for (const absl::StatusCode code : kCodes) {
       const std::int64_t count = Count(*method, code);
       figures.ended += count;

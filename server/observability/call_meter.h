@@ -48,13 +48,13 @@ enum class CallKind {
 };
 
 // True for codes that mean a fault of the server: INTERNAL, UNKNOWN, DATA_LOSS.
-bool IsOwnFault(absl::StatusCode code);
+bool IsServerFault(absl::StatusCode code);
 
 // "NOT_FOUND".
 std::string_view CodeName(absl::StatusCode code);
 
 // Calls of one method that ended.
-struct MethodFigures {
+struct MethodStatistics {
   std::string method;
   std::int64_t ended = 0;
   std::vector<std::pair<absl::StatusCode, std::int64_t>>
@@ -97,7 +97,7 @@ class CallMeter {
   std::int64_t failed() const;
   std::int64_t authentication_failures() const;
   // Methods with ended calls, in order of name.
-  std::vector<MethodFigures> Methods() const;
+  std::vector<MethodStatistics> Methods() const;
   int open() const { return open_.load(std::memory_order_relaxed); }
   int open_streams() const { return open_streams_.load(std::memory_order_relaxed); }
 

@@ -25,7 +25,7 @@ absl::StatusOr<std::unique_ptr<HttpServer>> StartHealthServer(const std::string&
   if (!server.ok()) return server.status();
   spdlog::info("metrics and health pages at http://{}/", (*server)->address());
   if (!(*server)->is_loopback()) {
-    Tell(
+    PrintAlways(
         format,
         fmt::format("http://{}/ has no authentication and no encryption: everyone who can reach it "
                     "can read the names, sizes and load of databases, but no motion, and cannot "
@@ -66,7 +66,7 @@ HttpPages HealthPages(const Monitor& monitor) {
   pages["/metrics"] = CatchExceptions([&monitor] { return Metrics(monitor); });
   pages["/readyz"] = CatchExceptions([&monitor] { return Ready(monitor); });
   // Does not check the store: a restart does not help if the disk hangs.
-  pages["/livez"] = {.make = [] { return HttpAnswer{.body = "alive\n"}; }, .at_once = true};
+  pages["/livez"] = {.make = [] { return HttpAnswer{.body = "alive\n"}; }, .is_immediate = true};
   pages["/"] = {
       .make =
           [] {
@@ -76,7 +76,7 @@ HttpPages HealthPages(const Monitor& monitor) {
                     "/livez    200 while the process responds\n"
                     "/readyz   200 while queries are answered and clips are stored, else 503\n"};
           },
-      .at_once = true};
+      .is_immediate = true};
   return pages;
 }
 

@@ -112,8 +112,8 @@ void HttpConnection::Respond() {
   if (request.method() != Verb::get && request.method() != Verb::head) {
     return Write(Refusal(http::status::method_not_allowed, "expected GET or HEAD"), keep_alive);
   }
-  if (page->at_once) return Write(page->make(), keep_alive);
-  const bool is_coming = host_.MakeElsewhere(
+  if (page->is_immediate) return Write(page->make(), keep_alive);
+  const bool is_coming = host_.MakeInBackground(
       *page, address_, [self = shared_from_this(), keep_alive](HttpAnswer answer) {
         if (!self->closed_) self->Write(std::move(answer), keep_alive);
       });
@@ -208,7 +208,8 @@ class BeastHttpServer final : public HttpServer, public HttpConnectionHost {
     return found == pages_.end() ? nullptr : &found->second;
   }
 
-  bool MakeElsewhere(const HttpPage& page, const asio::ip::address& address, Take take) override {
+  bool MakeInBackground(const HttpPage& page, const asio::ip::address& address,
+                        Take take) override {
     // A waiting connection cannot be replaced. So half of the connections are reserved for
     // immediate pages, and half of the rest for other addresses.
     if (waiting_ >= std::max(1, limits_.connections / 2)) return false;

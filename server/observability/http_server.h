@@ -31,7 +31,7 @@ struct HttpAnswer {
 
 struct HttpPage {
   std::function<HttpAnswer()> make;  // must not throw; called by one thread at a time
-  bool at_once = false;              // immediate page: made without waiting for other pages
+  bool is_immediate = false;         // immediate page: made without waiting for other pages
 };
 
 using HttpPages = std::map<std::string, HttpPage, std::less<>>;  // by path, "/metrics"
@@ -68,8 +68,8 @@ class HttpConnectionHost {
   virtual const HttpPage* FindPage(std::string_view path) const = 0;
   // Makes a page on another thread, then calls `take` on this thread. Returns false, without a
   // call, if too many requests wait for pages already, in total or from this client address.
-  virtual bool MakeElsewhere(const HttpPage& page, const boost::asio::ip::address& address,
-                             std::function<void(HttpAnswer)> take) = 0;
+  virtual bool MakeInBackground(const HttpPage& page, const boost::asio::ip::address& address,
+                                std::function<void(HttpAnswer)> take) = 0;
   virtual void OnClosed(HttpConnection& connection) = 0;
 };
 

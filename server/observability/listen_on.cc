@@ -49,13 +49,13 @@ absl::Status ListenOn(const std::string& listen, tcp::acceptor& acceptor) {
   return error ? CannotListen(listen, error) : absl::OkStatus();
 }
 
-absl::Status TryListening(const std::string& listen) {
+absl::Status CheckListening(const std::string& listen) {
   asio::io_context context;
   tcp::acceptor acceptor(context);
   return ListenOn(listen, acceptor);
 }
 
-absl::StatusOr<std::vector<std::string>> AddressesOf(const std::string& listen) {
+absl::StatusOr<std::vector<std::string>> ResolveAddresses(const std::string& listen) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto found, Resolve(listen));
   std::vector<std::string> addresses;
   for (const auto& entry : found) {

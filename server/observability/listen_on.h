@@ -16,10 +16,10 @@ namespace motiondb::server {
 absl::Status ListenOn(const std::string& listen, boost::asio::ip::tcp::acceptor& acceptor);
 
 // Checks that ListenOn succeeds, and closes the socket again. Errors: those of ListenOn.
-absl::Status TryListening(const std::string& listen);
+absl::Status CheckListening(const std::string& listen);
 
 // Returns the numeric addresses of the host, such as "127.0.0.1" and "[::1]"; at least one.
 // INVALID_ARGUMENT if the text is malformed or the host does not resolve.
-absl::StatusOr<std::vector<std::string>> AddressesOf(const std::string& listen);
+absl::StatusOr<std::vector<std::string>> ResolveAddresses(const std::string& listen);
 
 }  // namespace motiondb::server

@@ -38,7 +38,7 @@ void StartLog(LogFormat format, const std::string& level) {
   spdlog::set_formatter(MakeLogFormatter(format));
 }
 
-void Tell(LogFormat format, const std::string& message) {
+void PrintAlways(LogFormat format, const std::string& message) {
   if (format == LogFormat::kText) {
     std::fputs(fmt::format("motiondbd: {}\n", text::SafeText(message)).c_str(), stderr);
     return;
@@ -78,7 +78,7 @@ std::string OneLine(const std::string& text) {
 }
 
 std::string MessageOf(const spdlog::details::log_msg& line) {
-  return text::WithoutSecrets({line.payload.data(), line.payload.size()});
+  return text::RedactSecrets({line.payload.data(), line.payload.size()});
 }
 
 // Returns a plain word, or a quoted string if it is not one word.
@@ -93,7 +93,7 @@ std::string FieldText(const json& value) {
 
 json ToJson(const LogField& field) {
   json value = std::visit([](const auto& content) { return json(content); }, field.second);
-  if (value.is_string()) value = text::WithoutSecrets(value.get_ref<const std::string&>());
+  if (value.is_string()) value = text::RedactSecrets(value.get_ref<const std::string&>());
   return value;
 }
 

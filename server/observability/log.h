@@ -43,7 +43,7 @@ void StartLog(LogFormat format, const std::string& level);
 
 // Writes to standard error at any log level: why the program ends, or that it is insecure. A text
 // line begins with the program's name; a JSON line has the level critical.
-void Tell(LogFormat format, const std::string& message);
+void PrintAlways(LogFormat format, const std::string& message);
 
 // Returns a formatter for spdlog::set_formatter. It adds the LogFields of the calling thread, so
 // the logger must not be asynchronous.

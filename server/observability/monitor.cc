@@ -14,7 +14,7 @@
 #include "server/engine/engine.h"
 #include "server/engine/snapshot.h"
 #include "server/observability/log.h"
-#include "server/observability/server_figures.h"
+#include "server/observability/server_statistics.h"
 
 namespace motiondb::server {
 
@@ -27,19 +27,19 @@ std::int64_t FileBytes(const std::string& path) {
 }
 
 // Free bytes exclude blocks reserved for the superuser.
-void SetDisk(const std::string& path, ServerFigures& figures) {
+void SetDisk(const std::string& path, ServerStatistics& figures) {
   struct statvfs disk {};
   if (statvfs(path.c_str(), &disk) != 0) return;
   figures.disk_bytes = static_cast<std::int64_t>(disk.f_blocks * disk.f_frsize);
   figures.disk_free_bytes = static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize);
 }
 
-DatabaseFigures FiguresOf(Engine& engine, const LiveDatabase& database) {
-  DatabaseFigures figures{.name = database.name(),
-                          .stored = database.stored(),
-                          .operation = engine.CurrentOperation(database),
-                          .rebuilds = database.lifecycle().rebuilds(),
-                          .open_streams = database.open_streams()};
+DatabaseStatistics StatisticsOf(Engine& engine, const LiveDatabase& database) {
+  DatabaseStatistics figures{.name = database.name(),
+                             .stored = database.stored(),
+                             .operation = engine.CurrentOperation(database),
+                             .rebuilds = database.lifecycle().rebuilds(),
+                             .open_streams = database.open_streams()};
   if (const auto snapshot = database.lifecycle().snapshot()) {
     figures.model = snapshot->record;
     const std::int64_t age_us = NowMicroseconds() - snapshot->record.create_time_us;
@@ -70,23 +70,23 @@ Monitor::Attachment::~Attachment() {
   monitor_.engine_ = nullptr;
 }
 
-ServerFigures Monitor::Figures() const {
-  ServerFigures figures{.phase = phase_,
-                        .version = MOTIONDB_VERSION,
-                        .start_time_us = start_time_us_,
-                        .encrypted = encrypted_,
-                        .authenticated = authenticated_,
-                        .certificate_end_time_s = certificate_end_time_s_,
-                        .ended_calls = calls_.ended(),
-                        .failed_calls = calls_.failed(),
-                        .methods = calls_.Methods(),
-                        .authentication_failures = calls_.authentication_failures(),
-                        .open_connections = connections_.open,
-                        .refused_connections = connections_.refused,
-                        .ended_connections = connections_.ended,
-                        .open_calls = calls_.open(),
-                        .open_streams = calls_.open_streams(),
-                        .process = ReadProcessFigures()};
+ServerStatistics Monitor::CollectStatistics() const {
+  ServerStatistics figures{.phase = phase_,
+                           .version = MOTIONDB_VERSION,
+                           .start_time_us = start_time_us_,
+                           .encrypted = encrypted_,
+                           .authenticated = authenticated_,
+                           .certificate_expiry_s = certificate_end_time_s_,
+                           .ended_calls = calls_.ended(),
+                           .failed_calls = calls_.failed(),
+                           .methods = calls_.Methods(),
+                           .authentication_failures = calls_.authentication_failures(),
+                           .open_connections = connections_.open,
+                           .refused_connections = connections_.refused,
+                           .ended_connections = connections_.ended,
+                           .open_calls = calls_.open(),
+                           .open_streams = calls_.open_streams(),
+                           .process = ReadProcessStatistics()};
   if (!options_.store_path.empty()) {
     figures.store_bytes = FileBytes(options_.store_path);
     figures.log_bytes = FileBytes(options_.store_path + "-wal");
@@ -98,9 +98,9 @@ ServerFigures Monitor::Figures() const {
   figures.request_threads = engine_->workers().request_threads();
   figures.running_heavy_calls = engine_->workers().running_heavy();
   figures.write_failures = engine_->store().write_failures();
-  figures.damages = engine_->damages();
+  figures.corruptions = engine_->corruptions();
   for (const auto& database : engine_->Databases()) {
-    figures.databases.push_back(FiguresOf(*engine_, *database));
+    figures.databases.push_back(StatisticsOf(*engine_, *database));
   }
   return figures;
 }
@@ -163,7 +163,7 @@ double CallWatch::Count(absl::StatusCode code) {
 namespace {
 
 spdlog::level::level_enum LevelOf(const EndedCall& call, std::chrono::duration<double> slow) {
-  if (IsOwnFault(call.code)) return spdlog::level::err;
+  if (IsServerFault(call.code)) return spdlog::level::err;
   const bool is_slow =
       call.kind == CallKind::kWork && slow.count() > 0 && call.seconds >= slow.count();
   return is_slow ? spdlog::level::warn : spdlog::level::debug;

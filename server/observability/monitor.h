@@ -14,7 +14,7 @@
 
 #include "absl/status/status.h"
 #include "server/observability/call_meter.h"
-#include "server/observability/server_figures.h"
+#include "server/observability/server_statistics.h"
 #include "storage/mutex.h"
 
 namespace motiondb::server {
@@ -43,7 +43,7 @@ class Monitor {
   // Call once, before the server serves.
   void SetTransport(bool encrypted, bool authenticated);
   // Expiry of the first certificate that expires, Unix time in seconds.
-  void SetCertificateEnd(std::int64_t time_s) { certificate_end_time_s_ = time_s; }
+  void SetCertificateExpiry(std::int64_t time_s) { certificate_end_time_s_ = time_s; }
 
   // The monitor may read the engine during its lifetime. The destructor waits for readers.
   class Attachment {
@@ -59,7 +59,7 @@ class Monitor {
 
   void SetPhase(Phase phase) { phase_ = phase; }
 
-  ServerFigures Figures() const;
+  ServerStatistics CollectStatistics() const;
   // Reads from the store, so it may block on the disk.
   Readiness CheckReadiness() const;
   // Returns all metrics in Prometheus' text format 0.0.4.

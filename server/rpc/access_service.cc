@@ -26,7 +26,7 @@ absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request
   const std::int64_t now_us = NowMicroseconds();
   const std::int64_t expire_time_us = wanted.ttl_us == 0 ? 0 : now_us + wanted.ttl_us;
   const auto audit = [&](const storage::TokenRecord& token) {
-    return call.entry.RecordWithChange(TokenName(token.id));
+    return call.entry.AuditRecordForChange(TokenName(token.id));
   };
   MOTIONDB_ASSIGN_OR_RETURN(
       const MadeToken made,
@@ -52,13 +52,13 @@ absl::Status ListTokens(const Call& call, const v1::ListTokensRequest& request,
 
 absl::Status RevokeToken(const Call& call, const v1::RevokeTokenRequest& request,
                          v1::RevokeTokenResponse& response) {
-  const std::string name = text::WithoutSecrets(request.name());
+  const std::string name = text::RedactSecrets(request.name());
   if (name != request.name()) {
     return FieldViolation("name", "expected tokens/{{token}}, the id without the secret, got '{}'",
                           name);
   }
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseTokenName("name", name));
-  const auto audit = call.entry.RecordWithChange(name);
+  const auto audit = call.entry.AuditRecordForChange(name);
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto record,
       call.entry.access().RevokeToken(id, NowMicroseconds(), {&audit, call.cancelled}));
@@ -83,7 +83,7 @@ absl::Status ListAuditEntries(const Call& call, const v1::ListAuditEntriesReques
 
 class AccessServiceImpl final : public v1::AccessService::CallbackService {
  public:
-  explicit AccessServiceImpl(CallHost& host) : host_(host) {}
+  explicit AccessServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* CreateToken(grpc::CallbackServerContext* context,
                                         const v1::CreateTokenRequest* request,
@@ -107,12 +107,12 @@ class AccessServiceImpl final : public v1::AccessService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeAccessService(ServiceContext& host) {
   return std::make_unique<AccessServiceImpl>(host);
 }
 

@@ -18,8 +18,8 @@
 #include "server/engine/query.h"
 #include "server/engine/representation.h"
 #include "server/observability/log.h"
-#include "server/rpc/call_entry.h"
-#include "server/rpc/call_host.h"
+#include "server/rpc/call_context.h"
+#include "server/rpc/service_context.h"
 #include "server/translate/resource_name.h"
 
 namespace motiondb::server {
@@ -29,10 +29,10 @@ struct Call {
   Engine& engine;
   core::Cancelled cancelled;                       // deadline exceeded, or the client disconnected
   std::chrono::system_clock::time_point deadline;  // far in the future if the client set none
-  CallEntry& entry;                                // the caller and its limits
+  CallContext& entry;                              // the caller and its limits
   Monitor& monitor;                                // statistics of the server
 
-  WorkTerms terms() const {
+  WorkOptions work_options() const {
     return {entry.allowed(), cancelled,
             [&entry = entry](std::int64_t bytes) { return entry.ReserveWork(bytes); }, deadline};
   }
@@ -43,31 +43,32 @@ struct Call {
 inline absl::StatusOr<Query> BeginQuery(const Call& call, const std::string& name,
                                         std::string_view field = "database") {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName(field, name));
-  return Query::Begin(call.engine, id, call.terms());
+  return Query::Begin(call.engine, id, call.work_options());
 }
 
 // Owned by gRPC: deletes itself when the call is over.
 class UnaryReactor final : public grpc::ServerUnaryReactor {
  public:
-  UnaryReactor(CallHost& host, const grpc::CallbackServerContext& context, const Method& method)
+  UnaryReactor(ServiceContext& host, const grpc::CallbackServerContext& context,
+               const Method& method)
       : entry_(host, context, method) {}
-  CallEntry& entry() { return entry_; }
+  CallContext& entry() { return entry_; }
   void End(grpc::Status status, std::size_t answer_bytes = 0) {
     Finish(entry_.End(std::move(status), answer_bytes));
   }
   void OnDone() override { delete this; }
 
  private:
-  CallEntry entry_;
+  CallContext entry_;
 };
 
 // Runs kHandler and ends the call with its result. If the work turns out to be heavy, the call is
 // queued again as a heavy call.
 template <auto kHandler, typename Request, typename Response>
-void Work(CallHost& host, const Request& request, Response& response, UnaryReactor& reactor,
+void Work(ServiceContext& host, const Request& request, Response& response, UnaryReactor& reactor,
           grpc::Status checked) {
   if (!checked.ok()) return reactor.End(std::move(checked));
-  CallEntry& entry = reactor.entry();
+  CallContext& entry = reactor.entry();
   const Call call{host.engine, entry.cancelled(), entry.deadline(), entry, host.monitor};
   const LogFields fields{{"request_id", entry.request_id()}};
   bool is_heavy = false;
@@ -89,14 +90,14 @@ void Work(CallHost& host, const Request& request, Response& response, UnaryReact
 // Answers a unary call with kHandler(call, request, response), run on a request thread. gRPC keeps
 // context, request and response until the call is finished.
 template <auto kHandler, typename Request, typename Response>
-grpc::ServerUnaryReactor* Answer(CallHost& host, grpc::CallbackServerContext* context,
+grpc::ServerUnaryReactor* Answer(ServiceContext& host, grpc::CallbackServerContext* context,
                                  const Request* request, Response* response) {
   auto* const reactor = new UnaryReactor(host, *context, MethodOf<Request>());
   if (grpc::Status admission = reactor->entry().Admission(); !admission.ok()) {
     reactor->End(std::move(admission));
     return reactor;
   }
-  reactor->entry().Weigh(request->ByteSizeLong());
+  reactor->entry().SetRequestSize(request->ByteSizeLong());
   reactor->entry().Begin(*request, [&host, request, response, reactor](grpc::Status checked) {
     Work<kHandler>(host, *request, *response, *reactor, std::move(checked));
   });

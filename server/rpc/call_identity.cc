@@ -51,7 +51,8 @@ std::string NewRequestId() {
 
 }  // namespace
 
-Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address) {
+PeerCredentials PeerCredentialsOf(const grpc::CallbackServerContext& context,
+                                  const std::string& address) {
   return {Header(context, "authorization"), Header(context, kCommonNameMetadata), address};
 }
 
@@ -80,7 +81,7 @@ std::string RequestIdOf(const grpc::CallbackServerContext& context) {
   std::string sent_id = Header(context, "x-request-id");
   const bool usable = !sent_id.empty() && sent_id.size() <= kMaxRequestIdLength &&
                       std::ranges::all_of(sent_id, absl::ascii_isgraph) &&
-                      text::WithoutSecrets(sent_id) == sent_id;
+                      text::RedactSecrets(sent_id) == sent_id;
   return usable ? sent_id : NewRequestId();
 }
 

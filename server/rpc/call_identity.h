@@ -42,7 +42,8 @@ const Method& MethodOf() {
 std::vector<std::string> MethodNames();
 
 // `address`: of the peer.
-Evidence EvidenceOf(const grpc::CallbackServerContext& context, const std::string& address);
+PeerCredentials PeerCredentialsOf(const grpc::CallbackServerContext& context,
+                                  const std::string& address);
 
 // Returns the peer as set by the listener, in gRPC's format, "ipv4:127.0.0.1:50000". Clients cannot
 // forge it.

@@ -16,7 +16,7 @@
 namespace motiondb::server {
 
 // Minimum rate at which a client must read a response; if it is slower, the call ends.
-inline constexpr std::int64_t kSlowestBytesPerMillisecond = 64;
+inline constexpr std::int64_t kMinBytesPerMillisecond = 64;
 
 struct CallLimit {
   int in_all = 0;
@@ -29,11 +29,11 @@ struct CallLimitOptions {
   CallLimit streams{1024, 256};
   // Maximum duration of a call, also without a client deadline. Not for streams of frames, for
   // waits for an operation, which have their own timeout, and for maintenance.
-  std::chrono::milliseconds longest_call{600'000};
+  std::chrono::milliseconds max_call_time{600'000};
   // Idle timeout.
-  std::chrono::milliseconds longest_silence{300'000};
+  std::chrono::milliseconds idle_limit{300'000};
   // Idle timeout before the first message, if shorter: the caller is not authenticated yet.
-  std::chrono::milliseconds longest_first_silence{10'000};
+  std::chrono::milliseconds first_idle_limit{10'000};
   int max_metadata_bytes = 8 << 10;  // of one call, as HTTP/2 counts them
   // Budget for reservations of all calls (CallMemory).
   std::int64_t message_memory_bytes = 512 << 20;
@@ -63,8 +63,8 @@ class CallLimits {
 
   const CallLimitOptions& options() const { return options_; }
   // Idle timeout before the first message.
-  std::chrono::milliseconds first_silence() const {
-    return std::min(options_.longest_silence, options_.longest_first_silence);
+  std::chrono::milliseconds first_message_limit() const {
+    return std::min(options_.idle_limit, options_.first_idle_limit);
   }
 
   // True if the class has its own limit. Such calls enter twice, because all calls count as kLight.

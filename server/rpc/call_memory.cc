@@ -64,7 +64,7 @@ void CallMemory::Add(const std::string& client, std::int64_t bytes) {
   if (entry->second == 0) per_client_.erase(entry);
 }
 
-std::int64_t MostOfOneCall(std::int64_t size_bytes) {
+std::int64_t MaxCallMemory(std::int64_t size_bytes) {
   constexpr std::int64_t kBase = 48 << 20;
   constexpr std::int64_t kFactor = 9;
   return kBase + kFactor * size_bytes;

@@ -62,6 +62,6 @@ class CallMemory {
 // Returns the memory that one call may reserve, in bytes. `size_bytes`: decompressed bytes that it
 // sends and stored bytes that it names. It is less than the documented 64 MB plus ten times the
 // size, because an allocator needs a few percent more.
-std::int64_t MostOfOneCall(std::int64_t size_bytes);
+std::int64_t MaxCallMemory(std::int64_t size_bytes);
 
 }  // namespace motiondb::server

@@ -43,7 +43,7 @@ absl::Status ListClips(const Call& call, const v1::ListClipsRequest& request,
 absl::Status DeleteClip(const Call& call, const v1::DeleteClipRequest& request,
                         v1::DeleteClipResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
-  const auto audit = call.entry.RecordWithChange(request.name());
+  const auto audit = call.entry.AuditRecordForChange(request.name());
   MOTIONDB_ASSIGN_OR_RETURN(const auto operation,
                             call.engine.DeleteClip(id.database, id.id, {&audit, call.cancelled}));
   SetOperation(operation, *response.mutable_operation());
@@ -91,7 +91,7 @@ bool TakeBlock(const std::string& bytes, std::size_t& begin, std::string& block)
   return true;
 }
 
-absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(
+absl::StatusOr<MessageSource<v1::ExportClipResponse>> OpenExport(
     const Call& call, const v1::ExportClipRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const MemberId id, ParseClipName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(auto record, call.engine.store().GetClip(id.database, id.id));
@@ -127,7 +127,7 @@ absl::StatusOr<NextMessage<v1::ExportClipResponse>> OpenExport(
 
 class ClipServiceImpl final : public v1::ClipService::CallbackService {
  public:
-  explicit ClipServiceImpl(CallHost& host) : host_(host) {}
+  explicit ClipServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerReadReactor<v1::IngestClipRequest>* IngestClip(
       grpc::CallbackServerContext* context, v1::IngestClipResponse* response) override {
@@ -165,12 +165,12 @@ class ClipServiceImpl final : public v1::ClipService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeClipService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeClipService(ServiceContext& host) {
   return std::make_unique<ClipServiceImpl>(host);
 }
 

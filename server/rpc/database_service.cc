@@ -17,7 +17,7 @@ absl::Status CreateDatabase(const Call& call, const v1::CreateDatabaseRequest& r
   MOTIONDB_RETURN_IF_ERROR(CheckDatabaseId("database_id", request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto settings, SettingsFrom(request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto marker_set, MarkerSetFrom(request.database()));
-  const auto audit = call.entry.RecordWithChange(DatabaseName(request.database_id()));
+  const auto audit = call.entry.AuditRecordForChange(DatabaseName(request.database_id()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto record,
                             call.engine.CreateDatabase(request.database_id(), settings, marker_set,
                                                        {&audit, call.cancelled}));
@@ -85,7 +85,7 @@ absl::Status ListDatabases(const Call& call, const v1::ListDatabasesRequest& req
 absl::Status DeleteDatabase(const Call& call, const v1::DeleteDatabaseRequest& request,
                             v1::DeleteDatabaseResponse&) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseDatabaseName("name", request.name()));
-  const auto audit = call.entry.RecordWithChange(request.name());
+  const auto audit = call.entry.AuditRecordForChange(request.name());
   return call.engine.DeleteDatabase(id, {&audit, call.cancelled});
 }
 
@@ -100,7 +100,7 @@ absl::Status ReprocessDatabase(const Call& call, const v1::ReprocessDatabaseRequ
 
 class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
  public:
-  explicit DatabaseServiceImpl(CallHost& host) : host_(host) {}
+  explicit DatabaseServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* CreateDatabase(grpc::CallbackServerContext* context,
                                            const v1::CreateDatabaseRequest* request,
@@ -129,12 +129,12 @@ class DatabaseServiceImpl final : public v1::DatabaseService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeDatabaseService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeDatabaseService(ServiceContext& host) {
   return std::make_unique<DatabaseServiceImpl>(host);
 }
 

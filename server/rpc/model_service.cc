@@ -137,7 +137,7 @@ absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest&
   return absl::OkStatus();
 }
 
-absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(
+absl::StatusOr<MessageSource<v1::ReadStatesResponse>> OpenStates(
     const Call& call, const v1::ReadStatesRequest& request) {
   MOTIONDB_ASSIGN_OR_RETURN(const ModelId id, ParseModelName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const SnapshotPointer snapshot, FindReadable(call, id));
@@ -156,7 +156,7 @@ absl::StatusOr<NextMessage<v1::ReadStatesResponse>> OpenStates(
 
 class ModelServiceImpl final : public v1::ModelService::CallbackService {
  public:
-  explicit ModelServiceImpl(CallHost& host) : host_(host) {}
+  explicit ModelServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* GetModel(grpc::CallbackServerContext* context,
                                      const v1::GetModelRequest* request,
@@ -185,12 +185,12 @@ class ModelServiceImpl final : public v1::ModelService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeModelService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeModelService(ServiceContext& host) {
   return std::make_unique<ModelServiceImpl>(host);
 }
 

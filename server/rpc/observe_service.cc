@@ -6,8 +6,8 @@
 #include "motiondb/v1/observe.pb.h"
 #include "server/engine/observe_session.h"
 #include "server/rpc/call.h"
+#include "server/rpc/idle_timer.h"
 #include "server/rpc/services.h"
-#include "server/rpc/silence_limit.h"
 #include "server/translate/message_fields.h"
 #include "server/translate/observation.h"
 #include "server/translate/resource_name.h"
@@ -20,12 +20,12 @@ namespace {
 class ObserveReactor final
     : public grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse> {
  public:
-  ObserveReactor(CallHost& host, grpc::CallbackServerContext& context)
+  ObserveReactor(ServiceContext& host, grpc::CallbackServerContext& context)
       : engine_(host.engine),
         context_(context),
         entry_(host, context, MethodOf<v1::ObserveRequest>(), [this] { Stop(); }),
-        silence_(engine_.workers(), host.limits.first_silence(),
-                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
+        idle_timer_(engine_.workers(), host.limits.first_message_limit(),
+                    host.limits.options().idle_limit, [this] { OnIdle(); }) {
     if (grpc::Status admission = entry_.Admission(); admission.ok()) {
       StartReading();
     } else {
@@ -41,7 +41,7 @@ class ObserveReactor final
   }
   void OnWriteDone(bool ok) override {
     writing_ = false;
-    if (!ok && idle_) return End(entry_.Silent());
+    if (!ok && idle_) return End(entry_.IdleStatus());
     if (!ok) return End({grpc::StatusCode::CANCELLED, "the client disconnected"});
     Read();
   }
@@ -66,7 +66,7 @@ class ObserveReactor final
         RunHandler(entry_.cancelled(), [&] { return reserved.ok() ? Take() : reserved; });
     if (!status.ok()) return End(status);
     if (request_.part_case() == v1::ObserveRequest::kStart) return Read();
-    silence_.Restart();
+    idle_timer_.Restart();
     Do(Turn::kClient, [this] {
       writing_ = true;
       StartWrite(&response_);
@@ -82,7 +82,7 @@ class ObserveReactor final
   }
 
   void Read() {
-    silence_.Restart();
+    idle_timer_.Restart();
     StartReading();
   }
 
@@ -93,7 +93,7 @@ class ObserveReactor final
       turn_ = stopping_ ? Turn::kNobody : Turn::kClient;
       if (turn_ == Turn::kClient) return StartRead(&request_);
     }
-    Finish(entry_.End(Stopping()));
+    Finish(entry_.End(StoppingStatus()));
   }
 
   // Ends the call at most once. The calling thread must not use this object afterwards.
@@ -107,12 +107,12 @@ class ObserveReactor final
   // response.
   void Stop() {
     stopping_ = true;
-    EndInClientsTurn(Stopping);
+    EndInClientsTurn(StoppingStatus);
   }
 
-  void EndSilence() {
+  void OnIdle() {
     // A status would be queued behind the response that the client does not read.
-    if (!writing_) return EndInClientsTurn([this] { return entry_.Silent(); });
+    if (!writing_) return EndInClientsTurn([this] { return entry_.IdleStatus(); });
     idle_ = true;
     context_.TryCancel();
   }
@@ -184,14 +184,14 @@ class ObserveReactor final
   std::atomic<bool> idle_ = false;
   grpc::CallbackServerContext& context_;
   // Last: their callbacks use the members above.
-  CallEntry entry_;
-  SilenceLimit silence_;
+  CallContext entry_;
+  IdleTimer idle_timer_;
 };
 
 }  // namespace
 
 grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* NewObserveReactor(
-    CallHost& host, grpc::CallbackServerContext& context) {
+    ServiceContext& host, grpc::CallbackServerContext& context) {
   return new ObserveReactor(host, context);
 }
 
@@ -210,7 +210,7 @@ absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
 
 class ObserveServiceImpl final : public v1::ObserveService::CallbackService {
  public:
-  explicit ObserveServiceImpl(CallHost& host) : host_(host) {}
+  explicit ObserveServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* Observe(
       grpc::CallbackServerContext* context) override {
@@ -223,12 +223,12 @@ class ObserveServiceImpl final : public v1::ObserveService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeObserveService(ServiceContext& host) {
   return std::make_unique<ObserveServiceImpl>(host);
 }
 

@@ -50,7 +50,7 @@ absl::StatusOr<milliseconds> TimeoutFrom(const v1::WaitOperationRequest& request
 
 class WaitReactor final : public grpc::ServerUnaryReactor {
  public:
-  WaitReactor(CallHost& host, grpc::CallbackServerContext& context,
+  WaitReactor(ServiceContext& host, grpc::CallbackServerContext& context,
               const v1::WaitOperationRequest& request, v1::WaitOperationResponse& response)
       : entry_(host, context, MethodOf<v1::WaitOperationRequest>()), response_(response) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
@@ -99,7 +99,7 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
     Finish(entry_.End(RunHandler([] { return false; }, handler)));
   }
 
-  CallEntry entry_;
+  CallContext entry_;
   v1::WaitOperationResponse& response_;
   storage::Mutex mutex_;
   bool cancelled_ ABSL_GUARDED_BY(mutex_) = false;
@@ -108,7 +108,7 @@ class WaitReactor final : public grpc::ServerUnaryReactor {
 
 }  // namespace
 
-grpc::ServerUnaryReactor* NewWaitReactor(CallHost& host, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* NewWaitReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                                          const v1::WaitOperationRequest& request,
                                          v1::WaitOperationResponse& response) {
   return new WaitReactor(host, context, request, response);
@@ -147,14 +147,14 @@ absl::Status CancelOperation(const Call& call, const v1::CancelOperationRequest&
   MOTIONDB_ASSIGN_OR_RETURN(const std::string id, ParseOperationName("name", request.name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto cancellation,
                             call.engine.CancelOperation(id, call.cancelled));
-  if (!cancellation.is_first) call.entry.NoteNoChange();
+  if (!cancellation.is_first) call.entry.SetUnchanged();
   SetOperation(cancellation.operation, *response.mutable_operation());
   return absl::OkStatus();
 }
 
 class OperationServiceImpl final : public v1::OperationService::CallbackService {
  public:
-  explicit OperationServiceImpl(CallHost& host) : host_(host) {}
+  explicit OperationServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* GetOperation(grpc::CallbackServerContext* context,
                                          const v1::GetOperationRequest* request,
@@ -178,12 +178,12 @@ class OperationServiceImpl final : public v1::OperationService::CallbackService 
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeOperationService(ServiceContext& host) {
   return std::make_unique<OperationServiceImpl>(host);
 }
 

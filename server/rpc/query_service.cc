@@ -17,7 +17,7 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
                        v1::RecognizeResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
   const std::string& database = query.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseRecognizeOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             ObservationFrom("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
@@ -32,7 +32,7 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto observation,
       ObservationFrom("observation", request.observation(), query.database()->name()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseEstimateOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto estimation, query.Estimate(observation, options));
   SetEstimation(estimation, query.model(), response);
   return absl::OkStatus();
@@ -42,7 +42,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
                      v1::PredictResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
   const std::string& database = query.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParsePredictOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             ObservationFrom("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
@@ -51,13 +51,13 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   return absl::OkStatus();
 }
 
-absl::StatusOr<NextMessage<v1::PredictSeriesResponse>> OpenSeries(
+absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
     const Call& call, const v1::PredictSeriesRequest& request) {
   const v1::PredictRequest& first = request.prediction();
   MOTIONDB_ASSIGN_OR_RETURN(const Query query,
                             BeginQuery(call, first.database(), "prediction.database"));
   const std::string& database = query.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseSeriesOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation, ObservationFrom("prediction.observation",
                                                                     first.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto series, query.PredictSeries(observation, options));
@@ -82,7 +82,7 @@ absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResp
 
 class QueryServiceImpl final : public v1::QueryService::CallbackService {
  public:
-  explicit QueryServiceImpl(CallHost& host) : host_(host) {}
+  explicit QueryServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* Recognize(grpc::CallbackServerContext* context,
                                       const v1::RecognizeRequest* request,
@@ -111,12 +111,12 @@ class QueryServiceImpl final : public v1::QueryService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeQueryService(ServiceContext& host) {
   return std::make_unique<QueryServiceImpl>(host);
 }
 

@@ -17,7 +17,7 @@ google::protobuf::Duration DurationOf(double seconds) {
   return google::protobuf::util::TimeUtil::MicrosecondsToDuration(std::llround(seconds * 1e6));
 }
 
-void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
+void SetDatabase(const DatabaseStatistics& figures, v1::DatabaseStatus& status) {
   status.set_name(DatabaseName(figures.name));
   status.set_clip_count(figures.stored.clip_count);
   status.set_stored_frame_count(figures.stored.frame_count);
@@ -40,7 +40,7 @@ void SetDatabase(const DatabaseFigures& figures, v1::DatabaseStatus& status) {
   *status.mutable_rebuild_time() = DurationOf(figures.rebuilds.seconds);
 }
 
-void SetMethod(const MethodFigures& figures, v1::MethodStatus& status) {
+void SetMethod(const MethodStatistics& figures, v1::MethodStatus& status) {
   status.set_method(figures.method);
   status.set_call_count(figures.ended);
   for (const auto& [code, count] : figures.errors) {
@@ -53,7 +53,7 @@ void SetMethod(const MethodFigures& figures, v1::MethodStatus& status) {
   *status.mutable_p99_time() = DurationOf(figures.seconds.p99);
 }
 
-void SetProcess(const ProcessFigures& figures, v1::GetServerStatusResponse& response) {
+void SetProcess(const ProcessStatistics& figures, v1::GetServerStatusResponse& response) {
   response.set_memory_bytes(figures.resident_bytes);
   *response.mutable_cpu_time() = DurationOf(figures.cpu_seconds);
   response.set_thread_count(figures.thread_count);
@@ -64,14 +64,14 @@ void SetProcess(const ProcessFigures& figures, v1::GetServerStatusResponse& resp
 absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest& request,
                              v1::GetServerStatusResponse& response) {
   (void)request;
-  const ServerFigures figures = call.monitor.Figures();
+  const ServerStatistics figures = call.monitor.CollectStatistics();
   response.set_version(figures.version);
   SetTimestamp(figures.start_time_us, *response.mutable_start_time());
   response.set_serving(figures.phase == Phase::kServing);
   response.set_encrypted(figures.encrypted);
   response.set_authenticated(figures.authenticated);
-  if (figures.certificate_end_time_s != 0) {
-    response.mutable_certificate_end_time()->set_seconds(figures.certificate_end_time_s);
+  if (figures.certificate_expiry_s != 0) {
+    response.mutable_certificate_end_time()->set_seconds(figures.certificate_expiry_s);
   }
   response.set_call_count(figures.ended_calls);
   response.set_failed_call_count(figures.failed_calls);
@@ -80,7 +80,7 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   response.set_queued_call_count(figures.queued.requests + figures.queued.heavy_requests);
   response.set_request_thread_count(figures.request_threads);
   response.set_authentication_failure_count(figures.authentication_failures);
-  for (const MethodFigures& method : figures.methods) SetMethod(method, *response.add_methods());
+  for (const MethodStatistics& method : figures.methods) SetMethod(method, *response.add_methods());
   SetProcess(figures.process, response);
   response.set_store_bytes(figures.store_bytes);
   response.set_log_bytes(figures.log_bytes);
@@ -91,18 +91,18 @@ absl::Status GetServerStatus(const Call& call, const v1::GetServerStatusRequest&
   }
   if (figures.disk_bytes > 0) response.set_disk_bytes(figures.disk_bytes);
   response.set_disk_free_bytes(figures.disk_free_bytes);
-  for (const DatabaseFigures& database : figures.databases) {
+  for (const DatabaseStatistics& database : figures.databases) {
     SetDatabase(database, *response.add_databases());
   }
-  for (const storage::Damage& damage : figures.damages) {
-    SetCorruption(damage, *response.add_corruptions());
+  for (const storage::Corruption& corruption : figures.corruptions) {
+    SetCorruption(corruption, *response.add_corruptions());
   }
   return absl::OkStatus();
 }
 
 class ServerServiceImpl final : public v1::ServerService::CallbackService {
  public:
-  explicit ServerServiceImpl(CallHost& host) : host_(host) {}
+  explicit ServerServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerUnaryReactor* GetServerStatus(grpc::CallbackServerContext* context,
                                             const v1::GetServerStatusRequest* request,
@@ -111,12 +111,12 @@ class ServerServiceImpl final : public v1::ServerService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeServerService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeServerService(ServiceContext& host) {
   return std::make_unique<ServerServiceImpl>(host);
 }
 

@@ -8,7 +8,7 @@
 #include <memory>
 
 #include "server/rpc/call.h"
-#include "server/rpc/call_host.h"
+#include "server/rpc/service_context.h"
 
 namespace motiondb::v1 {
 class IngestClipRequest;
@@ -23,30 +23,30 @@ class WaitOperationResponse;
 
 namespace motiondb::server {
 
-std::unique_ptr<grpc::Service> MakeDatabaseService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeClipService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeModelService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeOperationService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeQueryService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeObserveService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeAccessService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host);
-std::unique_ptr<grpc::Service> MakeServerService(CallHost& host);
+std::unique_ptr<grpc::Service> MakeDatabaseService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeClipService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeModelService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeOperationService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeQueryService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeObserveService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeAccessService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeStoreService(ServiceContext& host);
+std::unique_ptr<grpc::Service> MakeServerService(ServiceContext& host);
 
 // Reactors of the calls with special handling: IngestClip and RestoreStore (a file in blocks),
 // Observe, and WaitOperation (waits without a thread). gRPC owns them; they delete themselves in
 // OnDone.
 
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
-    CallHost& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
+    ServiceContext& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response);
 
 grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
-    CallHost& host, grpc::CallbackServerContext& context, v1::RestoreStoreResponse& response);
+    ServiceContext& host, grpc::CallbackServerContext& context, v1::RestoreStoreResponse& response);
 
 grpc::ServerBidiReactor<v1::ObserveRequest, v1::ObserveResponse>* NewObserveReactor(
-    CallHost& host, grpc::CallbackServerContext& context);
+    ServiceContext& host, grpc::CallbackServerContext& context);
 
-grpc::ServerUnaryReactor* NewWaitReactor(CallHost& host, grpc::CallbackServerContext& context,
+grpc::ServerUnaryReactor* NewWaitReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                                          const v1::WaitOperationRequest& request,
                                          v1::WaitOperationResponse& response);
 

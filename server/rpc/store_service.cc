@@ -14,9 +14,10 @@
 namespace motiondb::server {
 namespace {
 
-absl::StatusOr<NextMessage<v1::BackupStoreResponse>> OpenBackup(const Call& call,
-                                                                const v1::BackupStoreRequest&) {
-  MOTIONDB_ASSIGN_OR_RETURN(auto made, call.engine.store().upkeep().BeginBackup(call.cancelled));
+absl::StatusOr<MessageSource<v1::BackupStoreResponse>> OpenBackup(const Call& call,
+                                                                  const v1::BackupStoreRequest&) {
+  MOTIONDB_ASSIGN_OR_RETURN(auto made,
+                            call.engine.store().maintenance().BeginBackup(call.cancelled));
   std::shared_ptr<storage::StoreBackup> backup = std::move(made);
   return [backup, first = true](v1::BackupStoreResponse& message) mutable -> absl::StatusOr<bool> {
     if (std::exchange(first, false)) message.set_total_bytes(backup->total_bytes());
@@ -56,33 +57,33 @@ class Verification {
 
  private:
   absl::Status Step() {
-    std::vector<storage::Damage> found;
+    std::vector<storage::Corruption> found;
     MOTIONDB_ASSIGN_OR_RETURN(more_, verifier_->Step(found));
-    for (storage::Damage& damage : found) {
-      engine_.NoteDamage(damage);
-      found_.push_back(std::move(damage));
+    for (storage::Corruption& corruption : found) {
+      engine_.ReportCorruption(corruption);
+      found_.push_back(std::move(corruption));
     }
     return absl::OkStatus();
   }
 
   Engine& engine_;
   const std::unique_ptr<storage::StoreVerifier> verifier_;
-  std::deque<storage::Damage> found_;  // not sent yet
+  std::deque<storage::Corruption> found_;  // not sent yet
   bool more_ = true;
   bool summary_sent_ = false;
 };
 
-absl::StatusOr<NextMessage<v1::VerifyStoreResponse>> OpenVerify(const Call& call,
-                                                                const v1::VerifyStoreRequest&) {
+absl::StatusOr<MessageSource<v1::VerifyStoreResponse>> OpenVerify(const Call& call,
+                                                                  const v1::VerifyStoreRequest&) {
   MOTIONDB_ASSIGN_OR_RETURN(auto verifier,
-                            call.engine.store().upkeep().BeginVerify(call.cancelled));
+                            call.engine.store().maintenance().BeginVerify(call.cancelled));
   auto verification = std::make_shared<Verification>(call.engine, std::move(verifier));
   return [verification](v1::VerifyStoreResponse& message) { return verification->Next(message); };
 }
 
 class StoreServiceImpl final : public v1::StoreService::CallbackService {
  public:
-  explicit StoreServiceImpl(CallHost& host) : host_(host) {}
+  explicit StoreServiceImpl(ServiceContext& host) : host_(host) {}
 
   grpc::ServerWriteReactor<v1::VerifyStoreResponse>* VerifyStore(
       grpc::CallbackServerContext* context, const v1::VerifyStoreRequest* request) override {
@@ -100,12 +101,12 @@ class StoreServiceImpl final : public v1::StoreService::CallbackService {
   }
 
  private:
-  CallHost& host_;
+  ServiceContext& host_;
 };
 
 }  // namespace
 
-std::unique_ptr<grpc::Service> MakeStoreService(CallHost& host) {
+std::unique_ptr<grpc::Service> MakeStoreService(ServiceContext& host) {
   return std::make_unique<StoreServiceImpl>(host);
 }
 

@@ -10,29 +10,29 @@
 
 #include "absl/status/statusor.h"
 #include "server/rpc/call.h"
-#include "server/rpc/silence_limit.h"
+#include "server/rpc/idle_timer.h"
 
 namespace motiondb::server {
 
 // Makes the next message; returns false at the end. Owns its data. Called by one thread at a time.
 template <typename Response>
-using NextMessage = std::function<absl::StatusOr<bool>(Response&)>;
+using MessageSource = std::function<absl::StatusOr<bool>(Response&)>;
 
 // Owned by gRPC: deletes itself when the call is over.
 template <typename Request, typename Response>
 class StreamReactor : public grpc::ServerWriteReactor<Response> {
  public:
-  // `open`: checks the request and returns the NextMessage.
-  using Open = std::function<absl::StatusOr<NextMessage<Response>>(const Call&, const Request&)>;
+  // `open`: checks the request and returns the MessageSource.
+  using Open = std::function<absl::StatusOr<MessageSource<Response>>(const Call&, const Request&)>;
 
   // gRPC keeps `request` until the call is finished.
-  StreamReactor(CallHost& host, grpc::CallbackServerContext* context, const Request* request,
+  StreamReactor(ServiceContext& host, grpc::CallbackServerContext* context, const Request* request,
                 Open open)
       : entry_(host, *context, MethodOf<Request>()),
         call_{host.engine, entry_.cancelled(), entry_.deadline(), entry_, host.monitor},
         context_(*context),
-        silence_(host.engine.workers(), host.limits.options().longest_silence,
-                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
+        idle_timer_(host.engine.workers(), host.limits.options().idle_limit,
+                    host.limits.options().idle_limit, [this] { OnIdle(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;
@@ -52,7 +52,7 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
     writing_ = false;
     entry_.Post([this, ok] {
       // Posted, because the end may write an audit entry, and gRPC's threads must not block.
-      if (!ok && idle_) return End(entry_.Silent());
+      if (!ok && idle_) return End(entry_.IdleStatus());
       if (!ok) return End({grpc::StatusCode::CANCELLED, "the client disconnected"});
       Step([this] { return Produce(); });
     });
@@ -72,13 +72,13 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
   void Step(const std::function<absl::Status()>& step) {
     grpc::Status status = RunHandler(call_.cancelled, step);
     if (!status.ok() || ended_) return End(std::move(status));
-    silence_.Restart();
+    idle_timer_.Restart();
     writing_ = true;
     this->StartWrite(&message_);
   }
 
   // Cancels, because a status would be queued behind the message that the client does not read.
-  void EndSilence() {
+  void OnIdle() {
     if (!writing_) return;
     idle_ = true;
     context_.TryCancel();
@@ -86,15 +86,15 @@ class StreamReactor : public grpc::ServerWriteReactor<Response> {
 
   void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
 
-  CallEntry entry_;
+  CallContext entry_;
   const Call call_;
-  NextMessage<Response> next_;
+  MessageSource<Response> next_;
   Response message_;
   bool ended_ = false;
   grpc::CallbackServerContext& context_;
   std::atomic<bool> writing_ = false;  // until the flow-control window has room for the message
   std::atomic<bool> idle_ = false;
-  SilenceLimit silence_;  // last: its callback uses the members above
+  IdleTimer idle_timer_;  // last: its callback uses the members above
 };
 
 }  // namespace motiondb::server

@@ -18,9 +18,9 @@ namespace {
 
 class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
  public:
-  IngestReactor(CallHost& host, grpc::CallbackServerContext& context,
+  IngestReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                 v1::IngestClipResponse& response)
-      : UploadReactor(host, context, Taking::kAtOnce),
+      : UploadReactor(host, context, ReceiveThread::kGrpcThread),
         engine_(host.engine),
         response_(response),
         stream_(engine_.options().max_file_bytes) {}
@@ -38,11 +38,11 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
   absl::Status Answer() override {
     MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
     file.audit = [this](const storage::ClipRecord& clip) {
-      return entry().RecordWithChange(ClipName(clip.database, clip.id));
+      return entry().AuditRecordForChange(ClipName(clip.database, clip.id));
     };
     auto ingested =
         engine_.Ingest(database_, std::move(file),
-                       {Allowed::kAllWork, entry().cancelled(),
+                       {AllowedWork::kAllWork, entry().cancelled(),
                         [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
     if (!ingested.ok()) return AtField("file_block", ingested.status());
     SetClip(ingested->clip, *response_.mutable_clip());
@@ -61,7 +61,7 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
 }  // namespace
 
 grpc::ServerReadReactor<v1::IngestClipRequest>* NewIngestReactor(
-    CallHost& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
+    ServiceContext& host, grpc::CallbackServerContext& context, v1::IngestClipResponse& response) {
   return new IngestReactor(host, context, response);
 }
 
@@ -69,16 +69,16 @@ namespace {
 
 class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
  public:
-  RestoreReactor(CallHost& host, grpc::CallbackServerContext& context,
+  RestoreReactor(ServiceContext& host, grpc::CallbackServerContext& context,
                  v1::RestoreStoreResponse& response)
-      : UploadReactor(host, context, Taking::kOnRequestThread),
+      : UploadReactor(host, context, ReceiveThread::kOnRequestThread),
         engine_(host.engine),
         response_(response) {}
 
  private:
   absl::Status Take(v1::RestoreStoreRequest& message) override {
     if (restore_ == nullptr) {
-      MOTIONDB_ASSIGN_OR_RETURN(restore_, engine_.store().upkeep().BeginRestore());
+      MOTIONDB_ASSIGN_OR_RETURN(restore_, engine_.store().maintenance().BeginRestore());
     }
     if (message.block().size() > kMostBlockBytes) {
       return FieldViolation("block", "expected at most {} bytes, got {}", kMostBlockBytes,
@@ -106,7 +106,8 @@ class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
 }  // namespace
 
 grpc::ServerReadReactor<v1::RestoreStoreRequest>* NewRestoreReactor(
-    CallHost& host, grpc::CallbackServerContext& context, v1::RestoreStoreResponse& response) {
+    ServiceContext& host, grpc::CallbackServerContext& context,
+    v1::RestoreStoreResponse& response) {
   return new RestoreReactor(host, context, response);
 }
 

@@ -9,13 +9,13 @@
 
 #include "core/motion/error.h"
 #include "server/rpc/call.h"
-#include "server/rpc/silence_limit.h"
+#include "server/rpc/idle_timer.h"
 
 namespace motiondb::server {
 
 // Where messages after the first are processed: on a request thread, or directly on gRPC's thread
 // if they are only copied.
-enum class Taking { kOnRequestThread, kAtOnce };
+enum class ReceiveThread { kOnRequestThread, kGrpcThread };
 
 // Owned by gRPC: deletes itself when the call is over.
 template <typename Request>
@@ -29,17 +29,17 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
         checked.ok() ? Step(ok) : End(std::move(checked));
       });
     }
-    if (ok && taking_ == Taking::kAtOnce) return TakeAtOnce();
+    if (ok && taking_ == ReceiveThread::kGrpcThread) return ProcessOnGrpcThread();
     entry_.Post([this, ok] { Step(ok); });
   }
   void OnDone() final { delete this; }
 
  protected:
-  UploadReactor(CallHost& host, grpc::CallbackServerContext& context, Taking taking)
+  UploadReactor(ServiceContext& host, grpc::CallbackServerContext& context, ReceiveThread taking)
       : entry_(host, context, MethodOf<Request>()),
         taking_(taking),
-        silence_(host.engine.workers(), host.limits.first_silence(),
-                 host.limits.options().longest_silence, [this] { EndSilence(); }) {
+        idle_timer_(host.engine.workers(), host.limits.first_message_limit(),
+                    host.limits.options().idle_limit, [this] { OnIdle(); }) {
     if (grpc::Status admission = entry_.Admission(); !admission.ok()) {
       End(std::move(admission));
       return;
@@ -53,11 +53,11 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   // Fills the response after the last message; there may have been none. On a request thread.
   virtual absl::Status Answer() = 0;
 
-  CallEntry& entry() { return entry_; }
+  CallContext& entry() { return entry_; }
 
  private:
   void Read() {
-    silence_.Restart();
+    idle_timer_.Restart();
     StartReading();
   }
   void StartReading() {
@@ -81,7 +81,7 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
     Read();
   }
 
-  void TakeAtOnce() {
+  void ProcessOnGrpcThread() {
     const grpc::Status status = Process(true);
     if (status.ok()) return Read();
     // Posted, because the end writes an audit entry, and gRPC's threads must not block.
@@ -89,18 +89,18 @@ class UploadReactor : public grpc::ServerReadReactor<Request> {
   }
 
   // Releases the memory of the upload; a build may also wait for the rest of it.
-  void EndSilence() {
-    if (reading_.exchange(false)) End(entry_.Silent());
+  void OnIdle() {
+    if (reading_.exchange(false)) End(entry_.IdleStatus());
   }
 
   void End(grpc::Status status) { this->Finish(entry_.End(std::move(status))); }
 
-  CallEntry entry_;
-  const Taking taking_;
+  CallContext entry_;
+  const ReceiveThread taking_;
   Request message_;
   bool started_ = false;               // the first message or the end has arrived
   std::atomic<bool> reading_ = false;  // a read is pending, and the call has not ended
-  SilenceLimit silence_;               // last: its callback uses the members above
+  IdleTimer idle_timer_;               // last: its callback uses the members above
 };
 
 }  // namespace motiondb::server

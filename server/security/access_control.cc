@@ -53,17 +53,18 @@ AccessControl::AccessControl(storage::AccessStore& store, const AccessOptions& o
     spdlog::warn("cannot preload tokens; each is read at its first use: error={}", read.ToString());
 }
 
-absl::StatusOr<Caller> AccessControl::Authenticate(const Evidence& evidence) {
+absl::StatusOr<Caller> AccessControl::Authenticate(const PeerCredentials& credentials) {
   if (!options_.authentication) {
     return Caller{.principal = kAnonymous, .role = storage::Role::kAdmin};
   }
-  if (!evidence.authorization.empty()) return ByToken(evidence.authorization, evidence.address);
-  if (!evidence.common_name.empty() && options_.certificate_role.has_value()) {
-    return Caller{.principal = fmt::format("certificate:{}", evidence.common_name),
+  if (!credentials.authorization.empty())
+    return ByToken(credentials.authorization, credentials.address);
+  if (!credentials.common_name.empty() && options_.certificate_role.has_value()) {
+    return Caller{.principal = fmt::format("certificate:{}", credentials.common_name),
                   .role = *options_.certificate_role};
   }
   return Fail(
-      "no token", evidence.address,
+      "no token", credentials.address,
       core::WithReason(
           "TOKEN_MISSING",
           absl::UnauthenticatedError(
@@ -127,12 +128,11 @@ bool AccessControl::CanBeAdministered(std::int64_t now_us) {
   return CanAdministerWithoutToken() || tokens_.HasAdmin(now_us).value_or(true);
 }
 
-absl::StatusOr<storage::TokenRecord> AccessControl::RevokeToken(const std::string& id,
-                                                                std::int64_t now_us,
-                                                                const storage::ChangeTerms& terms) {
-  return tokens_.Revoke(
-      id, now_us, terms,
-      CanAdministerWithoutToken() ? TokenBook::LastAdmin::kMayGo : TokenBook::LastAdmin::kKeep);
+absl::StatusOr<storage::TokenRecord> AccessControl::RevokeToken(
+    const std::string& id, std::int64_t now_us, const storage::WriteOptions& terms) {
+  return tokens_.Revoke(id, now_us, terms,
+                        CanAdministerWithoutToken() ? TokenRegistry::LastAdmin::kMayGo
+                                                    : TokenRegistry::LastAdmin::kKeep);
 }
 
 absl::Status AccessControl::Fail(std::string_view what, const std::string& address,
@@ -153,7 +153,7 @@ absl::Status AccessControl::Record(const storage::AuditRecord& record, bool of_a
       !no_change_entries_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
     return absl::OkStatus();
   }
-  return KeepAuditRecord(store_, record, cancelled);
+  return StoreAuditRecord(store_, record, cancelled);
 }
 
 }  // namespace motiondb::server

@@ -9,7 +9,7 @@
 #include "server/security/attempt_limit.h"
 #include "server/security/authorize.h"
 #include "server/security/security_options.h"
-#include "server/security/token_book.h"
+#include "server/security/token_registry.h"
 #include "storage/access_store.h"
 #include "storage/mutex.h"
 
@@ -22,11 +22,11 @@ class AccessControl {
   AccessControl(storage::AccessStore& store, const AccessOptions& options);
 
   // Returns the caller. Errors: UNAUTHENTICATED with the reason; RESOURCE_EXHAUSTED with RetryInfo
-  // for an unknown token from an address with too many failures. Tokens in memory (TokenBook) still
-  // work from such an address, so that a valid client behind the same NAT is not locked out. Logs a
-  // failure with its address, at most once a minute for each kind of failure, and never logs the
-  // token.
-  absl::StatusOr<Caller> Authenticate(const Evidence& evidence);
+  // for an unknown token from an address with too many failures. Tokens in memory (TokenRegistry)
+  // still work from such an address, so that a valid client behind the same NAT is not locked out.
+  // Logs a failure with its address, at most once a minute for each kind of failure, and never logs
+  // the token.
+  absl::StatusOr<Caller> Authenticate(const PeerCredentials& credentials);
   // Returns UNAUTHENTICATED if the caller's token is no longer valid.
   absl::Status Recheck(const Caller& caller) const;
 
@@ -34,22 +34,22 @@ class AccessControl {
   // false if the token did not change.
   bool ReplaceAdminToken(const std::string& token);
 
-  // Like TokenBook::Revoke. Keeps the last admin token unless admin access is possible without it:
-  // authentication is off, there is an admin token file, or certificates have the role admin.
+  // Like TokenRegistry::Revoke. Keeps the last admin token unless admin access is possible without
+  // it: authentication is off, there is an admin token file, or certificates have the role admin.
   absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t now_us,
-                                                   const storage::ChangeTerms& terms = {});
+                                                   const storage::WriteOptions& terms = {});
 
   // Returns whether admin access is possible at `now_us`, with a token or without. Returns true if
   // the tokens cannot be read.
   bool CanBeAdministered(std::int64_t now_us);
 
-  // Adds an entry to the audit log, with KeepAuditRecord. Entries of calls that changed nothing
+  // Adds an entry to the audit log, with StoreAuditRecord. Entries of calls that changed nothing
   // (for example, failed calls) are limited to 10 a minute for each source and principal, unless
   // the caller is an admin. So a client cannot displace other entries by calls that fail.
   absl::Status Record(const storage::AuditRecord& record, bool of_administrator, bool changed,
                       const core::Cancelled& cancelled = {});
 
-  TokenBook& tokens() { return tokens_; }
+  TokenRegistry& tokens() { return tokens_; }
   storage::AccessStore& store() { return store_; }
   bool authentication() const { return options_.authentication; }
 
@@ -65,7 +65,7 @@ class AccessControl {
   const AccessOptions options_;
   mutable storage::Mutex admin_mutex_;
   std::shared_ptr<KnownToken> admin_token_ ABSL_GUARDED_BY(admin_mutex_);  // null: no file
-  TokenBook tokens_;
+  TokenRegistry tokens_;
   AttemptLimit failures_;
   AttemptLimit no_change_entries_;
   AttemptLimit warnings_;

@@ -14,7 +14,7 @@ namespace motiondb::server {
 class KnownToken;
 
 // The credentials of a call, as received.
-struct Evidence {
+struct PeerCredentials {
   std::string authorization;  // value of the header; empty if absent
   std::string common_name;    // of the verified client certificate; empty if absent
   std::string address;        // of the peer, without port

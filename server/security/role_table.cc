@@ -63,9 +63,12 @@ constexpr CallRule kRules[] = {
     {"AccessService.ListAuditEntries", kAdmin, kReads, kLight, kServer, ""},
 
     {"ServerService.GetServerStatus", kReader, kReads, kLight, kServer, ""},
-    {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
-    {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
-    {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, "", kFullName, Pool::kUpkeep},
+    {"StoreService.VerifyStore", kAdmin, kReads, kHeavy, kServer, "", kFullName,
+     Pool::kMaintenance},
+    {"StoreService.BackupStore", kAdmin, kCopiesAll, kHeavy, kServer, "", kFullName,
+     Pool::kMaintenance},
+    {"StoreService.RestoreStore", kAdmin, kChanges, kHeavy, kServer, "", kFullName,
+     Pool::kMaintenance},
 };
 
 }  // namespace

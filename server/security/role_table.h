@@ -33,8 +33,8 @@ struct CallRule {
   Scope scope;
   std::string_view field;            // path of the resource's name in the (first) request message
   std::string_view collection = {};  // prefix of the name if the field has only an id; else empty
-  // Thread pool of the handler: kChanges if it may wait for the store's writer, kUpkeep if it reads
-  // or writes the whole store without a time limit.
+  // Thread pool of the handler: kChanges if it may wait for the store's writer, kMaintenance if it
+  // reads or writes the whole store without a time limit.
   Pool pool = Pool::kRequests;
   bool urgent = false;  // does not wait in the queue of changes
 };

@@ -74,11 +74,11 @@ void AddLimitSettings(CLI::App& app, Settings& settings) {
                "heavy calls (ingests, exports, plans, series of predictions, backups, queries of "
                "more than 1 MiB or with a long motion)");
   AddCallLimit(app, "--max-streams", calls.streams, "Observe streams");
-  AddSeconds(app, "--call-time-limit", calls.longest_call, 1, 86400,
+  AddSeconds(app, "--call-time-limit", calls.max_call_time, 1, 86400,
              "Maximum duration of a call; not for Observe streams, WaitOperation, and backup, "
              "restore and verification of the store")
       ->group("Limits");
-  AddSeconds(app, "--silence-limit", calls.longest_silence, 1, 86400,
+  AddSeconds(app, "--silence-limit", calls.idle_limit, 1, 86400,
              "Idle timeout of a stream, in each direction; at most 10 s before its first message")
       ->group("Limits");
 }

@@ -28,7 +28,7 @@ absl::Status CheckLine(std::string_view field, std::string_view line) {
 }  // namespace
 
 absl::Status CheckNoToken(std::string_view field, std::string_view text) {
-  if (text::WithoutSecrets(text) == text) return absl::OkStatus();
+  if (text::RedactSecrets(text) == text) return absl::OkStatus();
   return FieldViolation(
       field, "expected no access token, because other users can read this field; revoke the token");
 }

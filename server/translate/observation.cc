@@ -78,7 +78,7 @@ absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start) {
   setup.marker_names.assign(start.marker_names().begin(), start.marker_names().end());
   setup.frame_rate_hz = start.frame_rate_hz();
   if (start.has_leg_length_m()) setup.leg_length_m = start.leg_length_m();
-  MOTIONDB_ASSIGN_OR_RETURN(setup.options, OptionsFrom(start));
+  MOTIONDB_ASSIGN_OR_RETURN(setup.options, ParseObserverOptions(start));
   return setup;
 }
 

@@ -169,7 +169,7 @@ absl::StatusOr<core::Generation> GenerationFrom(v1::Generation generation) {
 
 }  // namespace
 
-absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request) {
+absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::RecognizeRequest& request) {
   core::RecognizeOptions options;
   MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
   MOTIONDB_ASSIGN_OR_RETURN(options.generation, GenerationFrom(request.generation()));
@@ -183,7 +183,7 @@ absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& r
   return options;
 }
 
-absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request) {
+absl::StatusOr<core::EstimateOptions> ParseEstimateOptions(const v1::EstimateRequest& request) {
   core::EstimateOptions options;
   MOTIONDB_ASSIGN_OR_RETURN(options.search.layer, LayerFrom(request));
   if (request.has_path_count()) options.search.path_count = request.path_count();
@@ -193,7 +193,7 @@ absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& req
   return options;
 }
 
-absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& request) {
+absl::StatusOr<core::PredictOptions> ParsePredictOptions(const v1::PredictRequest& request) {
   core::PredictOptions options;
   MOTIONDB_ASSIGN_OR_RETURN(options.method, MethodFrom(request.method()));
   if (request.has_at_seconds()) options.at_seconds = request.at_seconds();
@@ -206,13 +206,13 @@ absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& reque
   return options;
 }
 
-absl::StatusOr<SeriesOptions> OptionsFrom(const v1::PredictSeriesRequest& request) {
-  auto prediction = OptionsFrom(request.prediction());
+absl::StatusOr<SeriesOptions> ParseSeriesOptions(const v1::PredictSeriesRequest& request) {
+  auto prediction = ParsePredictOptions(request.prediction());
   if (!prediction.ok()) return core::Within("prediction", prediction.status());
   return SeriesOptions{*std::move(prediction), request.every_seconds()};
 }
 
-absl::StatusOr<core::ObserverOptions> OptionsFrom(const v1::ObserveStart& start) {
+absl::StatusOr<core::ObserverOptions> ParseObserverOptions(const v1::ObserveStart& start) {
   core::ObserverOptions options;
   if (start.has_window_seconds()) options.window_seconds = start.window_seconds();
   if (start.has_history_seconds()) options.history_seconds = start.history_seconds();

@@ -54,10 +54,10 @@ void SetHorizons(const std::vector<core::PredictedFrame>& frames, bool has_confi
 // given. Core checks most options; these functions return INVALID_ARGUMENT for values without an
 // equivalent in core.
 
-absl::StatusOr<core::RecognizeOptions> OptionsFrom(const v1::RecognizeRequest& request);
-absl::StatusOr<core::EstimateOptions> OptionsFrom(const v1::EstimateRequest& request);
-absl::StatusOr<core::PredictOptions> OptionsFrom(const v1::PredictRequest& request);
-absl::StatusOr<SeriesOptions> OptionsFrom(const v1::PredictSeriesRequest& request);
-absl::StatusOr<core::ObserverOptions> OptionsFrom(const v1::ObserveStart& start);
+absl::StatusOr<core::RecognizeOptions> ParseRecognizeOptions(const v1::RecognizeRequest& request);
+absl::StatusOr<core::EstimateOptions> ParseEstimateOptions(const v1::EstimateRequest& request);
+absl::StatusOr<core::PredictOptions> ParsePredictOptions(const v1::PredictRequest& request);
+absl::StatusOr<SeriesOptions> ParseSeriesOptions(const v1::PredictSeriesRequest& request);
+absl::StatusOr<core::ObserverOptions> ParseObserverOptions(const v1::ObserveStart& start);
 
 }  // namespace motiondb::server

@@ -372,9 +372,9 @@ constexpr std::size_t kTextLimit = 1024;
 
 }  // namespace
 
-void SetCorruption(const storage::Damage& damage, v1::Corruption& message) {
-  message.set_resource(text::ValidUtf8(text::SafeText(damage.resource), kTextLimit));
-  message.set_description(text::ValidUtf8(text::SafeText(damage.description), kTextLimit));
+void SetCorruption(const storage::Corruption& corruption, v1::Corruption& message) {
+  message.set_resource(text::ValidUtf8(text::SafeText(corruption.resource), kTextLimit));
+  message.set_description(text::ValidUtf8(text::SafeText(corruption.description), kTextLimit));
 }
 
 }  // namespace motiondb::server

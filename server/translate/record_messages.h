@@ -12,7 +12,7 @@
 #include "server/engine/snapshot.h"
 #include "storage/access_store.h"
 #include "storage/records.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::v1 {
 class AuditEntry;
@@ -88,6 +88,6 @@ void SetToken(const storage::TokenRecord& record, v1::Token& message);
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);
 
 // Truncates the texts, because a corrupt file may have texts of any length.
-void SetCorruption(const storage::Damage& damage, v1::Corruption& message);
+void SetCorruption(const storage::Corruption& corruption, v1::Corruption& message);
 
 }  // namespace motiondb::server

@@ -17,7 +17,7 @@ absl::Status ChunkSink::Write(std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const std::size_t room = kChunkHeaderBytes + kChunkPayloadBytes - chunk_.size();
     if (room == 0) {
-      MOTIONDB_RETURN_IF_ERROR(PutFilled(/*last=*/false));
+      MOTIONDB_RETURN_IF_ERROR(ApplyFilled(/*last=*/false));
       continue;
     }
     const auto part = bytes.first(std::min(room, bytes.size()));
@@ -27,9 +27,9 @@ absl::Status ChunkSink::Write(std::span<const std::byte> bytes) {
   return absl::OkStatus();
 }
 
-absl::Status ChunkSink::Finish() { return PutFilled(/*last=*/true); }
+absl::Status ChunkSink::Finish() { return ApplyFilled(/*last=*/true); }
 
-absl::Status ChunkSink::PutFilled(bool last) {
+absl::Status ChunkSink::ApplyFilled(bool last) {
   SealChunk(kind_, position_, last, chunk_);
   MOTIONDB_RETURN_IF_ERROR(put_chunk_(position_, chunk_));
   ++position_;

@@ -58,7 +58,7 @@ class ChunkSink final : public ByteSink {
   absl::Status Finish();
 
  private:
-  absl::Status PutFilled(bool last);
+  absl::Status ApplyFilled(bool last);
 
   BlobKind kind_;
   PutChunk put_chunk_;

@@ -35,7 +35,7 @@ core::MotionPrior GetPrior(FieldReader& reader, Eigen::Index dimensions) {
 
 void PutConfidence(FieldWriter& writer, const core::PredictionConfidence& confidence) {
   writer.PutCount(confidence.laws.size());
-  for (const core::ErrorLaw& law : confidence.laws) {
+  for (const core::ErrorModel& law : confidence.laws) {
     writer.Put(law.seconds);
     for (const double coefficient : law.coefficients) writer.Put(coefficient);
     for (const double lowest : law.lowest) writer.Put(lowest);
@@ -48,7 +48,7 @@ core::PredictionConfidence GetConfidence(FieldReader& reader) {
   core::PredictionConfidence confidence;
   confidence.laws.resize(reader.GetCount(kErrorModelBytes));
   double before = 0;
-  for (core::ErrorLaw& law : confidence.laws) {
+  for (core::ErrorModel& law : confidence.laws) {
     law.seconds = reader.Get<double>();
     bool finite = law.seconds > before && std::isfinite(law.seconds);
     before = law.seconds;

@@ -27,14 +27,14 @@ absl::StatusOr<std::vector<std::int64_t>> NextUncounted(Connection& connection,
 
 absl::Status CountEach(Connection& connection, const std::vector<std::int64_t>& keys) {
   return InTransaction(connection, Transaction::Kind::kWrite, [&](Connection&) -> absl::Status {
-    for (const std::int64_t key : keys) MOTIONDB_RETURN_IF_ERROR(CountBytes(connection, key));
+    for (const std::int64_t key : keys) MOTIONDB_RETURN_IF_ERROR(UpdateByteCount(connection, key));
     return absl::OkStatus();
   });
 }
 
 }  // namespace
 
-absl::Status CountBytes(Connection& connection, std::int64_t clip_key) {
+absl::Status UpdateByteCount(Connection& connection, std::int64_t clip_key) {
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query(
@@ -45,7 +45,7 @@ absl::Status CountBytes(Connection& connection, std::int64_t clip_key) {
   return SetRowChecksum(connection, "clip", clip_key);
 }
 
-void CountUncountedBytes(Connection& connection) {
+void FillMissingByteCounts(Connection& connection) {
   for (std::int64_t last = 0;;) {
     const auto keys = NextUncounted(connection, last);
     if (!keys.ok() || keys->empty()) return;

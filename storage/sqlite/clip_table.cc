@@ -111,8 +111,9 @@ absl::StatusOr<std::string> ChooseId(Connection& connection, std::int64_t databa
   }
   MOTIONDB_ASSIGN_OR_RETURN(
       std::string free,
-      FreeId(connection, "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
-             database_key, record.id));
+      ChooseFreeId(connection,
+                   "SELECT 1 FROM clip WHERE database_key = ? AND id = ? AND deleted = 0",
+                   database_key, record.id));
   if (clip.id_is_fixed && free != record.id) {
     return core::WithReason("CLIP_EXISTS", absl::AlreadyExistsError(fmt::format(
                                                "database '{}' already has another clip '{}'",
@@ -195,7 +196,7 @@ absl::Status ReplaceRow(Connection& connection, std::int64_t database_key, std::
                  static_cast<int>(BlobKind::kSkeletonFile))
           .Run());
   MOTIONDB_RETURN_IF_ERROR(WriteStates(connection, key, states));
-  return CountBytes(connection, key);
+  return UpdateByteCount(connection, key);
 }
 
 absl::Status UpdateRow(Connection& connection, std::int64_t clip_key, const ClipRecord& record) {
@@ -240,7 +241,7 @@ absl::StatusOr<ClipRecord> InsertClip(Connection& connection, const NewClip& cli
       InsertRow(connection, database_key, skeleton_key, record, clip.states.root_path));
   const std::int64_t key = connection.last_insert_key();
   MOTIONDB_RETURN_IF_ERROR(InsertBlobs(connection, ClipOwner(key), clip));
-  MOTIONDB_RETURN_IF_ERROR(CountBytes(connection, key));
+  MOTIONDB_RETURN_IF_ERROR(UpdateByteCount(connection, key));
   return SelectClip(connection, record.database, record.id);
 }
 
@@ -310,12 +311,12 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
 }
 
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
-                                      const std::string& clip, Remains remains) {
+                                      const std::string& clip, FreePolicy remains) {
   MOTIONDB_ASSIGN_OR_RETURN(ClipRecord record, SelectClip(connection, database, clip));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t key, FindClip(connection, database, clip));
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t skeleton_key, SkeletonOf(connection, key));
   MOTIONDB_RETURN_IF_ERROR(MarkDeleted(connection, key));
-  if (remains == Remains::kFree) {
+  if (remains == FreePolicy::kFree) {
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kMotionFile));
     MOTIONDB_RETURN_IF_ERROR(DeleteBlob(connection, ClipOwner(key), BlobKind::kSkeletonFile));
   }

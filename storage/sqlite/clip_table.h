@@ -33,11 +33,11 @@ absl::StatusOr<core::StateSequence> SelectClipStates(Connection& connection,
 
 // Whether a deletion frees bytes that are no longer needed. To free bytes, SQLite must read their
 // pages; an unreadable sector causes DATA_LOSS and a rollback. kLeave avoids that.
-enum class Remains { kFree, kLeave };
+enum class FreePolicy { kFree, kLeave };
 
 // Deletes a clip and returns its record. Its states stay for the current model and a running build.
 absl::StatusOr<ClipRecord> RemoveClip(Connection& connection, const std::string& database,
-                                      const std::string& clip, Remains remains);
+                                      const std::string& clip, FreePolicy remains);
 // Deletes the rows and states of those clips in `clip_keys` that are deleted and used by no model.
 absl::Status PurgeRemovedClips(Connection& connection, std::span<const std::int64_t> clip_keys);
 // Returns the keys of all clips that PurgeRemovedClips would delete, ascending.

@@ -57,7 +57,7 @@ void CopyFile::Remove() {
     fs::remove(fmt::format("{}{}", path_, suffix), ignored);
 }
 
-void RemoveLeftCopies(const std::string& store_path) {
+void DeleteStaleCopies(const std::string& store_path) {
   const fs::path path(store_path);
   std::error_code ignored;
   std::vector<fs::path> stale;

@@ -26,7 +26,7 @@ class CopyFile {
 };
 
 // Deletes temporary files of a killed process. REQUIRES: the caller holds the StoreLock.
-void RemoveLeftCopies(const std::string& store_path);
+void DeleteStaleCopies(const std::string& store_path);
 
 // Copies all pages from a consistent view of `from` to `to`; after an error `to` is unchanged.
 // REQUIRES: `from` is in a transaction that has read, or has no other writer; `to` is in no

@@ -94,7 +94,7 @@ absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::str
   return row.Integer(0);
 }
 
-absl::Status CheckWithoutDatabases(Connection& connection) {
+absl::Status CheckHasNoDatabases(Connection& connection) {
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto count, connection.QueryInteger("SELECT count(*) FROM database WHERE deleted = 0"));
   if (count == 0) return absl::OkStatus();

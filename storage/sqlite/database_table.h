@@ -22,7 +22,7 @@ absl::Status MarkDatabaseDeleted(Connection& connection, const std::string& name
 absl::StatusOr<std::int64_t> FindDatabase(Connection& connection, const std::string& name);
 
 // FAILED_PRECONDITION if there is a database: a restore requires a store without databases.
-absl::Status CheckWithoutDatabases(Connection& connection);
+absl::Status CheckHasNoDatabases(Connection& connection);
 
 // Sets the marker set of a database, which its first clip brings. FAILED_PRECONDITION if it has a
 // different one.

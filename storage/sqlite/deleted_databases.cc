@@ -35,7 +35,8 @@ bool IsTransient(const absl::Status& status) {
 // Frees one database.
 class Freeing {
  public:
-  Freeing(std::int64_t database_key, const WriteOnce& write, const core::Cancelled& cancelled)
+  Freeing(std::int64_t database_key, const TransactionRunner& write,
+          const core::Cancelled& cancelled)
       : key_(database_key), write_(write), cancelled_(cancelled) {}
 
   // DATA_LOSS if some rows cannot be read; these and the rows that refer to them stay.
@@ -184,7 +185,7 @@ class Freeing {
   }
 
   const std::int64_t key_;
-  const WriteOnce& write_;
+  const TransactionRunner& write_;
   const core::Cancelled& cancelled_;
   absl::Status data_loss_;  // the first error because of which a row stays
   // The last transaction: whether it found something to free, and the number of freed rows.
@@ -205,7 +206,8 @@ absl::Status FindDeleted(Connection& connection, std::int64_t after, std::int64_
 
 }  // namespace
 
-absl::Status FreeDeletedDatabases(const WriteOnce& write, const core::Cancelled& cancelled) {
+absl::Status FreeDeletedDatabases(const TransactionRunner& write,
+                                  const core::Cancelled& cancelled) {
   absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {

@@ -10,10 +10,10 @@
 namespace motiondb::storage {
 
 // Runs `piece` in its own write transaction, which is rolled back on an error.
-using WriteOnce =
+using TransactionRunner =
     std::function<absl::Status(const std::function<absl::Status(Connection&)>& piece)>;
 
 // See MotionStore::PurgeDeletedDatabases. Polls `cancelled` between the transactions.
-absl::Status FreeDeletedDatabases(const WriteOnce& write, const core::Cancelled& cancelled);
+absl::Status FreeDeletedDatabases(const TransactionRunner& write, const core::Cancelled& cancelled);
 
 }  // namespace motiondb::storage

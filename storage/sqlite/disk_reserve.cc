@@ -54,7 +54,7 @@ absl::Status DiskReserve::Check(Connection& writer, std::int64_t added_bytes) co
   if (is_off()) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(Room room, Look(writer));
   if (room.free < Needed(room, added_bytes) && room.log > 0) {
-    EmptyLog(writer);
+    CheckpointLog(writer);
     MOTIONDB_ASSIGN_OR_RETURN(room, Look(writer));
   }
   const std::int64_t needed = Needed(room, added_bytes);
@@ -62,7 +62,7 @@ absl::Status DiskReserve::Check(Connection& writer, std::int64_t added_bytes) co
   return Refuse(room.free, needed - bytes_);
 }
 
-absl::Status DiskReserve::CheckBeside(std::int64_t added_bytes) const {
+absl::Status DiskReserve::CheckTemporaryFile(std::int64_t added_bytes) const {
   if (is_off()) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t free, FreeBytes());
   return free >= added_bytes + bytes_ ? absl::OkStatus() : Refuse(free, added_bytes);
@@ -78,7 +78,7 @@ absl::Status DiskReserve::Refuse(std::int64_t free, std::int64_t added_bytes) co
                        Mebibytes(added_bytes), Mebibytes(bytes_))));
 }
 
-bool DiskReserve::IsLeft() const {
+bool DiskReserve::HasReserve() const {
   struct statvfs disk {};
   if (is_off() || statvfs(path_.c_str(), &disk) != 0) return true;
   return static_cast<std::int64_t>(disk.f_bavail * disk.f_frsize) > bytes_;
@@ -87,7 +87,7 @@ bool DiskReserve::IsLeft() const {
 void DiskReserve::GiveBack(Connection& writer) const {
   if (is_off()) return;
   const auto room = Look(writer);
-  if (room.ok() && room->free < bytes_ && room->log > 0) EmptyLog(writer);
+  if (room.ok() && room->free < bytes_ && room->log > 0) CheckpointLog(writer);
 }
 
 namespace {

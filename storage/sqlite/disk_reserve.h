@@ -30,9 +30,9 @@ class DiskReserve {
 
   // Returns whether the disk has more free space than the reserve; if not, every addition fails.
   // True if the free space is unknown. Any thread may call it.
-  bool IsLeft() const;
+  bool HasReserve() const;
   // RESOURCE_EXHAUSTED if there is no room for `added_bytes` of a file beside the store.
-  absl::Status CheckBeside(std::int64_t added_bytes) const;
+  absl::Status CheckTemporaryFile(std::int64_t added_bytes) const;
 
   // Empties the log if less space is free than the reserve, to return the space that earlier
   // deletions used in the log. REQUIRES: as Check.

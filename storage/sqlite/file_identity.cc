@@ -10,14 +10,14 @@
 
 namespace motiondb::storage {
 
-absl::StatusOr<FileIdentity> IdentityOf(const std::string& path) {
+absl::StatusOr<FileIdentity> GetFileIdentity(const std::string& path) {
   struct stat found {};
   if (stat(path.c_str(), &found) == 0) return FileIdentity{found.st_dev, found.st_ino};
   return absl::UnavailableError(fmt::format("'{}' is gone ({})", path, std::strerror(errno)));
 }
 
-absl::Status CheckIsFile(const std::string& path, const FileIdentity& file) {
-  MOTIONDB_ASSIGN_OR_RETURN(const FileIdentity found, IdentityOf(path));
+absl::Status CheckFileIdentity(const std::string& path, const FileIdentity& file) {
+  MOTIONDB_ASSIGN_OR_RETURN(const FileIdentity found, GetFileIdentity(path));
   if (found.device == file.device && found.inode == file.inode) return absl::OkStatus();
   return absl::UnavailableError(fmt::format("'{}' was replaced by another file", path));
 }

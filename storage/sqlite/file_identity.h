@@ -15,9 +15,9 @@ struct FileIdentity {
 };
 
 // Returns the identity of the file at `path`. UNAVAILABLE if there is none.
-absl::StatusOr<FileIdentity> IdentityOf(const std::string& path);
+absl::StatusOr<FileIdentity> GetFileIdentity(const std::string& path);
 
 // UNAVAILABLE if the file at `path` is missing or is not `file`.
-absl::Status CheckIsFile(const std::string& path, const FileIdentity& file);
+absl::Status CheckFileIdentity(const std::string& path, const FileIdentity& file);
 
 }  // namespace motiondb::storage

@@ -67,7 +67,7 @@ absl::Status ModelStates::FindClips(Connection& connection, std::int64_t built_k
   return absl::OkStatus();
 }
 
-absl::Status ModelStates::ReadSome(Connection& connection) {
+absl::Status ModelStates::ReadPending(Connection& connection) {
   Statement current =
       connection.Query("SELECT 1 FROM model WHERE model_key = ? AND current = 1", current_key_);
   MOTIONDB_ASSIGN_OR_RETURN(const bool same, current.Step());

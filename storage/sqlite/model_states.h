@@ -28,7 +28,7 @@ class ModelStates {
   // own connection, in a transaction. Reads nothing if the model is not current in that
   // transaction: only the data of a current model is guaranteed to exist. MoveInto returns errors
   // of clips.
-  absl::Status ReadSome(Connection& connection);
+  absl::Status ReadPending(Connection& connection);
 
   // Moves the states into the parts of the build and scales them. Call it after all reads. Returns
   // the error of the first clip that has one; DATA_LOSS if the model has other clips.

@@ -93,13 +93,13 @@ absl::StatusOr<core::Model> ReadModelOf(std::span<Connection* const> connections
   absl::Status read;
   parallel(static_cast<int>(connections.size()), [&](int i) {
     // Errors of helpers are ignored: the first connection reads the remaining clips.
-    if (i > 0) return states->ReadSome(*connections[i]).IgnoreError();
+    if (i > 0) return states->ReadPending(*connections[i]).IgnoreError();
     read = ReadBlob(first, ModelOwner(current.built_key), BlobKind::kModel,
                     [&](ByteSource& source) -> absl::Status {
                       MOTIONDB_ASSIGN_OR_RETURN(parts, DecodeModel(source));
                       return absl::OkStatus();
                     });
-    if (read.ok()) read = states->ReadSome(first);
+    if (read.ok()) read = states->ReadPending(first);
   });
   MOTIONDB_RETURN_IF_ERROR(read);
   MOTIONDB_ASSIGN_OR_RETURN(const auto clip_keys, SelectModelClips(first, current.built_key));

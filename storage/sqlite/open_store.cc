@@ -58,14 +58,14 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::Open(const
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrite(
     std::string file, SqliteOptions options) {
   MOTIONDB_ASSIGN_OR_RETURN(StoreLock lock, StoreLock::Acquire(file));
-  RemoveLeftCopies(file);
+  DeleteStaleCopies(file);
   OpeningCheck check = CheckBeforeOpening(file, /*read_only=*/false);
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriter(file, options.vfs));
-  if (check.log_is_corrupt) EmptyLog(*connection);
+  if (check.log_is_corrupt) CheckpointLog(*connection);
   Files files;
-  MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
+  MOTIONDB_ASSIGN_OR_RETURN(files.store, GetFileIdentity(file));
   // SQLite creates the log when the writer first reads, and keeps it until the writer is closed.
-  MOTIONDB_ASSIGN_OR_RETURN(files.log, IdentityOf(LogPath(file)));
+  MOTIONDB_ASSIGN_OR_RETURN(files.log, GetFileIdentity(LogPath(file)));
   auto readers = std::make_unique<ReaderPool>(
       file, files.store, [file, vfs = options.vfs] { return OpenReader(file, vfs); },
       options.reader_count);
@@ -78,13 +78,13 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenToWrit
 absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenReadOnly(
     std::string file, SqliteOptions options) {
   Files files;
-  MOTIONDB_ASSIGN_OR_RETURN(files.store, IdentityOf(file));
+  MOTIONDB_ASSIGN_OR_RETURN(files.store, GetFileIdentity(file));
   MOTIONDB_ASSIGN_OR_RETURN(StoreLock lock, StoreLock::Acquire(file, StoreLock::Kind::kShared));
   OpeningCheck check = CheckBeforeOpening(file, /*read_only=*/true);
-  const auto open = [file, is_short = check.is_short] { return OpenUnchanging(file, is_short); };
+  const auto open = [file, is_short = check.is_short] { return OpenImmutable(file, is_short); };
   {
     MOTIONDB_ASSIGN_OR_RETURN(const auto reader, open());
-    MOTIONDB_RETURN_IF_ERROR(CheckIsOfThisVersion(*reader));
+    MOTIONDB_RETURN_IF_ERROR(CheckIsCurrentVersion(*reader));
   }
   auto readers = std::make_unique<ReaderPool>(file, files.store, open, options.reader_count);
   return std::unique_ptr<SqliteMotionStore>(
@@ -95,7 +95,8 @@ absl::StatusOr<std::unique_ptr<SqliteMotionStore>> SqliteMotionStore::OpenReadOn
 SqliteMotionStore::SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
                                      std::unique_ptr<Writer> writer,
                                      std::unique_ptr<ReaderPool> readers,
-                                     std::vector<Damage> found_at_opening, SqliteOptions options)
+                                     std::vector<Corruption> found_at_opening,
+                                     SqliteOptions options)
     : path_(std::move(path)),
       files_(files),
       read_only_(options.read_only),

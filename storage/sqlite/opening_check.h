@@ -5,12 +5,12 @@
 #include <string>
 #include <vector>
 
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
 
 struct OpeningCheck {
-  std::vector<Damage> found;
+  std::vector<Corruption> found;
   // The log is corrupt: after recovery of the frames before the bad frame, empty it.
   bool log_is_corrupt = false;
   // The file ends before its last page and was not extended.

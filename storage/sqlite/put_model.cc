@@ -155,7 +155,7 @@ absl::Status Retire(Connection& connection, std::int64_t database_key) {
 // Stores one model in several transactions.
 class ModelWriter {
  public:
-  ModelWriter(const WriteOnce& write, const std::string& database, const core::Model& model)
+  ModelWriter(const TransactionRunner& write, const std::string& database, const core::Model& model)
       : write_(write), database_(database), model_(model) {}
 
   absl::StatusOr<ModelRecord> Run(std::int64_t create_time_us) {
@@ -245,7 +245,7 @@ class ModelWriter {
     return record;
   }
 
-  const WriteOnce& write_;
+  const TransactionRunner& write_;
   const std::string& database_;
   const core::Model& model_;
   std::int64_t database_key_ = 0;
@@ -271,7 +271,7 @@ absl::StatusOr<std::int64_t> FindUnneeded(Connection& connection, std::int64_t d
 }
 
 // Frees the clips and chunks of a model in several transactions.
-absl::Status FreeModel(const WriteOnce& write, std::int64_t model_key) {
+absl::Status FreeModel(const TransactionRunner& write, std::int64_t model_key) {
   constexpr int kPieceChunks = 16;
   const auto free_rows = [&](const std::string& sql, auto limit) -> absl::Status {
     bool more = true;
@@ -301,8 +301,8 @@ absl::Status FreeModel(const WriteOnce& write, std::int64_t model_key) {
 
 }  // namespace
 
-absl::StatusOr<ModelRecord> PutModelInPieces(const WriteOnce& write, const std::string& database,
-                                             const core::Model& model,
+absl::StatusOr<ModelRecord> PutModelInPieces(const TransactionRunner& write,
+                                             const std::string& database, const core::Model& model,
                                              std::int64_t create_time_us) {
   const absl::Status freed = FreeUnneededModels(write, database);  // left by an earlier call
   if (!freed.ok() && !absl::IsDataLoss(freed)) return freed;
@@ -312,7 +312,7 @@ absl::StatusOr<ModelRecord> PutModelInPieces(const WriteOnce& write, const std::
   return record;
 }
 
-absl::Status FreeUnneededModels(const WriteOnce& write, const std::string& database) {
+absl::Status FreeUnneededModels(const TransactionRunner& write, const std::string& database) {
   absl::Status data_loss;
   std::int64_t key = 0;
   while (true) {

@@ -14,12 +14,13 @@ namespace motiondb::storage {
 
 // See MotionStore::PutModel. Only one call at a time for a database. If a call fails or the process
 // ends, the next call for the database frees the staged model.
-absl::StatusOr<ModelRecord> PutModelInPieces(const WriteOnce& write, const std::string& database,
-                                             const core::Model& model, std::int64_t create_time_us);
+absl::StatusOr<ModelRecord> PutModelInPieces(const TransactionRunner& write,
+                                             const std::string& database, const core::Model& model,
+                                             std::int64_t create_time_us);
 
 // Frees the data of staged and former models that the current model does not use. DATA_LOSS if some
 // data cannot be read and stays.
-absl::Status FreeUnneededModels(const WriteOnce& write, const std::string& database);
+absl::Status FreeUnneededModels(const TransactionRunner& write, const std::string& database);
 
 // See MotionStore::PutExtension. Runs in the caller's transaction.
 absl::StatusOr<ModelRecord> InsertExtension(Connection& connection, const std::string& database,

@@ -44,7 +44,7 @@ std::vector<ReaderPool::Lease> ReaderPool::AcquireIdle() {
 absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
   auto opened = open_();
   if (opened.ok()) {
-    if (absl::Status same = CheckIsFile(path_, file_); !same.ok()) opened = std::move(same);
+    if (absl::Status same = CheckFileIdentity(path_, file_); !same.ok()) opened = std::move(same);
   }
   if (!opened.ok()) {
     const MutexLock lock(mutex_);
@@ -57,11 +57,11 @@ absl::StatusOr<ReaderPool::Lease> ReaderPool::OpenPromised() {
 
 absl::StatusOr<std::unique_ptr<Connection>> ReaderPool::TakeIdle(const core::Cancelled& cancelled) {
   const MutexLock lock(mutex_);
-  const bool available = given_back_.WaitUnless(mutex_, cancelled, [this] {
+  const bool available = given_back_.WaitOrCancel(mutex_, cancelled, [this] {
     mutex_.AssertHeld();
     return !idle_.empty() || left_to_open_ > 0;
   });
-  if (!available) return NotWanted();  // no connection is idle, so no notification is lost
+  if (!available) return CancelledInQueue();  // no connection is idle, so no notification is lost
   if (idle_.empty()) {
     --left_to_open_;
     return nullptr;

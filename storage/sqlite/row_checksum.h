@@ -29,7 +29,7 @@ std::span<const std::string_view> CheckedTables();
 
 // A row whose checksum does not match its columns.
 struct ChangedRow {
-  std::string resource;  // resource name, as in Damage; empty if it has none
+  std::string resource;  // resource name, as in Corruption; empty if it has none
   std::string row;       // "row 7 of table clip"
 };
 

@@ -72,8 +72,8 @@ absl::StatusOr<std::int64_t> FindOrInsertSkeleton(Connection& connection, std::i
 
   MOTIONDB_ASSIGN_OR_RETURN(
       const std::string id,
-      FreeId(connection, "SELECT 1 FROM skeleton WHERE database_key = ? AND id = ?", database_key,
-             IdFromName(skeleton.name())));
+      ChooseFreeId(connection, "SELECT 1 FROM skeleton WHERE database_key = ? AND id = ?",
+                   database_key, IdFromName(skeleton.name())));
   MOTIONDB_RETURN_IF_ERROR(
       connection
           .Query("INSERT INTO skeleton (database_key, id, encoded_crc) VALUES (?, ?, ?)",
@@ -127,8 +127,8 @@ absl::Status DeleteUnusedSkeleton(Connection& connection, std::int64_t skeleton_
       .Run();
 }
 
-absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view taken_sql,
-                                   std::int64_t database_key, const std::string& wanted) {
+absl::StatusOr<std::string> ChooseFreeId(Connection& connection, std::string_view taken_sql,
+                                         std::int64_t database_key, const std::string& wanted) {
   const auto id_of = [&](std::int64_t number) {
     return number == 1 ? wanted : fmt::format("{}-{}", wanted, number);
   };

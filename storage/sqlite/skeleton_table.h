@@ -29,7 +29,7 @@ absl::Status DeleteUnusedSkeleton(Connection& connection, std::int64_t skeleton_
 // Returns a free id: `wanted`, "wanted-2", "wanted-3", ... An id is taken if `taken_sql`, a query
 // with the parameters database_key and id, returns a row. Returns the first free id if the taken
 // numbers have no gap, else any free id.
-absl::StatusOr<std::string> FreeId(Connection& connection, std::string_view taken_sql,
-                                   std::int64_t database_key, const std::string& wanted);
+absl::StatusOr<std::string> ChooseFreeId(Connection& connection, std::string_view taken_sql,
+                                         std::int64_t database_key, const std::string& wanted);
 
 }  // namespace motiondb::storage

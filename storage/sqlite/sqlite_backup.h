@@ -12,7 +12,7 @@
 #include "storage/blob/checksums.h"
 #include "storage/sqlite/connection.h"
 #include "storage/sqlite/copy_file.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
 

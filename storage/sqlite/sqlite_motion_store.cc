@@ -48,7 +48,7 @@ auto SqliteMotionStore::Write(Priority priority, const Work& work, const core::C
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Added added,
+auto SqliteMotionStore::WriteWith(const WriteOptions& terms, const Work& work, Added added,
                                   Priority priority) {
   const auto write = [&](Connection& connection) -> std::invoke_result_t<Work, Connection&> {
     auto result = work(connection);
@@ -61,12 +61,12 @@ auto SqliteMotionStore::WriteWith(const ChangeTerms& terms, const Work& work, Ad
 }
 
 template <typename Work>
-auto SqliteMotionStore::WriteAndFree(const ChangeTerms& terms, const Work& work) {
+auto SqliteMotionStore::WriteAndFree(const WriteOptions& terms, const Work& work) {
   auto freed =
-      WriteWith(terms, [&](Connection& connection) { return work(connection, Remains::kFree); });
+      WriteWith(terms, [&](Connection& connection) { return work(connection, FreePolicy::kFree); });
   if (!absl::IsDataLoss(StatusOf(freed))) return freed;
   return WriteWith(terms,
-                   [&](Connection& connection) { return work(connection, Remains::kLeave); });
+                   [&](Connection& connection) { return work(connection, FreePolicy::kLeave); });
 }
 
 template <typename Work>
@@ -83,7 +83,7 @@ auto SqliteMotionStore::Read(const Work& work) {
 }
 
 absl::Status SqliteMotionStore::CreateDatabase(const DatabaseRecord& record,
-                                               const ChangeTerms& terms) {
+                                               const WriteOptions& terms) {
   return WriteWith(
       terms, [&](Connection& connection) { return InsertDatabase(connection, record); }, Added(0));
 }
@@ -97,7 +97,7 @@ absl::StatusOr<std::vector<DatabaseRecord>> SqliteMotionStore::ListDatabases(con
 }
 
 absl::Status SqliteMotionStore::DeleteDatabase(const std::string& database,
-                                               const ChangeTerms& terms) {
+                                               const WriteOptions& terms) {
   return WriteWith(
       terms, [&](Connection& connection) { return MarkDatabaseDeleted(connection, database); });
 }
@@ -120,7 +120,7 @@ absl::StatusOr<ClipRecord> SqliteMotionStore::AddClip(const NewClip& clip) {
     return Transact(writer, added_bytes, body);
   };
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
-  auto added = writer_->RunInShared(transact, AddedBytes(clip), clip.cancelled, insert);
+  auto added = writer_->RunShared(transact, AddedBytes(clip), clip.cancelled, insert);
   write_health_.Note(added.status());
   return added;
 }
@@ -137,8 +137,8 @@ absl::StatusOr<std::vector<ClipRecord>> SqliteMotionStore::ListClips(const std::
 
 absl::StatusOr<ClipRecord> SqliteMotionStore::DeleteClip(const std::string& database,
                                                          const std::string& clip,
-                                                         const ChangeTerms& terms) {
-  return WriteAndFree(terms, [&](Connection& connection, Remains remains) {
+                                                         const WriteOptions& terms) {
+  return WriteAndFree(terms, [&](Connection& connection, FreePolicy remains) {
     return RemoveClip(connection, database, clip, remains);
   });
 }
@@ -179,7 +179,7 @@ absl::StatusOr<ModelRecord> SqliteMotionStore::PutModel(const std::string& datab
   const MutexLock lock(models_mutex_);
   // Check the room for the whole model before the first transaction.
   Added added = reserve_.is_off() ? 0 : AddedBytes(model);
-  const WriteOnce write = [&](const auto& piece) {
+  const TransactionRunner write = [&](const auto& piece) {
     return Write(Priority::kBackground, piece, {}, std::exchange(added, Added(0)));
   };
   auto record = PutModelInPieces(write, database, model, now_us_());
@@ -289,7 +289,7 @@ absl::StatusOr<std::vector<OperationRecord>> SqliteMotionStore::ListOperations(
   });
 }
 
-absl::Status SqliteMotionStore::AddToken(const TokenRecord& record, const ChangeTerms& terms) {
+absl::Status SqliteMotionStore::AddToken(const TokenRecord& record, const WriteOptions& terms) {
   return WriteWith(terms, [&](Connection& connection) { return InsertToken(connection, record); });
 }
 
@@ -304,7 +304,7 @@ absl::StatusOr<std::vector<TokenRecord>> SqliteMotionStore::ListTokens(const std
 
 absl::StatusOr<TokenRecord> SqliteMotionStore::RevokeToken(const std::string& id,
                                                            std::int64_t time_us,
-                                                           const ChangeTerms& terms) {
+                                                           const WriteOptions& terms) {
   return WriteWith(
       terms, [&](Connection& connection) { return MarkTokenRevoked(connection, id, time_us); },
       Added(), Priority::kUrgent);
@@ -325,14 +325,14 @@ absl::StatusOr<std::vector<AuditRecord>> SqliteMotionStore::ListAuditRecords(std
 
 absl::Status SqliteMotionStore::CheckFile() {
   if (path_.empty() || read_only_) return absl::OkStatus();
-  const absl::Status store = CheckIsFile(path_, files_.store);
+  const absl::Status store = CheckFileIdentity(path_, files_.store);
   if (!store.ok()) {
     return absl::UnavailableError(
         fmt::format("the store's file {}: changes are refused because they would be lost; put the "
                     "file back, or stop the server and restore a backup",
                     std::string(store.message())));
   }
-  const absl::Status log = CheckIsFile(LogPath(path_), files_.log);
+  const absl::Status log = CheckFileIdentity(LogPath(path_), files_.log);
   if (!log.ok()) {
     return absl::UnavailableError(fmt::format(
         "the store's log {}: changes are refused because they would be lost; put the file back, or "
@@ -351,7 +351,7 @@ absl::Status SqliteMotionStore::CheckIsWritable() const {
 absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
   absl::Status file = CheckFile();
   if (!file.ok()) {
-    EmptyLog(writer);
+    CheckpointLog(writer);
     return file;
   }
   if (added) return reserve_.Check(writer, *added);
@@ -361,7 +361,7 @@ absl::Status SqliteMotionStore::CheckMayWrite(Connection& writer, Added added) {
 
 absl::Status SqliteMotionStore::CheckWrites() {
   MOTIONDB_RETURN_IF_ERROR(CheckFile());
-  if (!write_health_.is_suspect() && reserve_.IsLeft()) return absl::OkStatus();
+  if (!write_health_.is_suspect() && reserve_.HasReserve()) return absl::OkStatus();
   return write_health_.Try([this] { return TryWriting(); });
 }
 
@@ -393,7 +393,7 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
   if (path_.empty()) return core::FailedPrecondition("cannot back up a store in memory");
   return Read([&](Connection& reader) -> absl::StatusOr<std::unique_ptr<StoreBackup>> {
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(reader));
-    MOTIONDB_RETURN_IF_ERROR(reserve_.CheckBeside(bytes));
+    MOTIONDB_RETURN_IF_ERROR(reserve_.CheckTemporaryFile(bytes));
     return SqliteBackup::Make(reader, path_, cancelled);
   });
 }
@@ -401,20 +401,21 @@ absl::StatusOr<std::unique_ptr<StoreBackup>> SqliteMotionStore::BeginBackup(
 absl::StatusOr<std::unique_ptr<StoreRestore>> SqliteMotionStore::BeginRestore() {
   if (path_.empty()) return core::FailedPrecondition("cannot restore into a store in memory");
   MOTIONDB_RETURN_IF_ERROR(CheckIsWritable());
-  MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckWithoutDatabases(reader); }));
+  MOTIONDB_RETURN_IF_ERROR(Read([](Connection& reader) { return CheckHasNoDatabases(reader); }));
   return SqliteRestore::Make(path_, reserve_,
                              [this](Connection& backup, const core::Cancelled& cancelled) {
-                               return TakeOver(backup, cancelled);
+                               return ReplaceContent(backup, cancelled);
                              });
 }
 
-absl::Status SqliteMotionStore::TakeOver(Connection& backup, const core::Cancelled& cancelled) {
+absl::Status SqliteMotionStore::ReplaceContent(Connection& backup,
+                                               const core::Cancelled& cancelled) {
   return writer_->Run(Priority::kOrdinary, cancelled, [&](Connection& writer) -> absl::Status {
     MOTIONDB_RETURN_IF_ERROR(CheckMayWrite(writer, {}));
-    MOTIONDB_RETURN_IF_ERROR(CheckWithoutDatabases(writer));
+    MOTIONDB_RETURN_IF_ERROR(CheckHasNoDatabases(writer));
     MOTIONDB_ASSIGN_OR_RETURN(const std::int64_t bytes, StoreBytes(backup));
     MOTIONDB_RETURN_IF_ERROR(reserve_.Check(writer, bytes));
-    MOTIONDB_RETURN_IF_ERROR(KeepAccess(writer, backup));
+    MOTIONDB_RETURN_IF_ERROR(CopyAccessRecords(writer, backup));
     MOTIONDB_RETURN_IF_ERROR(CopyPages(backup, writer, cancelled));
     // The log now contains the whole store; if readers block the checkpoint, a later write does it.
     writer.Execute("PRAGMA wal_checkpoint(PASSIVE)").IgnoreError();

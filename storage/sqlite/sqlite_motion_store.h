@@ -42,7 +42,7 @@ struct SqliteOptions {
   std::string vfs;
 };
 
-class SqliteMotionStore final : public MotionStore, public AccessStore, public StoreUpkeep {
+class SqliteMotionStore final : public MotionStore, public AccessStore, public StoreMaintenance {
  public:
   // Opens the store at `path`. Creates it if the file is missing or empty; upgrades an older
   // version. ":memory:" is a store that ends with the object. FAILED_PRECONDITION, changing
@@ -50,10 +50,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> Open(const std::string& path,
                                                                  SqliteOptions options = {});
 
-  absl::Status CreateDatabase(const DatabaseRecord& record, const ChangeTerms& terms = {}) override;
+  absl::Status CreateDatabase(const DatabaseRecord& record,
+                              const WriteOptions& terms = {}) override;
   absl::StatusOr<DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<DatabaseRecord>> ListDatabases(const Page& page) override;
-  absl::Status DeleteDatabase(const std::string& database, const ChangeTerms& terms = {}) override;
+  absl::Status DeleteDatabase(const std::string& database, const WriteOptions& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override;
 
   absl::StatusOr<ClipRecord> AddClip(const NewClip& clip) override;
@@ -61,7 +62,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::StatusOr<std::vector<ClipRecord>> ListClips(const std::string& database,
                                                     const Page& page) override;
   absl::StatusOr<ClipRecord> DeleteClip(const std::string& database, const std::string& clip,
-                                        const ChangeTerms& terms = {}) override;
+                                        const WriteOptions& terms = {}) override;
   absl::StatusOr<ClipSource> ReadClipSource(const std::string& database,
                                             const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
@@ -100,19 +101,19 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   WriteFailures write_failures() const override { return write_health_.failures(); }
 
   AccessStore& access() override { return *this; }
-  absl::Status AddToken(const TokenRecord& record, const ChangeTerms& terms = {}) override;
+  absl::Status AddToken(const TokenRecord& record, const WriteOptions& terms = {}) override;
   absl::StatusOr<TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<TokenRecord>> ListTokens(const std::string& after, int limit) override;
   absl::StatusOr<TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                          const ChangeTerms& terms = {}) override;
+                                          const WriteOptions& terms = {}) override;
   absl::Status AddAuditRecord(const AuditRecord& record,
                               const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<std::vector<AuditRecord>> ListAuditRecords(std::int64_t before,
                                                             int limit) override;
 
-  StoreUpkeep& upkeep() override { return *this; }
+  StoreMaintenance& maintenance() override { return *this; }
   absl::Status CheckIsWritable() const override;
-  std::vector<Damage> FoundAtOpening() const override { return found_at_opening_; }
+  std::vector<Corruption> FoundAtOpening() const override { return found_at_opening_; }
   absl::Status CheckFile() override;
   absl::StatusOr<std::unique_ptr<StoreVerifier>> BeginVerify(core::Cancelled cancelled) override;
   // BeginBackup and BeginRestore return FAILED_PRECONDITION for a store in memory.
@@ -127,7 +128,7 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   };
   SqliteMotionStore(std::string path, Files files, std::optional<StoreLock> lock,
                     std::unique_ptr<Writer> writer, std::unique_ptr<ReaderPool> readers,
-                    std::vector<Damage> found_at_opening, SqliteOptions options);
+                    std::vector<Corruption> found_at_opening, SqliteOptions options);
   // Open without its checks; `file` is absolute.
   static absl::StatusOr<std::unique_ptr<SqliteMotionStore>> OpenToWrite(std::string file,
                                                                         SqliteOptions options);
@@ -151,11 +152,11 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
              Added added = {});
   // As Write, with an audit entry in the same transaction.
   template <typename Work>
-  auto WriteWith(const ChangeTerms& terms, const Work& work, Added added = {},
+  auto WriteWith(const WriteOptions& terms, const Work& work, Added added = {},
                  Priority priority = Priority::kOrdinary);
-  // Runs work(Connection&, Remains) with kFree, and on DATA_LOSS again with kLeave.
+  // Runs work(Connection&, FreePolicy) with kFree, and on DATA_LOSS again with kLeave.
   template <typename Work>
-  auto WriteAndFree(const ChangeTerms& terms, const Work& work);
+  auto WriteAndFree(const WriteOptions& terms, const Work& work);
   template <typename Work>
   auto Read(const Work& work);
 
@@ -168,12 +169,12 @@ class SqliteMotionStore final : public MotionStore, public AccessStore, public S
   absl::Status TryWriting();
 
   // Replaces the content of this store by the store of a checked backup.
-  absl::Status TakeOver(Connection& backup, const core::Cancelled& cancelled);
+  absl::Status ReplaceContent(Connection& backup, const core::Cancelled& cancelled);
 
   const std::string path_;  // empty for a store in memory
   const Files files_;       // the files that were opened
   const bool read_only_;
-  const std::vector<Damage> found_at_opening_;
+  const std::vector<Corruption> found_at_opening_;
   const DiskReserve reserve_;
   // Order of destruction: readers, then the writer, which empties the log, then the lock.
   std::optional<StoreLock> lock_;        // none for a store in memory

@@ -43,11 +43,11 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
         return look(connection);
       },
       {}, cancelled);
-  std::vector<Damage> found;
+  std::vector<Corruption> found;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const bool more, verifier.Step(found));
     if (!found.empty()) {
-      const Damage& first = found.front();
+      const Corruption& first = found.front();
       if (first.resource.empty()) return core::DataLoss("{}", first.description);
       return core::DataLoss(
           "{}: {}; it was corrupt when the backup was made: `motiondbd --store FILE` serves the "
@@ -62,7 +62,7 @@ absl::Status CheckWhole(Connection& connection, const core::Cancelled& cancelled
 
 absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::string& store_path,
                                                                    const DiskReserve& reserve,
-                                                                   TakeOver take_over) {
+                                                                   ReplaceContent take_over) {
   std::unique_ptr<SqliteRestore> restore(
       new SqliteRestore(store_path, reserve, std::move(take_over)));
   restore->stream_.open(restore->file_.path(), std::ios::binary | std::ios::trunc);
@@ -70,7 +70,7 @@ absl::StatusOr<std::unique_ptr<SqliteRestore>> SqliteRestore::Make(const std::st
     return absl::UnavailableError(
         fmt::format("cannot write '{}': {}", restore->file_.path(), std::strerror(errno)));
   }
-  MOTIONDB_ASSIGN_OR_RETURN(restore->opened_, IdentityOf(restore->file_.path()));
+  MOTIONDB_ASSIGN_OR_RETURN(restore->opened_, GetFileIdentity(restore->file_.path()));
   return restore;
 }
 
@@ -89,7 +89,7 @@ absl::Status SqliteRestore::Append(std::string_view bytes) {
 }
 
 absl::Status SqliteRestore::Write(std::string_view bytes) {
-  MOTIONDB_RETURN_IF_ERROR(reserve_.CheckBeside(static_cast<std::int64_t>(bytes.size())));
+  MOTIONDB_RETURN_IF_ERROR(reserve_.CheckTemporaryFile(static_cast<std::int64_t>(bytes.size())));
   digest_.Update(bytes);
   errno = 0;
   stream_.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -118,7 +118,7 @@ absl::Status SqliteRestore::CheckSum() {
 }
 
 absl::Status SqliteRestore::CheckIsThere() const {
-  absl::Status there = CheckIsFile(file_.path(), opened_);
+  absl::Status there = CheckFileIdentity(file_.path(), opened_);
   std::error_code error;
   if (there.ok() && std::filesystem::file_size(file_.path(), error) !=
                         static_cast<std::uintmax_t>(written_bytes_)) {
@@ -151,7 +151,7 @@ absl::Status SqliteRestore::Finish(const core::Cancelled& cancelled) {
   return take_over_(*backup, cancelled);
 }
 
-absl::Status KeepAccess(Connection& target, Connection& backup) {
+absl::Status CopyAccessRecords(Connection& target, Connection& backup) {
   MOTIONDB_ASSIGN_OR_RETURN(Transaction transaction,
                             Transaction::Begin(backup, Transaction::Kind::kWrite));
   constexpr int kLimit = 1000;

@@ -13,7 +13,7 @@
 #include "storage/sqlite/copy_file.h"
 #include "storage/sqlite/disk_reserve.h"
 #include "storage/sqlite/file_identity.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
 
@@ -21,18 +21,18 @@ class SqliteRestore final : public StoreRestore {
  public:
   // `reserve` stays free while the backup is received. `take_over` copies the checked backup into
   // the store.
-  using TakeOver =
+  using ReplaceContent =
       std::function<absl::Status(Connection& backup, const core::Cancelled& cancelled)>;
   static absl::StatusOr<std::unique_ptr<SqliteRestore>> Make(const std::string& store_path,
                                                              const DiskReserve& reserve,
-                                                             TakeOver take_over);
+                                                             ReplaceContent take_over);
 
   absl::Status Append(std::string_view bytes) override;
   absl::Status Check(const core::Cancelled& cancelled) override;
   absl::Status Finish(const core::Cancelled& cancelled) override;
 
  private:
-  SqliteRestore(const std::string& store_path, const DiskReserve& reserve, TakeOver take_over)
+  SqliteRestore(const std::string& store_path, const DiskReserve& reserve, ReplaceContent take_over)
       : reserve_(reserve), file_(store_path, "restore"), take_over_(std::move(take_over)) {}
   absl::Status Write(std::string_view bytes);
   absl::Status CheckSum();
@@ -48,10 +48,10 @@ class SqliteRestore final : public StoreRestore {
   std::string tail_;  // the last received bytes, which may be the trailer
   bool begun_ = false;
   std::unique_ptr<Connection> checked_;  // connection to the backup; null before Check
-  const TakeOver take_over_;
+  const ReplaceContent take_over_;
 };
 
 // Copies the tokens and audit entries of the target store into the backup that will replace it.
-absl::Status KeepAccess(Connection& target, Connection& backup);
+absl::Status CopyAccessRecords(Connection& target, Connection& backup);
 
 }  // namespace motiondb::storage

@@ -95,7 +95,7 @@ class Interruptible {
 
 }  // namespace
 
-absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Damage>& found) {
+absl::StatusOr<bool> SqliteVerifier::Step(std::vector<Corruption>& found) {
   const std::int64_t bytes_before = totals_.byte_count;
   const Phase phase = phase_;
   bool found_corrupt_row = false;

@@ -9,7 +9,7 @@
 
 #include "storage/sqlite/chunk_table.h"
 #include "storage/sqlite/connection.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::storage {
 
@@ -21,12 +21,12 @@ class SqliteVerifier final : public StoreVerifier {
   using Read = std::function<absl::Status(const Look&)>;
 
   // Only Step calls `read`; it must stay valid as long as the verifier. `known` is reported first.
-  SqliteVerifier(Read read, std::vector<Damage> known, core::Cancelled cancelled)
+  SqliteVerifier(Read read, std::vector<Corruption> known, core::Cancelled cancelled)
       : read_(std::move(read)), cancelled_(std::move(cancelled)), found_(std::move(known)) {
     totals_.damage_count = static_cast<std::int32_t>(found_.size());
   }
 
-  absl::StatusOr<bool> Step(std::vector<Damage>& found) override;
+  absl::StatusOr<bool> Step(std::vector<Corruption>& found) override;
   double progress() const override;
   const VerifyTotals& totals() const override { return totals_; }
 
@@ -58,7 +58,7 @@ class SqliteVerifier final : public StoreVerifier {
   std::int64_t last_key_ = 0;    // last checked row (kRows: number of checked tables)
   std::int64_t file_bytes_ = 1;  // size of the file, for progress()
   VerifyTotals totals_;
-  std::vector<Damage> found_;
+  std::vector<Corruption> found_;
 };
 
 }  // namespace motiondb::storage

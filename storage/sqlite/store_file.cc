@@ -171,14 +171,14 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenWriter(const std::string& path,
     return absl::Status(migrated.code(),
                         fmt::format("'{}': {}", path, std::string(migrated.message())));
   }
-  CountUncountedBytes(*connection);
+  FillMissingByteCounts(*connection);
   return connection;
 }
 
 absl::StatusOr<std::unique_ptr<Connection>> OpenWriterOfExisting(const std::string& path) {
   MOTIONDB_ASSIGN_OR_RETURN(auto connection, OpenWriterWith(0, path, ""));
   MOTIONDB_RETURN_IF_ERROR(Migrate(*connection, Migrations()));
-  CountUncountedBytes(*connection);
+  FillMissingByteCounts(*connection);
   return connection;
 }
 
@@ -191,7 +191,7 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
   return connection;
 }
 
-absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& path, bool is_short) {
+absl::StatusOr<std::unique_ptr<Connection>> OpenImmutable(const std::string& path, bool is_short) {
   absl::StatusOr<std::unique_ptr<Connection>> opened;
   std::error_code error;
   if (std::filesystem::exists(LogPath(path), error)) {
@@ -211,7 +211,7 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& pa
   return opened;
 }
 
-absl::Status CheckIsOfThisVersion(Connection& connection) {
+absl::Status CheckIsCurrentVersion(Connection& connection) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto version, connection.QueryInteger("PRAGMA user_version"));
   const auto latest = static_cast<std::int64_t>(Migrations().size());
   if (version == latest) return absl::OkStatus();
@@ -221,7 +221,7 @@ absl::Status CheckIsOfThisVersion(Connection& connection) {
       version, latest);
 }
 
-void EmptyLog(Connection& writer) {
+void CheckpointLog(Connection& writer) {
   sqlite3_busy_timeout(writer.handle(), 0);
   // If a reader blocks or the disk is full, the log keeps its size.
   writer.Execute("PRAGMA wal_checkpoint(TRUNCATE)").IgnoreError();

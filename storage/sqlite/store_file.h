@@ -47,13 +47,13 @@ absl::StatusOr<std::unique_ptr<Connection>> OpenReader(const std::string& path,
 
 // Opens a read connection to a store whose file and log do not change. It writes nothing, so the
 // file system may be read-only. `is_short`: the file ends before its last page.
-absl::StatusOr<std::unique_ptr<Connection>> OpenUnchanging(const std::string& path, bool is_short);
+absl::StatusOr<std::unique_ptr<Connection>> OpenImmutable(const std::string& path, bool is_short);
 
 // FAILED_PRECONDITION if the store does not have the current version.
-absl::Status CheckIsOfThisVersion(Connection& connection);
+absl::Status CheckIsCurrentVersion(Connection& connection);
 
 // Moves the content of the log into the file as far as readers allow, without waiting. If all was
 // moved, truncates the log. REQUIRES: `writer` is in no transaction.
-void EmptyLog(Connection& writer);
+void CheckpointLog(Connection& writer);
 
 }  // namespace motiondb::storage

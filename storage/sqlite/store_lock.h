@@ -20,14 +20,15 @@ namespace motiondb::storage {
 
 class StoreLock {
  public:
-  // kShared: any number of holders. kAlone: exclusive.
-  enum class Kind { kAlone, kShared };
+  // kShared: any number of holders. kExclusive: exclusive.
+  enum class Kind { kExclusive, kShared };
 
   // The store need not exist. FAILED_PRECONDITION, naming the process, if the lock is held;
   // FAILED_PRECONDITION, without creating a file, if the store has several names; UNAVAILABLE if
   // the lock file cannot be created. With kShared, a missing lock file that cannot be created is no
   // error: on a read-only file system there is no writer.
-  static absl::StatusOr<StoreLock> Acquire(const std::string& store_path, Kind kind = Kind::kAlone);
+  static absl::StatusOr<StoreLock> Acquire(const std::string& store_path,
+                                           Kind kind = Kind::kExclusive);
   StoreLock(StoreLock&& other) noexcept;
   StoreLock& operator=(StoreLock&& other) noexcept;
   ~StoreLock();

@@ -45,7 +45,7 @@ absl::Status Writer::Submit(Priority priority, const core::Cancelled& cancelled,
   queue.push_back(&request);
   ++callers_;
   changed_.NotifyAll();
-  const bool has_begun = request.is_over.WaitUnless(
+  const bool has_begun = request.is_over.WaitOrCancel(
       mutex_, cancelled, [&] { return request.state != Request::State::kQueued; });
   if (has_begun) {
     request.is_over.Wait(mutex_, [&] { return request.state == Request::State::kOver; });
@@ -55,7 +55,7 @@ absl::Status Writer::Submit(Priority priority, const core::Cancelled& cancelled,
   --callers_;
   if (is_closing_) changed_.NotifyAll();
   if (request.thrown) std::rethrow_exception(request.thrown);
-  return has_begun ? absl::OkStatus() : NotWanted();
+  return has_begun ? absl::OkStatus() : CancelledInQueue();
 }
 
 void Writer::Serve() {

@@ -62,8 +62,8 @@ class Writer {
   // in the queue shares one transaction and so one sync of the disk. If that transaction fails,
   // each piece runs again in its own transaction: work may be called twice.
   template <typename Work>
-  auto RunInShared(const Transact& transact, std::int64_t added_bytes,
-                   const core::Cancelled& cancelled, const Work& work)
+  auto RunShared(const Transact& transact, std::int64_t added_bytes,
+                 const core::Cancelled& cancelled, const Work& work)
       -> std::invoke_result_t<Work, Connection&> {
     using Result = std::invoke_result_t<Work, Connection&>;
     std::optional<Result> result;

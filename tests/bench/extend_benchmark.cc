@@ -16,7 +16,7 @@
 #include "core/calibration/model_difference.h"
 #include "core/model/extend_model.h"
 #include "core/motion/error.h"
-#include "server/engine/damage_book.h"
+#include "server/engine/corruption_log.h"
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/operation_registry.h"
 #include "server/engine/snapshot.h"
@@ -53,8 +53,8 @@ class ServedDatabase {
     options_.extend_from = std::chrono::seconds(0);
     live_->Serve(std::make_unique<server::ModelLifecycle>(
         *live_, server::LifecycleServices{store, operations_, executor_, options_}));
-    server::DamageBook damages;
-    live_->lifecycle().LoadStored(damages);
+    server::CorruptionLog corruptions;
+    live_->lifecycle().LoadStored(corruptions);
   }
 
   server::LiveDatabase& live() { return *live_; }

@@ -114,7 +114,7 @@ void Search(const core::Model& model, const Window& window, Answers& answers) {
   NearestWindow nearest;
   answers.ms.push_back(1e3 * ProcessorSeconds([&] {
                          nearest = FindNearestWindow(model.states(), model.clips(), frames,
-                                                     core::Serially);
+                                                     core::RunSerially);
                        }));
   answers.right += model.clips()[nearest.clip].label == window.label;
 }

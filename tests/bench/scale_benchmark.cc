@@ -57,11 +57,11 @@ struct Options {
 absl::Status ReadOnce(const std::string& path, bool keep) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (file < 0) return core::NotFound("{}: cannot read the file", path);
-  constexpr std::size_t kAtOnce = std::size_t{1} << 20;
-  const std::size_t room = keep ? std::filesystem::file_size(path) + kAtOnce : kAtOnce;
+  constexpr std::size_t kGrpcThread = std::size_t{1} << 20;
+  const std::size_t room = keep ? std::filesystem::file_size(path) + kGrpcThread : kGrpcThread;
   const auto buffer = std::make_unique_for_overwrite<char[]>(room);
   ssize_t count = 0;
-  for (std::size_t at = 0; (count = read(file, buffer.get() + at, kAtOnce)) > 0;) {
+  for (std::size_t at = 0; (count = read(file, buffer.get() + at, kGrpcThread)) > 0;) {
     if (keep) at += static_cast<std::size_t>(count);
   }
   close(file);

@@ -117,7 +117,7 @@ TEST_CASE("Varied motion: states in one matrix are scaled to unit spread", "[ben
 }
 
 TEST_CASE("Varied motion: refuses clips that are too short", "[bench]") {
-  const auto clips = VariedClips(DataDir(), {.clips = 100, .frames = 700}, 1, core::Serially);
+  const auto clips = VariedClips(DataDir(), {.clips = 100, .frames = 700}, 1, core::RunSerially);
   CHECK(clips.status().code() == absl::StatusCode::kInvalidArgument);
 }
 

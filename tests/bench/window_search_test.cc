@@ -56,7 +56,7 @@ TEST_CASE("Window search: agrees with brute force, for clips of any length", "[b
 TEST_CASE("Window search: finds nothing if all clips are shorter than the window", "[bench]") {
   const core::FrameMatrix frames = RandomFrames(8, 6, 1);
   const std::vector<core::ModelClip> clips{{"", "", 0, 4, 1, ""}, {"", "", 4, 4, 1, ""}};
-  CHECK(FindNearestWindow(frames, clips, RandomFrames(5, 6, 2), core::Serially).clip == -1);
+  CHECK(FindNearestWindow(frames, clips, RandomFrames(5, 6, 2), core::RunSerially).clip == -1);
 }
 
 }  // namespace motiondb::tests::window_search_test

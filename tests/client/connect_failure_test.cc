@@ -115,7 +115,7 @@ TEST_CASE("ConnectError: attaches the failure, passes unknown messages on", "[cl
                                                Contains("Odd") && !Contains("last error"));
   CHECK(client::AttachedConnectFailure(other) == ConnectFailure::kOther);
   CHECK(client::AttachedConnectFailure(client::ConnectError(options, "")) ==
-        ConnectFailure::kSilent);
+        ConnectFailure::kNoResponse);
   CHECK(!client::AttachedConnectFailure(absl::UnavailableError("gone")).has_value());
 }
 

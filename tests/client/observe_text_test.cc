@@ -6,9 +6,9 @@ namespace motiondb::tests::observe_text_test {
 
 using namespace client;  // NOLINT: the functions under test
 
-TEST_CASE("ObservedLine: labels, state, prediction and a new model", "[client][cli]") {
+TEST_CASE("ObserveAnswerLine: labels, state, prediction and a new model", "[client][cli]") {
   v1::ObserveResponse answer;
-  CHECK(ObservedLine(answer, 0.1) == "   0.10 s  no frame with both hips yet");
+  CHECK(ObserveAnswerLine(answer, 0.1) == "   0.10 s  no frame with both hips yet");
   answer.mutable_state()->set_node_id(37);
   answer.mutable_state()->set_probability(0.875);
   answer.set_familiarity(0.5);
@@ -17,7 +17,7 @@ TEST_CASE("ObservedLine: labels, state, prediction and a new model", "[client][c
     to.set_label(label);
     to.set_probability(probability);
   }
-  const std::string line = ObservedLine(answer, 12.5);
+  const std::string line = ObserveAnswerLine(answer, 12.5);
   CHECK_THAT(line, Catch::StartsWith("  12.50 s  walk 0.90, jog 0.09"));
   CHECK_THAT(line, Catch::Contains("familiarity 0.50") && Catch::Contains("node   37 0.88") &&
                        !Catch::Contains("kick") && !Catch::Contains("ahead") &&
@@ -27,19 +27,20 @@ TEST_CASE("ObservedLine: labels, state, prediction and a new model", "[client][c
   ahead.set_expected_error_m(0.036);
   answer.set_model_replaced(true);
   answer.set_model_version(2);
-  CHECK_THAT(ObservedLine(answer, 1),
+  CHECK_THAT(ObserveAnswerLine(answer, 1),
              Catch::Contains("0.40 s ahead +-3.6 cm") && Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_OWN);
-  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(now model 2)"));
+  CHECK_THAT(ObserveAnswerLine(answer, 1), Catch::EndsWith("(now model 2)"));
   answer.set_calibration(v1::CALIBRATION_PREVIOUS);
-  CHECK_THAT(ObservedLine(answer, 1), Catch::EndsWith("(now a newer model, not calibrated yet)"));
+  CHECK_THAT(ObserveAnswerLine(answer, 1),
+             Catch::EndsWith("(now a newer model, not calibrated yet)"));
 }
 
 TEST_CASE("ReplayText: rate, and latencies if messages were sent at a fixed rate",
           "[client][cli]") {
   v1::ObserveResponse last;
   last.set_model_version(3);
-  ReplayFigures figures{.frames = 200, .seconds = 2, .latencies_ms = {}};
+  ReplayStatistics figures{.frames = 200, .seconds = 2, .latencies_ms = {}};
   for (int i = 100; i > 0; --i) figures.latencies_ms.push_back(i);
   CHECK(ReplayText(figures, last, false) == "200 frames in 2.00 s, 100 per second; model 3\n");
   CHECK_THAT(

@@ -57,7 +57,7 @@ TEST_CASE("OutputFile: replaces a file or a link, never the target of a link", "
     auto kept = OutputFile::Create(folder / name);
     REQUIRE(kept.ok());
     CHECK(absl::IsAlreadyExists(kept->Commit(/*replace=*/false)));
-    REQUIRE(client::WriteWholeFile(folder / name, "new").ok());
+    REQUIRE(client::WriteFileAtomically(folder / name, "new").ok());
     CHECK(std::filesystem::is_regular_file(std::filesystem::symlink_status(folder / name)));
     CHECK(ReadFile(folder / name) == "new");
   }
@@ -65,7 +65,7 @@ TEST_CASE("OutputFile: replaces a file or a link, never the target of a link", "
   std::filesystem::create_directory(folder / "sub");
   REQUIRE(mkfifo((folder / "fifo").c_str(), 0600) == 0);
   for (const char* const name : {"sub", "fifo"}) {
-    CHECK(absl::IsFailedPrecondition(client::WriteWholeFile(folder / name, "new")));
+    CHECK(absl::IsFailedPrecondition(client::WriteFileAtomically(folder / name, "new")));
   }
   CHECK(Names(folder) ==
         std::set<std::string>{"plain", "link", "dangling", "victim", "sub", "fifo"});
@@ -77,7 +77,7 @@ TEST_CASE("OutputFile: ignores temporary file names of earlier versions", "[clie
   for (const char* const name : {"plan.bvh.partial", "a.npy.partial"}) {
     std::filesystem::create_symlink("victim", folder / name);
   }
-  REQUIRE(client::WriteWholeFile(folder / "plan.bvh", "new").ok());
+  REQUIRE(client::WriteFileAtomically(folder / "plan.bvh", "new").ok());
   client::NpyWriter npy(folder / "a.npy", client::NpyType::kInt32, {1});
   npy.Append(7);
   REQUIRE(npy.Finish().ok());
@@ -94,7 +94,7 @@ TEST_CASE("OutputFile: detects the same contents", "[client]") {
   const auto is_there = [&](const char* name) {
     auto file = OutputFile::Create(folder / name);
     REQUIRE((file.ok() && file->Append(bytes + "y").ok()));
-    return *file->IsThereAlready();
+    return *file->HasSameContent();
   };
   CHECK(is_there("same"));
   for (const char* const name : {"other", "short", "link", "none"}) CHECK_FALSE(is_there(name));
@@ -103,7 +103,7 @@ TEST_CASE("OutputFile: detects the same contents", "[client]") {
 TEST_CASE("OutputFile: reports write errors and leaves no file", "[client]") {
   const TemporaryFolder folder;
   CHECK(absl::IsUnknown(OutputFile::Create(folder / "none" / "a").status()));
-  CHECK(absl::IsUnknown(client::WriteWholeFile(folder / std::string(300, 'x'), "bytes")));
+  CHECK(absl::IsUnknown(client::WriteFileAtomically(folder / std::string(300, 'x'), "bytes")));
   CHECK(Names(folder).empty());
 }
 

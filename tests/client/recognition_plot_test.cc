@@ -101,14 +101,14 @@ TEST_CASE("RecognitionPlot: a line for each clip and layer, a strip of winners",
 }
 
 TEST_CASE("RecognitionPlot: chosen layers", "[client][cli]") {
-  CHECK(LayersAbove(16) == std::vector<int>{8, 4});
-  CHECK(LayersAbove(15) == std::vector<int>{8, 3});
-  CHECK(LayersAbove(5) == std::vector<int>{3, 2});
-  CHECK(LayersAbove(4) == std::vector<int>{2});
-  CHECK(LayersAbove(3) == std::vector<int>{2});
-  CHECK(LayersAbove(2).empty());
-  CHECK(LayersAbove(1).empty());
-  CHECK(LayersAbove(0).empty());
+  CHECK(PlottedLayers(16) == std::vector<int>{8, 4});
+  CHECK(PlottedLayers(15) == std::vector<int>{8, 3});
+  CHECK(PlottedLayers(5) == std::vector<int>{3, 2});
+  CHECK(PlottedLayers(4) == std::vector<int>{2});
+  CHECK(PlottedLayers(3) == std::vector<int>{2});
+  CHECK(PlottedLayers(2).empty());
+  CHECK(PlottedLayers(1).empty());
+  CHECK(PlottedLayers(0).empty());
 }
 
 TEST_CASE("RecognitionPlot: one window is a dash as wide as the window", "[client][cli]") {
@@ -146,7 +146,7 @@ TEST_CASE("RecognitionPlot: values that are not finite are omitted and counted",
   CHECK(elements.count("path.clip c0") == 0);
   CHECK_THAT(svg, Contains("17 of 24 values are -Infinity: no path"));
   CHECK_THAT(svg, !Contains("nan") && !Contains("\"inf") && !Contains(" inf"));
-  const LayerProfile profile = ProfileOf(layer);
+  const LayerProfile profile = LayerProfileFrom(layer);
   CHECK(!profile.winners[2]);
   CHECK(profile.winners[4] == "walk");
 
@@ -173,7 +173,7 @@ TEST_CASE("RecognitionPlot: windows with invalid times are omitted", "[client][c
   layer.mutable_windows(2)->set_end_seconds(kInfinity);
   layer.mutable_windows(3)->set_end_seconds(-1);
   layer.mutable_windows(4)->set_end_seconds(1e300);
-  CHECK(ProfileOf(layer).windows.size() == 6);
+  CHECK(LayerProfileFrom(layer).windows.size() == 6);
   ElementsInGroups(RecognitionPlotSvg(Request(), {layer}));
 }
 
@@ -210,7 +210,7 @@ TEST_CASE("RecognitionPlot: hundreds of labels share colours, and the legend is 
   CHECK(Count(svg, "class=\"sample ") == 24);
   CHECK_THAT(svg, Contains(">and 276 more<"));
   // Winning labels come first, so that their colours differ.
-  const auto ranked = PlotLabels({ProfileOf(layer)});
+  const auto ranked = PlotLabels({LayerProfileFrom(layer)});
   CHECK(ranked[0].name == "label 289");
   CHECK(ranked[1].name == "label 290");
   CHECK(ranked[2].name == "label 000");

@@ -22,9 +22,9 @@ absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& t
   }
   core::BuildSettings settings;
   settings.frame_rate_hz = training.front()->states.frame_rate_hz;
-  MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
-                            core::BuildModel(settings, set, std::move(inputs), core::Serially, {}));
-  MOTIONDB_RETURN_IF_ERROR(core::Calibrate(model, core::Serially, {}));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      core::Model model, core::BuildModel(settings, set, std::move(inputs), core::RunSerially, {}));
+  MOTIONDB_RETURN_IF_ERROR(core::Calibrate(model, core::RunSerially, {}));
   return model;
 }
 

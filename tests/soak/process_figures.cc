@@ -21,11 +21,11 @@ double Megabytes(const std::string& file) {
 
 }  // namespace
 
-ProcessFigures ReadFigures(pid_t process, const std::string& store) {
+ProcessStatistics ReadFigures(pid_t process, const std::string& store) {
   const std::string folder = fmt::format("/proc/{}", process);
   std::ifstream status(folder + "/status");
   if (!status) throw std::runtime_error(fmt::format("process {} has ended", process));
-  ProcessFigures figures;
+  ProcessStatistics figures;
   std::string word;
   while (status >> word) {
     double kilobytes = 0;
@@ -39,7 +39,7 @@ ProcessFigures ReadFigures(pid_t process, const std::string& store) {
   return figures;
 }
 
-ProcessFigures Largest(const ProcessFigures& a, const ProcessFigures& b) {
+ProcessStatistics Largest(const ProcessStatistics& a, const ProcessStatistics& b) {
   return {std::max(a.memory_mb, b.memory_mb), std::max(a.descriptors, b.descriptors),
           std::max(a.threads, b.threads), std::max(a.store_mb, b.store_mb),
           std::max(a.log_mb, b.log_mb)};

@@ -8,7 +8,7 @@
 
 namespace motiondb::tests {
 
-struct ProcessFigures {
+struct ProcessStatistics {
   double memory_mb = 0;  // resident
   int descriptors = 0;
   int threads = 0;
@@ -17,9 +17,9 @@ struct ProcessFigures {
 };
 
 // Throws std::runtime_error if the process has ended.
-ProcessFigures ReadFigures(pid_t process, const std::string& store);
+ProcessStatistics ReadFigures(pid_t process, const std::string& store);
 
 // Returns the larger value of each field.
-ProcessFigures Largest(const ProcessFigures& a, const ProcessFigures& b);
+ProcessStatistics Largest(const ProcessStatistics& a, const ProcessStatistics& b);
 
 }  // namespace motiondb::tests

@@ -69,9 +69,9 @@ class Served {
 };
 
 // Returns the maximum of each field in each third of the run.
-std::vector<ProcessFigures> Observe(const Served& served, const std::string& store,
-                                    double seconds) {
-  std::vector<ProcessFigures> thirds(3);
+std::vector<ProcessStatistics> Observe(const Served& served, const std::string& store,
+                                       double seconds) {
+  std::vector<ProcessStatistics> thirds(3);
   const auto begin = Clock::now();
   while (true) {
     const double passed = std::chrono::duration<double>(Clock::now() - begin).count();
@@ -130,14 +130,14 @@ void Check(bool good, const std::string& what, std::vector<std::string>& problem
   if (!good) problems.push_back(what);
 }
 
-std::vector<std::string> Judge(const std::vector<ProcessFigures>& thirds, const Tally& tally) {
+std::vector<std::string> Judge(const std::vector<ProcessStatistics>& thirds, const Tally& tally) {
   std::vector<std::string> problems = tally.faults();
-  const ProcessFigures& before = thirds[1];
-  const ProcessFigures& last = thirds[2];
+  const ProcessStatistics& before = thirds[1];
+  const ProcessStatistics& last = thirds[2];
   Check(last.memory_mb <= kMaxGrowth * before.memory_mb + kSlackMb,
         fmt::format("memory grew from {:.0f} to {:.0f} MB", before.memory_mb, last.memory_mb),
         problems);
-  for (const ProcessFigures& figures : thirds) {
+  for (const ProcessStatistics& figures : thirds) {
     Check(figures.descriptors <= kMaxDescriptors,
           fmt::format("{} descriptors were open", figures.descriptors), problems);
     Check(figures.threads <= kMaxThreads, fmt::format("{} threads", figures.threads), problems);
@@ -149,13 +149,13 @@ std::vector<std::string> Judge(const std::vector<ProcessFigures>& thirds, const 
   return problems;
 }
 
-void Report(const std::vector<ProcessFigures>& thirds, const Tally& tally,
+void Report(const std::vector<ProcessStatistics>& thirds, const Tally& tally,
             const std::vector<std::string>& problems, const std::string& file) {
   fmt::print("{:<12}{:>12}{:>14}{:>10}{:>12}{:>10}\n", "third", "memory MB", "descriptors",
              "threads", "store MB", "log MB");
   nlohmann::ordered_json json;
   for (std::size_t i = 0; i < thirds.size(); ++i) {
-    const ProcessFigures& f = thirds[i];
+    const ProcessStatistics& f = thirds[i];
     fmt::print("{:<12}{:>12.0f}{:>14}{:>10}{:>12.1f}{:>10.1f}\n", i + 1, f.memory_mb, f.descriptors,
                f.threads, f.store_mb, f.log_mb);
     json["thirds"].push_back({{"memory_mb", f.memory_mb},

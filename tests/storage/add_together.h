@@ -12,7 +12,7 @@
 namespace motiondb::tests {
 
 // Result of adding one clip.
-struct AddAnswer {
+struct AddResult {
   absl::StatusOr<storage::ClipRecord> added;
   bool threw = false;
 };
@@ -20,7 +20,7 @@ struct AddAnswer {
 // Adds `holder`, whose audit function blocks the writer thread, and meanwhile all `clips`, each on
 // its own thread. The writer stays blocked for `hold` after all these threads have started; a clip
 // that is not queued by then is added in another commit.
-inline std::vector<AddAnswer> AddTogether(storage::MotionStore& store, storage::NewClip holder,
+inline std::vector<AddResult> AddTogether(storage::MotionStore& store, storage::NewClip holder,
                                           const std::vector<storage::NewClip>& clips,
                                           std::chrono::milliseconds hold) {
   std::atomic<bool> is_held = false;
@@ -31,7 +31,7 @@ inline std::vector<AddAnswer> AddTogether(storage::MotionStore& store, storage::
     std::this_thread::sleep_for(hold);
     return storage::AuditRecord{.method = "Hold"};
   };
-  std::vector<AddAnswer> answers(clips.size());
+  std::vector<AddResult> answers(clips.size());
   std::vector<std::jthread> threads;
   threads.emplace_back([&] {
     store.AddClip(holder).IgnoreError();

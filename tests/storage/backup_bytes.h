@@ -11,7 +11,7 @@
 namespace motiondb::tests {
 
 inline std::string Backup(storage::MotionStore& store) {
-  const auto backup = Require(store.upkeep().BeginBackup({}));
+  const auto backup = Require(store.maintenance().BeginBackup({}));
   std::string bytes;
   std::string block;
   while (Require(backup->Read(block))) {
@@ -24,7 +24,7 @@ inline std::string Backup(storage::MotionStore& store) {
 
 inline absl::Status Restore(storage::MotionStore& store, std::string_view bytes,
                             std::size_t block = 100'000) {
-  auto restore = store.upkeep().BeginRestore();
+  auto restore = store.maintenance().BeginRestore();
   if (!restore.ok()) return restore.status();
   for (std::size_t begin = 0; begin < bytes.size(); begin += block) {
     const absl::Status taken = (*restore)->Append(bytes.substr(begin, block));

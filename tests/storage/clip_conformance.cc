@@ -191,7 +191,7 @@ void TestDerivedClips(StoreUnderTest& store) {
     REQUIRE(Same(Require(store->ReadClipStates("d", "run")), run.states));
 
     const auto is_former = [&] {
-      return Same(Require(store->ReadModel("d", core::Serially)), former);
+      return Same(Require(store->ReadModel("d", core::RunSerially)), former);
     };
     REQUIRE(is_former());
     REQUIRE_OK(store->PurgeDeletedClips("d"));
@@ -205,7 +205,7 @@ void TestDerivedClips(StoreUnderTest& store) {
     new_walk.states = *derived.states;
     REQUIRE_OK(store->PutModel("d", SampleModel({run, new_walk})));
     REQUIRE(staleness().empty());
-    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), SampleModel({run, new_walk})));
+    REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), SampleModel({run, new_walk})));
   }
   SECTION("a clip that could not be derived is in no new model") {
     storage::DerivedClip failed{.record = old_walk};
@@ -230,7 +230,7 @@ void TestDerivedClips(StoreUnderTest& store) {
     new_walk.states = *derived.states;
     const core::Model built = SampleModel({run, new_walk});
     REQUIRE_OK(store->PutModel("d", built));
-    REQUIRE(Same(Require(store->ReadModel("d", core::Serially)), built));
+    REQUIRE(Same(Require(store->ReadModel("d", core::RunSerially)), built));
   }
   SECTION("clips that were deleted or replaced since they were listed are skipped") {
     REQUIRE_OK(store->DeleteClip("d", "walk"));

@@ -148,7 +148,7 @@ TEST_CASE(
   {
     const auto store = file.Open();
     REQUIRE(Require(store->ListClips("d", {})).size() < kClips);
-    REQUIRE(store->upkeep().FoundAtOpening().size() == 1);
+    REQUIRE(store->maintenance().FoundAtOpening().size() == 1);
     REQUIRE_THAT(Findings(*store), Contains(expected) && Contains("delete '" + copy + "'"));
     REQUIRE_OK(store->AddClip(SampleClip("d", "new", 100)));
   }

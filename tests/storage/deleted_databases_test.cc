@@ -42,7 +42,7 @@ void Fill(storage::MotionStore& store, const std::string& database) {
   std::vector<core::BuildInput> inputs;
   inputs.push_back({run.record.id, run.record.label, run.states, run.record.subject});
   REQUIRE_OK(store.PutExtension(
-      database, Require(core::ExtendModel(model, std::move(inputs), core::Serially)), 0.1));
+      database, Require(core::ExtendModel(model, std::move(inputs), core::RunSerially)), 0.1));
   REQUIRE_OK(store.DeleteClip(database, "gone"));
   REQUIRE_OK(store.PutOperation(SampleOperation(database, database + "-op")));
 }

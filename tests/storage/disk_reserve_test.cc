@@ -62,7 +62,7 @@ TEST_CASE("Restore: keeps the reserve free", "[storage][reserve]") {
   REQUIRE_ERROR(Restore(*target, Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
   REQUIRE(Require(target->ListDatabases({})).empty());
   // Already while the backup is received.
-  const auto restore = Require(target->upkeep().BeginRestore());
+  const auto restore = Require(target->maintenance().BeginRestore());
   REQUIRE_ERROR(restore->Append(Backup(*source)), StatusCode::kResourceExhausted, kRefusal);
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("Backup: the copy keeps the reserve free", "[storage][reserve]") {
   const StoreFile file;
   REQUIRE_OK(file.Open()->CreateDatabase(SampleDatabase("d")));
   const auto store = file.Open(MoreThanThereIs());
-  REQUIRE_ERROR(store->upkeep().BeginBackup({}), StatusCode::kResourceExhausted, kRefusal);
+  REQUIRE_ERROR(store->maintenance().BeginBackup({}), StatusCode::kResourceExhausted, kRefusal);
 }
 
 TEST_CASE("SqliteMotionStore: a store in memory ignores the reserve", "[storage][reserve]") {

@@ -182,7 +182,8 @@ TEST_CASE("SqliteMotionStore: a full file system", "[storage][full]") {
     }
     REQUIRE_ERROR(added, absl::StatusCode::kResourceExhausted, "full");
     REQUIRE(Dump(*store) == before);
-    REQUIRE_ERROR(store->upkeep().BeginBackup({}), absl::StatusCode::kResourceExhausted, "full");
+    REQUIRE_ERROR(store->maintenance().BeginBackup({}), absl::StatusCode::kResourceExhausted,
+                  "full");
     REQUIRE(disk.Grow());
     REQUIRE_OK(store->AddClip(SampleClip("d", "last", 1000)));
     REQUIRE(Findings(*store).empty());

@@ -16,14 +16,14 @@ absl::StatusOr<InMemoryAccessStore::Tokens::iterator> InMemoryAccessStore::Find(
   return found;
 }
 
-void InMemoryAccessStore::Note(const storage::ChangeTerms& terms) {
+void InMemoryAccessStore::Note(const storage::WriteOptions& terms) {
   if (terms.audit == nullptr) return;
   audit_.push_back(*terms.audit);
   audit_.back().sequence = static_cast<std::int64_t>(audit_.size());
 }
 
 absl::Status InMemoryAccessStore::AddToken(const TokenRecord& record,
-                                           const storage::ChangeTerms& terms) {
+                                           const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
   if (Find(record.id).ok()) {
     return absl::AlreadyExistsError(fmt::format("token '{}' already exists", record.id));
@@ -52,7 +52,7 @@ absl::StatusOr<std::vector<TokenRecord>> InMemoryAccessStore::ListTokens(const s
 
 absl::StatusOr<TokenRecord> InMemoryAccessStore::RevokeToken(const std::string& id,
                                                              std::int64_t time_us,
-                                                             const storage::ChangeTerms& terms) {
+                                                             const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const auto found, Find(id));
   if (found->revoke_time_us == 0) found->revoke_time_us = time_us;

@@ -12,12 +12,13 @@ namespace motiondb::tests {
 class InMemoryAccessStore : public storage::AccessStore {
  public:
   absl::Status AddToken(const storage::TokenRecord& record,
-                        const storage::ChangeTerms& terms = {}) override;
+                        const storage::WriteOptions& terms = {}) override;
   absl::StatusOr<storage::TokenRecord> GetToken(const std::string& id) override;
   absl::StatusOr<std::vector<storage::TokenRecord>> ListTokens(const std::string& after,
                                                                int limit) override;
-  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                                   const storage::ChangeTerms& terms = {}) override;
+  absl::StatusOr<storage::TokenRecord> RevokeToken(
+      const std::string& id, std::int64_t time_us,
+      const storage::WriteOptions& terms = {}) override;
   absl::Status AddAuditRecord(const storage::AuditRecord& record,
                               const core::Cancelled& cancelled = {}) override;
   absl::StatusOr<std::vector<storage::AuditRecord>> ListAuditRecords(std::int64_t before,
@@ -25,7 +26,7 @@ class InMemoryAccessStore : public storage::AccessStore {
 
  private:
   // Adds the audit entry of `terms`, if there is one. REQUIRES: the caller holds the mutex.
-  void Note(const storage::ChangeTerms& terms);
+  void Note(const storage::WriteOptions& terms);
   using Tokens = std::vector<storage::TokenRecord>;
   absl::StatusOr<Tokens::iterator> Find(const std::string& id);
 

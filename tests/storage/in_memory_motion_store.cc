@@ -29,7 +29,7 @@ std::vector<Record> PageOf(const Map& map, const Page& page, const Make& make) {
 }
 
 template <typename Map>
-std::string FreeId(const Map& map, const std::string& wanted) {
+std::string ChooseFreeId(const Map& map, const std::string& wanted) {
   std::string id = wanted;
   for (int number = 2; map.contains(id); ++number) id = fmt::format("{}-{}", wanted, number);
   return id;
@@ -54,12 +54,12 @@ absl::StatusOr<NewClip*> InMemoryMotionStore::FindClip(const std::string& databa
   return &found->second;
 }
 
-absl::Status InMemoryMotionStore::Note(const storage::ChangeTerms& terms) {
+absl::Status InMemoryMotionStore::Note(const storage::WriteOptions& terms) {
   return terms.audit != nullptr ? access_.AddAuditRecord(*terms.audit) : absl::OkStatus();
 }
 
 absl::Status InMemoryMotionStore::CreateDatabase(const DatabaseRecord& record,
-                                                 const storage::ChangeTerms& terms) {
+                                                 const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
   if (databases_.contains(record.name)) {
     return absl::AlreadyExistsError(fmt::format("database '{}' already exists", record.name));
@@ -81,7 +81,7 @@ absl::StatusOr<std::vector<DatabaseRecord>> InMemoryMotionStore::ListDatabases(c
 }
 
 absl::Status InMemoryMotionStore::DeleteDatabase(const std::string& database,
-                                                 const storage::ChangeTerms& terms) {
+                                                 const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_RETURN_IF_ERROR(Find(database).status());
   databases_.erase(database);
@@ -104,7 +104,7 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
           fmt::format("the database already has the same motion as clip '{}'", id));
     }
   }
-  const std::string id = FreeId(in->clips, clip.record.id);
+  const std::string id = ChooseFreeId(in->clips, clip.record.id);
   if (clip.id_is_fixed && id != clip.record.id) {
     return absl::AlreadyExistsError(
         fmt::format("the database already has another clip '{}'", clip.record.id));
@@ -126,7 +126,7 @@ absl::StatusOr<ClipRecord> InMemoryMotionStore::AddClip(const NewClip& clip) {
     const auto alike = std::ranges::find_if(
         in->skeletons, [&](const auto& entry) { return Same(entry.second, *clip.skeleton); });
     stored.record.skeleton_id =
-        alike == in->skeletons.end() ? FreeId(in->skeletons, "skeleton") : alike->first;
+        alike == in->skeletons.end() ? ChooseFreeId(in->skeletons, "skeleton") : alike->first;
     in->skeletons.emplace(stored.record.skeleton_id, *clip.skeleton);
   }
   if (clip.audit) {
@@ -151,7 +151,7 @@ absl::StatusOr<std::vector<ClipRecord>> InMemoryMotionStore::ListClips(const std
 
 absl::StatusOr<ClipRecord> InMemoryMotionStore::DeleteClip(const std::string& database,
                                                            const std::string& clip,
-                                                           const storage::ChangeTerms& terms) {
+                                                           const storage::WriteOptions& terms) {
   const std::lock_guard lock(mutex_);
   MOTIONDB_ASSIGN_OR_RETURN(const NewClip* const found, FindClip(database, clip));
   ClipRecord record = found->record;

@@ -19,10 +19,10 @@
 namespace motiondb::tests {
 
 // Maintenance of a store in memory: not supported.
-class NoUpkeep final : public storage::StoreUpkeep {
+class NoMaintenance final : public storage::StoreMaintenance {
  public:
   absl::Status CheckIsWritable() const override { return absl::OkStatus(); }
-  std::vector<storage::Damage> FoundAtOpening() const override { return {}; }
+  std::vector<storage::Corruption> FoundAtOpening() const override { return {}; }
   absl::Status CheckFile() override { return absl::OkStatus(); }
   absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(core::Cancelled) override {
     return absl::UnimplementedError("kept in memory");
@@ -41,12 +41,12 @@ class InMemoryMotionStore final : public storage::MotionStore {
   explicit InMemoryMotionStore(std::int64_t put_time_us) : put_time_us_(put_time_us) {}
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,
-                              const storage::ChangeTerms& terms = {}) override;
+                              const storage::WriteOptions& terms = {}) override;
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override;
   absl::StatusOr<std::vector<storage::DatabaseRecord>> ListDatabases(
       const storage::Page& page) override;
   absl::Status DeleteDatabase(const std::string& database,
-                              const storage::ChangeTerms& terms = {}) override;
+                              const storage::WriteOptions& terms = {}) override;
   absl::Status PurgeDeletedDatabases(const core::Cancelled&) override { return absl::OkStatus(); }
   absl::Status CheckWrites() override { return absl::OkStatus(); }
   storage::WriteFailures write_failures() const override { return {}; }
@@ -58,7 +58,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                                              const storage::Page& page) override;
   absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
                                                  const std::string& clip,
-                                                 const storage::ChangeTerms& terms = {}) override;
+                                                 const storage::WriteOptions& terms = {}) override;
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override;
   absl::StatusOr<core::StateSequence> ReadClipStates(const std::string& database,
@@ -94,7 +94,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
                                                                        const std::string& before,
                                                                        int limit) override;
   storage::AccessStore& access() override { return access_; }
-  storage::StoreUpkeep& upkeep() override { return upkeep_; }
+  storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
  private:
   struct Database {
@@ -115,7 +115,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   // Makes `model` the current model. NOT_FOUND if one of its clips from index `first` on is not
   // stored; if `first` is 0, deleted clips are accepted too.
   absl::StatusOr<storage::ModelRecord> Put(Database& in, const core::Model& model, int first);
-  absl::Status Note(const storage::ChangeTerms& terms);
+  absl::Status Note(const storage::WriteOptions& terms);
   absl::StatusOr<Database*> Find(const std::string& database);
   absl::StatusOr<storage::NewClip*> FindClip(const std::string& database, const std::string& clip);
 
@@ -124,7 +124,7 @@ class InMemoryMotionStore final : public storage::MotionStore {
   std::map<std::string, Database> databases_;
   std::vector<storage::OperationRecord> operations_;  // oldest first
   InMemoryAccessStore access_;
-  NoUpkeep upkeep_;
+  NoMaintenance maintenance_;
 };
 
 }  // namespace motiondb::tests

@@ -43,7 +43,7 @@ class LosableStore {
 
 // Requires that every kind of change is refused.
 void RequireUnchangeable(storage::SqliteMotionStore& store, const std::string& why) {
-  REQUIRE_ERROR(store.upkeep().CheckFile(), StatusCode::kUnavailable, why);
+  REQUIRE_ERROR(store.maintenance().CheckFile(), StatusCode::kUnavailable, why);
   REQUIRE_ERROR(store.CreateDatabase(SampleDatabase("e")), StatusCode::kUnavailable, why);
   REQUIRE_ERROR(store.DeleteDatabase("d"), StatusCode::kUnavailable, why);
   REQUIRE_ERROR(store.AddClip(SampleClip("d", "run", 2)), StatusCode::kUnavailable, why);
@@ -61,7 +61,7 @@ TEST_CASE("SqliteMotionStore: without its file, changes are refused until it is 
   REQUIRE_OK(store->AddClip(SampleClip("d", "walk", 1)));
   const std::string before = Dump(*store);
   const std::string path = store.file().path();
-  REQUIRE_OK(store->upkeep().CheckFile());
+  REQUIRE_OK(store->maintenance().CheckFile());
   std::string why = "the store's file '" + path + "' ";
   SECTION("taken away") {
     store.TakeAway();
@@ -74,7 +74,7 @@ TEST_CASE("SqliteMotionStore: without its file, changes are refused until it is 
   RequireUnchangeable(*store, why);
   REQUIRE(Dump(*store) == before);
   store.PutBack();
-  REQUIRE_OK(store->upkeep().CheckFile());
+  REQUIRE_OK(store->maintenance().CheckFile());
   REQUIRE_OK(store->AddClip(SampleClip("d", "run", 2)));
   REQUIRE(Findings(*store).empty());
 }
@@ -131,7 +131,7 @@ TEST_CASE("Restore: fails if the file of the store is missing", "[storage][lost]
   REQUIRE_OK(source->CreateDatabase(SampleDatabase("d")));
   const std::string bytes = Backup(*source);
   const LosableStore target;
-  const auto restore = Require(target->upkeep().BeginRestore());
+  const auto restore = Require(target->maintenance().BeginRestore());
   REQUIRE_OK(restore->Append(bytes));
   REQUIRE_OK(restore->Check({}));
   target.TakeAway();
@@ -143,7 +143,7 @@ TEST_CASE("Restore: fails if the file of the store is missing", "[storage][lost]
 
 TEST_CASE("SqliteMotionStore: a store in memory has no file to lose", "[storage][lost]") {
   const auto store = Require(storage::SqliteMotionStore::Open(":memory:"));
-  REQUIRE_OK(store->upkeep().CheckFile());
+  REQUIRE_OK(store->maintenance().CheckFile());
 }
 
 }  // namespace motiondb::tests::lost_file_test

@@ -54,7 +54,7 @@ void TestDeleteDatabaseWithAll(StoreUnderTest& store) {
   REQUIRE_OK(store->DeleteDatabase("a"));
   if (GENERATE(true, false)) REQUIRE_OK(store->PurgeDeletedDatabases({}));
   REQUIRE_ERROR(store->GetClip("a", "walk"), StatusCode::kNotFound, "a");
-  REQUIRE_ERROR(store->ReadModel("a", core::Serially), StatusCode::kNotFound, "a");
+  REQUIRE_ERROR(store->ReadModel("a", core::RunSerially), StatusCode::kNotFound, "a");
   REQUIRE_ERROR(store->GetOperation("op-a"), StatusCode::kNotFound, "op-a");
   REQUIRE_OK(store->CreateDatabase(SampleDatabase("a")));
   REQUIRE(ClipIds(store, "a", 10).empty());
@@ -63,7 +63,7 @@ void TestDeleteDatabaseWithAll(StoreUnderTest& store) {
   REQUIRE(Require(store->ListOperations("a", "", 10)).empty());
 
   REQUIRE(Require(store->GetClip("b", "walk")).id == "walk");
-  REQUIRE_OK(store->ReadModel("b", core::Serially));
+  REQUIRE_OK(store->ReadModel("b", core::RunSerially));
   REQUIRE_OK(store->GetOperation("op-b"));
   REQUIRE(Require(store->ListOperations("", "", 10)).size() == 1);
 }

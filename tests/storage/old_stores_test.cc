@@ -30,7 +30,7 @@ TEST_CASE("SqliteMotionStore: a store of a former version is upgraded with its c
     REQUIRE(clips[1].frame_count == 90);
     REQUIRE(clips[0].byte_count + clips[1].byte_count ==
             std::stoll(file.Sql("SELECT sum(length(chunk)) FROM clip_chunk")));
-    const core::Model model = Require(store->ReadModel("walks", core::Serially));
+    const core::Model model = Require(store->ReadModel("walks", core::RunSerially));
     REQUIRE(model.clips().size() == 2);
     REQUIRE(model.frame_count() == 180);
     REQUIRE(model.layer_count() == 5);

@@ -65,7 +65,7 @@ core::Model Extended() {
   std::vector<core::BuildInput> inputs;
   inputs.push_back({run.record.id, run.record.label, run.states, run.record.subject});
   return Require(core::ExtendModel(SampleModel({SampleClip("d", "walk", 1)}), std::move(inputs),
-                                   core::Serially));
+                                   core::RunSerially));
 }
 
 // The audit entry of a change: stored with the change, or neither is stored.
@@ -247,7 +247,7 @@ TEST_CASE("Faults: results of deriving clips again", "[storage][power]") {
   });
   // The current model keeps the replaced states.
   const auto rest = [](Store& store, const StoreFile&) {
-    REQUIRE(Same(Require(store.ReadModel("d", core::Serially)),
+    REQUIRE(Same(Require(store.ReadModel("d", core::RunSerially)),
                  SampleModel({SampleClip("d", "walk", 1)})));
   };
   RunAll({before, [clips](Store& store) { return store.PutDerived("d", clips).status(); }, rest});

@@ -32,7 +32,7 @@ void Fill(storage::SqliteMotionStore& store) {
 void RequireUnchangeable(storage::SqliteMotionStore& store) {
   constexpr char kWhy[] = "restart motiondbd without --read-only";
   constexpr auto kCode = StatusCode::kFailedPrecondition;
-  REQUIRE_ERROR(store.upkeep().CheckIsWritable(), kCode, kWhy);
+  REQUIRE_ERROR(store.maintenance().CheckIsWritable(), kCode, kWhy);
   REQUIRE_ERROR(store.CreateDatabase(SampleDatabase("e")), kCode, kWhy);
   REQUIRE_ERROR(store.DeleteDatabase("d"), kCode, kWhy);
   REQUIRE_ERROR(store.AddClip(SampleClip("d", "run", 2)), kCode, kWhy);
@@ -40,8 +40,8 @@ void RequireUnchangeable(storage::SqliteMotionStore& store) {
   REQUIRE_ERROR(store.PutOperation(SampleOperation("d", "op")), kCode, kWhy);
   REQUIRE_ERROR(store.DropModel("d"), kCode, kWhy);
   REQUIRE_ERROR(store.access().AddToken({.id = "t"}), kCode, kWhy);
-  REQUIRE_ERROR(store.upkeep().BeginRestore(), kCode, kWhy);
-  REQUIRE_OK(store.upkeep().CheckFile());
+  REQUIRE_ERROR(store.maintenance().BeginRestore(), kCode, kWhy);
+  REQUIRE_OK(store.maintenance().CheckFile());
 }
 
 // Returns the names and sizes of all files in a folder.

@@ -15,7 +15,7 @@ TEST_CASE("ReaderPool: AcquireIdle leaves one connection for the next caller",
   const StoreFile file;
   const auto store = file.Open();
   storage::ReaderPool pool(
-      file.path(), Require(storage::IdentityOf(file.path())),
+      file.path(), Require(storage::GetFileIdentity(file.path())),
       [&] { return storage::OpenReader(file.path(), ""); }, 4);
   {
     const auto first = pool.Acquire();
@@ -34,7 +34,7 @@ TEST_CASE("ReaderPool: waiting can be cancelled, and no connection is lost",
   const StoreFile file;
   const auto store = file.Open();
   storage::ReaderPool pool(
-      file.path(), Require(storage::IdentityOf(file.path())),
+      file.path(), Require(storage::GetFileIdentity(file.path())),
       [&] { return storage::OpenReader(file.path(), ""); }, 1);
   {
     const auto only = pool.Acquire();
@@ -60,7 +60,7 @@ TEST_CASE("ReadScope: a read that waits for a connection can be cancelled",
     waited = store->ListDatabases({}).status();
     return true;
   };
-  REQUIRE_ERROR(store->upkeep().BeginBackup(read_meanwhile), absl::StatusCode::kCancelled,
+  REQUIRE_ERROR(store->maintenance().BeginBackup(read_meanwhile), absl::StatusCode::kCancelled,
                 "cancelled while the store was copied");
   REQUIRE_ERROR(waited, absl::StatusCode::kCancelled, "cancelled while it waited");
   REQUIRE(Require(store->ListDatabases({})).size() == 1);

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "storage/sqlite/store_file.h"
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"

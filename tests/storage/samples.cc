@@ -130,7 +130,7 @@ core::Model SampleModel(const std::vector<storage::NewClip>& clips) {
     inputs.push_back({clip.record.id, clip.record.label, clip.states, clip.record.subject});
   }
   core::Model model = Require(core::BuildModel(SampleDatabase("any").settings, SampleMarkerSet(),
-                                               std::move(inputs), core::Serially, {}));
+                                               std::move(inputs), core::RunSerially, {}));
   model.set_build_seconds(0.25);
   return model;
 }

@@ -35,7 +35,7 @@ class SharedCommitRun {
 
   // Returns the number of disk operations for opening the store, adding the clips and closing it.
   int Operations() {
-    for (const AddAnswer& answer : AddUnder(Fault::kNone, 0)) REQUIRE_OK(answer.added);
+    for (const AddResult& answer : AddUnder(Fault::kNone, 0)) REQUIRE_OK(answer.added);
     return disk_.operations();
   }
 
@@ -59,13 +59,13 @@ class SharedCommitRun {
 
  private:
   // Empty if the store could not be opened.
-  std::vector<AddAnswer> AddUnder(Fault fault, int at) {
+  std::vector<AddResult> AddUnder(Fault fault, int at) {
     for (const char* const suffix : {"-wal", "-shm", "-journal"}) {
       std::filesystem::remove(file_.path() + suffix);
     }
     std::ofstream(file_.path(), std::ios::binary | std::ios::trunc) << before_;
     disk_.Arm(fault, at);
-    std::vector<AddAnswer> answers;
+    std::vector<AddResult> answers;
     {
       const auto store = file_.TryOpen({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
       if (store.ok()) {

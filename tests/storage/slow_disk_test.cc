@@ -24,8 +24,8 @@ TEST_CASE("Slow disk: the check of the file's pages stops soon after cancellatio
   const int before = disk.reads();
   disk.SlowDown();
   const auto verifier =
-      Require(store->upkeep().BeginVerify([&] { return disk.reads() > before + 100; }));
-  std::vector<storage::Damage> found;
+      Require(store->maintenance().BeginVerify([&] { return disk.reads() > before + 100; }));
+  std::vector<storage::Corruption> found;
   REQUIRE(Require(verifier->Step(found)));  // the schema, a few pages
   REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "cancelled");
   REQUIRE(found.empty());

@@ -11,7 +11,7 @@
 
 #include "storage/sqlite/schema.h"
 #include "tests/storage/backup_bytes.h"
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/storage/old_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
@@ -140,11 +140,12 @@ TEST_CASE("Restore: requires a store without databases", "[storage][backup]") {
   const std::string bytes = Backup(*source);
   const StoreFile to;
   const auto target = to.Open();
-  const auto begun = Require(target->upkeep().BeginRestore());
+  const auto begun = Require(target->maintenance().BeginRestore());
   REQUIRE_OK(begun->Append(bytes));
   REQUIRE_OK(begun->Check({}));
   REQUIRE_OK(target->CreateDatabase(SampleDatabase("other")));
-  REQUIRE_ERROR(target->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "databases (1)");
+  REQUIRE_ERROR(target->maintenance().BeginRestore(), StatusCode::kFailedPrecondition,
+                "databases (1)");
   // Also if the database was created meanwhile.
   REQUIRE_ERROR(begun->Finish({}), StatusCode::kFailedPrecondition, "databases (1)");
   REQUIRE(Require(target->ListDatabases({})).size() == 1);
@@ -231,7 +232,7 @@ TEST_CASE("Restore: a corrupt backup is refused and changes nothing", "[storage]
   SECTION("a store with corrupt tables") {
     const StoreFile source;
     { Fill(*source.Open()); }
-    RuinPage(source.path(), std::stol(source.Sql(RootPageOf("clip"))));
+    CorruptPage(source.path(), std::stol(source.Sql(RootPageOf("clip"))));
     refused(Sealed(ReadFile(source.path())), "the backup: ");
   }
   SECTION("a store with different tables") {
@@ -256,7 +257,7 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
   REQUIRE_OK(target->access().AddToken({.id = "admin", .salt = "s", .secret_hash = "h"}));
   const std::string before = Dump(*target);
   {
-    const auto restore = Require(target->upkeep().BeginRestore());
+    const auto restore = Require(target->maintenance().BeginRestore());
     REQUIRE_OK(restore->Append(bytes));
     REQUIRE_ERROR(restore->Finish({}), StatusCode::kFailedPrecondition, "not checked");
     REQUIRE_ERROR(restore->Check([] { return true; }), StatusCode::kCancelled, "cancelled");
@@ -264,7 +265,7 @@ TEST_CASE("Restore: can be cancelled, and then changes nothing", "[storage][back
   // While it waits to write, and during the write.
   for (const auto& [when, why] :
        {std::pair{1, "cancelled while it waited"}, {2, "cancelled while the store was copied"}}) {
-    const auto restore = Require(target->upkeep().BeginRestore());
+    const auto restore = Require(target->maintenance().BeginRestore());
     REQUIRE_OK(restore->Append(bytes));
     REQUIRE_OK(restore->Check({}));
     const core::Cancelled cancelled = [left = when]() mutable { return --left <= 0; };
@@ -282,7 +283,7 @@ TEST_CASE("Restore: versions", "[storage][backup]") {
   SECTION("an older version is upgraded") {
     REQUIRE_OK(Restore(*target, Sealed(OldStore(1))));
     REQUIRE(Require(target->ListClips("walks", {})).size() == 2);
-    REQUIRE_OK(target->ReadModel("walks", core::Serially));
+    REQUIRE_OK(target->ReadModel("walks", core::RunSerially));
   }
   SECTION("a newer version is refused") {
     const StoreFile newer;
@@ -305,7 +306,7 @@ TEST_CASE("Backup: temporary files of a killed process are deleted", "[storage][
   const std::string kept = GENERATE("store.db-backup-1", "store.db-backup-2026-11-22");
   std::ofstream(file.folder() / kept) << "not ours";
   const auto store = file.Open();
-  REQUIRE_OK(store->upkeep().BeginBackup({}));
+  REQUIRE_OK(store->maintenance().BeginBackup({}));
   REQUIRE(OtherFiles(file) == kept + " ");
 }
 
@@ -325,7 +326,7 @@ TEST_CASE("Restore: reports that its temporary file is missing or was replaced",
   const std::string bytes = SomeBackup();
   const StoreFile file;
   const auto target = file.Open();
-  const auto restore = Require(target->upkeep().BeginRestore());
+  const auto restore = Require(target->maintenance().BeginRestore());
   REQUIRE_OK(restore->Append(bytes));
   const std::string name = OtherFiles(file);
   const auto path = file.folder() / name.substr(0, name.size() - 1);
@@ -350,12 +351,12 @@ TEST_CASE("Backup: can be cancelled", "[storage][backup]") {
   const StoreFile file;
   const auto store = file.Open();
   Fill(*store);
-  REQUIRE_ERROR(store->upkeep().BeginBackup([] { return true; }), StatusCode::kCancelled,
+  REQUIRE_ERROR(store->maintenance().BeginBackup([] { return true; }), StatusCode::kCancelled,
                 "cancelled while the store was copied");
   REQUIRE(OtherFiles(file).empty());
   const auto memory = Require(Store::Open(":memory:"));
-  REQUIRE_ERROR(memory->upkeep().BeginBackup({}), StatusCode::kFailedPrecondition, "memory");
-  REQUIRE_ERROR(memory->upkeep().BeginRestore(), StatusCode::kFailedPrecondition, "memory");
+  REQUIRE_ERROR(memory->maintenance().BeginBackup({}), StatusCode::kFailedPrecondition, "memory");
+  REQUIRE_ERROR(memory->maintenance().BeginRestore(), StatusCode::kFailedPrecondition, "memory");
 }
 
 }  // namespace motiondb::tests::sqlite_backup_test

@@ -69,7 +69,7 @@ TEST_CASE("SqliteMotionStore: readers see consistent data during writes",
           if (!states.ok() || states->frame_count() != 60) ++errors;
         }
         const auto read =
-            store->ReadModel("d", i % 2 == 0 ? core::ParallelFor(OnThreads) : core::Serially);
+            store->ReadModel("d", i % 2 == 0 ? core::ParallelFor(OnThreads) : core::RunSerially);
         if (!read.ok() || read->frame_count() != 60) ++errors;
         ++reads;
       }

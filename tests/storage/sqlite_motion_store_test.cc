@@ -79,7 +79,7 @@ TEST_CASE("SqliteMotionStore: keeps the records of 1,000 models and of the build
   const core::Model built = SampleModel({walk});
   const core::Model extended = Require(core::ExtendModel(
       built, {{jump.record.id, jump.record.label, jump.states, jump.record.subject}},
-      core::Serially));
+      core::RunSerially));
   REQUIRE_OK(store.PutModel("d", built));
   REQUIRE_OK(store.PutExtension("d", extended, 0));
   for (int version = 3; version <= kKept + 3; ++version) {

@@ -78,7 +78,7 @@ TEST_CASE("SqliteMotionStore: a relative path that looks like a URI is a path", 
     REQUIRE(Require(store->ListDatabases({})).empty());
     REQUIRE(std::filesystem::file_size(file.folder() / "file:x.db") > 0);
     REQUIRE(std::filesystem::exists(file.folder() / "file:x.db-lock"));
-    REQUIRE_OK(store->upkeep().BeginBackup({}));
+    REQUIRE_OK(store->maintenance().BeginBackup({}));
   }
   REQUIRE(Require(storage::ReadStoreVersion("file:x.db")) == std::stoi(Version()));
 }

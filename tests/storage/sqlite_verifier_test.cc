@@ -4,7 +4,7 @@
 #include <catch2/catch.hpp>
 #include <string>
 
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_dump.h"
@@ -43,8 +43,8 @@ TEST_CASE("Verify: counts the content and finds nothing in an intact store", "[s
   const StoreFile file;
   Fill(file);
   const auto store = file.Open();
-  const auto verifier = Require(store->upkeep().BeginVerify({}));
-  std::vector<storage::Damage> found;
+  const auto verifier = Require(store->maintenance().BeginVerify({}));
+  std::vector<storage::Corruption> found;
   double before = 0;
   REQUIRE(verifier->progress() == 0);
   while (Require(verifier->Step(found))) {
@@ -125,7 +125,7 @@ TEST_CASE("Verify: a page that SQLite finds corrupt is reported for the file",
           "[storage][verify]") {
   const StoreFile file;
   Fill(file);
-  RuinPage(file.path(), std::stol(file.Sql(RootPageOf("clip_by_content"))));
+  CorruptPage(file.path(), std::stol(file.Sql(RootPageOf("clip_by_content"))));
   REQUIRE_THAT(Findings(*file.Open()), Contains(": the file: "));
 }
 
@@ -134,8 +134,8 @@ TEST_CASE("Verify: can be cancelled", "[storage][verify]") {
   Fill(file);
   const auto store = file.Open();
   bool stop = false;
-  const auto verifier = Require(store->upkeep().BeginVerify([&] { return stop; }));
-  std::vector<storage::Damage> found;
+  const auto verifier = Require(store->maintenance().BeginVerify([&] { return stop; }));
+  std::vector<storage::Corruption> found;
   REQUIRE(Require(verifier->Step(found)));
   stop = true;
   REQUIRE_ERROR(verifier->Step(found), absl::StatusCode::kCancelled, "verification was cancelled");
@@ -145,8 +145,8 @@ TEST_CASE("Verify: runs concurrently with writes", "[storage][verify]") {
   const StoreFile file;
   Fill(file);
   const auto store = file.Open();
-  const auto verifier = Require(store->upkeep().BeginVerify({}));
-  std::vector<storage::Damage> found;
+  const auto verifier = Require(store->maintenance().BeginVerify({}));
+  std::vector<storage::Corruption> found;
   unsigned seed = 100;
   bool more = true;
   while (more) {

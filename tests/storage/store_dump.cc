@@ -21,7 +21,7 @@ std::string DumpDatabase(storage::MotionStore& store, const std::string& databas
   for (const auto& model : Require(store.ListModels(database, 0, 100))) {
     text += std::to_string(model.version) + (model.current ? "*" : "");
   }
-  const auto model = store.ReadModel(database, core::Serially);
+  const auto model = store.ReadModel(database, core::RunSerially);
   if (model.ok()) {
     text += Encoded(model->parts());
   } else {
@@ -57,8 +57,8 @@ std::string Dump(storage::MotionStore& store) {
 }
 
 std::string Findings(storage::MotionStore& store) {
-  const auto verifier = Require(store.upkeep().BeginVerify({}));
-  std::vector<storage::Damage> found;
+  const auto verifier = Require(store.maintenance().BeginVerify({}));
+  std::vector<storage::Corruption> found;
   while (Require(verifier->Step(found))) REQUIRE(verifier->progress() <= 1);
   std::string text;
   for (const auto& damage : found) text += damage.resource + ": " + damage.description + "\n";

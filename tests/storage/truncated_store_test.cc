@@ -32,7 +32,7 @@ TEST_CASE("SqliteMotionStore: a truncated file is served, also if a page is inco
   REQUIRE(Require(store->ListDatabases({})).size() == 1);
   const std::string text = "was truncated: expected " + std::to_string(size) + " bytes, got " +
                            std::to_string(size - static_cast<unsigned>(missing));
-  REQUIRE(store->upkeep().FoundAtOpening().size() == 1);
+  REQUIRE(store->maintenance().FoundAtOpening().size() == 1);
   REQUIRE_THAT(Findings(*store), Catch::Contains(text));
   if (read_only) {
     REQUIRE(std::filesystem::file_size(file.path()) == size - static_cast<unsigned>(missing));

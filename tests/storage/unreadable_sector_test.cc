@@ -54,7 +54,7 @@ TEST_CASE("Unreadable sector: of a clip's states", "[storage][sector]") {
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
   REQUIRE_ERROR(store->ReadClipStates("d", "a"), StatusCode::kDataLoss, "clip 'a'");
   REQUIRE_OK(store->ReadClipStates("d", "b"));
-  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE_OK(store->ReadModel("d", core::RunSerially));
   REQUIRE(Require(store->ListClips("d", {})).size() == 2);
   REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: "));
 
@@ -68,7 +68,7 @@ TEST_CASE("Unreadable sector: of a clip's states", "[storage][sector]") {
   REQUIRE_OK(store->PutModel("d", SampleModel({LongClip("a", 1), b})));
   REQUIRE_ERROR(store->PutModel("d", SampleModel({SampleClip("d", "c", 3)})), StatusCode::kNotFound,
                 "'c'");
-  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE_OK(store->ReadModel("d", core::RunSerially));
 }
 
 TEST_CASE("Unreadable sector: of a clip's file", "[storage][sector]") {
@@ -126,11 +126,11 @@ TEST_CASE("Unreadable sector: start of the page on which a clip's file begins",
   REQUIRE((Require(store->GetClip("d", "a")).byte_count > 0) == counted);
   REQUIRE(Require(store->GetClip("d", "c")).byte_count > 0);
   REQUIRE_OK(store->ReadClipStates("d", "c"));
-  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE_OK(store->ReadModel("d", core::RunSerially));
   REQUIRE_THAT(Findings(*store), Catch::Contains("databases/d/clips/a: ") &&
                                      !Catch::Contains("clips/b") && !Catch::Contains("clips/c"));
-  const auto verifier = Require(store->upkeep().BeginVerify({}));
-  std::vector<storage::Damage> found;
+  const auto verifier = Require(store->maintenance().BeginVerify({}));
+  std::vector<storage::Corruption> found;
   while (Require(verifier->Step(found))) {
   }
   REQUIRE(verifier->totals().clip_count == 3);
@@ -147,9 +147,9 @@ TEST_CASE("Unreadable sector: of a model", "[storage][sector]") {
   const auto place = FillAndFind(file, {a}, Within(Encoded(model.parts())));
   disk.LoseSector(file.path(), place, GENERATE(SQLITE_IOERR_READ, SQLITE_IOERR_CORRUPTFS));
   const auto store = file.Open({.reader_count = 1, .now_us = {}, .vfs = FaultDisk::kVfs});
-  REQUIRE_ERROR(store->ReadModel("d", core::Serially), StatusCode::kDataLoss, "model 1");
+  REQUIRE_ERROR(store->ReadModel("d", core::RunSerially), StatusCode::kDataLoss, "model 1");
   REQUIRE(Require(store->PutModel("d", model)).version == 2);
-  REQUIRE_OK(store->ReadModel("d", core::Serially));
+  REQUIRE_OK(store->ReadModel("d", core::RunSerially));
 }
 
 TEST_CASE("Unreadable sector: of a deleted database", "[storage][sector]") {

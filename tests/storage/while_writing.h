@@ -13,8 +13,8 @@ namespace motiondb::tests {
 
 // Runs `during` while the writer is blocked by adding `clip`, whose audit function is set here:
 // other writes wait. REQUIRES: the clip can be added.
-inline void WhileWriting(storage::MotionStore& store, storage::NewClip clip,
-                         const std::function<void()>& during) {
+inline void WithBlockedWriter(storage::MotionStore& store, storage::NewClip clip,
+                              const std::function<void()>& during) {
   std::promise<bool> writing;
   std::promise<void> release;
   clip.audit = [&](const storage::ClipRecord&) {

@@ -255,7 +255,7 @@ class SharedWork {
         return n;
       };
       try {
-        *result = writer_.RunInShared(transact_, added_bytes, cancelled, insert);
+        *result = writer_.RunShared(transact_, added_bytes, cancelled, insert);
       } catch (const std::bad_alloc&) {
         *result = absl::ResourceExhaustedError("thrown");
       }
@@ -391,7 +391,7 @@ TEST_CASE("SqliteMotionStore: a revocation overtakes changes that were queued ea
     callers.emplace_back([&failures, change] { failures += change().ok() ? 0 : 1; });
     while (queued == before) std::this_thread::yield();
   };
-  WhileWriting(*store, SampleClip("d", "holder", 1), [&] {
+  WithBlockedWriter(*store, SampleClip("d", "holder", 1), [&] {
     call([&] { return store->CreateDatabase(SampleDatabase("e"), {&created, count()}); });
     call([&] { return store->access().RevokeToken("stolen", 1, {&revoked, count()}).status(); });
     call([&] { return store->access().AddAuditRecord({.method = "Record"}, count()); });

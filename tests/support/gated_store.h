@@ -35,29 +35,32 @@ class Gate {
 };
 
 // Verify, backup and restore pass `gate` first.
-class GatedUpkeep final : public storage::StoreUpkeep {
+class GatedUpkeep final : public storage::StoreMaintenance {
  public:
-  GatedUpkeep(storage::StoreUpkeep& upkeep, Gate& gate) : upkeep_(upkeep), gate_(gate) {}
-  absl::Status CheckIsWritable() const override { return upkeep_.CheckIsWritable(); }
-  std::vector<storage::Damage> FoundAtOpening() const override { return upkeep_.FoundAtOpening(); }
-  absl::Status CheckFile() override { return upkeep_.CheckFile(); }
+  GatedUpkeep(storage::StoreMaintenance& maintenance, Gate& gate)
+      : maintenance_(maintenance), gate_(gate) {}
+  absl::Status CheckIsWritable() const override { return maintenance_.CheckIsWritable(); }
+  std::vector<storage::Corruption> FoundAtOpening() const override {
+    return maintenance_.FoundAtOpening();
+  }
+  absl::Status CheckFile() override { return maintenance_.CheckFile(); }
   absl::StatusOr<std::unique_ptr<storage::StoreVerifier>> BeginVerify(
       core::Cancelled cancelled) override {
     gate_.Pass();
-    return upkeep_.BeginVerify(std::move(cancelled));
+    return maintenance_.BeginVerify(std::move(cancelled));
   }
   absl::StatusOr<std::unique_ptr<storage::StoreBackup>> BeginBackup(
       const core::Cancelled& cancelled) override {
     gate_.Pass();
-    return upkeep_.BeginBackup(cancelled);
+    return maintenance_.BeginBackup(cancelled);
   }
   absl::StatusOr<std::unique_ptr<storage::StoreRestore>> BeginRestore() override {
     gate_.Pass();
-    return upkeep_.BeginRestore();
+    return maintenance_.BeginRestore();
   }
 
  private:
-  storage::StoreUpkeep& upkeep_;
+  storage::StoreMaintenance& maintenance_;
   Gate& gate_;
 };
 
@@ -82,9 +85,9 @@ class GatedStore : public storage::MotionStore {
   void set_model_fault(absl::Status fault) { model_fault_ = std::move(fault); }
 
   absl::Status CreateDatabase(const storage::DatabaseRecord& record,
-                              const storage::ChangeTerms& terms = {}) override {
+                              const storage::WriteOptions& work_options = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->CreateDatabase(record, terms);
+    return store_->CreateDatabase(record, work_options);
   }
   absl::StatusOr<storage::DatabaseRecord> GetDatabase(const std::string& database) override {
     return store_->GetDatabase(database);
@@ -94,9 +97,9 @@ class GatedStore : public storage::MotionStore {
     return store_->ListDatabases(page);
   }
   absl::Status DeleteDatabase(const std::string& database,
-                              const storage::ChangeTerms& terms = {}) override {
+                              const storage::WriteOptions& work_options = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteDatabase(database, terms);
+    return store_->DeleteDatabase(database, work_options);
   }
   absl::Status PurgeDeletedDatabases(const core::Cancelled& cancelled) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
@@ -114,11 +117,11 @@ class GatedStore : public storage::MotionStore {
                                                              const storage::Page& page) override {
     return store_->ListClips(database, page);
   }
-  absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
-                                                 const std::string& clip,
-                                                 const storage::ChangeTerms& terms = {}) override {
+  absl::StatusOr<storage::ClipRecord> DeleteClip(
+      const std::string& database, const std::string& clip,
+      const storage::WriteOptions& work_options = {}) override {
     MOTIONDB_RETURN_IF_ERROR(disk_->Write());
-    return store_->DeleteClip(database, clip, terms);
+    return store_->DeleteClip(database, clip, work_options);
   }
   absl::StatusOr<storage::ClipSource> ReadClipSource(const std::string& database,
                                                      const std::string& clip) override {
@@ -199,7 +202,7 @@ class GatedStore : public storage::MotionStore {
   }
   storage::WriteFailures write_failures() const override { return store_->write_failures(); }
   storage::AccessStore& access() override { return store_->access(); }
-  storage::StoreUpkeep& upkeep() override { return upkeep_; }
+  storage::StoreMaintenance& maintenance() override { return maintenance_; }
 
  private:
   const std::unique_ptr<storage::MotionStore> store_;
@@ -208,7 +211,7 @@ class GatedStore : public storage::MotionStore {
   const std::shared_ptr<const FullDisk> disk_;
   const std::shared_ptr<Gate> reading_gate_;
   const std::shared_ptr<Gate> derive_gate_;
-  GatedUpkeep upkeep_{store_->upkeep(), *gate_};
+  GatedUpkeep maintenance_{store_->maintenance(), *gate_};
   absl::Status model_fault_;
 };
 

@@ -36,8 +36,8 @@ core::Model BuildFromList(const fs::path& list, const core::BuildSettings& setti
     inputs.push_back(
         {clip.path.stem().string(), clip.label, LoadStates(clip.path, settings.frame_rate_hz)});
   }
-  auto model =
-      core::BuildModel(settings, core::StandardScheme().set, std::move(inputs), core::Serially, {});
+  auto model = core::BuildModel(settings, core::StandardScheme().set, std::move(inputs),
+                                core::RunSerially, {});
   INFO(model.status());
   REQUIRE(model.ok());
   return *std::move(model);

@@ -62,8 +62,8 @@ core::Model SmallModel(int clips, int frames, int markers, int min_frames, unsig
   core::BuildSettings settings;
   settings.min_frames = min_frames;
   const core::MarkerSet set = SmallMarkerSet(markers);
-  auto model =
-      core::BuildModel(settings, set, WanderingClips(clips, frames, set, seed), core::Serially, {});
+  auto model = core::BuildModel(settings, set, WanderingClips(clips, frames, set, seed),
+                                core::RunSerially, {});
   INFO(model.status());
   REQUIRE(model.ok());
   return *std::move(model);

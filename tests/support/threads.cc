@@ -8,7 +8,7 @@
 namespace motiondb::tests {
 
 core::ParallelFor OnThreads(int jobs) {
-  if (jobs <= 1) return core::Serially;
+  if (jobs <= 1) return core::RunSerially;
   return [jobs](int count, const std::function<void(int)>& body) {
     std::atomic<int> next{0};
     std::vector<std::jthread> threads;

@@ -28,18 +28,18 @@ TEST_CASE("FindDisplayControl: returns the first display control", "[text]") {
   CHECK(text::FindDisplayControl("M\xC3\xBC\xE2\x80\xAE\x1b").code == 0x202E);
 }
 
-TEST_CASE("WithoutSecrets: the secret after a token's id is replaced", "[text]") {
+TEST_CASE("RedactSecrets: the secret after a token's id is replaced", "[text]") {
   const std::string token = "mdb_0123456789ab_" + std::string(64, 'c');
   const std::string shown = "mdb_0123456789ab_...";
-  CHECK(text::WithoutSecrets(token) == shown);
-  CHECK(text::WithoutSecrets("tokens/" + token) == "tokens/" + shown);
-  CHECK(text::WithoutSecrets("tokens/" + token.substr(0, 20)) == "tokens/" + shown);
-  CHECK(text::WithoutSecrets(token + "/" + token + "/x") == shown + "/" + shown + "/x");
-  CHECK(text::WithoutSecrets("mdb_mdb_0123456789AB_ g") == "mdb_mdb_0123456789AB_... g");
-  CHECK(text::WithoutSecrets("got '" + token + "', see") == "got '" + shown + "', see");
+  CHECK(text::RedactSecrets(token) == shown);
+  CHECK(text::RedactSecrets("tokens/" + token) == "tokens/" + shown);
+  CHECK(text::RedactSecrets("tokens/" + token.substr(0, 20)) == "tokens/" + shown);
+  CHECK(text::RedactSecrets(token + "/" + token + "/x") == shown + "/" + shown + "/x");
+  CHECK(text::RedactSecrets("mdb_mdb_0123456789AB_ g") == "mdb_mdb_0123456789AB_... g");
+  CHECK(text::RedactSecrets("got '" + token + "', see") == "got '" + shown + "', see");
   for (const char* plain : {"", "tokens/0123456789ab", "databases/mdb_walks_2/clips/a", "mdb_",
                             "mdb_0123456789ab", "mdb_0123456789", "databases/mdb_0123456789a_"}) {
-    CHECK(text::WithoutSecrets(plain) == plain);
+    CHECK(text::RedactSecrets(plain) == plain);
   }
 }
 

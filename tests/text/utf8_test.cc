@@ -33,11 +33,11 @@ TEST_CASE("IsUtf8: accepts well-formed text only", "[text]") {
   }
 }
 
-TEST_CASE("CutAt: cuts between characters", "[text]") {
+TEST_CASE("TruncateUtf8: cuts between characters", "[text]") {
   const std::string_view mixed = "\xC3\xA4\xE2\x82\xAC\xF0\x9F\x8F\x83z";
   const std::size_t ends[] = {0, 0, 2, 2, 2, 5, 5, 5, 5, 9, 10, 10};
   for (std::size_t bytes = 0; bytes < std::size(ends); ++bytes) {
-    CHECK(text::CutAt(mixed, bytes) == mixed.substr(0, ends[bytes]));
+    CHECK(text::TruncateUtf8(mixed, bytes) == mixed.substr(0, ends[bytes]));
   }
 }
 

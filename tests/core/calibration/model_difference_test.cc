@@ -11,7 +11,7 @@ namespace {
 
 core::Model Built(std::vector<core::BuildInput> clips) {
   auto model = core::BuildModel({.min_frames = 8}, SmallMarkerSet(5), std::move(clips),
-                                core::Serially, nullptr);
+                                core::RunSerially, nullptr);
   REQUIRE(model.ok());
   return *std::move(model);
 }
@@ -21,10 +21,11 @@ core::Model Built(std::vector<core::BuildInput> clips) {
 TEST_CASE("CompareModels: how an extended model differs from a built one", "[core][calibration]") {
   const auto clips = WanderingClips(14, 150, SmallMarkerSet(5), 4);
   const core::Model base = Built({clips.begin(), clips.begin() + 12});
-  const auto extended = core::ExtendModel(base, {clips.begin() + 12, clips.end()}, core::Serially);
+  const auto extended =
+      core::ExtendModel(base, {clips.begin() + 12, clips.end()}, core::RunSerially);
   REQUIRE(extended.ok());
   const core::Model built = Built(clips);
-  const auto difference = core::CompareModels(*extended, built, core::Serially);
+  const auto difference = core::CompareModels(*extended, built, core::RunSerially);
   CHECK(difference.bottom_nodes_before == base.tree().node_count(base.layer_count()));
   CHECK(difference.bottom_nodes_after == built.tree().node_count(built.layer_count()));
   CHECK(difference.spread_after > 0);
@@ -34,7 +35,7 @@ TEST_CASE("CompareModels: how an extended model differs from a built one", "[cor
   CHECK(difference.same_label == 2);  // two labels, each in places of its own
 
   // The same model on both sides; none of its clips was added.
-  const auto none = core::CompareModels(built, built, core::Serially);
+  const auto none = core::CompareModels(built, built, core::RunSerially);
   CHECK(none.spread_before == none.spread_after);
   CHECK(none.windows == 0);
 }

@@ -20,7 +20,7 @@ void Backwards(int count, const std::function<void(int)>& body) {
 TEST_CASE("FitPredictionConfidence: expected errors are those of motion held back",
           "[core][calibration]") {
   const core::Model model = SmallModel(6, 300, kMarkers, 8, 11);
-  const auto fitted = core::FitPredictionConfidence(model, core::Serially, {});
+  const auto fitted = core::FitPredictionConfidence(model, core::RunSerially, {});
   REQUIRE(fitted.ok());
   REQUIRE(fitted->laws.size() == 6);
 
@@ -56,17 +56,17 @@ TEST_CASE("FitPredictionConfidence: motion of a frame a second", "[core][calibra
     settings.min_frames = 4;
     settings.frame_rate_hz = rate;
     const core::MarkerSet set = SmallMarkerSet(kMarkers);
-    const auto model =
-        core::BuildModel(settings, set, WanderingClips(4, 30, set, 11, rate), core::Serially, {});
+    const auto model = core::BuildModel(settings, set, WanderingClips(4, 30, set, 11, rate),
+                                        core::RunSerially, {});
     REQUIRE(model.ok());
-    CHECK(core::FitPredictionConfidence(*model, core::Serially, {}).ok());
+    CHECK(core::FitPredictionConfidence(*model, core::RunSerially, {}).ok());
   }
 }
 
 TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one clip or short ones",
           "[core][calibration]") {
   const core::Model model = SmallModel(3, 200, kMarkers, 8, 11);
-  const auto once = core::FitPredictionConfidence(model, core::Serially, {});
+  const auto once = core::FitPredictionConfidence(model, core::RunSerially, {});
   const auto again = core::FitPredictionConfidence(model, Backwards, {});
   REQUIRE(once->laws.size() == again->laws.size());
   for (std::size_t h = 0; h < once->laws.size(); ++h) {
@@ -74,10 +74,10 @@ TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one c
     CHECK(once->laws[h].deviation == again->laws[h].deviation);
   }
   const core::Model single = SmallModel(1, 200, kMarkers, 8, 11);
-  CHECK(core::FitPredictionConfidence(single, core::Serially, {})->laws.empty());
+  CHECK(core::FitPredictionConfidence(single, core::RunSerially, {})->laws.empty());
   const core::Model brief = SmallModel(4, 20, kMarkers, 8, 11);
-  CHECK(core::FitPredictionConfidence(brief, core::Serially, {})->laws.empty());
-  CHECK(core::FitPredictionConfidence(model, core::Serially,
+  CHECK(core::FitPredictionConfidence(brief, core::RunSerially, {})->laws.empty());
+  CHECK(core::FitPredictionConfidence(model, core::RunSerially,
                                       [](double, std::string_view) { return false; })
             .status()
             .code() == absl::StatusCode::kCancelled);

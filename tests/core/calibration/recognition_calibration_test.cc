@@ -39,7 +39,7 @@ std::vector<core::BuildInput> AlikeClips(int clips, const core::MarkerSet& set, 
 }
 
 core::Model ModelOf(std::vector<core::BuildInput> inputs, const core::MarkerSet& set) {
-  auto model = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
   INFO(model.status());
   REQUIRE(model.ok());
   return *std::move(model);
@@ -86,7 +86,7 @@ TEST_CASE("Calibrate: probabilities of unseen windows become frequencies", "[cor
   plain.window.weight = plain.whole.weight = {1, 1};  // as if frames were independent
   model.set_recognition(plain);
   const Reliability before = Judge(model, unseen, false);
-  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
   const Reliability after = Judge(model, unseen, false);
   CHECK(after.loss < before.loss);
   CHECK(after.error < before.error);
@@ -96,7 +96,7 @@ TEST_CASE("Calibrate: probabilities of unseen windows become frequencies", "[cor
 TEST_CASE("Calibrate: held-out stored windows rank evenly, others low", "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   core::Model model = ModelOf(AlikeClips(36, set, 1), set);
-  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
   CHECK(std::is_sorted(model.recognition().window.familiarity.begin(),
                        model.recognition().window.familiarity.end()));
   CHECK(model.recognition().whole.familiarity.size() == 36 * 6);
@@ -135,7 +135,7 @@ TEST_CASE("Calibrate: the same for any order of the work, and cancelled it chang
         absl::StatusCode::kCancelled);
   CHECK(again.recognition().window.familiarity.empty());
   double last = -1;
-  REQUIRE(core::Calibrate(model, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
   REQUIRE(core::Calibrate(again, backwards, [&](double fraction, std::string_view) {
             CHECK(fraction > last);
             last = fraction;
@@ -150,12 +150,12 @@ TEST_CASE("Calibrate: the same for any order of the work, and cancelled it chang
 
 TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][calibration]") {
   core::Model single = SmallModel(1, 60, 2, 8, 1);
-  REQUIRE(core::Calibrate(single, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(single, core::RunSerially, {}).ok());
   CHECK(single.recognition().window.familiarity.empty());
   CHECK(single.recognition().window.weight.scale ==
         core::RecognitionCalibration{}.window.weight.scale);
   core::Model two = SmallModel(2, 60, 2, 8, 1);  // of two labels
-  REQUIRE(core::Calibrate(two, core::Serially, {}).ok());
+  REQUIRE(core::Calibrate(two, core::RunSerially, {}).ok());
   CHECK_FALSE(two.recognition().window.familiarity.empty());
   CHECK(two.recognition().whole.weight.power == core::RecognitionCalibration{}.whole.weight.power);
 }

@@ -45,7 +45,7 @@ core::Model ModelTogether() {
   auto inputs = WanderingClips(3, 300, set, 5);
   double phase = 0;
   for (auto& input : inputs) input.states = Together(std::move(input.states), phase += 0.7);
-  return *core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  return *core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
 }
 
 }  // namespace

@@ -228,7 +228,7 @@ TEST_CASE("WriteBvh: a chain of 20,000 joints does not overflow the stack", "[co
   };
   CHECK(written(20'000).ok());
   // The longest chain that readers accept, including its end.
-  const auto text = written(core::kMostJoints - 1);
+  const auto text = written(core::kMaxFileJoints - 1);
   REQUIRE(text.ok());
   CHECK(ReadText(core::FileFormat::kBvh, *text, kWritten).ok());
 }

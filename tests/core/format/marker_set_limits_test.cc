@@ -27,11 +27,11 @@ std::string Points(std::size_t count) {
 TEST_CASE("Marker set: too many markers, mappings, legs and points are refused with their line",
           "[core][format][hostile]") {
   std::string text = kHead;
-  for (std::size_t m = 2; m <= core::kMostMarkers; ++m) text += fmt::format("marker m{}\n", m);
+  for (std::size_t m = 2; m <= core::kMaxMarkers; ++m) text += fmt::format("marker m{}\n", m);
   CHECK_THAT(RefusalOf(text), Contains("many.markers:259: expected at most 256 markers"));
 
   text = kHead;
-  for (std::size_t m = 0; m <= core::kMostMappings; ++m) {
+  for (std::size_t m = 0; m <= core::kMaxMappings; ++m) {
     text += fmt::format("mapping m{}\nlhip = a\nrhip = b\n", m);
   }
   CHECK_THAT(RefusalOf(text), Contains("expected at most 200 mappings"));
@@ -40,7 +40,7 @@ TEST_CASE("Marker set: too many markers, mappings, legs and points are refused w
   for (int leg = 0; leg < 3; ++leg) text += "leg lhip knee rhip\n";
   CHECK_THAT(RefusalOf(text), Contains("many.markers:8: expected at most two legs"));
 
-  text = std::string(kHead) + "mapping m\nlhip = " + Points(core::kMostRulePoints + 1) + "\n";
+  text = std::string(kHead) + "mapping m\nlhip = " + Points(core::kMaxRulePoints + 1) + "\n";
   CHECK_THAT(RefusalOf(text), Contains("'lhip' is made of more than 32 points"));
 }
 

@@ -8,7 +8,7 @@
 namespace motiondb::tests::reader_limits_test {
 namespace {
 
-constexpr int kMany = core::kMostJoints;
+constexpr int kMany = core::kMaxFileJoints;
 
 std::string Motion(int channels) {
   std::string text = "MOTION\nFrames: 1\nFrame Time: 0.01\n";

@@ -61,7 +61,8 @@ TEST_CASE("LogGeneration: equals the plain sum, also with improbable nodes", "[c
   }
 }
 
-TEST_CASE("LogGenerationAmong: equals a sum with all other nodes impossible", "[core][graph]") {
+TEST_CASE("LogGenerationOfCandidates: equals a sum with all other nodes impossible",
+          "[core][graph]") {
   constexpr int kNodes = 30;
   std::mt19937 random(5);
   std::uniform_real_distribution<float> part(0, 1);
@@ -83,7 +84,7 @@ TEST_CASE("LogGenerationAmong: equals a sum with all other nodes impossible", "[
     }
     for (const double floor : {1e-3, 1e-6}) {
       const double expected = core::LogGeneration(graph, emission, floor);
-      CHECK(core::LogGenerationAmong(graph, frames, floor, scratch) ==
+      CHECK(core::LogGenerationOfCandidates(graph, frames, floor, scratch) ==
             Approx(expected).epsilon(1e-9));
       CHECK(scratch == std::vector<double>(kNodes, 0));
     }

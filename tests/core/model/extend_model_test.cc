@@ -19,13 +19,13 @@ std::vector<core::BuildInput> Clips(int first, int end) {
 
 core::Model Built(int clips) {
   auto model = core::BuildModel({.min_frames = 8}, SmallMarkerSet(kMarkers), Clips(0, clips),
-                                core::Serially, nullptr);
+                                core::RunSerially, nullptr);
   REQUIRE(model.ok());
   return *std::move(model);
 }
 
 core::Model Extended(const core::Model& base, int first, int end) {
-  auto model = core::ExtendModel(base, Clips(first, end), core::Serially);
+  auto model = core::ExtendModel(base, Clips(first, end), core::RunSerially);
   REQUIRE(model.ok());
   return *std::move(model);
 }
@@ -112,12 +112,12 @@ TEST_CASE("ExtendModel: the base stays as it was, also when it is extended twice
 
 TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "[core][model]") {
   const core::Model base = Built(12);
-  CHECK(core::MeasureDrift(base, core::Serially).added == 0);
-  CHECK(core::MeasureDrift(base, core::Serially).stale == 0);
-  CHECK_FALSE(core::MeasureDrift(base, core::Serially).IsLarge());
-  const core::ModelDrift one = core::MeasureDrift(Extended(base, 12, 13), core::Serially);
+  CHECK(core::MeasureDrift(base, core::RunSerially).added == 0);
+  CHECK(core::MeasureDrift(base, core::RunSerially).stale == 0);
+  CHECK_FALSE(core::MeasureDrift(base, core::RunSerially).IsLarge());
+  const core::ModelDrift one = core::MeasureDrift(Extended(base, 12, 13), core::RunSerially);
   CHECK(one.added == Approx(1.0 / 13));
-  const core::ModelDrift two = core::MeasureDrift(Extended(base, 12, 14), core::Serially);
+  const core::ModelDrift two = core::MeasureDrift(Extended(base, 12, 14), core::RunSerially);
   CHECK(two.added == Approx(2.0 / 14));
   CHECK(two.IsLarge());
   CHECK(two.stale >= one.stale);
@@ -126,7 +126,7 @@ TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "
 TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
   const core::Model base = Built(3);
   const auto code = [&](std::vector<core::BuildInput> inputs) {
-    return core::ExtendModel(base, std::move(inputs), core::Serially).status().code();
+    return core::ExtendModel(base, std::move(inputs), core::RunSerially).status().code();
   };
   CHECK(code({}) == absl::StatusCode::kInvalidArgument);
   auto narrow = Clips(3, 4);
@@ -140,7 +140,7 @@ TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
   parts.tree = *core::Tree::Create(parts.tree.frame_order(), parts.tree.branches());
   const auto plain = core::Model::Create(std::move(parts));
   REQUIRE(plain.ok());
-  CHECK(core::ExtendModel(*plain, Clips(3, 4), core::Serially).status().code() ==
+  CHECK(core::ExtendModel(*plain, Clips(3, 4), core::RunSerially).status().code() ==
         absl::StatusCode::kFailedPrecondition);
 }
 

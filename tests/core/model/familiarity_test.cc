@@ -15,7 +15,7 @@ TEST_CASE("Familiarity: scores are those of every node of every layer", "[core][
     for (int first = 0; first < 450; first += 60) windows.push_back({first, 13});
     const core::FamiliarityReference reference =
         core::MakeFamiliarityReference(windows, 13, model.states(), model.tree(), model.gaussians(),
-                                       model.parts().global_graphs, core::Serially);
+                                       model.parts().global_graphs, core::RunSerially);
     REQUIRE(static_cast<int>(reference.scores.size()) == model.layer_count());
     for (int layer = 1; layer <= model.layer_count(); ++layer) {
       const int nodes = model.tree().node_count(layer);
@@ -50,7 +50,7 @@ TEST_CASE("Familiarity: the same in any order of work; clips shorter than a wind
     return core::MakeFamiliarityReference(clips, 24, model.states(), model.tree(),
                                           model.gaussians(), model.parts().global_graphs, parallel);
   };
-  const core::FamiliarityReference once = make(core::Serially);
+  const core::FamiliarityReference once = make(core::RunSerially);
   CHECK(once.scores == make(backwards).scores);
   CHECK(once.scores.front().size() == 57 + 1 + 1 + 131);
 }

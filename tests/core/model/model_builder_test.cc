@@ -33,7 +33,7 @@ TEST_CASE("BuildModel: the same clips give the same model, bit for bit, on any t
   core::BuildSettings settings;
   settings.min_frames = 8;
   const auto once =
-      core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), core::Serially, {});
+      core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), core::RunSerially, {});
   const auto again =
       core::BuildModel(settings, set, WanderingClips(5, 300, set, 1), OnThreeThreads, {});
   REQUIRE((once.ok() && again.ok()));
@@ -98,7 +98,9 @@ TEST_CASE("BuildModel: clips are runs of frames in the order given", "[core][mod
 TEST_CASE("BuildModel: refuses clips that do not fit, and stops when told", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   const auto code = [&](std::vector<core::BuildInput> inputs, core::BuildProgress progress = {}) {
-    return core::BuildModel({}, set, std::move(inputs), core::Serially, progress).status().code();
+    return core::BuildModel({}, set, std::move(inputs), core::RunSerially, progress)
+        .status()
+        .code();
   };
   using absl::StatusCode;
   CHECK(code({}) == StatusCode::kInvalidArgument);
@@ -117,7 +119,7 @@ TEST_CASE("BuildModel: refuses clips that do not fit, and stops when told", "[co
 TEST_CASE("BuildModel: progress rises from 0 to 1", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   double last = -1;
-  const auto model = core::BuildModel({}, set, WanderingClips(2, 200, set, 1), core::Serially,
+  const auto model = core::BuildModel({}, set, WanderingClips(2, 200, set, 1), core::RunSerially,
                                       [&](double fraction, std::string_view stage) {
                                         CHECK(fraction >= last);
                                         CHECK_FALSE(stage.empty());

@@ -78,7 +78,7 @@ TEST_CASE("MotionMetric: behaviours are told apart where clips of one vary more 
     for (Eigen::Index d = 0; d < 18; ++d) states.col(d).array() += 3 * normal(random);
     states.rightCols(6).array() += c % 2 == 0 ? 0.5F : -0.5F;
   }
-  const auto model = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  const auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
   REQUIRE(model.ok());
   const auto right = [&](const core::FrameMatrix& frames) {
     int count = 0;
@@ -120,7 +120,7 @@ TEST_CASE("MotionMetric: there is one of single clips, and of motion that stands
     if (still) {
       for (auto& input : inputs) input.states.states.setOnes();
     }
-    const auto model = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+    const auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
     REQUIRE(model.ok());
     CHECK(model->metric().projection.allFinite());
     CHECK(model->metric().whitening.allFinite());

@@ -30,7 +30,7 @@ std::vector<core::BuildInput> Swinging(const core::MarkerSet& set, double phase)
 
 TEST_CASE("MotionPrior: a linear law of motion is found", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
-  const auto model = core::BuildModel({}, set, Swinging(set, 0), core::Serially, {});
+  const auto model = core::BuildModel({}, set, Swinging(set, 0), core::RunSerially, {});
   REQUIRE(model.ok());
   REQUIRE(model->prior().seconds.size() == 6);
   const core::StateSequence unseen = Swinging(set, 0.5)[0].states;
@@ -55,10 +55,11 @@ TEST_CASE("MotionPrior: the same bytes in any order of work; none for short clip
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
   };
-  const auto model = core::BuildModel({}, set, Swinging(set, 0), core::Serially, {});
+  const auto model = core::BuildModel({}, set, Swinging(set, 0), core::RunSerially, {});
   const auto again = core::BuildModel({}, set, Swinging(set, 0), backwards, {});
   CHECK(model->prior().weights == again->prior().weights);
-  const auto brief = core::BuildModel({}, set, WanderingClips(2, 60, set, 1), core::Serially, {});
+  const auto brief =
+      core::BuildModel({}, set, WanderingClips(2, 60, set, 1), core::RunSerially, {});
   CHECK(brief->prior().seconds.empty());
   CHECK(brief->prior().Displacement(Eigen::RowVectorXf::Ones(120), 0.4).isZero());
 }
@@ -69,7 +70,7 @@ TEST_CASE("MotionPrior: there is one of any number of moments", "[core][model]")
   int fitted = 0;
   for (int frames = 83; frames < 100; ++frames) {
     const auto model =
-        core::BuildModel({}, set, WanderingClips(1, frames, set, 1), core::Serially, {});
+        core::BuildModel({}, set, WanderingClips(1, frames, set, 1), core::RunSerially, {});
     REQUIRE(model.ok());
     fitted += model->prior().seconds.empty() ? 0 : 1;
   }
@@ -106,7 +107,7 @@ TEST_CASE("RigidTree: bones keep their length and direction, other markers their
       row.segment<3>(6) = row.segment<3>(0) + 0.5F * direction;
     }
   }
-  const auto model = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  const auto model = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
   REQUIRE(model.ok());
   const core::RigidTree& tree = model->rigid_tree();
   REQUIRE(tree.bones.size() == 4);

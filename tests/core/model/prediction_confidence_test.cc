@@ -51,7 +51,7 @@ TEST_CASE("PredictionConfidence: a law that is fitted judges others right", "[co
 
 TEST_CASE("PredictionConfidence: between horizons it is interpolated, without laws the variance",
           "[core][model]") {
-  const core::ErrorLaw early = core::FitErrorLaw(0.2, Samples(100, 1));
+  const core::ErrorModel early = core::FitErrorLaw(0.2, Samples(100, 1));
   auto later = Samples(100, 3);
   for (core::ErrorSample& sample : later) sample.error *= 3;
   const core::PredictionConfidence confidence{{early, core::FitErrorLaw(0.4, later)}};

@@ -99,7 +99,7 @@ TEST_CASE("Represent: stops soon after cancellation, at any point", "[core][moti
 
 TEST_CASE("SourceScheme: too many markers are refused", "[core][motion][hostile]") {
   core::MarkerMotion motion = Hips(0.9F);
-  while (motion.names.size() <= core::kMostMarkers) {
+  while (motion.names.size() <= core::kMaxMarkers) {
     motion.names.push_back("m" + std::to_string(motion.names.size()));
   }
   motion.positions_m.setZero(4, 3 * std::ssize(motion.names));

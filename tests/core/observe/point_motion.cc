@@ -54,7 +54,7 @@ core::Model PointModel(int labels, int clips_each, bool calibrated) {
   }
   core::BuildSettings settings;
   settings.min_frames = 8;
-  auto model = core::BuildModel(settings, PointScheme().set, inputs, core::Serially, {});
+  auto model = core::BuildModel(settings, PointScheme().set, inputs, core::RunSerially, {});
   INFO(model.status());
   REQUIRE(model.ok());
   if (calibrated) {

@@ -32,7 +32,7 @@ core::Feet FeetOfSource(const std::filesystem::path& path, core::MarkerSet& set)
   settings.min_frames = 100;
   set = scheme->set;
   const auto model =
-      core::BuildModel(settings, set, {{"a", "a", *std::move(states)}}, core::Serially, {});
+      core::BuildModel(settings, set, {{"a", "a", *std::move(states)}}, core::RunSerially, {});
   REQUIRE(model.ok());
   return core::FindFeet(*model);
 }

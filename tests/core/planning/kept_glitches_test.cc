@@ -24,7 +24,7 @@ Model GlitchedDatabase() {
     REQUIRE(states.ok());
     inputs.push_back({id, "walk", *std::move(states)});
   }
-  auto model = BuildModel({}, tests::WalkerSet(), std::move(inputs), Serially, {});
+  auto model = BuildModel({}, tests::WalkerSet(), std::move(inputs), RunSerially, {});
   REQUIRE(model.ok());
   return *std::move(model);
 }
@@ -43,14 +43,14 @@ TEST_CASE("SegmentGraph: no join leads to a run with a kept glitch or fades over
   const Model model = GlitchedDatabase();
   const StoredFloor floor(model, tests::WalkingFigure::kLeg_m);
   SegmentGraph graph(model, floor, model.layer_count(), {});
-  CHECK_FALSE(graph.Plays(graph.run_of_frame(kGlitch)));
+  CHECK_FALSE(graph.IsFreeOfGlitches(graph.run_of_frame(kGlitch)));
   int joins = 0;
   for (std::size_t run = 0; run < graph.runs().size(); ++run) {
     for (const RunJoin& join : graph.Joins(static_cast<int>(run))) {
       const auto& [leave, enter, window] = join.join;
       CHECK_FALSE(model.HasGlitch(leave - window, leave + window));
       CHECK_FALSE(model.HasGlitch(enter - window, enter + window));
-      CHECK(graph.Plays(join.to));
+      CHECK(graph.IsFreeOfGlitches(join.to));
       ++joins;
     }
   }

@@ -79,10 +79,10 @@ TEST_CASE("Floor field: clear positions agree with the distance", "[planning]") 
   for (int i = 0; i < 20000; ++i) {
     const Eigen::Vector2d point(14 * random.Next() - 7, 14 * random.Next() - 7);
     const double distance = random.Next();
-    CHECK(field.Keeps(point, distance) == (Distance(obstacles, point) >= distance));
+    CHECK(field.HasClearance(point, distance) == (Distance(obstacles, point) >= distance));
   }
   const Obstacles none;
-  CHECK(FloorField(none, {0, 0}, {1, 0}).Keeps({0, 0}, 5));
+  CHECK(FloorField(none, {0, 0}, {1, 0}).HasClearance({0, 0}, 5));
 }
 
 TEST_CASE("Floor field: no path into a closed room", "[planning]") {

@@ -43,7 +43,7 @@ TEST_CASE("Plan: an exact plan's returned markers end at the goal", "[planning]"
   CHECK((*root)(0, 0) == Approx(0).margin(1e-4));
   CHECK((*root)(0, 1) == Approx(0).margin(1e-4));
   CHECK((*root)(0, 2) == Approx(0).margin(1e-4));
-  CHECK(motion.quality.correction_m <= kLargestCorrection * motion.quality.length_m * 1.01);
+  CHECK(motion.quality.correction_m <= kMaxCorrection * motion.quality.length_m * 1.01);
 }
 
 TEST_CASE("Plan: node paths and segments describe the played frames", "[planning]") {

@@ -51,7 +51,7 @@ TEST_CASE("Root correction: a near goal is reached within the limits of the shif
     const GoalError error = ErrorAt(corrected.poses.back(), goal);
     CHECK(error.position_m == Approx(0).margin(1e-9));
     CHECK(error.heading_rad == Approx(0).margin(1e-9));
-    CHECK(corrected.largest_shift_m <= kLargestCorrection * length);
+    CHECK(corrected.largest_shift_m <= kMaxCorrection * length);
     CHECK(corrected.poses.front().x == 0);
     CHECK(corrected.poses.front().heading == 0);
   }
@@ -63,11 +63,11 @@ TEST_CASE("Root correction: a far goal is approached up to the limits", "[planni
     const double length = Length(root);
     const FloorPose goal{root.back().x + 1, root.back().y - 2, root.back().heading + 1};
     const CorrectedRoot corrected = CorrectRoot(root, goal);
-    CHECK(corrected.largest_shift_m <= kLargestCorrection * length * (1 + 1e-9));
-    CHECK(corrected.largest_shift_m <= kLargestCorrection * corrected.length_m);
-    CHECK(corrected.largest_shift_m > 0.85 * kLargestCorrection * length);
+    CHECK(corrected.largest_shift_m <= kMaxCorrection * length * (1 + 1e-9));
+    CHECK(corrected.largest_shift_m <= kMaxCorrection * corrected.length_m);
+    CHECK(corrected.largest_shift_m > 0.85 * kMaxCorrection * length);
     CHECK(corrected.length_m == Approx(Length(corrected.poses)));
-    CHECK(corrected.turn_rad <= kLargestCorrection * length * (1 + 1e-9));
+    CHECK(corrected.turn_rad <= kMaxCorrection * length * (1 + 1e-9));
     CHECK(ErrorAt(corrected.poses.back(), goal).position_m < ErrorAt(root.back(), goal).position_m);
   }
 }

@@ -83,7 +83,7 @@ double ShortestByExhaustion(SegmentGraph& graph, const StoredFloor& floor, const
             best, ShortestByExhaustion(graph, floor, goal, std::move(joined), joins - 1, longest));
       }
     }
-    if (at == graph.runs()[run].last && !graph.runs()[run].goes_on) return best;
+    if (at == graph.runs()[run].last && !graph.runs()[run].continues) return best;
   }
 }
 
@@ -196,7 +196,7 @@ TEST_CASE("Segment search: can be stopped, with the best path so far or none", "
   CHECK(cut->effort.expansions <= 6 * 64);
   CHECK_FALSE(cut->reached);
   REQUIRE(cut->paths.size() == 1);
-  CHECK(cut->paths[0].lack > 0);
+  CHECK(cut->paths[0].violation > 0);
 
   const auto cancelled = Find(ground, settings, {}, {.cancelled = [] { return true; }});
   CHECK(cancelled.status().code() == absl::StatusCode::kCancelled);
@@ -217,7 +217,7 @@ TEST_CASE("Segment search: standing before walking is not treated as a dead end"
   auto states = ComputeStates(tests::WalkerSet(), motion);
   REQUIRE(states.ok());
   const auto model =
-      BuildModel({}, tests::WalkerSet(), {{"march", "walk", *std::move(states)}}, Serially, {});
+      BuildModel({}, tests::WalkerSet(), {{"march", "walk", *std::move(states)}}, RunSerially, {});
   REQUIRE(model.ok());
   const StoredFloor floor(*model, kLeg);
   SegmentGraph graph(*model, floor, model->layer_count(), {});

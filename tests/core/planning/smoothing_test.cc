@@ -26,15 +26,15 @@ TEST_CASE("Smooth: keeps constants and the sum of an inner peak", "[core][planni
   CHECK(smooth(6, 0) == 0);
 }
 
-TEST_CASE("Cover: is never below the values", "[core][planning]") {
+TEST_CASE("UpperEnvelope: is never below the values", "[core][planning]") {
   std::mt19937 random(1);
   std::normal_distribution<double> normal;
   Eigen::ArrayXd values(200);
   for (double& value : values) value = normal(random);
   for (const int reach : {1, 5, 300}) {
-    CHECK((core::Cover(values, reach) - values).minCoeff() > -1e-12);
+    CHECK((core::UpperEnvelope(values, reach) - values).minCoeff() > -1e-12);
   }
-  CHECK(core::Cover(Eigen::ArrayXd(), 3).size() == 0);
+  CHECK(core::UpperEnvelope(Eigen::ArrayXd(), 3).size() == 0);
 }
 
 }  // namespace motiondb::tests::smoothing_test

@@ -28,7 +28,7 @@ SplicedPath PathOfThreeRuns(SegmentGraph& graph) {
              join.join.enter + 100 < clip.first_frame + clip.frame_count;
     });
     if (fits == joins.end()) {
-      REQUIRE(graph.runs()[run].goes_on);
+      REQUIRE(graph.runs()[run].continues);
       ++run;
       continue;
     }

@@ -48,7 +48,7 @@ inline const core::Model& WalkingDatabase() {
       add("left-" + std::to_string(curvature), "bend", curvature, 0.65);
       add("right-" + std::to_string(curvature), "bend", -curvature, 0.65);
     }
-    auto model = core::BuildModel({}, WalkerSet(), std::move(inputs), core::Serially, {});
+    auto model = core::BuildModel({}, WalkerSet(), std::move(inputs), core::RunSerially, {});
     INFO(model.status());
     REQUIRE(model.ok());
     return *std::move(model);

@@ -100,8 +100,8 @@ struct WalkingFigure {
     settings.frame_rate_hz = rate_hz;
     settings.min_frames = 64;
     settings.scaling = scaling;
-    auto model =
-        core::BuildModel(settings, set, {{"walk", "walk", *std::move(states)}}, core::Serially, {});
+    auto model = core::BuildModel(settings, set, {{"walk", "walk", *std::move(states)}},
+                                  core::RunSerially, {});
     INFO(model.status());
     REQUIRE(model.ok());
     return *std::move(model);

@@ -84,7 +84,7 @@ TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips
 TEST_CASE("Predict: a stored clip's future is found, in the observation's world and size",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
-  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
   REQUIRE(built.ok());
   const core::Model& model = *built;
   const core::StateSequence clip = PeriodicClip(set)[0].states;
@@ -176,7 +176,7 @@ TEST_CASE("PredictFrames: are the horizons of Predict", "[core][prediction]") {
 TEST_CASE("Predict: by the paper's method the nodes' means follow the graph",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
-  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
   REQUIRE(built.ok());
   const core::StateSequence clip = PeriodicClip(set)[0].states;
   core::PredictOptions options;
@@ -199,7 +199,7 @@ TEST_CASE("Predict: a clip that is left out is no example", "[core][prediction]"
   const core::MarkerSet set = SmallMarkerSet(4);
   auto inputs = PeriodicClip(set);
   inputs.push_back(WanderingClips(2, 300, set, 4)[1]);
-  const auto built = core::BuildModel({}, set, std::move(inputs), core::Serially, {});
+  const auto built = core::BuildModel({}, set, std::move(inputs), core::RunSerially, {});
   REQUIRE(built.ok());
   const core::StateSequence clip = Cut(PeriodicClip(set)[0].states, 0, 151);
   const auto error = [&](core::FrameRange without) {
@@ -218,7 +218,7 @@ TEST_CASE("Predict: a clip that is left out is no example", "[core][prediction]"
 TEST_CASE("Forecaster: an example counts where its clip goes on for so long",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
-  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::Serially, {});
+  const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
   REQUIRE(built.ok());
   const core::StateSequence past = Cut(PeriodicClip(set)[0].states, 100, 51);
   core::Forecaster at_end(*built, past, {{599, false}, {595, false}});

@@ -40,7 +40,7 @@ TEST_CASE("PathSum: from roots it is what it is from distances, or says that it 
         nearest_sum += nearest;
       }
       CAPTURE(scale, seed);
-      CHECK(expected <= core::PathSum::LogEvidenceAtMost(40, nearest_sum) + 1e-9);
+      CHECK(expected <= core::PathSum::LogEvidenceBound(40, nearest_sum) + 1e-9);
       if (!from_roots.IsExact()) continue;
       ++exact;
       CHECK(from_roots.LogEvidence() == Approx(expected).epsilon(1e-6).margin(1e-4));

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <utility>
 
-#include "core/tree/divide_node.h"
+#include "core/tree/split_node.h"
 
 namespace motiondb::tests {
 namespace {

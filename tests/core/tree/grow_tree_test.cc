@@ -15,7 +15,7 @@ namespace {
 constexpr int kMinFrames = 8;
 
 core::Tree Build(const core::FrameMatrix& states) {
-  auto tree = core::BuildTree(states, kMinFrames, core::Serially);
+  auto tree = core::BuildTree(states, kMinFrames, core::RunSerially);
   REQUIRE(tree.ok());
   return *std::move(tree);
 }
@@ -110,7 +110,7 @@ TEST_CASE("DriftFraction: the frames of leaves that a build would split", "[core
   const core::FrameMatrix states = WanderingStates(1500, 18, 5);
   const core::Tree tree = Build(states);
   // Nothing is added: the rule that made the leaves does not split them.
-  CHECK(core::DriftFraction(tree, 1500, states, kMinFrames, core::Serially) == 0);
+  CHECK(core::DriftFraction(tree, 1500, states, kMinFrames, core::RunSerially) == 0);
   // Two distant clusters in a former leaf.
   core::FrameMatrix heaps(60, 18);
   for (int i = 0; i < 60; ++i) {
@@ -131,7 +131,7 @@ TEST_CASE("DriftFraction: the frames of leaves that a build would split", "[core
       frames += static_cast<double>(members.size());
   }
   CHECK(frames > 0);
-  CHECK(core::DriftFraction(*grown, 1500, all, kMinFrames, core::Serially) == frames / 1560);
+  CHECK(core::DriftFraction(*grown, 1500, all, kMinFrames, core::RunSerially) == frames / 1560);
 }
 
 TEST_CASE("NodeGaussians: grown Gaussians approximate those fitted to all frames", "[core][tree]") {
@@ -141,9 +141,9 @@ TEST_CASE("NodeGaussians: grown Gaussians approximate those fitted to all frames
   const auto grown = core::GrowTree(tree, added);
   REQUIRE(grown.ok());
   const core::FrameMatrix all = Both(states, added);
-  const auto before = core::NodeGaussians::Fit(tree, states, core::Serially);
-  const auto fitted = core::NodeGaussians::Fit(*grown, all, core::Serially);
-  const auto kept_up = before.Grown(*grown, 1500, all, core::Serially);
+  const auto before = core::NodeGaussians::Fit(tree, states, core::RunSerially);
+  const auto fitted = core::NodeGaussians::Fit(*grown, all, core::RunSerially);
+  const auto kept_up = before.Grown(*grown, 1500, all, core::RunSerially);
   for (int b = 0; b < fitted.branch_count(); ++b) {
     CHECK((fitted.means().row(b) - kept_up.means().row(b)).cwiseAbs().maxCoeff() < 1e-5);
     const Eigen::ArrayXf ratio =

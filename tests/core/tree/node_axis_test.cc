@@ -17,7 +17,7 @@ constexpr int kDimensions = 48;
 constexpr double kRounding = 3e-6;  // single precision, relative to the largest scatter
 
 core::NodeAxis AxisOf(const core::FrameMatrix& states,
-                      const core::ParallelFor& parallel = core::Serially) {
+                      const core::ParallelFor& parallel = core::RunSerially) {
   core::FrameMatrix padded(states.rows() + core::kRowLanes, states.cols());
   padded.topRows(states.rows()) = states;
   padded.bottomRows(core::kRowLanes).setConstant(1e6);  // is read, but must not matter
@@ -105,7 +105,7 @@ TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree
   for (const core::FrameMatrix& states :
        {ScaledStatesOf("sets/database1.train.tsv", 60), ScaledStatesOf("sets/database2.tsv", 240),
         ScaledStatesOf("index.tsv", 120, IsHdm05)}) {
-    const auto tree = core::BuildTree(states, 16, core::Serially);
+    const auto tree = core::BuildTree(states, 16, core::RunSerially);
     REQUIRE(tree.ok());
     int checked = 0;
     for (const core::Branch& branch : tree->branches()) {

@@ -12,9 +12,9 @@ namespace motiondb::tests::node_gaussians_test {
 
 TEST_CASE("NodeGaussians: mean and shrunk variance of each node's frames", "[core][tree]") {
   const core::FrameMatrix states = WanderingStates(400, 6, 2);
-  const auto tree = core::BuildTree(states, 8, core::Serially);
+  const auto tree = core::BuildTree(states, 8, core::RunSerially);
   REQUIRE(tree.ok());
-  const auto gaussians = core::NodeGaussians::Fit(*tree, states, core::Serially);
+  const auto gaussians = core::NodeGaussians::Fit(*tree, states, core::RunSerially);
   const Eigen::MatrixXd all = states.cast<double>();
   const Eigen::RowVectorXd var_all =
       (all.rowwise() - all.colwise().mean()).cwiseAbs2().colwise().mean();

@@ -56,7 +56,7 @@ TEST_CASE("SortValues: sorts all distributions, on any threads", "[core][tree]")
       std::sort(expected.begin(), expected.end());
       std::vector<double> scratch(values.size());
       for (const core::ParallelFor& parallel :
-           {core::ParallelFor(core::Serially), core::ParallelFor(OnFourThreads)}) {
+           {core::ParallelFor(core::RunSerially), core::ParallelFor(OnFourThreads)}) {
         std::vector<double> sorted = values;
         core::SortValues(sorted, scratch, parallel);
         CAPTURE(static_cast<int>(shape), count);

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "core/tree/divide_node.h"
+#include "core/tree/split_node.h"
 
 namespace motiondb::tests::threshold_test {
 namespace {

@@ -12,7 +12,7 @@ namespace motiondb::tests::tree_builder_test {
 namespace {
 
 core::Tree Build(const core::FrameMatrix& states, int min_frames,
-                 const core::ParallelFor& parallel = core::Serially) {
+                 const core::ParallelFor& parallel = core::RunSerially) {
   auto tree = core::BuildTree(states, min_frames, parallel);
   REQUIRE(tree.ok());
   return *std::move(tree);
@@ -24,9 +24,9 @@ TEST_CASE("BuildTreeInPlace: the same tree, and every row is at its place again"
   for (const int frames : {1, 40, 900}) {
     const core::FrameMatrix states = WanderingStates(frames, 70, 3);
     core::FrameMatrix moved = states;
-    const auto tree = core::BuildTree(states, 4, core::Serially);
+    const auto tree = core::BuildTree(states, 4, core::RunSerially);
     const auto in_place =
-        core::BuildTreeInPlace({moved.data(), moved.rows(), moved.cols()}, 4, core::Serially);
+        core::BuildTreeInPlace({moved.data(), moved.rows(), moved.cols()}, 4, core::RunSerially);
     REQUIRE(tree.ok());
     REQUIRE(in_place.ok());
     CHECK(moved == states);
@@ -160,11 +160,11 @@ TEST_CASE("BuildTree: equal frames make one node", "[core][tree]") {
 
 TEST_CASE("BuildTree: refuses invalid input and can be cancelled", "[core][tree]") {
   const auto code = [](const auto& result) { return result.status().code(); };
-  CHECK(code(core::BuildTree(core::FrameMatrix(0, 6), 16, core::Serially)) ==
+  CHECK(code(core::BuildTree(core::FrameMatrix(0, 6), 16, core::RunSerially)) ==
         absl::StatusCode::kInvalidArgument);
-  CHECK(code(core::BuildTree(core::FrameMatrix::Zero(9, 6), 1, core::Serially)) ==
+  CHECK(code(core::BuildTree(core::FrameMatrix::Zero(9, 6), 1, core::RunSerially)) ==
         absl::StatusCode::kInvalidArgument);
-  CHECK(code(core::BuildTree(WanderingStates(600, 6, 1), 4, core::Serially,
+  CHECK(code(core::BuildTree(WanderingStates(600, 6, 1), 4, core::RunSerially,
                              [](int) { return false; })) == absl::StatusCode::kCancelled);
 }
 

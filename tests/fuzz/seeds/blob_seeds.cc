@@ -69,7 +69,7 @@ TEST_CASE("Seeds: models and their parts", "[seeds]") {
   confidence.laws.resize(2);
   confidence.laws[0].seconds = 0.1;
   confidence.laws[1].seconds = 0.2;
-  for (core::ErrorLaw& law : confidence.laws) law.deviation = 1;
+  for (core::ErrorModel& law : confidence.laws) law.deviation = 1;
   WriteSeed("prediction_codec_fuzz", "confidence",
             markers + Fields(storage::PutConfidence, confidence));
   core::RecognitionCalibration calibration;

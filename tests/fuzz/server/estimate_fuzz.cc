@@ -19,8 +19,8 @@ absl::Status Estimate(const v1::EstimateRequest& request, v1::EstimateResponse& 
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             server::ObservationFrom("observation", request.observation(), "db"));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
-                            query.Estimate(observation, server::OptionsFrom(request)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParseEstimateOptions(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto answer, query.Estimate(observation, options));
   server::SetEstimation(answer, query.model(), response);
   return absl::OkStatus();
 }

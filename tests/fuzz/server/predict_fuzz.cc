@@ -17,7 +17,7 @@ namespace {
 
 absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& response) {
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParsePredictOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             server::ObservationFrom("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, query.Predict(observation, options));

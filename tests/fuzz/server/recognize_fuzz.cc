@@ -17,7 +17,7 @@ namespace {
 
 absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeResponse& response) {
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::OptionsFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParseRecognizeOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
                             server::ObservationFrom("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer,

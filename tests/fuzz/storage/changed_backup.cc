@@ -56,7 +56,7 @@ struct Base {
 };
 
 std::string BackupOfTrained() {
-  const auto backup = Trained().engine->store().upkeep().BeginBackup({});
+  const auto backup = Trained().engine->store().maintenance().BeginBackup({});
   Holds(backup.ok(), "a backup begins");
   std::string bytes;
   std::string block;

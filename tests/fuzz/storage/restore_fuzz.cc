@@ -20,7 +20,7 @@ constexpr std::size_t kBlockBytes = 64 << 10;
 constexpr int kMaxRows = 1000;
 
 absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
-  const auto restore = store.upkeep().BeginRestore();
+  const auto restore = store.maintenance().BeginRestore();
   tests::Holds(restore.ok(), "a restore begins in a store without databases");
   for (std::size_t begin = 0; begin < backup.size(); begin += kBlockBytes) {
     const absl::Status taken =
@@ -57,7 +57,7 @@ void ReadAll(storage::MotionStore& store) {
       Read(store.GetSkeleton(name, skeleton.id));
     }
     Read(store.ListModels(name, 0, kMaxRows));
-    const auto model = store.ReadModel(name, core::Serially);
+    const auto model = store.ReadModel(name, core::RunSerially);
     if (!absl::IsNotFound(model.status())) HoldsRead(model.status());
   }
   Read(store.ListOperations("", "", kMaxRows));

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "server/engine/snapshot.h"
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests::damage_test {
@@ -45,14 +45,14 @@ std::string ClipsOfModel(TestEngine& engine) {
 
 std::string CorruptResources(TestEngine& engine) {
   std::string resources;
-  for (const auto& damage : engine->damages()) resources += damage.resource + " ";
+  for (const auto& corruption : engine->corruptions()) resources += corruption.resource + " ";
   return resources;
 }
 
 }  // namespace
 
-TEST_CASE("Damage: a corrupt clip is left out and reported, at start and later",
-          "[server][damage]") {
+TEST_CASE("Corruption: a corrupt clip is left out and reported, at start and later",
+          "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 100, ChunksOf("b", 3)));
@@ -79,7 +79,7 @@ TEST_CASE("Damage: a corrupt clip is left out and reported, at start and later",
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
-TEST_CASE("Damage: a clip that becomes readable is used again", "[server][damage]") {
+TEST_CASE("Corruption: a clip that becomes readable is used again", "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, "UPDATE clip_chunk SET kind = 103 WHERE " + ChunksOf("b", 3));
@@ -94,7 +94,7 @@ TEST_CASE("Damage: a clip that becomes readable is used again", "[server][damage
   CHECK(CorruptResources(engine).find("databases/db/clips/b ") == std::string::npos);
 }
 
-TEST_CASE("Damage: an extension leaves a corrupt clip out", "[server][damage]") {
+TEST_CASE("Corruption: an extension leaves a corrupt clip out", "[server][corruption]") {
   auto options = TestEngine::QuickOptions();
   options.extend_from = std::chrono::seconds(0);
   TestEngine engine(options);
@@ -106,7 +106,7 @@ TEST_CASE("Damage: an extension leaves a corrupt clip out", "[server][damage]") 
   CHECK(ClipsOfModel(engine) == "ac");
 }
 
-TEST_CASE("Damage: a corrupt model is rebuilt from the clips", "[server][damage]") {
+TEST_CASE("Corruption: a corrupt model is rebuilt from the clips", "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("model_chunk", 100, "position = 0"));
@@ -116,17 +116,18 @@ TEST_CASE("Damage: a corrupt model is rebuilt from the clips", "[server][damage]
   CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db/models/"));
 }
 
-TEST_CASE("Damage: a model is served although the list of its clips is corrupt",
-          "[server][damage]") {
+TEST_CASE("Corruption: a model is served although the list of its clips is corrupt",
+          "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
-  RuinPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_of_database"))));
+  CorruptPage(engine.store_path(), std::stol(Sql(engine, RootPageOf("clip_of_database"))));
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
   CHECK_THAT(CorruptResources(engine), Catch::Contains("databases/db "));
 }
 
-TEST_CASE("Damage: a database is served although its operations are corrupt", "[server][damage]") {
+TEST_CASE("Corruption: a database is served although its operations are corrupt",
+          "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   const int page = std::stoi(
@@ -141,11 +142,12 @@ TEST_CASE("Damage: a database is served although its operations are corrupt", "[
   }
   engine.Start();
   CHECK(ClipsOfModel(engine) == "abc");
-  REQUIRE(engine->damages().size() == 1);
-  CHECK_THAT(engine->damages().front().description, Catch::StartsWith("operations: "));
+  REQUIRE(engine->corruptions().size() == 1);
+  CHECK_THAT(engine->corruptions().front().description, Catch::StartsWith("operations: "));
 }
 
-TEST_CASE("Damage: a corrupt source or skeleton does not affect the model", "[server][damage]") {
+TEST_CASE("Corruption: a corrupt source or skeleton does not affect the model",
+          "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 26, ChunksOf("b", 1)));
@@ -157,7 +159,8 @@ TEST_CASE("Damage: a corrupt source or skeleton does not affect the model", "[se
   CHECK(ClipsOfModel(engine) == "abcd");
 }
 
-TEST_CASE("Damage: the build of a database without a readable clip fails", "[server][damage]") {
+TEST_CASE("Corruption: the build of a database without a readable clip fails",
+          "[server][corruption]") {
   TestEngine engine;
   Fill(engine);
   Sql(engine, ChangeByte("clip_chunk", 100, "kind = 3"));

@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "server/engine/damage_book.h"
+#include "server/engine/corruption_log.h"
 #include "server/engine/ingest.h"
 #include "server/engine/marker_schemes.h"
 #include "server/engine/model_lifecycle.h"
@@ -25,8 +25,8 @@ namespace motiondb::tests::lifecycle_simulation_test {
 namespace {
 
 using server::Calibration;
+using server::DeletionPolicy;
 using server::Executor;
-using server::Retiring;
 using std::chrono::milliseconds;
 using storage::OperationState;
 
@@ -98,12 +98,12 @@ class Simulation {
     for (const std::string& clip : clips_) CHECK(store().GetClip("db", clip).ok());
     Serve();
     previous_.reset();
-    server::DamageBook damages;
+    server::CorruptionLog corruptions;
     // The database is not visible meanwhile.
     const auto between = std::exchange(executor_.between, nullptr);
-    lifecycle().LoadStored(damages);
+    lifecycle().LoadStored(corruptions);
     executor_.between = between;
-    CHECK(damages.List().empty());
+    CHECK(corruptions.List().empty());
     // The stored model is older than the changes since its build.
     const bool was_emptied = is_emptied_since_;
     const bool was_deleted = is_deleted_since_;
@@ -261,7 +261,7 @@ class Simulation {
       return absl::OkStatus();
     };
     const auto clip = server::IngestClip(store(), *process_->live, std::move(file), options_,
-                                         core::Serially, {}, stored);
+                                         core::RunSerially, {}, stored);
     INFO(clip.status().ToString());
     REQUIRE(clip.ok());
     last_request_ = executor_.Now();

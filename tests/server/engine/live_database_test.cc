@@ -11,8 +11,8 @@
 namespace motiondb::tests::live_database_test {
 namespace {
 
+using server::DeletionPolicy;
 using server::LiveDatabase;
-using server::Retiring;
 
 const auto kNothing = [] { return absl::OkStatus(); };
 
@@ -24,7 +24,7 @@ TEST_CASE("LiveDatabase: continuous changes do not starve the deletion", "[serve
   std::vector<std::thread> threads;
   for (int i = 0; i < 4; ++i) {
     threads.emplace_back([&, i] {
-      const auto retiring = i % 2 == 0 ? Retiring::kAwait : Retiring::kRefuse;
+      const auto retiring = i % 2 == 0 ? DeletionPolicy::kAwait : DeletionPolicy::kRefuse;
       absl::Status status;
       while (status.ok() || absl::IsUnavailable(status)) {
         status = database.WithSharedUse(retiring, [&] {
@@ -42,7 +42,7 @@ TEST_CASE("LiveDatabase: continuous changes do not starve the deletion", "[serve
   absl::Status refused;
   const absl::Status deleted = database.Retire([&] {
     changes_during_deletion = changes;
-    refused = database.WithSharedUse(Retiring::kRefuse, kNothing);
+    refused = database.WithSharedUse(DeletionPolicy::kRefuse, kNothing);
     return absl::OkStatus();
   });
   for (std::thread& thread : threads) thread.join();
@@ -57,7 +57,7 @@ TEST_CASE("LiveDatabase: stays alive if its deletion fails or is cancelled", "[s
   LiveDatabase database("db", {});
   absl::Status late;
   CHECK(database
-            .WithSharedUse(Retiring::kRefuse,
+            .WithSharedUse(DeletionPolicy::kRefuse,
                            [&] {
                              late = database.Retire(kNothing, [] { return true; });
                              return absl::OkStatus();
@@ -67,11 +67,11 @@ TEST_CASE("LiveDatabase: stays alive if its deletion fails or is cancelled", "[s
   CHECK(absl::IsResourceExhausted(
       database.Retire([] { return absl::ResourceExhaustedError("disk"); })));
   CHECK_THROWS(database.Retire([]() -> absl::Status { throw std::bad_alloc(); }));
-  CHECK_THROWS(
-      database.WithSharedUse(Retiring::kAwait, []() -> absl::Status { throw std::bad_alloc(); }));
-  CHECK(database.WithSharedUse(Retiring::kAwait, kNothing).ok());
+  CHECK_THROWS(database.WithSharedUse(DeletionPolicy::kAwait,
+                                      []() -> absl::Status { throw std::bad_alloc(); }));
+  CHECK(database.WithSharedUse(DeletionPolicy::kAwait, kNothing).ok());
   CHECK(database.Retire(kNothing).ok());
-  CHECK(absl::IsNotFound(database.WithSharedUse(Retiring::kAwait, kNothing)));
+  CHECK(absl::IsNotFound(database.WithSharedUse(DeletionPolicy::kAwait, kNothing)));
 }
 
 }  // namespace

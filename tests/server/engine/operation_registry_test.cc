@@ -98,7 +98,7 @@ TEST_CASE("OperationRegistry: a stopping server ends all waits", "[server]") {
   const std::string id = registry->Create("db")->id;
   int calls = 0;
   registry->Watch(id, [&](const auto&) { ++calls; });
-  registry->ReleaseWaiters();
+  registry->EndWaits();
   CHECK(calls == 1);
   CHECK(registry->Watch(id, [&](const auto&) { ++calls; }) == 0);
 }

@@ -92,11 +92,11 @@ class SwappingStore : public GatedStore {
   explicit SwappingStore(std::unique_ptr<storage::MotionStore> store)
       : GatedStore(std::move(store), std::make_shared<Gate>()) {}
 
-  absl::StatusOr<storage::ClipRecord> DeleteClip(const std::string& database,
-                                                 const std::string& clip,
-                                                 const storage::ChangeTerms& terms) override {
+  absl::StatusOr<storage::ClipRecord> DeleteClip(
+      const std::string& database, const std::string& clip,
+      const storage::WriteOptions& work_options) override {
     if (before_deletion) std::exchange(before_deletion, {})();
-    return GatedStore::DeleteClip(database, clip, terms);
+    return GatedStore::DeleteClip(database, clip, work_options);
   }
 
   std::function<void()> before_deletion;

@@ -12,7 +12,7 @@
 #include "server/engine/model_lifecycle.h"
 #include "server/engine/snapshot.h"
 #include "storage/sqlite/sqlite_motion_store.h"
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/support/test_engine.h"
 
 namespace motiondb::tests::reprocess_test {
@@ -231,7 +231,7 @@ TEST_CASE("Reprocess: a model never mixes representation versions", "[server][re
   const auto before = live->lifecycle().snapshot();
   // Extensions have their own thread: a scheduled one runs within some rounds.
   const auto extend = [&] {
-    REQUIRE(live->WithSharedUse(server::Retiring::kRefuse,
+    REQUIRE(live->WithSharedUse(server::DeletionPolicy::kRefuse,
                                 [&] {
                                   live->lifecycle().RequestExtension();
                                   return absl::OkStatus();
@@ -254,7 +254,7 @@ TEST_CASE("Reprocess: a model never mixes representation versions", "[server][re
     engine.model_gate().AwaitArrival();
     CHECK(Clip(engine, "short").representation_version == core::kRepresentationVersion);
     // As after a crash: the former model can be read unchanged.
-    const auto former = engine->store().ReadModel("db", core::Serially);
+    const auto former = engine->store().ReadModel("db", core::RunSerially);
     REQUIRE(former.ok());
     CHECK(former->states() == before->model.states());
     CHECK(former->HasGlitch(60 + 60 + 20, 60 + 60 + 22));

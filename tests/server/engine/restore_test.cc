@@ -21,9 +21,9 @@ void Fill(TestEngine& engine) {
 
 // Transfers a complete backup of `from` to `to`.
 std::unique_ptr<storage::StoreRestore> Bring(TestEngine& from, TestEngine& to) {
-  auto backup = from->store().upkeep().BeginBackup({});
+  auto backup = from->store().maintenance().BeginBackup({});
   REQUIRE(backup.ok());
-  auto restore = to->store().upkeep().BeginRestore();
+  auto restore = to->store().maintenance().BeginRestore();
   REQUIRE(restore.ok());
   std::string block;
   while (*(*backup)->Read(block)) REQUIRE((*restore)->Append(block).ok());
@@ -80,7 +80,7 @@ TEST_CASE("Restore: a database is visible only after its clips are counted and i
   TestEngine to;
   const auto restore = Bring(from, to);
   to.reading_gate().Close();
-  absl::StatusOr<server::StoreAmount> restored;
+  absl::StatusOr<server::StoreCounts> restored;
   std::jthread restoring([&] { restored = to->Restore(*restore, {}); });
   to.reading_gate().AwaitArrival();
   CHECK(absl::IsNotFound(to->FindDatabase("db").status()));

@@ -63,7 +63,7 @@ TEST_CASE("Startup: a read-only server serves the stored model and refuses chang
   CHECK(absl::IsFailedPrecondition(read_only.CancelOperation("waiting").status()));
   CHECK(absl::IsFailedPrecondition(read_only.DeleteDatabase("db")));
   CHECK((*read_only.FindDatabase("db"))->lifecycle().snapshot() != nullptr);
-  CHECK(read_only.damages().empty());
+  CHECK(read_only.corruptions().empty());
 }
 
 TEST_CASE("Startup: a waiting operation is resumed", "[server][startup]") {

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/engine/lane.h"
+#include "server/engine/concurrency_limiter.h"
 #include "server/engine/memory_reserve.h"
 
 namespace motiondb::server::thread_pool_test {
@@ -47,9 +47,9 @@ TEST_CASE("ThreadPool: Stop drops work that has not begun", "[server]") {
   CHECK(done == 0);
 }
 
-TEST_CASE("Lane: work that throws releases its place", "[server]") {
+TEST_CASE("ConcurrencyLimiter: work that throws releases its place", "[server]") {
   ThreadPool pool(2);
-  Lane lane(pool, 1);
+  ConcurrencyLimiter lane(pool, 1);
   std::atomic<int> done = 0;
   for (int i = 0; i < 5; ++i) {
     lane.Post("", [] { throw std::bad_alloc(); });

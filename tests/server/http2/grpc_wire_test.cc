@@ -13,8 +13,8 @@ using server::ParseTimeout;
 
 TEST_CASE("gRPC wire: a message prefix keeps every length", "[server][http2]") {
   for (const std::uint32_t length : {0U, 1U, 255U, 256U, 65'536U, 16'777'216U, 4'294'967'295U}) {
-    const server::MessagePrefix prefix = server::PrefixOf(length);
-    CHECK(server::LengthIn(prefix) == length);
+    const server::MessagePrefix prefix = server::MakeMessagePrefix(length);
+    CHECK(server::MessageLength(prefix) == length);
     CHECK(!server::IsCompressed(prefix));
   }
   CHECK(server::IsCompressed({1, 0, 0, 0, 0}));
@@ -39,10 +39,10 @@ TEST_CASE("gRPC wire: timeouts in every unit; other texts are malformed", "[serv
 
 TEST_CASE("gRPC wire: trailers carry code, text and details", "[server][http2]") {
   using Trailers = server::HeaderList;
-  CHECK(server::TrailersOf(grpc::Status::OK) == Trailers{{"grpc-status", "0"}});
+  CHECK(server::MakeTrailers(grpc::Status::OK) == Trailers{{"grpc-status", "0"}});
   const std::string details("\x08\x03\xff\0x", 5);
   const grpc::Status status(grpc::StatusCode::NOT_FOUND, "100 % of \xc3\xa9\n", details);
-  const Trailers trailers = server::TrailersOf(status);
+  const Trailers trailers = server::MakeTrailers(status);
   REQUIRE(trailers.size() == 3);
   CHECK(trailers[0] == std::pair<std::string, std::string>{"grpc-status", "5"});
   CHECK(trailers[1] == std::pair<std::string, std::string>{"grpc-message", "100 %25 of %C3%A9%0A"});

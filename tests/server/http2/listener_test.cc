@@ -170,7 +170,9 @@ TEST_CASE("Listener: a reset of a stream that was never opened ends no other cal
 
 // Waits until `count` connections were ended; the server counts after the client has closed, too.
 void AwaitEnded(TestServer& server, std::int64_t count) {
-  const auto ended = [&] { return server.server().monitor().Figures().ended_connections; };
+  const auto ended = [&] {
+    return server.server().monitor().CollectStatistics().ended_connections;
+  };
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   while (ended() < count && std::chrono::steady_clock::now() < latest) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -195,7 +197,7 @@ TEST_CASE("Listener: connections that the server ends are counted", "[server][ht
   }
   server.CreateDatabase("db");
   AwaitEnded(server, 5);
-  CHECK(server.server().monitor().Figures().open_connections == 1);
+  CHECK(server.server().monitor().CollectStatistics().open_connections == 1);
 }
 
 // Regression: a connection that ended in the turn in which a call began was never released, and the

@@ -28,7 +28,7 @@ const std::string kLastGet = "GET /page HTTP/1.1\r\nHost: test\r\nConnection: cl
 
 std::unique_ptr<HttpServer> StartServer(HttpLimits limits = {}, server::HttpPages pages = {}) {
   pages["/page"] = {.make = [] { return HttpAnswer{.body = "made\n"}; }};
-  pages["/now"] = {.make = [] { return HttpAnswer{.body = "now\n"}; }, .at_once = true};
+  pages["/now"] = {.make = [] { return HttpAnswer{.body = "now\n"}; }, .is_immediate = true};
   pages["/busy"] = {.make = [] { return HttpAnswer{.status = 503, .body = "busy\n"}; }};
   auto server = HttpServer::Start("127.0.0.1:0", std::move(pages), limits);
   INFO(server.status().ToString());

@@ -14,27 +14,27 @@ TEST_CASE("ListenOn: the error tells why listening fails", "[server][http]") {
   tcp::acceptor holder(context);
   REQUIRE(server::ListenOn("127.0.0.1:0", holder).ok());
   const std::string address = "127.0.0.1:" + std::to_string(holder.local_endpoint().port());
-  const absl::Status in_use = server::TryListening(address);
+  const absl::Status in_use = server::CheckListening(address);
   CHECK(absl::IsUnavailable(in_use));
   CHECK(in_use.message() == "cannot listen on " + address + ": Address already in use");
   // Of a network without machines (RFC 5737).
-  const absl::Status elsewhere = server::TryListening("192.0.2.1:0");
+  const absl::Status elsewhere = server::CheckListening("192.0.2.1:0");
   CHECK(absl::IsNotFound(elsewhere));
   CHECK(elsewhere.message() == "cannot listen on 192.0.2.1:0: Cannot assign requested address");
   tcp::acceptor acceptor(context);
   CHECK(absl::IsInvalidArgument(server::ListenOn("nothing", acceptor)));
   holder.close();
-  CHECK(server::TryListening(address).ok());
+  CHECK(server::CheckListening(address).ok());
 }
 
-TEST_CASE("AddressesOf: returns numeric addresses", "[server][http]") {
+TEST_CASE("ResolveAddresses: returns numeric addresses", "[server][http]") {
   using Addresses = std::vector<std::string>;
-  CHECK(*server::AddressesOf("127.0.0.1:7") == Addresses{"127.0.0.1"});
-  CHECK(*server::AddressesOf("[::1]:7") == Addresses{"[::1]"});
-  const auto local = server::AddressesOf("localhost:7");
+  CHECK(*server::ResolveAddresses("127.0.0.1:7") == Addresses{"127.0.0.1"});
+  CHECK(*server::ResolveAddresses("[::1]:7") == Addresses{"[::1]"});
+  const auto local = server::ResolveAddresses("localhost:7");
   REQUIRE(local.ok());
   CHECK(std::ranges::count(*local, "127.0.0.1") == 1);
-  CHECK(absl::IsInvalidArgument(server::AddressesOf("7").status()));
+  CHECK(absl::IsInvalidArgument(server::ResolveAddresses("7").status()));
 }
 
 }  // namespace

@@ -5,21 +5,21 @@
 #include <set>
 #include <string>
 
-#include "server/observability/server_figures.h"
+#include "server/observability/server_statistics.h"
 
 namespace motiondb::tests::metric_families_test {
 namespace {
 
 using Catch::Contains;
-using server::DatabaseFigures;
-using server::ServerFigures;
+using server::DatabaseStatistics;
+using server::ServerStatistics;
 
-std::string Text(const ServerFigures& figures) {
+std::string Text(const ServerStatistics& figures) {
   return prometheus::TextSerializer().Serialize(server::FamiliesOf(figures));
 }
 
 TEST_CASE("MetricFamilies: a database without a model", "[server][metrics]") {
-  ServerFigures figures;
+  ServerStatistics figures;
   figures.databases.push_back({.name = "walks", .stored = {7, 11969}});
   const std::string text = Text(figures);
   CHECK_THAT(text, Contains("motiondb_database_clips{database=\"walks\"} 7\n") &&
@@ -31,7 +31,7 @@ TEST_CASE("MetricFamilies: a database without a model", "[server][metrics]") {
 }
 
 TEST_CASE("MetricFamilies: a model, its current and earlier builds", "[server][metrics]") {
-  ServerFigures figures;
+  ServerStatistics figures;
   figures.databases.push_back({.name = "walks",
                                .model = storage::ModelRecord{.version = 3, .frame_count = 100},
                                .model_age_seconds = 12.5,
@@ -76,7 +76,7 @@ TEST_CASE("MetricFamilies: failed writes by reason, and heavy calls", "[server][
 
 TEST_CASE("MetricFamilies: the expiry of the certificate, 0 without one", "[server][metrics]") {
   CHECK_THAT(Text({}), Contains("motiondb_certificate_end_time_seconds 0\n"));
-  CHECK_THAT(Text({.certificate_end_time_s = 1'800'000'000}),
+  CHECK_THAT(Text({.certificate_expiry_s = 1'800'000'000}),
              Contains("motiondb_certificate_end_time_seconds 1800000000\n"));
 }
 

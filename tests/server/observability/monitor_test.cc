@@ -100,7 +100,7 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   for (const StatusCode code :
        {StatusCode::kInternal, StatusCode::kUnknown, StatusCode::kDataLoss}) {
     CAPTURE(code);
-    CHECK(server::IsOwnFault(code));
+    CHECK(server::IsServerFault(code));
     CHECK_THAT(monitor.Exposition(),
                Contains("motiondb_requests_total{code=\"" + std::string(server::CodeName(code)) +
                         "\",method=\"QueryService.Plan\"} 0\n"));
@@ -130,7 +130,7 @@ TEST_CASE("Monitor: calls are counted by method and code", "[server][monitor]") 
   CallWatch(monitor, "QueryService.Plan", CallKind::kWork)
       .End(StatusCode::kInternal, "", "id", "peer");
   CHECK(monitor.calls().failed() == 1);
-  const auto figures = monitor.Figures();
+  const auto figures = monitor.CollectStatistics();
   CHECK(figures.ended_calls == 4);
   CHECK(figures.authentication_failures == 2);
   REQUIRE(figures.methods.size() == 3);
@@ -176,7 +176,7 @@ TEST_CASE("Monitor: databases, their models and builds, until they are deleted",
                  Contains("motiondb_model_version{database=\"walks\"} 0\n"));
   engine.gate().Open();
   engine.Wait(ingested->operation.id);
-  const auto figures = monitor.Figures();
+  const auto figures = monitor.CollectStatistics();
   REQUIRE(figures.databases.size() == 1);
   REQUIRE(figures.databases[0].model.has_value());
   CHECK(figures.databases[0].model->version == 1);

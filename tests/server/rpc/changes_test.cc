@@ -85,7 +85,7 @@ TEST_CASE("Limits: a change that waits for its turn delays no query and holds no
   });
   for (auto& each : waiting) CHECK(each.get().ok());
   // A change without effect also has an audit entry.
-  CHECK(RunsSoon([&](auto work) { engine.workers().Post(server::Pool::kUpkeep, work); }));
+  CHECK(RunsSoon([&](auto work) { engine.workers().Post(server::Pool::kMaintenance, work); }));
   const auto records = engine.store().access().ListAuditRecords(0, 10);
   REQUIRE(records.ok());
   for (const char* const resource : {"databases/late", "databases/none"}) {

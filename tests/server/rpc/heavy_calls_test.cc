@@ -24,15 +24,15 @@ using std::chrono::milliseconds;
 TEST_CASE("RequestClass: the heavy and streaming calls exist in the protocol", "[server][limits]") {
   int heavy = 0;
   int streams = 0;
-  int upkeep = 0;
+  int maintenance = 0;
   for (const server::CallRule& rule : server::CallRules()) {
     heavy += rule.request_class == server::RequestClass::kHeavy ? 1 : 0;
     streams += rule.request_class == server::RequestClass::kStream ? 1 : 0;
-    upkeep += rule.pool == server::Pool::kUpkeep ? 1 : 0;
+    maintenance += rule.pool == server::Pool::kMaintenance ? 1 : 0;
   }
   CHECK(heavy == 7);
   CHECK(streams == 1);
-  CHECK(upkeep == 3);
+  CHECK(maintenance == 3);
 }
 
 // Few frames at the lowest accepted rate, which become 100 s of motion in a database of 60 Hz.
@@ -114,7 +114,7 @@ TEST_CASE("Limits: a heavy call counts before it waits for a thread", "[server][
   const std::shared_future<void> held = done.get_future().share();
   server::Workers& workers = server.server().engine().workers();
   for (int i = 0; i < workers.request_threads(); ++i) {
-    workers.PostInTurn(server::Pool::kRequests, "", [held] { held.wait(); });
+    workers.PostFair(server::Pool::kRequests, "", [held] { held.wait(); });
   }
   const auto queries = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest request;

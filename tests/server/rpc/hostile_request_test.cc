@@ -247,7 +247,7 @@ TEST_CASE("Hostile request: a series that is not read ends with its client",
 TEST_CASE("Hostile request: a client that does not read its series is disconnected",
           "[server][rpc][hostile]") {
   server::ServerOptions options = OneThread();
-  options.calls.longest_silence = milliseconds(300);
+  options.calls.idle_limit = milliseconds(300);
   options.calls.heavy = {1, 1};
   Victim victim(options);
   v1::PredictSeriesRequest series;

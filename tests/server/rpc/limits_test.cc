@@ -152,7 +152,7 @@ TEST_CASE("Limits: compressed messages are refused", "[server][limits]") {
 }
 
 TEST_CASE("Limits: the stream of an idle client ends", "[server][limits]") {
-  TestServer server(With({.longest_silence = milliseconds(200)}));
+  TestServer server(With({.idle_limit = milliseconds(200)}));
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ObserveService>();
   grpc::ClientContext context;
@@ -167,7 +167,7 @@ TEST_CASE("Limits: the stream of an idle client ends", "[server][limits]") {
 }
 
 TEST_CASE("Limits: an ingest that is never finished stores nothing and ends", "[server][limits]") {
-  TestServer server(With({.longest_silence = milliseconds(200)}));
+  TestServer server(With({.idle_limit = milliseconds(200)}));
   server.CreateDatabase("db");
   const auto stub = server.NewStub<v1::ClipService>();
   grpc::ClientContext context;
@@ -187,7 +187,7 @@ TEST_CASE("Limits: an ingest that is never finished stores nothing and ends", "[
 }
 
 TEST_CASE("Limits: a stream without a first message ends soon", "[server][limits]") {
-  auto options = With({.longest_first_silence = milliseconds(200)});
+  auto options = With({.first_idle_limit = milliseconds(200)});
   options.security.authentication = server::Authentication::kToken;
   TestServer server(options);
   const auto end_of = [](const auto& stream) {
@@ -208,7 +208,7 @@ TEST_CASE("Limits: a stream without a first message ends soon", "[server][limits
 }
 
 TEST_CASE("Limits: after its first message a stream may be idle longer", "[server][limits]") {
-  TestServer server(With({.longest_first_silence = milliseconds(200)}));
+  TestServer server(With({.first_idle_limit = milliseconds(200)}));
   server.CreateTrained("db");
   const auto stub = server.NewStub<v1::ObserveService>();
   grpc::ClientContext context;
@@ -220,7 +220,7 @@ TEST_CASE("Limits: after its first message a stream may be idle longer", "[serve
 }
 
 TEST_CASE("Limits: a call ends at the server's time limit", "[server][limits]") {
-  TestServer server(With({.longest_call = milliseconds(0)}));
+  TestServer server(With({.max_call_time = milliseconds(0)}));
   const auto stub = server.NewStub<v1::DatabaseService>();
   const auto answer = Ask(*stub, &v1::DatabaseService::Stub::ListDatabases, {});
   INFO(answer.status.error_message());
@@ -275,7 +275,7 @@ TEST_CASE("Limits: a wait for an operation has its own timeout, not that of call
   TestServer server(options);
   server.CreateDatabase("db");
   const std::string name = server.IngestFigure("db", "walk", "walk", {}).operation().name();
-  server.options().calls.longest_call = milliseconds(0);
+  server.options().calls.max_call_time = milliseconds(0);
   server.Restart();
   v1::WaitOperationRequest request;
   request.set_name(name);

@@ -251,7 +251,7 @@ TEST_CASE("Observe: a client that reads no responses is disconnected", "[server]
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
   options.engine.rebuild_delay = std::chrono::milliseconds(50);
-  options.calls.longest_silence = std::chrono::milliseconds(300);
+  options.calls.idle_limit = std::chrono::milliseconds(300);
   TestServer server(options);
   server.CreateTrained("db");
   const v1::MarkerObservation motion = WalkingMarkers(server);

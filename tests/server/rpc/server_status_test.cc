@@ -155,7 +155,7 @@ TEST_CASE("Monitor: not ready while the server drains", "[server][status]") {
   std::thread draining([&] { server.server().Drain(std::chrono::seconds(60)); });
   while (server.server().monitor().CheckReadiness().ready) std::this_thread::yield();
   CHECK_THAT(server.server().monitor().CheckReadiness().reason, Contains("draining"));
-  CHECK(server.server().monitor().Figures().phase == server::Phase::kDraining);
+  CHECK(server.server().monitor().CollectStatistics().phase == server::Phase::kDraining);
   CHECK(CheckHealth(server, "motiondb.v1.StoreService").bytes == kNotServing);
   context.TryCancel();
   writer->Finish();

@@ -46,7 +46,7 @@ TEST_CASE("Maintenance: ingests and queries continue during a backup, with one r
 TEST_CASE("Maintenance: the server's time limit for calls does not apply", "[server][rpc]") {
   server::ServerOptions options;
   options.listen = "127.0.0.1:0";
-  options.calls.longest_call = std::chrono::milliseconds(0);
+  options.calls.max_call_time = std::chrono::milliseconds(0);
   TestServer server(options);
   const auto store = server.NewStub<v1::StoreService>();
   CHECK(BackedUpBytes(*store) > 0);

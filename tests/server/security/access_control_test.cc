@@ -20,13 +20,13 @@ namespace {
 
 using server::AccessControl;
 using server::AccessOptions;
-using server::Evidence;
 using server::NowMicroseconds;
+using server::PeerCredentials;
 using storage::Role;
 
 constexpr std::int64_t kHour = std::int64_t{3600} * 1'000'000;
 
-Evidence Bearer(const std::string& token, const std::string& address = "10.0.0.1") {
+PeerCredentials Bearer(const std::string& token, const std::string& address = "10.0.0.1") {
   return {"Bearer " + token, "", address};
 }
 
@@ -40,8 +40,8 @@ struct Access {
     REQUIRE(made.ok());
     return *std::move(made);
   }
-  absl::StatusCode CodeOf(const Evidence& evidence) {
-    return control.Authenticate(evidence).status().code();
+  absl::StatusCode CodeOf(const PeerCredentials& credentials) {
+    return control.Authenticate(credentials).status().code();
   }
 
   InMemoryAccessStore store;
@@ -106,12 +106,13 @@ TEST_CASE("Access: a token is invalid when it has expired or is revoked", "[secu
 // A store that blocks a revocation until the test decides its result.
 class SlowStore final : public InMemoryAccessStore {
  public:
-  absl::StatusOr<storage::TokenRecord> RevokeToken(const std::string& id, std::int64_t time_us,
-                                                   const storage::ChangeTerms& terms) override {
+  absl::StatusOr<storage::TokenRecord> RevokeToken(
+      const std::string& id, std::int64_t time_us,
+      const storage::WriteOptions& work_options) override {
     called.set_value();
     const absl::Status outcome = result.get_future().get();
     if (!outcome.ok()) return outcome;
-    return InMemoryAccessStore::RevokeToken(id, time_us, terms);
+    return InMemoryAccessStore::RevokeToken(id, time_us, work_options);
   }
 
   std::promise<void> called;
@@ -207,7 +208,7 @@ TEST_CASE("Access: too many failures get a retry time; others are not locked out
   const auto used = access.Make(Role::kReader);
   // In the store but not in memory, as after a restore.
   const auto unused =
-      server::TokenBook(access.store).Make(Role::kReader, "", "", NowMicroseconds(), 0);
+      server::TokenRegistry(access.store).Make(Role::kReader, "", "", NowMicroseconds(), 0);
   REQUIRE(unused.ok());
   CHECK(access.CodeOf(Bearer(used.secret)) == absl::StatusCode::kOk);
   const std::string wrong = "mdb_none_" + std::string(64, '0');
@@ -282,7 +283,7 @@ TEST_CASE("Access: wrong tokens do not lock out an unused token, also after a re
 
 TEST_CASE("Access: more tokens than one page are loaded; expired ones are removed", "[security]") {
   InMemoryAccessStore store;
-  server::TokenBook registry(store);
+  server::TokenRegistry registry(store);
   std::vector<std::string> secrets;
   for (int i = 0; i < 2100; ++i) {
     const std::int64_t expire_time_us = i % 2 == 0 ? 0 : 20;
@@ -290,7 +291,7 @@ TEST_CASE("Access: more tokens than one page are loaded; expired ones are remove
     REQUIRE(made.ok());
     secrets.push_back(made->secret);
   }
-  server::TokenBook next(store);
+  server::TokenRegistry next(store);
   REQUIRE(next.ReadAhead(30).ok());
   for (std::size_t i = 0; i < secrets.size(); ++i) {
     INFO(i);
@@ -333,7 +334,7 @@ TEST_CASE("Access: a new admin token replaces the former one", "[security]") {
 }
 
 TEST_CASE("Access: a certificate without a token has the configured role, or none", "[security]") {
-  const Evidence certificate{"", "robot-7", "10.0.0.1"};
+  const PeerCredentials certificate{"", "robot-7", "10.0.0.1"};
   CHECK(Access().CodeOf(certificate) == absl::StatusCode::kUnauthenticated);
   Access access({.authentication = true, .certificate_role = Role::kReader});
   const auto caller = access.control.Authenticate(certificate);

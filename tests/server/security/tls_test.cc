@@ -128,7 +128,7 @@ TEST_CASE("TLS: statistics have the first expiry of the served certificates, als
           "[security]") {
   TlsServer server(false);
   const auto ends_in_days = [&] {
-    const auto end = server.server->monitor().Figures().certificate_end_time_s;
+    const auto end = server.server->monitor().CollectStatistics().certificate_expiry_s;
     return static_cast<double>(end - std::time(nullptr)) / 86'400;
   };
   CHECK(ends_in_days() == Approx(2).margin(0.1));  // the validity by Authority::Issue

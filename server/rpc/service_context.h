@@ -3,19 +3,19 @@
 
 #include "server/engine/engine.h"
 #include "server/observability/monitor.h"
-#include "server/rpc/call_gate.h"
 #include "server/rpc/call_limits.h"
 #include "server/rpc/call_memory.h"
+#include "server/rpc/call_registry.h"
 #include "server/security/access_control.h"
 
 namespace motiondb::server {
 
-struct CallHost {
+struct ServiceContext {
   Engine& engine;
   AccessControl access;
   CallLimits limits;
   CallMemory memory;
-  CallGate gate;
+  CallRegistry gate;
   Monitor& monitor;
 };
 

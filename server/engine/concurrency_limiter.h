@@ -14,10 +14,10 @@
 
 namespace motiondb::server {
 
-class Lane {
+class ConcurrencyLimiter {
  public:
   // `width`: at least 1.
-  Lane(ThreadPool& pool, int width) : pool_(pool), width_(width), free_(width) {}
+  ConcurrencyLimiter(ThreadPool& pool, int width) : pool_(pool), width_(width), free_(width) {}
 
   // Runs `work`, which must not throw, on a thread of the pool. Work of one client starts in order.
   void Post(const std::string& client, std::function<void()> work);

@@ -13,26 +13,26 @@
 
 namespace motiondb::server {
 
-class CallGate {
+class CallRegistry {
  public:
   using Clock = std::chrono::steady_clock;
 
   // Registers a call for its lifetime. Member of its reactor.
-  class Ticket {
+  class RegisteredCall {
    public:
     // Close calls `on_close`, for calls that only their client would end. CancelEndedBefore calls
     // `cancel`. Neither may wait for the end of a call.
-    explicit Ticket(CallGate& gate, std::function<void()> on_close = {},
-                    std::function<void()> cancel = {})
+    explicit RegisteredCall(CallRegistry& gate, std::function<void()> on_close = {},
+                            std::function<void()> cancel = {})
         : gate_(gate),
           on_close_(std::move(on_close)),
           cancel_(std::move(cancel)),
           admitted_(gate.Enter(*this)) {}
-    ~Ticket() {
+    ~RegisteredCall() {
       if (admitted_) gate_.Leave(*this);
     }
-    Ticket(const Ticket&) = delete;
-    Ticket& operator=(const Ticket&) = delete;
+    RegisteredCall(const RegisteredCall&) = delete;
+    RegisteredCall& operator=(const RegisteredCall&) = delete;
 
     // False: the registry was closed; refuse the call.
     bool admitted() const { return admitted_; }
@@ -41,8 +41,8 @@ class CallGate {
     void SetEnded(Clock::duration more) { ended_ = Clock::now() + more; }
 
    private:
-    friend class CallGate;
-    CallGate& gate_;
+    friend class CallRegistry;
+    CallRegistry& gate_;
     const std::function<void()> on_close_;
     const std::function<void()> cancel_;
     std::atomic<Clock::time_point> ended_ = Clock::time_point::max();
@@ -57,12 +57,12 @@ class CallGate {
   void CancelEndedBefore(Clock::time_point time);
 
  private:
-  bool Enter(const Ticket& ticket);
-  void Leave(const Ticket& ticket);
+  bool Enter(const RegisteredCall& ticket);
+  void Leave(const RegisteredCall& ticket);
 
   storage::Mutex mutex_;
   storage::ConditionVariable empty_;
-  std::unordered_set<const Ticket*> calls_ ABSL_GUARDED_BY(mutex_);
+  std::unordered_set<const RegisteredCall*> calls_ ABSL_GUARDED_BY(mutex_);
   bool closed_ ABSL_GUARDED_BY(mutex_) = false;
 };
 

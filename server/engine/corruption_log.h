@@ -5,22 +5,22 @@
 #include <vector>
 
 #include "storage/mutex.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::server {
 
-class DamageBook {
+class CorruptionLog {
  public:
   static constexpr std::size_t kLimit = 100;
 
-  // Logs and records `damage`, unless it is already recorded or the list has kLimit entries.
-  void Note(const storage::Damage& damage);
+  // Logs and records `corruption`, unless it is already recorded or the list has kLimit entries.
+  void Note(const storage::Corruption& corruption);
   // In the order of discovery.
-  std::vector<storage::Damage> List() const;
+  std::vector<storage::Corruption> List() const;
 
  private:
   mutable storage::Mutex mutex_;
-  std::vector<storage::Damage> damages_ ABSL_GUARDED_BY(mutex_);
+  std::vector<storage::Corruption> damages_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

@@ -18,24 +18,24 @@
 #include "core/motion/cancellation.h"
 #include "server/engine/representation.h"
 #include "server/observability/monitor.h"
-#include "server/rpc/call_host.h"
 #include "server/rpc/call_identity.h"
+#include "server/rpc/service_context.h"
 #include "server/security/authorize.h"
 
 namespace motiondb::server {
 
 // Returns UNAVAILABLE, the status of calls that a stopping server cannot accept or finish.
-grpc::Status Stopping();
+grpc::Status StoppingStatus();
 
-class CallEntry {
+class CallContext {
  public:
-  // `on_close`: see CallGate::Ticket. `context` must outlive this.
-  CallEntry(CallHost& host, const grpc::CallbackServerContext& context, const Method& method,
-            std::function<void()> on_close = {});
+  // `on_close`: see CallRegistry::RegisteredCall. `context` must outlive this.
+  CallContext(ServiceContext& host, const grpc::CallbackServerContext& context,
+              const Method& method, std::function<void()> on_close = {});
 
   // Makes a query with a large request, such as a long motion, a heavy call. Call before all other
   // functions.
-  void Weigh(std::size_t request_bytes);
+  void SetRequestSize(std::size_t request_bytes);
 
   // Returns the error with which to refuse the call, or OK. UNAVAILABLE (the server stops),
   // RESOURCE_EXHAUSTED.
@@ -48,8 +48,8 @@ class CallEntry {
   // or with RESOURCE_EXHAUSTED. Precondition: Check returned OK.
   void BeginHeavy(std::function<void(grpc::Status)> work);
   // Work that the request class permits.
-  Allowed allowed() const {
-    return request_class_ == RequestClass::kLight ? Allowed::kLightWork : Allowed::kAllWork;
+  AllowedWork allowed() const {
+    return request_class_ == RequestClass::kLight ? AllowedWork::kLightWork : AllowedWork::kAllWork;
   }
   // Runs a further step of the call on a thread of its pool, when the client has its turn. `work`
   // must not throw.
@@ -67,7 +67,7 @@ class CallEntry {
 
   // Returns DEADLINE_EXCEEDED, the status after an idle timeout. The text tells whether the first
   // message is missing.
-  grpc::Status Silent() const;
+  grpc::Status IdleStatus() const;
 
   // The Reserve functions reserve memory before it is allocated. A new amount replaces the former
   // one for the same purpose. RESOURCE_EXHAUSTED at the limit for all calls, for this client, or
@@ -99,9 +99,9 @@ class CallEntry {
 
   // Returns the audit entry of the call, for the store to write in the transaction of the change.
   // End then writes none unless the call fails. `resource`: name of the changed resource.
-  storage::AuditRecord RecordWithChange(std::string resource);
+  storage::AuditRecord AuditRecordForChange(std::string resource);
   // A successful call that changed nothing: End records it like a failed call.
-  void NoteNoChange() { changed_ = false; }
+  void SetUnchanged() { changed_ = false; }
 
  private:
   absl::StatusOr<Caller> Authenticate();
@@ -114,7 +114,7 @@ class CallEntry {
   std::string Subject(const google::protobuf::Message& request) const;
   storage::AuditRecord Record(grpc::StatusCode code) const;
 
-  CallHost& host_;
+  ServiceContext& host_;
   const grpc::CallbackServerContext& context_;
   const Method& method_;
   RequestClass request_class_;
@@ -140,7 +140,7 @@ class CallEntry {
   std::optional<Caller> caller_;  // set by a successful Check
   std::string principal_ = kAnonymous;
   std::string resource_;
-  CallGate::Ticket ticket_;  // last: destroyed before the other members
+  CallRegistry::RegisteredCall ticket_;  // last: destroyed before the other members
 };
 
 }  // namespace motiondb::server

@@ -3,12 +3,12 @@
 #include <fstream>
 #include <string>
 
-#include "tests/storage/damaged_store.h"
+#include "tests/storage/corrupt_store.h"
 #include "tests/storage/require_ok.h"
 #include "tests/storage/samples.h"
 #include "tests/storage/store_file.h"
 
-namespace motiondb::tests::sqlite_damage_test {
+namespace motiondb::tests::sqlite_corruption_test {
 namespace {
 
 using absl::StatusCode;
@@ -44,7 +44,7 @@ TEST_CASE("SqliteMotionStore: a corrupt chunk is named and the rest can be read"
                   "database 'd', clip 'a': states: chunk 1 is corrupt");
     REQUIRE_OK(store->ReadClipSource("d", "a"));
     REQUIRE(Same(Require(store->ReadClipStates("d", "b")), SampleStates(60, 2)));
-    REQUIRE_OK(store->ReadModel("d", core::Serially));
+    REQUIRE_OK(store->ReadModel("d", core::RunSerially));
     REQUIRE(Require(store->ListClips("d", {})).size() == 2);
     // Remedy: delete the clip and ingest it again.
     REQUIRE_OK(store->DeleteClip("d", "a"));
@@ -71,23 +71,23 @@ TEST_CASE("SqliteMotionStore: a corrupt model is named", "[storage][damage]") {
   Fill(file);
   SECTION("in its own parts") {
     file.Sql(ChangeByte("model_chunk", 100, "position = 0"));
-    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::RunSerially), StatusCode::kDataLoss,
                   "database 'd', model 1: parts: chunk 0 is corrupt");
   }
   SECTION("in the states of a clip") {
     file.Sql(ChangeByte("clip_chunk", 100,
                         "kind = 3 AND clip_key = (SELECT clip_key FROM clip WHERE id = 'b')"));
-    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::RunSerially), StatusCode::kDataLoss,
                   "database 'd', model 1: clip 'b': states: chunk 0 is corrupt");
   }
   SECTION("in its list of clips") {
     file.Sql("DELETE FROM model_clip");
-    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::RunSerially), StatusCode::kDataLoss,
                   "expected 1 clips, got 0");
   }
   SECTION("in its list of clips, with another clip") {
     file.Sql("UPDATE model_clip SET clip_key = (SELECT clip_key FROM clip WHERE id = 'a')");
-    REQUIRE_ERROR(file.Open()->ReadModel("d", core::Serially), StatusCode::kDataLoss,
+    REQUIRE_ERROR(file.Open()->ReadModel("d", core::RunSerially), StatusCode::kDataLoss,
                   "expected 60 frames");
   }
   // A new model can replace it.
@@ -122,4 +122,4 @@ TEST_CASE("SqliteMotionStore: a page that SQLite finds corrupt is data loss", "[
   REQUIRE_OK(store->GetDatabase("d"));
 }
 
-}  // namespace motiondb::tests::sqlite_damage_test
+}  // namespace motiondb::tests::sqlite_corruption_test

@@ -1,4 +1,4 @@
-#include "core/tree/divide_node.h"
+#include "core/tree/split_node.h"
 
 #include <algorithm>
 #include <catch2/catch.hpp>
@@ -12,14 +12,14 @@
 #include "tests/support/real_data.h"
 #include "tests/support/synthetic_states.h"
 
-namespace motiondb::tests::divide_node_test {
+namespace motiondb::tests::split_node_test {
 namespace {
 
 constexpr int kMinFrames = 16;
 using Frames = std::vector<std::int32_t>;
 
 core::Tree Build(const core::FrameMatrix& states,
-                 const core::ParallelFor& parallel = core::Serially) {
+                 const core::ParallelFor& parallel = core::RunSerially) {
   auto tree = core::BuildTree(states, kMinFrames, parallel);
   REQUIRE(tree.ok());
   return *std::move(tree);
@@ -57,7 +57,7 @@ Frames FramesOf(const core::Tree& tree, const core::Branch& branch) {
 // Returns the frames of each branch by the paper's rule alone.
 std::vector<Frames> NodesOfPaper(core::FrameMatrix states) {
   core::PermutedStates permuted({states.data(), states.rows(), states.cols()});
-  std::vector<core::NodePlaces> nodes{{0, static_cast<std::int32_t>(states.rows())}};
+  std::vector<core::NodeRange> nodes{{0, static_cast<std::int32_t>(states.rows())}};
   std::vector<Frames> frames;
   std::vector<float> scratch;
   core::SplitPlane plane;
@@ -66,7 +66,7 @@ std::vector<Frames> NodesOfPaper(core::FrameMatrix states) {
     const auto first = permuted.order().begin();
     std::ranges::sort(frames.emplace_back(first + begin, first + end));
     if (end - begin < 2 * kMinFrames) continue;
-    const int left = permuted.Divide(begin, end, kMinFrames, scratch, core::Serially, plane);
+    const int left = permuted.Split(begin, end, kMinFrames, scratch, core::RunSerially, plane);
     if (left == 0) continue;
     nodes.push_back({begin, begin + left});
     nodes.push_back({begin + left, end});
@@ -85,7 +85,7 @@ void CheckIsPapers(const core::FrameMatrix& states) {
 
 }  // namespace
 
-TEST_CASE("DivideNode: a few outlier frames do not change the tree of the others", "[core][tree]") {
+TEST_CASE("SplitNode: a few outlier frames do not change the tree of the others", "[core][tree]") {
   const core::FrameMatrix clean = WanderingStates(3000, 18, 5);
   for (const Frames& glitches :
        {Frames{700}, Frames{0, 2998}, Frames{100, 600, 1400, 1402, 2000, 2500}}) {
@@ -117,7 +117,7 @@ TEST_CASE("DivideNode: a few outlier frames do not change the tree of the others
   }
 }
 
-TEST_CASE("DivideNode: outliers do not depend on threads", "[core][tree]") {
+TEST_CASE("SplitNode: outliers do not depend on threads", "[core][tree]") {
   for (const int frames : {9000, 70'000}) {
     const core::FrameMatrix states =
         WithGlitches(WanderingStates(frames, 12, 23), {50, 4000, 5000, 8997});
@@ -131,7 +131,7 @@ TEST_CASE("DivideNode: outliers do not depend on threads", "[core][tree]") {
   }
 }
 
-TEST_CASE("DivideNode: small nodes, and nodes of few frames, follow the paper's rule",
+TEST_CASE("SplitNode: small nodes, and nodes of few frames, follow the paper's rule",
           "[core][tree]") {
   // A leaf for two outliers in a small tree ...
   CheckIsPapers(WithGlitches(WanderingStates(20 * kMinFrames, 18, 5), {100}));
@@ -149,31 +149,31 @@ TEST_CASE("DivideNode: small nodes, and nodes of few frames, follow the paper's 
   }));
 }
 
-TEST_CASE("DivideNode: too many outliers leave a single node, which is reported", "[core][tree]") {
+TEST_CASE("SplitNode: too many outliers leave a single node, which is reported", "[core][tree]") {
   const core::FrameMatrix clean = WanderingStates(600, 24, 5);
-  CHECK_FALSE(core::IsUndivided(Build(clean), kMinFrames));
+  CHECK_FALSE(core::IsSingleNode(Build(clean), kMinFrames));
   Frames glitches;
   for (int f = 0; f < 600; f += 30) glitches.push_back(f);
   const core::FrameMatrix states = WithGlitches(clean, glitches);
   const core::Tree tree = Build(states);
   REQUIRE(tree.layer_count() == 1);
   CHECK(tree.frame_order()[17] == 17);
-  CHECK(core::IsUndivided(tree, kMinFrames));
-  CHECK_FALSE(core::IsUndivided(Build(states.topRows(31 * kMinFrames)), kMinFrames));
+  CHECK(core::IsSingleNode(tree, kMinFrames));
+  CHECK_FALSE(core::IsSingleNode(Build(states.topRows(31 * kMinFrames)), kMinFrames));
   // Equal frames have no threshold.
-  CHECK(core::IsUndivided(Build(core::FrameMatrix::Zero(600, 18)), kMinFrames));
+  CHECK(core::IsSingleNode(Build(core::FrameMatrix::Zero(600, 18)), kMinFrames));
 }
 
-TEST_CASE("DivideNode: a tree of one node that a new build would split is stale", "[core][tree]") {
+TEST_CASE("SplitNode: a tree of one node that a new build would split is stale", "[core][tree]") {
   const core::FrameMatrix states = WithGlitches(WanderingStates(1500, 18, 5), {700});
   Frames all(1500);
   std::iota(all.begin(), all.end(), 0);
   const auto single = core::Tree::Create(all, {{.begin = 0, .end = 1500}});
   REQUIRE(single.ok());
-  CHECK(core::DriftFraction(*single, 1400, states, kMinFrames, core::Serially) == 1);
+  CHECK(core::DriftFraction(*single, 1400, states, kMinFrames, core::RunSerially) == 1);
 }
 
-TEST_CASE("DivideNode: a glitch of one recorded clip does not affect the tree of all",
+TEST_CASE("SplitNode: a glitch of one recorded clip does not affect the tree of all",
           "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
   // 09_10 begins with its arms stretched out and jumps into its first step.
@@ -199,7 +199,7 @@ TEST_CASE("DivideNode: a glitch of one recorded clip does not affect the tree of
   }
 }
 
-TEST_CASE("DivideNode: recorded motion without outliers has the paper's tree",
+TEST_CASE("SplitNode: recorded motion without outliers has the paper's tree",
           "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
   for (const double frame_rate_hz : {30.0, 60.0, 120.0}) {
@@ -210,4 +210,4 @@ TEST_CASE("DivideNode: recorded motion without outliers has the paper's tree",
   CheckIsPapers(ScaledStatesOf("index.tsv", 60, IsHdm05));
 }
 
-}  // namespace motiondb::tests::divide_node_test
+}  // namespace motiondb::tests::split_node_test

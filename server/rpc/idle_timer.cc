@@ -1,4 +1,4 @@
-#include "server/rpc/silence_limit.h"
+#include "server/rpc/idle_timer.h"
 
 #include <utility>
 
@@ -6,14 +6,14 @@
 
 namespace motiondb::server {
 
-struct SilenceLimit::State {
+struct IdleTimer::State {
   State(Executor& runs_on, std::chrono::milliseconds first, std::chrono::milliseconds further,
         std::function<void()> callback)
       : executor(runs_on),
         timer(runs_on.MakeTimer(Pool::kRequests)),
         longest(further),
         latest(runs_on.Now() + first),
-        on_silence(std::move(callback)) {}
+        on_idle(std::move(callback)) {}
 
   // Sets the timer; its handler sets it again.
   static void Wait(const std::shared_ptr<State>& state)
@@ -23,7 +23,7 @@ struct SilenceLimit::State {
       if (state->ended) return;
       if (state->executor.Now() >= state->latest) {
         state->latest = state->executor.Now() + state->longest;
-        state->on_silence();
+        state->on_idle();
         if (state->ended) return;
       }
       Wait(state);
@@ -35,24 +35,24 @@ struct SilenceLimit::State {
   const std::unique_ptr<Executor::Timer> timer;
   const std::chrono::milliseconds longest;
   Executor::Clock::time_point latest ABSL_GUARDED_BY(mutex);
-  const std::function<void()> on_silence;
+  const std::function<void()> on_idle;
   bool ended ABSL_GUARDED_BY(mutex) = false;
 };
 
-SilenceLimit::SilenceLimit(Executor& executor, std::chrono::milliseconds first,
-                           std::chrono::milliseconds longest, std::function<void()> on_silence)
-    : state_(std::make_shared<State>(executor, first, longest, std::move(on_silence))) {
+IdleTimer::IdleTimer(Executor& executor, std::chrono::milliseconds first,
+                     std::chrono::milliseconds longest, std::function<void()> on_idle)
+    : state_(std::make_shared<State>(executor, first, longest, std::move(on_idle))) {
   const storage::MutexLock lock(state_->mutex);
   State::Wait(state_);
 }
 
-SilenceLimit::~SilenceLimit() {
+IdleTimer::~IdleTimer() {
   const storage::MutexLock lock(state_->mutex);
   state_->ended = true;
   state_->timer->Cancel();
 }
 
-void SilenceLimit::Restart() {
+void IdleTimer::Restart() {
   // The handler compares with `latest` when it fires, so a Restart does not set the timer.
   const storage::MutexLock lock(state_->mutex);
   state_->latest = state_->executor.Now() + state_->longest;

@@ -3,7 +3,7 @@
 
 #include "server/rpc/call_identity.h"
 
-namespace motiondb::tests::call_evidence_test {
+namespace motiondb::tests::peer_address_test {
 namespace {
 
 using server::AddressOf;
@@ -18,4 +18,4 @@ TEST_CASE("AddressOf: the peer's address without scheme and port", "[security]")
 }
 
 }  // namespace
-}  // namespace motiondb::tests::call_evidence_test
+}  // namespace motiondb::tests::peer_address_test

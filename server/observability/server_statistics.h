@@ -14,12 +14,12 @@
 #include "server/observability/call_meter.h"
 #include "storage/motion_store.h"
 #include "storage/records.h"
-#include "storage/store_upkeep.h"
+#include "storage/store_maintenance.h"
 
 namespace motiondb::server {
 
 // Statistics of this process from the operating system.
-struct ProcessFigures {
+struct ProcessStatistics {
   std::int64_t resident_bytes = 0;
   std::int64_t virtual_bytes = 0;
   double cpu_seconds = 0;  // user and system time of all threads since the start
@@ -29,7 +29,7 @@ struct ProcessFigures {
 };
 
 // Reads /proc/self and getrusage; a value that cannot be read is 0.
-ProcessFigures ReadProcessFigures();
+ProcessStatistics ReadProcessStatistics();
 
 enum class Phase {
   kStarting,  // models are being read
@@ -37,7 +37,7 @@ enum class Phase {
   kDraining,  // calls in flight may end, new calls are refused
 };
 
-struct DatabaseFigures {
+struct DatabaseStatistics {
   std::string name;
   StoredAmount stored;
   std::optional<storage::ModelRecord> model;
@@ -48,16 +48,16 @@ struct DatabaseFigures {
 };
 
 // Source of the metrics, GetServerStatus and readiness.
-struct ServerFigures {
+struct ServerStatistics {
   Phase phase = Phase::kStarting;
   std::string version;
   std::int64_t start_time_us = 0;
   bool encrypted = false;
   bool authenticated = false;
-  std::int64_t certificate_end_time_s = 0;  // Unix time; 0: no TLS
+  std::int64_t certificate_expiry_s = 0;  // Unix time; 0: no TLS
   std::int64_t ended_calls = 0;
-  std::int64_t failed_calls = 0;       // by the server's fault
-  std::vector<MethodFigures> methods;  // with ended calls, in order of name
+  std::int64_t failed_calls = 0;          // by the server's fault
+  std::vector<MethodStatistics> methods;  // with ended calls, in order of name
   std::int64_t authentication_failures = 0;
   int open_connections = 0;
   std::int64_t refused_connections = 0;  // see ConnectionMeter
@@ -68,17 +68,17 @@ struct ServerFigures {
   int request_threads = 0;
   int running_heavy_calls = 0;
   storage::WriteFailures write_failures;
-  ProcessFigures process;
+  ProcessStatistics process;
   std::int64_t store_bytes = 0;
   std::int64_t log_bytes = 0;
-  std::int64_t disk_bytes = 0;             // size of the store's file system; 0: unknown
-  std::int64_t disk_free_bytes = 0;        // available to the server
-  std::vector<DatabaseFigures> databases;  // in order of name; none before the models are read
-  std::vector<storage::Damage> damages;    // found since the start, at most 100
+  std::int64_t disk_bytes = 0;                // size of the store's file system; 0: unknown
+  std::int64_t disk_free_bytes = 0;           // available to the server
+  std::vector<DatabaseStatistics> databases;  // in order of name; none before the models are read
+  std::vector<storage::Corruption> corruptions;  // found since the start, at most 100
 };
 
 // Converts the statistics to Prometheus metrics (docs/metrics.md). A deleted database has no
 // series.
-std::vector<prometheus::MetricFamily> FamiliesOf(const ServerFigures& figures);
+std::vector<prometheus::MetricFamily> FamiliesOf(const ServerStatistics& figures);
 
 }  // namespace motiondb::server

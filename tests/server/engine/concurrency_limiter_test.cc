@@ -1,5 +1,5 @@
 // Heavy work never uses all threads.
-#include "server/engine/lane.h"
+#include "server/engine/concurrency_limiter.h"
 
 #include <algorithm>
 #include <atomic>
@@ -13,17 +13,17 @@
 
 #include "server/engine/workers.h"
 
-namespace motiondb::server::lane_test {
+namespace motiondb::server::concurrency_limiter_test {
 namespace {
 
-TEST_CASE("Lane: runs all work in order, at most `width` at a time", "[server]") {
+TEST_CASE("ConcurrencyLimiter: runs all work in order, at most `width` at a time", "[server]") {
   for (const int width : {1, 2, 3}) {
     ThreadPool pool(4);
     std::atomic<int> running{0};
     std::atomic<int> peak{0};
     std::mutex mutex;
     std::vector<int> order;
-    Lane lane(pool, width);
+    ConcurrencyLimiter lane(pool, width);
     for (int i = 0; i < 200; ++i) {
       lane.Post("", [&, i] {
         const int now = ++running;
@@ -43,9 +43,9 @@ TEST_CASE("Lane: runs all work in order, at most `width` at a time", "[server]")
   }
 }
 
-TEST_CASE("Lane: clients take turns, also if one has a long queue", "[server]") {
+TEST_CASE("ConcurrencyLimiter: clients take turns, also if one has a long queue", "[server]") {
   ThreadPool pool(1);
-  Lane lane(pool, 1);
+  ConcurrencyLimiter lane(pool, 1);
   std::string order;
   std::promise<void> all_posted;
   lane.Post("a", [&] { all_posted.get_future().wait(); });
@@ -58,9 +58,9 @@ TEST_CASE("Lane: clients take turns, also if one has a long queue", "[server]") 
   CHECK(order.substr(0, 6) == "abcaba");
 }
 
-TEST_CASE("Lane: a call in several pieces lets others run in between", "[server]") {
+TEST_CASE("ConcurrencyLimiter: a call in several pieces lets others run in between", "[server]") {
   ThreadPool pool(1);
-  Lane lane(pool, 1);
+  ConcurrencyLimiter lane(pool, 1);
   std::string order;
   int remaining = 50;
   std::promise<void> other_posted;
@@ -89,7 +89,7 @@ TEST_CASE("Workers: light work runs beside any amount of work that takes turns",
   bool light_is_done = false;
   // Each waits for the light work: if they took all threads, this would deadlock.
   for (int i = 0; i < 8; ++i) {
-    workers.PostInTurn(pool, "", [&] {
+    workers.PostFair(pool, "", [&] {
       std::unique_lock lock(mutex);
       changed.wait(lock, [&] { return light_is_done; });
     });
@@ -106,4 +106,4 @@ TEST_CASE("Workers: light work runs beside any amount of work that takes turns",
 }
 
 }  // namespace
-}  // namespace motiondb::server::lane_test
+}  // namespace motiondb::server::concurrency_limiter_test

@@ -1,4 +1,4 @@
-#include "server/security/token_book.h"
+#include "server/security/token_registry.h"
 
 #include <algorithm>
 #include <optional>
@@ -45,7 +45,7 @@ bool KnownToken::HasEnded(std::int64_t now_us) const {
   return state_ == State::kEnded || HasExpired(now_us);
 }
 
-absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
+absl::Status TokenRegistry::ReadAhead(std::int64_t now_us) {
   const storage::MutexLock lock(mutex_);
   std::string after;
   while (true) {
@@ -59,10 +59,10 @@ absl::Status TokenBook::ReadAhead(std::int64_t now_us) {
   }
 }
 
-absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string& database,
-                                          const std::string& description, std::int64_t now_us,
-                                          std::int64_t expire_time_us, const MakeAudit& audit,
-                                          const core::Cancelled& cancelled) {
+absl::StatusOr<MadeToken> TokenRegistry::Make(storage::Role role, const std::string& database,
+                                              const std::string& description, std::int64_t now_us,
+                                              std::int64_t expire_time_us, const MakeAudit& audit,
+                                              const core::Cancelled& cancelled) {
   MadeToken made;
   storage::TokenRecord& record = made.record;
   MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(text::kTokenIdBytes));
@@ -84,7 +84,7 @@ absl::StatusOr<MadeToken> TokenBook::Make(storage::Role role, const std::string&
   return made;
 }
 
-absl::StatusOr<bool> TokenBook::HasAdminBeside(const std::string& id, std::int64_t now_us) {
+absl::StatusOr<bool> TokenRegistry::HasAdminBeside(const std::string& id, std::int64_t now_us) {
   std::string after;
   while (true) {
     MOTIONDB_ASSIGN_OR_RETURN(const auto page, store_.ListTokens(after, kPageSize));
@@ -96,7 +96,7 @@ absl::StatusOr<bool> TokenBook::HasAdminBeside(const std::string& id, std::int64
   }
 }
 
-absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us) {
+absl::Status TokenRegistry::CheckIsNotLastAdmin(const std::string& id, std::int64_t now_us) {
   MOTIONDB_ASSIGN_OR_RETURN(const storage::TokenRecord token, store_.GetToken(id));
   if (!Administers(token, now_us)) return absl::OkStatus();
   MOTIONDB_ASSIGN_OR_RETURN(const bool other, HasAdminBeside(id, now_us));
@@ -107,9 +107,10 @@ absl::Status TokenBook::CheckIsNotLastAdmin(const std::string& id, std::int64_t 
       id);
 }
 
-absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, std::int64_t now_us,
-                                                       const storage::ChangeTerms& terms,
-                                                       LastAdmin last_admin) {
+absl::StatusOr<storage::TokenRecord> TokenRegistry::Revoke(const std::string& id,
+                                                           std::int64_t now_us,
+                                                           const storage::WriteOptions& terms,
+                                                           LastAdmin last_admin) {
   storage::CancellableMutex::Holder revoking;
   if (last_admin == LastAdmin::kKeep) {
     MOTIONDB_ASSIGN_OR_RETURN(revoking, revoking_mutex_.Lock(terms.cancelled));
@@ -132,12 +133,12 @@ absl::StatusOr<storage::TokenRecord> TokenBook::Revoke(const std::string& id, st
   return record;
 }
 
-std::int64_t TokenBook::revocations() const {
+std::int64_t TokenRegistry::revocations() const {
   const storage::MutexLock lock(mutex_);
   return revocations_;
 }
 
-std::shared_ptr<const KnownToken> TokenBook::FindInMemory(std::string_view text) const {
+std::shared_ptr<const KnownToken> TokenRegistry::FindInMemory(std::string_view text) const {
   const auto token = SplitToken(text);
   if (!token.has_value()) return nullptr;
   std::shared_ptr<const KnownToken> known;
@@ -150,7 +151,7 @@ std::shared_ptr<const KnownToken> TokenBook::FindInMemory(std::string_view text)
   return known->HasSecret(token->secret) ? known : nullptr;
 }
 
-absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_view text) {
+absl::StatusOr<std::shared_ptr<const KnownToken>> TokenRegistry::Find(std::string_view text) {
   const auto token = SplitToken(text);
   if (!token.has_value()) return nullptr;
   const std::string id(token->id);
@@ -173,8 +174,8 @@ absl::StatusOr<std::shared_ptr<const KnownToken>> TokenBook::Find(std::string_vi
   }
 }
 
-std::shared_ptr<const KnownToken> TokenBook::Keep(storage::TokenRecord record,
-                                                  std::int64_t now_us) {
+std::shared_ptr<const KnownToken> TokenRegistry::Keep(storage::TokenRecord record,
+                                                      std::int64_t now_us) {
   if (known_.size() >= next_sweep_) {
     std::erase_if(known_, [&](const auto& entry) { return entry.second->HasEnded(now_us); });
     next_sweep_ = std::max(next_sweep_, known_.size() + known_.size() / 2);

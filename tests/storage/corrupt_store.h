@@ -59,7 +59,7 @@ inline void ReplaceBytes(const std::string& path, const std::string& from, const
 }
 
 // Overwrites the beginning of a page of a closed store.
-inline void RuinPage(const std::string& path, long page) {
+inline void CorruptPage(const std::string& path, long page) {
   constexpr long kPageBytes = 16384;
   std::fstream bytes(path, std::ios::in | std::ios::out | std::ios::binary);
   bytes.seekp((page - 1) * kPageBytes);

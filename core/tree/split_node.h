@@ -19,29 +19,29 @@ namespace motiondb::core {
 // Nodes of this size or more are split by all threads together; smaller nodes in parallel.
 inline constexpr int kSharedFrames = 32768;
 
-struct DivisionRule {
+struct SplitRule {
   int min_frames = 0;           // minimum frames of a node
   std::int32_t all_frames = 0;  // frames of the tree
 };
 
 // Range of a node's frames in PermutedStates: [begin, end).
-struct NodePlaces {
+struct NodeRange {
   std::int32_t begin = 0;
   std::int32_t end = 0;
 };
 
-// Splits a node with PermutedStates::Divide. Returns the number of frames on the left, or 0 for a
+// Splits a node with PermutedStates::Split. Returns the number of frames on the left, or 0 for a
 // leaf. If a node with at least 32 * min_frames frames and more than a quarter of the tree's does
 // not split, removes the frames that the threshold would cut off and tries again: at most 32 times
 // and at most 1/32 of its frames. On success `places` is the range of the frames that were split;
 // the removed frames are beside it and belong to the side where the plane puts them. Deterministic
 // for any number of threads; no extra cost if the first attempt succeeds.
-int DivideNode(const DivisionRule& rule, PermutedStates& permuted, NodePlaces& places,
-               std::vector<float>& scratch, const ParallelFor& parallel, SplitPlane& plane);
+int SplitNode(const SplitRule& rule, PermutedStates& permuted, NodeRange& places,
+              std::vector<float>& scratch, const ParallelFor& parallel, SplitPlane& plane);
 
 // Whether a tree is a single node of at least 32 * min_frames frames, so that it distinguishes no
 // motions.
-bool IsUndivided(const Tree& tree, int min_frames);
+bool IsSingleNode(const Tree& tree, int min_frames);
 
 // Minimum-error thresholding (section III-B, eq. 5, after Kittler and Illingworth) of projections
 // onto the principal axis.
@@ -53,17 +53,17 @@ bool IsUndivided(const Tree& tree, int min_frames);
 // variance.) 0 if n < 4 or all values are equal. `sorted` is ascending. O(n).
 int MinimumErrorThreshold(std::span<const double> sorted);
 
-// Outlier frames excluded from splits (see DivideNode), on their way down the tree during a build.
-class FramesAside {
+// Outlier frames excluded from splits (see SplitNode), on their way down the tree during a build.
+class OutlierFrames {
  public:
   // Adds the frames of a branch in `places` outside `divided`.
-  void Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided);
+  void Add(std::int32_t branch, const NodeRange& places, const NodeRange& divided);
   // Moves the outliers of a split branch to its children, by its plane.
-  void PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
-                const PermutedStates& permuted);
+  void MoveToChildren(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
+                      const PermutedStates& permuted);
   // Appends each leaf's outliers to its frames, and updates the branches' ranges to the order of
   // all frames.
-  void PutBack(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const;
+  void AppendToLeaves(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const;
 
  private:
   std::map<std::int32_t, std::vector<std::int32_t>> of_branch_;  // their places

@@ -1,4 +1,4 @@
-#include "server/rpc/call_entry.h"
+#include "server/rpc/call_context.h"
 
 #include <algorithm>
 #include <utility>
@@ -29,12 +29,12 @@ using TimePoint = std::chrono::system_clock::time_point;
 
 double Seconds(std::chrono::milliseconds time) { return static_cast<double>(time.count()) / 1000; }
 
-TimePoint Deadline(const CallHost& host, TimePoint client_deadline, const Method& method) {
-  const bool has_own_limit =
-      method.request_class == RequestClass::kStream || method.waits || method.pool == Pool::kUpkeep;
+TimePoint Deadline(const ServiceContext& host, TimePoint client_deadline, const Method& method) {
+  const bool has_own_limit = method.request_class == RequestClass::kStream || method.waits ||
+                             method.pool == Pool::kMaintenance;
   if (has_own_limit) return client_deadline;
   return std::min(client_deadline,
-                  std::chrono::system_clock::now() + host.limits.options().longest_call);
+                  std::chrono::system_clock::now() + host.limits.options().max_call_time);
 }
 
 // Returns the earliest time at which the client may consider its deadline expired and cancel. Its
@@ -58,13 +58,13 @@ CallKind KindOf(const Method& method) {
 
 }  // namespace
 
-grpc::Status Stopping() {
+grpc::Status StoppingStatus() {
   return ToGrpcStatus(
       core::WithReason("SERVER_STOPPING", absl::UnavailableError("the server is stopping")));
 }
 
-CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
-                     const Method& method, std::function<void()> on_close)
+CallContext::CallContext(ServiceContext& host, const grpc::CallbackServerContext& context,
+                         const Method& method, std::function<void()> on_close)
     : host_(host),
       context_(context),
       method_(method),
@@ -83,18 +83,18 @@ CallEntry::CallEntry(CallHost& host, const grpc::CallbackServerContext& context,
       work_memory_(host.memory, client_),
       ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
-void CallEntry::Weigh(std::size_t request_bytes) {
+void CallContext::SetRequestSize(std::size_t request_bytes) {
   const bool is_query = request_class_ == RequestClass::kLight && method_.pool == Pool::kRequests;
   if (is_query && request_bytes > kLargeBytes) request_class_ = RequestClass::kHeavy;
 }
 
-grpc::Status CallEntry::Admission() const {
-  if (!ticket_.admitted()) return Stopping();
+grpc::Status CallContext::Admission() const {
+  if (!ticket_.admitted()) return StoppingStatus();
   return ToGrpcStatus(slot_.status());
 }
 
-void CallEntry::Begin(const google::protobuf::Message& request,
-                      std::function<void(grpc::Status)> work) {
+void CallContext::Begin(const google::protobuf::Message& request,
+                        std::function<void(grpc::Status)> work) {
   if (const absl::Status reserved = ReserveRequest(request); !reserved.ok()) {
     return work(ToGrpcStatus(reserved));
   }
@@ -107,40 +107,40 @@ void CallEntry::Begin(const google::protobuf::Message& request,
   });
 }
 
-void CallEntry::BeginHeavy(std::function<void(grpc::Status)> work) {
+void CallContext::BeginHeavy(std::function<void(grpc::Status)> work) {
   request_class_ = RequestClass::kHeavy;
   const absl::Status entered = EnterClass();
   if (!entered.ok()) return work(ToGrpcStatus(entered));
   Post([work = std::move(work)] { work(grpc::Status::OK); });
 }
 
-absl::Status CallEntry::ReserveRequest(const google::protobuf::Message& request) {
+absl::Status CallContext::ReserveRequest(const google::protobuf::Message& request) {
   request_size_ = static_cast<std::int64_t>(request.ByteSizeLong());
   const bool counts = request_size_ > kSmallBytes;
   return Resize(request_memory_, counts ? static_cast<std::int64_t>(request.SpaceUsedLong()) : 0);
 }
 
-absl::Status CallEntry::ReserveResponse(const google::protobuf::Message& response,
-                                        std::size_t bytes) {
+absl::Status CallContext::ReserveResponse(const google::protobuf::Message& response,
+                                          std::size_t bytes) {
   if (bytes <= std::size_t{kSmallBytes}) return absl::OkStatus();
   // The message and its serialized bytes.
   return Resize(response_memory_, static_cast<std::int64_t>(response.SpaceUsedLong() + bytes));
 }
 
-absl::Status CallEntry::ReserveFile(std::size_t bytes) {
+absl::Status CallContext::ReserveFile(std::size_t bytes) {
   file_size_ = static_cast<std::int64_t>(bytes);
   return Resize(file_memory_, file_size_ <= kSmallBytes ? 0 : file_size_);
 }
 
-absl::Status CallEntry::ReserveWork(std::int64_t bytes) {
+absl::Status CallContext::ReserveWork(std::int64_t bytes) {
   return Resize(work_memory_, bytes <= kSmallBytes ? 0 : bytes);
 }
 
-absl::Status CallEntry::Resize(CallMemory::Reservation& reservation, std::int64_t bytes) {
+absl::Status CallContext::Resize(CallMemory::Reservation& reservation, std::int64_t bytes) {
   const std::int64_t total_bytes = request_memory_.bytes() + response_memory_.bytes() +
                                    file_memory_.bytes() + work_memory_.bytes() -
                                    reservation.bytes() + bytes;
-  const std::int64_t max_bytes = MostOfOneCall(request_size_ + file_size_);
+  const std::int64_t max_bytes = MaxCallMemory(request_size_ + file_size_);
   if (bytes > reservation.bytes() && total_bytes > max_bytes) {
     return absl::ResourceExhaustedError(fmt::format(
         "the call needs {:.1f} MiB of memory; a call that sends and names {:.1f} MiB may use "
@@ -150,7 +150,7 @@ absl::Status CallEntry::Resize(CallMemory::Reservation& reservation, std::int64_
   return reservation.Resize(bytes);
 }
 
-void CallEntry::SetClient(const std::string& client) {
+void CallContext::SetClient(const std::string& client) {
   client_ = client;
   for (CallMemory::Reservation* const reservation :
        {&request_memory_, &response_memory_, &file_memory_, &work_memory_}) {
@@ -158,19 +158,19 @@ void CallEntry::SetClient(const std::string& client) {
   }
 }
 
-void CallEntry::Post(std::function<void()> work) {
+void CallContext::Post(std::function<void()> work) {
   Workers& workers = host_.engine.workers();
   if (method_.TakesTurns(request_class_)) {
-    return workers.PostInTurn(method_.pool, client_, std::move(work));
+    return workers.PostFair(method_.pool, client_, std::move(work));
   }
   workers.Post(method_.pool, std::move(work));
 }
 
-core::Cancelled CallEntry::cancelled() const {
+core::Cancelled CallContext::cancelled() const {
   return [this] { return context_.IsCancelled() || std::chrono::system_clock::now() > deadline_; };
 }
 
-absl::Status CallEntry::Check(const google::protobuf::Message& request) {
+absl::Status CallContext::Check(const google::protobuf::Message& request) {
   checked_ = true;
   if (method_.rule == nullptr) {
     return absl::PermissionDeniedError(fmt::format("no role may call {}", method_.name));
@@ -194,41 +194,42 @@ absl::Status CallEntry::Check(const google::protobuf::Message& request) {
   return absl::OkStatus();
 }
 
-absl::Status CallEntry::EnterClass() {
+absl::Status CallContext::EnterClass() {
   MOTIONDB_ASSIGN_OR_RETURN(class_slot_, host_.limits.Enter(request_class_, client_));
   return absl::OkStatus();
 }
 
-absl::StatusOr<Caller> CallEntry::Authenticate() {
-  auto caller = host_.access.Authenticate(EvidenceOf(context_, AddressOf(peer_)));
+absl::StatusOr<Caller> CallContext::Authenticate() {
+  auto caller = host_.access.Authenticate(PeerCredentialsOf(context_, AddressOf(peer_)));
   if (absl::IsResourceExhausted(caller.status())) host_.monitor.calls().CountRefusedAttempt();
   return caller;
 }
 
-absl::Status CallEntry::Recheck() const {
+absl::Status CallContext::Recheck() const {
   return caller_.has_value() ? host_.access.Recheck(*caller_)
                              : absl::UnauthenticatedError("the call was not checked");
 }
 
-grpc::Status CallEntry::Silent() const {
+grpc::Status CallContext::IdleStatus() const {
   const CallLimitOptions& options = host_.limits.options();
   const std::string message =
-      checked_ ? fmt::format("idle timeout: nothing sent or received for {:g} s (--silence-limit)",
-                             Seconds(options.longest_silence))
-               : fmt::format(
-                     "idle timeout: no first message within {:g} s (--silence-limit, for "
-                     "the first message at most {:g} s)",
-                     Seconds(host_.limits.first_silence()), Seconds(options.longest_first_silence));
+      checked_
+          ? fmt::format("idle timeout: nothing sent or received for {:g} s (--silence-limit)",
+                        Seconds(options.idle_limit))
+          : fmt::format(
+                "idle timeout: no first message within {:g} s (--silence-limit, for "
+                "the first message at most {:g} s)",
+                Seconds(host_.limits.first_message_limit()), Seconds(options.first_idle_limit));
   return ToGrpcStatus(core::WithReason("IDLE_TIMEOUT", absl::DeadlineExceededError(message)));
 }
 
-grpc::Status CallEntry::DeadlineStatus() const {
+grpc::Status CallContext::DeadlineStatus() const {
   const auto now = std::chrono::system_clock::now();
   if (deadline_ < client_deadline_ && now > deadline_) {
     return ToGrpcStatus(core::WithReason(
         "SERVER_TIME_LIMIT", absl::DeadlineExceededError(
                                  fmt::format("the call took longer than {:g} s (--call-time-limit)",
-                                             Seconds(host_.limits.options().longest_call)))));
+                                             Seconds(host_.limits.options().max_call_time)))));
   }
   if (now < earliest_client_end_) return grpc::Status::OK;
   return ToGrpcStatus(core::WithReason(
@@ -236,7 +237,7 @@ grpc::Status CallEntry::DeadlineStatus() const {
       absl::DeadlineExceededError("the call took longer than the client's deadline")));
 }
 
-grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
+grpc::Status CallContext::End(grpc::Status status, std::size_t answer_bytes) {
   if (status.error_code() == grpc::StatusCode::CANCELLED) {
     if (grpc::Status expired = DeadlineStatus(); !expired.ok()) status = std::move(expired);
   }
@@ -251,24 +252,24 @@ grpc::Status CallEntry::End(grpc::Status status, std::size_t answer_bytes) {
   if (answer_bytes <= kLargeBytes) class_slot_ = {};  // before the client sees the end and retries
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
-  ticket_.SetEnded(std::chrono::milliseconds(static_cast<std::int64_t>(answer_bytes) /
-                                             kSlowestBytesPerMillisecond));
+  ticket_.SetEnded(
+      std::chrono::milliseconds(static_cast<std::int64_t>(answer_bytes) / kMinBytesPerMillisecond));
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }
 
-std::string CallEntry::Subject(const google::protobuf::Message& request) const {
+std::string CallContext::Subject(const google::protobuf::Message& request) const {
   const CallRule& rule = *method_.rule;
   std::string text = FieldText(request, rule.field);
   return text.empty() ? text : fmt::format("{}{}", rule.collection, text);
 }
 
-storage::AuditRecord CallEntry::RecordWithChange(std::string resource) {
+storage::AuditRecord CallContext::AuditRecordForChange(std::string resource) {
   resource_ = std::move(resource);
   recorded_ = true;
   return Record(grpc::StatusCode::OK);
 }
 
-storage::AuditRecord CallEntry::Record(grpc::StatusCode code) const {
+storage::AuditRecord CallContext::Record(grpc::StatusCode code) const {
   storage::AuditRecord record;
   record.time_us = NowMicroseconds();
   record.principal = text::SafeText(principal_);

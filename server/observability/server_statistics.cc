@@ -1,4 +1,4 @@
-#include "server/observability/server_figures.h"
+#include "server/observability/server_statistics.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
@@ -58,8 +58,8 @@ class Families {
 };
 
 // Uses the names of Prometheus' client libraries, for common dashboards.
-void AddProcess(const ServerFigures& figures, Families& families) {
-  const ProcessFigures& process = figures.process;
+void AddProcess(const ServerStatistics& figures, Families& families) {
+  const ProcessStatistics& process = figures.process;
   families.Add(MetricType::Counter, "process_cpu_seconds_total",
                "User and system time of the process, in seconds.", process.cpu_seconds);
   families.Add(MetricType::Gauge, "process_resident_memory_bytes",
@@ -78,7 +78,7 @@ void AddProcess(const ServerFigures& figures, Families& families) {
                static_cast<double>(figures.start_time_us) * 1e-6);
 }
 
-void AddServer(const ServerFigures& figures, Families& families) {
+void AddServer(const ServerStatistics& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_build_info", "Always 1; the version is its label.", 1,
                {{"version", figures.version}});
   families.Add(MetricType::Gauge, "motiondb_serving",
@@ -102,7 +102,7 @@ void AddServer(const ServerFigures& figures, Families& families) {
   families.Put({{"queue", "heavy_requests"}}, figures.queued.heavy_requests);
   families.Put({{"queue", "changes"}}, figures.queued.changes);
   families.Put({{"queue", "urgent_changes"}}, figures.queued.urgent_changes);
-  families.Put({{"queue", "upkeep"}}, figures.queued.upkeep);
+  families.Put({{"queue", "maintenance"}}, figures.queued.maintenance);
   families.Add(MetricType::Gauge, "motiondb_request_threads", "Threads that process requests.",
                figures.request_threads);
   families.Add(MetricType::Gauge, "motiondb_running_heavy_calls",
@@ -113,15 +113,15 @@ void AddServer(const ServerFigures& figures, Families& families) {
                static_cast<double>(figures.log_bytes));
   families.Add(MetricType::Gauge, "motiondb_damages",
                "Corrupt items found since the start, at most 100.",
-               static_cast<double>(figures.damages.size()));
+               static_cast<double>(figures.corruptions.size()));
   families.Add(
       MetricType::Gauge, "motiondb_certificate_end_time_seconds",
       "Expiry of the first certificate that expires, of the server's chain or the client CA, in "
       "seconds since the Unix epoch; 0 without TLS.",
-      static_cast<double>(figures.certificate_end_time_s));
+      static_cast<double>(figures.certificate_expiry_s));
 }
 
-void AddWriteFailures(const ServerFigures& figures, Families& families) {
+void AddWriteFailures(const ServerStatistics& figures, Families& families) {
   families.Begin(MetricType::Counter, "motiondb_store_failed_writes_total",
                  "Failed writes of the store since the start, by reason.");
   const auto put = [&](const char* reason, std::int64_t count) {
@@ -134,7 +134,7 @@ void AddWriteFailures(const ServerFigures& figures, Families& families) {
 }
 
 // No series until the store exists.
-void AddDisk(const ServerFigures& figures, Families& families) {
+void AddDisk(const ServerStatistics& figures, Families& families) {
   const auto add = [&](const char* name, const char* help, std::int64_t bytes) {
     families.Begin(MetricType::Gauge, name, help);
     if (figures.disk_bytes > 0) families.Put({}, static_cast<double>(bytes));
@@ -144,27 +144,27 @@ void AddDisk(const ServerFigures& figures, Families& families) {
       figures.disk_free_bytes);
 }
 
-using Value = std::function<double(const DatabaseFigures&)>;
+using Value = std::function<double(const DatabaseStatistics&)>;
 
 // Adds a gauge with a series for each database.
-void AddEach(const ServerFigures& figures, const char* name, const char* help, const Value& value,
-             Families& families) {
+void AddEach(const ServerStatistics& figures, const char* name, const char* help,
+             const Value& value, Families& families) {
   families.Begin(MetricType::Gauge, name, help);
-  for (const DatabaseFigures& database : figures.databases) {
+  for (const DatabaseStatistics& database : figures.databases) {
     families.Put({{"database", database.name}}, value(database));
   }
 }
 
 // Adds a gauge with a series for each database that has a model.
-void AddEachModel(const ServerFigures& figures, const char* name, const char* help,
+void AddEachModel(const ServerStatistics& figures, const char* name, const char* help,
                   const Value& value, Families& families) {
   families.Begin(MetricType::Gauge, name, help);
-  for (const DatabaseFigures& database : figures.databases) {
+  for (const DatabaseStatistics& database : figures.databases) {
     if (database.model) families.Put({{"database", database.name}}, value(database));
   }
 }
 
-void AddDatabases(const ServerFigures& figures, Families& families) {
+void AddDatabases(const ServerStatistics& figures, Families& families) {
   families.Add(MetricType::Gauge, "motiondb_databases", "Databases.",
                static_cast<double>(figures.databases.size()));
   AddEach(
@@ -196,7 +196,7 @@ void AddDatabases(const ServerFigures& figures, Families& families) {
       [](const auto& database) { return database.model->build_seconds; }, families);
 }
 
-void AddRebuilds(const ServerFigures& figures, Families& families) {
+void AddRebuilds(const ServerStatistics& figures, Families& families) {
   AddEach(
       figures, "motiondb_rebuild_pending", "1 while a build of the model waits or runs, else 0.",
       [](const auto& database) { return database.operation ? 1 : 0; }, families);
@@ -207,7 +207,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
       families);
   families.Begin(MetricType::Counter, "motiondb_rebuilds_total",
                  "Ended builds since the start, by outcome.");
-  for (const DatabaseFigures& database : figures.databases) {
+  for (const DatabaseStatistics& database : figures.databases) {
     const auto put = [&](const char* outcome, std::int64_t count) {
       families.Put({{"database", database.name}, {"outcome", outcome}}, static_cast<double>(count));
     };
@@ -217,7 +217,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
   }
   families.Begin(MetricType::Summary, "motiondb_rebuild_seconds",
                  "Duration of builds, of any outcome.");
-  for (const DatabaseFigures& database : figures.databases) {
+  for (const DatabaseStatistics& database : figures.databases) {
     const RebuildTally& rebuilds = database.rebuilds;
     families.PutSummary({{"database", database.name}},
                         rebuilds.succeeded + rebuilds.failed + rebuilds.cancelled,
@@ -227,7 +227,7 @@ void AddRebuilds(const ServerFigures& figures, Families& families) {
 
 }  // namespace
 
-std::vector<MetricFamily> FamiliesOf(const ServerFigures& figures) {
+std::vector<MetricFamily> FamiliesOf(const ServerStatistics& figures) {
   Families families;
   AddServer(figures, families);
   AddWriteFailures(figures, families);
@@ -256,8 +256,8 @@ int CountEntries(const char* folder) {
 
 }  // namespace
 
-ProcessFigures ReadProcessFigures() {
-  ProcessFigures figures;
+ProcessStatistics ReadProcessStatistics() {
+  ProcessStatistics figures;
   std::int64_t virtual_pages = 0, resident_pages = 0;
   if (std::ifstream("/proc/self/statm") >> virtual_pages >> resident_pages) {
     const std::int64_t page_bytes = sysconf(_SC_PAGESIZE);

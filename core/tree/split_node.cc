@@ -1,4 +1,4 @@
-#include "core/tree/divide_node.h"
+#include "core/tree/split_node.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,24 +69,24 @@ constexpr int kMaxRounds = 32;
 // clip, such a leaf has at least 0.55 of the frames.
 constexpr int kLargePart = 4;
 
-bool IsLarge(std::int32_t frames, const DivisionRule& rule) {
+bool IsLarge(std::int32_t frames, const SplitRule& rule) {
   return frames / kMany >= rule.min_frames && frames > rule.all_frames / kLargePart;
 }
 
 }  // namespace
 
-int DivideNode(const DivisionRule& rule, PermutedStates& permuted, NodePlaces& places,
-               std::vector<float>& scratch, const ParallelFor& parallel, SplitPlane& plane) {
-  const auto divide = [&](const NodePlaces& of) {
-    return permuted.Divide(of.begin, of.end, rule.min_frames, scratch, parallel, plane);
+int SplitNode(const SplitRule& rule, PermutedStates& permuted, NodeRange& places,
+              std::vector<float>& scratch, const ParallelFor& parallel, SplitPlane& plane) {
+  const auto divide = [&](const NodeRange& of) {
+    return permuted.Split(of.begin, of.end, rule.min_frames, scratch, parallel, plane);
   };
   int left = divide(places);
   const std::int32_t frames = places.end - places.begin;
   if (left > 0 || !IsLarge(frames, rule)) return left;
 
-  NodePlaces others = places;
+  NodeRange others = places;
   for (int round = 0; left == 0 && round < kMaxRounds; ++round) {
-    if (!permuted.SetAside(others.begin, others.end, parallel)) return 0;
+    if (!permuted.ExcludeOutliers(others.begin, others.end, parallel)) return 0;
     if (frames - (others.end - others.begin) > frames / kMany) return 0;
     left = divide(others);
   }
@@ -94,19 +94,19 @@ int DivideNode(const DivisionRule& rule, PermutedStates& permuted, NodePlaces& p
   return left;
 }
 
-bool IsUndivided(const Tree& tree, int min_frames) {
+bool IsSingleNode(const Tree& tree, int min_frames) {
   return tree.layer_count() == 1 && tree.frame_count() / kMany >= min_frames;
 }
 
-void FramesAside::Add(std::int32_t branch, const NodePlaces& places, const NodePlaces& divided) {
+void OutlierFrames::Add(std::int32_t branch, const NodeRange& places, const NodeRange& divided) {
   if (divided.begin == places.begin && divided.end == places.end) return;
   std::vector<std::int32_t>& aside = of_branch_[branch];
   for (std::int32_t place = places.begin; place < divided.begin; ++place) aside.push_back(place);
   for (std::int32_t place = divided.end; place < places.end; ++place) aside.push_back(place);
 }
 
-void FramesAside::PassDown(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
-                           const PermutedStates& permuted) {
+void OutlierFrames::MoveToChildren(std::int32_t branch, const Branch& divided,
+                                   const SplitPlane& plane, const PermutedStates& permuted) {
   const auto aside = of_branch_.extract(branch);
   if (aside.empty()) return;
   for (const std::int32_t place : aside.mapped()) {
@@ -115,7 +115,8 @@ void FramesAside::PassDown(std::int32_t branch, const Branch& divided, const Spl
   }
 }
 
-void FramesAside::PutBack(std::vector<Branch>& branches, std::vector<std::int32_t>& order) const {
+void OutlierFrames::AppendToLeaves(std::vector<Branch>& branches,
+                                   std::vector<std::int32_t>& order) const {
   if (of_branch_.empty()) return;
   std::vector<std::int32_t> leaves;
   for (std::size_t b = 0; b < branches.size(); ++b) {

@@ -1,4 +1,4 @@
-#include "server/engine/lane.h"
+#include "server/engine/concurrency_limiter.h"
 
 #include <boost/asio/post.hpp>
 #include <utility>
@@ -7,7 +7,7 @@
 
 namespace motiondb::server {
 
-void Lane::Post(const std::string& client, std::function<void()> work) {
+void ConcurrencyLimiter::Post(const std::string& client, std::function<void()> work) {
   {
     const storage::MutexLock lock(mutex_);
     if (free_ == 0) {
@@ -21,12 +21,12 @@ void Lane::Post(const std::string& client, std::function<void()> work) {
   Start(std::move(work));
 }
 
-int Lane::running() {
+int ConcurrencyLimiter::running() {
   const storage::MutexLock lock(mutex_);
   return width_ - free_;
 }
 
-void Lane::Start(std::function<void()> work) {
+void ConcurrencyLimiter::Start(std::function<void()> work) {
   boost::asio::post(pool_.executor(), [this, work = std::move(work)] {
     // Also if the work throws: its place must not be lost.
     const absl::Cleanup next = [this] { Next(); };
@@ -34,7 +34,7 @@ void Lane::Start(std::function<void()> work) {
   });
 }
 
-void Lane::Next() {
+void ConcurrencyLimiter::Next() {
   std::function<void()> work;
   {
     const storage::MutexLock lock(mutex_);

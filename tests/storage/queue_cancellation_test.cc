@@ -10,7 +10,7 @@
 #include "tests/storage/store_file.h"
 #include "tests/storage/while_writing.h"
 
-namespace motiondb::tests::sqlite_turns_test {
+namespace motiondb::tests::queue_cancellation_test {
 namespace {
 
 // Returns a function that returns true from the third call on.
@@ -30,8 +30,8 @@ TEST_CASE("SqliteMotionStore: a change that is cancelled while it waits is not m
   REQUIRE_OK(store->DeleteClip("d", "gone"));
   REQUIRE_OK(store->access().AddToken({.id = "t"}));
   const storage::AuditRecord record{.method = "Change"};
-  WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
-    const auto terms = [&] { return storage::ChangeTerms{&record, AfterAWhile()}; };
+  WithBlockedWriter(*store, SampleClip("d", "holder", 100), [&] {
+    const auto terms = [&] { return storage::WriteOptions{&record, AfterAWhile()}; };
     CHECK(absl::IsCancelled(store->CreateDatabase(SampleDatabase("e"), terms())));
     CHECK(absl::IsCancelled(store->DeleteDatabase("d", terms())));
     CHECK(absl::IsCancelled(store->DeleteClip("d", "old", terms()).status()));
@@ -77,7 +77,7 @@ TEST_CASE("SqliteMotionStore: a cancelled clip is stored exactly if its caller g
   }
   std::vector<std::vector<absl::Status>> results(kWriters);
   std::vector<std::jthread> writers;
-  WhileWriting(*store, SampleClip("d", "holder", 100), [&] {
+  WithBlockedWriter(*store, SampleClip("d", "holder", 100), [&] {
     for (unsigned w = 0; w < kWriters; ++w) {
       writers.emplace_back([&, w] {
         for (const storage::NewClip& clip : clips[w]) {
@@ -102,4 +102,4 @@ TEST_CASE("SqliteMotionStore: a cancelled clip is stored exactly if its caller g
   CHECK(cancelled >= static_cast<int>(kWriters));
 }
 
-}  // namespace motiondb::tests::sqlite_turns_test
+}  // namespace motiondb::tests::queue_cancellation_test

@@ -59,12 +59,12 @@ struct MadeToken {
   std::string secret;  // `mdb_{id}_{secret}`, as the client sends it
 };
 
-class TokenBook {
+class TokenRegistry {
  public:
   using MakeAudit = std::function<storage::AuditRecord(const storage::TokenRecord&)>;
 
   // The store must outlive this object.
-  explicit TokenBook(storage::AccessStore& store) : store_(store) {}
+  explicit TokenRegistry(storage::AccessStore& store) : store_(store) {}
 
   // Loads the stored tokens that are valid at `now_us`, at most 100,000, oldest first; others are
   // loaded at their first use. Returns errors of the store.
@@ -84,7 +84,7 @@ class TokenBook {
   // `last_admin` is kKeep; NOT_FOUND; errors of the store. After an error the token is valid as
   // before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
-                                              const storage::ChangeTerms& terms = {},
+                                              const storage::WriteOptions& terms = {},
                                               LastAdmin last_admin = LastAdmin::kMayGo);
 
   // Returns whether a valid admin token for all databases exists at `now_us`. Returns errors of the

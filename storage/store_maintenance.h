@@ -15,7 +15,7 @@
 namespace motiondb::storage {
 
 // A corrupt item of the store.
-struct Damage {
+struct Corruption {
   // The affected resource: `databases/d/clips/c`, `databases/d/models/3`, ...; empty: the file.
   std::string resource;
   std::string description;  // text for the operator
@@ -37,7 +37,7 @@ class StoreVerifier {
   virtual ~StoreVerifier() = default;
   // Checks the next part (a few megabytes, or the structure of the file) and appends corrupt items
   // to `found`. Returns false after the last part. Corruption is not an error. CANCELLED.
-  virtual absl::StatusOr<bool> Step(std::vector<Damage>& found) = 0;
+  virtual absl::StatusOr<bool> Step(std::vector<Corruption>& found) = 0;
   virtual double progress() const = 0;  // 0 to 1
   virtual const VerifyTotals& totals() const = 0;
 };
@@ -69,14 +69,14 @@ class StoreRestore {
   virtual absl::Status Finish(const core::Cancelled& cancelled) = 0;
 };
 
-class StoreUpkeep {
+class StoreMaintenance {
  public:
-  virtual ~StoreUpkeep() = default;
+  virtual ~StoreMaintenance() = default;
   // FAILED_PRECONDITION if the store is open read-only. Each change returns the same error.
   virtual absl::Status CheckIsWritable() const = 0;
   // Returns the corruption that was found when the store was opened and that can no longer be
   // detected. Every verification reports it too.
-  virtual std::vector<Damage> FoundAtOpening() const = 0;
+  virtual std::vector<Corruption> FoundAtOpening() const = 0;
   // UNAVAILABLE if the store's file was moved, deleted or replaced: changes would be lost. Each
   // change returns the same error. Costs one file status query.
   virtual absl::Status CheckFile() = 0;

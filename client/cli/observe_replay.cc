@@ -89,7 +89,7 @@ absl::StatusOr<ReplayStatistics> Replay(
 
 namespace {
 
-constexpr int kShownLabels = 2;
+constexpr int kLabelsOfMoment = 2;
 
 // Returns the `fraction` quantile; `sorted` is not empty.
 double Quantile(const std::vector<double>& sorted, double fraction) {
@@ -100,7 +100,7 @@ double Quantile(const std::vector<double>& sorted, double fraction) {
 
 std::string LabelsText(const v1::ObserveResponse& answer) {
   std::string text;
-  for (int i = 0; i < std::min(answer.labels_size(), kShownLabels); ++i) {
+  for (int i = 0; i < std::min(answer.labels_size(), kLabelsOfMoment); ++i) {
     const v1::LabelProbability& label = answer.labels(i);
     text += fmt::format("{}{} {:.2f}", i > 0 ? ", " : "", LabelOrPlaceholder(label.label()),
                         label.probability());

@@ -1,6 +1,7 @@
 // motiondb status, backup, restore and verify.
 
 #include <fmt/format.h>
+#include <motiondb/v1/server.pb.h>
 #include <motiondb/v1/store.pb.h>
 #include <unistd.h>
 
@@ -174,7 +175,7 @@ absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {
     bar.Clear();
     if (global.json) {
       PrintJson(message);
-    } else if (message.has_damage()) {
+    } else if (message.has_corruption()) {
       Print(message.corruption());
     }
     return absl::OkStatus();

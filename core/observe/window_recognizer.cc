@@ -41,7 +41,7 @@ void WindowRecognizer::Restart() {
 }
 
 int WindowRecognizer::Width(const ObservedStates& states) const {
-  return std::min(window_frames_, states.cached());
+  return std::min(window_frames_, states.kept());
 }
 
 absl::StatusOr<WindowRecognizer::Answer> WindowRecognizer::Whole(const ObservedStates& states,

@@ -21,7 +21,8 @@ constexpr std::size_t kChunkBytes = 64 << 10;  // maximum of one read or write
 // turn.
 constexpr std::size_t kSmallChunkBytes = 4 << 10;
 constexpr int kChunksPerTurn = 4;
-constexpr std::chrono::seconds kCloseTime{1};  // for the client to close after the server's end
+constexpr std::chrono::seconds kClientCloseTime{
+    1};  // for the client to close after the server's end
 constexpr std::int64_t kMaxDroppedBytes = 4 << 20;
 
 // Flow-control windows for received data, bytes.
@@ -233,7 +234,7 @@ void Connection::Await() {
 void Connection::Tick(Clock::time_point now) {
   if (closed_) return;
   if (closing_since_.has_value()) {
-    if (now - *closing_since_ > kCloseTime) Close();
+    if (now - *closing_since_ > kClientCloseTime) Close();
     return;
   }
   if (!got_frame_ && now - began_ > kFirstFrameTime) return Close();

@@ -127,7 +127,7 @@ Readiness Monitor::CheckReadiness() const {
 
 std::string Monitor::Exposition() const {
   std::vector<prometheus::MetricFamily> families = registry_.Collect();
-  for (auto& family : FamiliesOf(Figures())) families.push_back(std::move(family));
+  for (auto& family : FamiliesOf(CollectStatistics())) families.push_back(std::move(family));
   return prometheus::TextSerializer().Serialize(families);
 }
 

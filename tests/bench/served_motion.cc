@@ -77,10 +77,9 @@ absl::Status ServedMotion::Await(const std::string& operation) {
 
 absl::StatusOr<int> ServedMotion::ModelVersion(const std::string& database) {
   v1::GetDatabaseRequest request;
-  request.set_view(v1::DATABASE_VIEW_FULL);
   request.set_name(Name(database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto described, client_->GetDatabase(request));
-  return described.model_version();
+  return described.database().model_version();
 }
 
 absl::StatusOr<v1::MarkerObservation> ServedMotion::Represent(const std::string& database,

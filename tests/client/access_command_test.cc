@@ -42,11 +42,11 @@ TEST_CASE("motiondb token create: sends the options; prints only the secret to s
   CHECK_THAT(json.out, Contains("\"secret\":\"mdb_1f_00\""));
   const auto requests = server.Requests<v1::CreateTokenRequest>("CreateToken");
   REQUIRE(requests.size() == 2);
-  CHECK(requests[0].role() == v1::ROLE_READER);
-  CHECK(requests[0].database() == "databases/walks");
+  CHECK(requests[0].token().role() == v1::ROLE_READER);
+  CHECK(requests[0].token().database() == "databases/walks");
   CHECK(requests[0].ttl().seconds() == 30 * 86400);
-  CHECK(requests[0].description() == "the robot");
-  CHECK(requests[1].role() == v1::ROLE_ADMIN);
+  CHECK(requests[0].token().description() == "the robot");
+  CHECK(requests[1].token().role() == v1::ROLE_ADMIN);
   CHECK(!requests[1].has_ttl());
   for (const char* wrong : {"30", "0d", "-1d", "soon", "3y"}) {
     INFO(wrong);

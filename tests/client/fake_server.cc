@@ -159,7 +159,7 @@ struct FakeServer::Services {
         queries(fake),
         operations(fake),
         access(fake),
-        server(fake) {}
+        status(fake) {}
 
   Databases databases;
   Clips clips;
@@ -167,7 +167,7 @@ struct FakeServer::Services {
   Queries queries;
   Operations operations;
   Access access;
-  Server server;
+  Server status;
   std::unique_ptr<grpc::Server> server;
 };
 
@@ -193,7 +193,7 @@ void FakeServer::Listen() {
   builder.RegisterService(&services_->queries);
   builder.RegisterService(&services_->operations);
   builder.RegisterService(&services_->access);
-  builder.RegisterService(&services_->server);
+  builder.RegisterService(&services_->status);
   services_->server = builder.BuildAndStart();
   address_ = "127.0.0.1:" + std::to_string(port);
 }

@@ -4,6 +4,7 @@
 #include <motiondb/v1/database.pb.h>
 #include <motiondb/v1/operation.pb.h>
 #include <motiondb/v1/query.pb.h>
+#include <motiondb/v1/server.pb.h>
 #include <motiondb/v1/store.pb.h>
 
 #include <catch2/catch.hpp>

@@ -1,8 +1,16 @@
+#include <google/protobuf/descriptor.h>
 #include <motiondb/v1/clip.pb.h>
 #include <motiondb/v1/database.pb.h>
+#include <motiondb/v1/model.pb.h>
+#include <motiondb/v1/observation.pb.h>
+#include <motiondb/v1/observe.pb.h>
+#include <motiondb/v1/plan.pb.h>
 #include <motiondb/v1/query.pb.h>
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <memory>
+#include <set>
 
 #include "client/cli/answer_text.h"
 #include "client/cli/database_text.h"
@@ -126,7 +134,7 @@ TEST_CASE("PredictionText: positions of the body and the first marker only", "[c
   auto* frame = response.add_horizons();
   frame->set_seconds(0.08);
   frame->set_confidence(0.9);
-  for (const float value : {1.0f, 2.0f, 3.0f, 3.0f, 4.0f, 5.0f}) frame->add_marker_positions(value);
+  frame->set_marker_positions(Pack({1, 2, 3, 3, 4, 5}));
   const std::string text = PredictionText(response, {"root", "head"});
   CHECK_THAT(text, Catch::StartsWith("from 1.20 s"));
   CHECK_THAT(text, Catch::Contains("next node 58  0.61  as in c0 c1 c2 c3 and 2 more"));
@@ -222,6 +230,42 @@ TEST_CASE("Json: proto field names and default values, on one line", "[client][c
                        Catch::Contains("\"log_probability\":\"-Infinity\""));
   CHECK(json.find('\n') == std::string::npos);
   CHECK(JsonString("a\"b\n") == R"("a\"b\n")");
+}
+
+TEST_CASE("Json: packed floats are numbers, outcomes of plans are words", "[client][cli]") {
+  v1::PredictedFrame frame;
+  frame.set_marker_positions(Pack({0.1F, -2.0F, std::nanf("")}));
+  CHECK_THAT(JsonLine(frame), Catch::Contains(R"("marker_positions":[0.1,-2,"NaN"])"));
+  v1::PlanResponse plan;
+  plan.set_outcome(v1::PLAN_OUTCOME_EXACT);
+  plan.set_missing(R"("marker_positions":"AAAA")");
+  CHECK_THAT(JsonLine(plan), Catch::Contains(R"("outcome":"EXACT")") &&
+                                 Catch::Contains(R"(\"marker_positions\":\"AAAA\")"));
+}
+
+TEST_CASE("Json: every bytes field is numbers, but for those that hold a file", "[client][cli]") {
+  const std::set<std::string> files = {"data", "skeleton_data", "urdf"};
+  int fields = 0;
+  for (const auto* file :
+       {v1::PlanResponse::descriptor()->file(), v1::PredictResponse::descriptor()->file(),
+        v1::Model::descriptor()->file(), v1::Observation::descriptor()->file(),
+        v1::ObserveResponse::descriptor()->file()}) {
+    for (int m = 0; m < file->message_type_count(); ++m) {
+      const auto* type = file->message_type(m);
+      const std::unique_ptr<google::protobuf::Message> message(
+          google::protobuf::MessageFactory::generated_factory()->GetPrototype(type)->New());
+      for (int f = 0; f < type->field_count(); ++f) {
+        const auto* field = type->field(f);
+        if (field->type() != google::protobuf::FieldDescriptor::TYPE_BYTES) continue;
+        ++fields;
+        message->GetReflection()->SetString(message.get(), field, std::string(4, '\0'));
+        INFO(field->full_name());
+        CHECK((JsonLine(*message).find("\"" + field->name() + "\":[0]") == std::string::npos) ==
+              files.contains(field->name()));
+      }
+    }
+  }
+  CHECK(fields > 10);
 }
 
 TEST_CASE("ProgressLine: fits the width of the terminal", "[client][cli]") {

@@ -107,7 +107,8 @@ bool CatchesUp(Soak& soak) {
   while (Clock::now() < end) {
     const auto described = client.GetDatabase(request);
     if (!described.ok()) throw std::runtime_error(described.status().ToString());
-    if (described->clip_count() == described->stored_clip_count()) return true;
+    const v1::DatabaseStatistics& statistics = described->database().statistics();
+    if (statistics.clip_count() == statistics.stored_clip_count()) return true;
     std::this_thread::sleep_for(std::chrono::milliseconds(200));
   }
   return false;

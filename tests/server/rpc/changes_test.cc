@@ -65,7 +65,7 @@ TEST_CASE("Limits: a change that waits for its turn delays no query and holds no
   };
   std::vector<std::future<grpc::Status>> waiting;
   REQUIRE(engine.store().CreateDatabase(SampleDatabase("d")).ok());
-  WhileWriting(engine.store(), SampleClip("d", "holder", 1), [&] {
+  WithBlockedWriter(engine.store(), SampleClip("d", "holder", 1), [&] {
     CHECK(create("late", std::chrono::seconds(2)).error_code() ==
           grpc::StatusCode::DEADLINE_EXCEEDED);
     // The next change has its turn, and the thread for queries was free all the time. Later changes

@@ -32,7 +32,7 @@ TEST_CASE("ModelService: statistics of the current and of earlier models", "[ser
   CHECK(model.state() == v1::MODEL_STATE_CURRENT);
   CHECK(model.dimension_count() == 60);
   CHECK(model.scaling() == v1::SCALING_KIND);
-  CHECK(model.scales_size() == 60);
+  CHECK(model.scales().size() == sizeof(float) * 60);
   REQUIRE(model.clips_size() == 3);
   CHECK(model.clips(1) == "databases/db/clips/walk");
   CHECK(model.first_frames(1) == 120);

@@ -151,12 +151,12 @@ TEST_CASE("OperationService: lists newest first, for one database or all", "[ser
   CHECK(first.response.operations(0).database() == "databases/b");
   request.set_page_token(first.response.next_page_token());
   CHECK(Ask(*stub, &Stub::ListOperations, request).status.ok());
-  request.set_database("databases/a");
+  request.set_parent("databases/a");
   CHECK(ViolatedFields(Ask(*stub, &Stub::ListOperations, request).status) == "page_token");
   request.clear_page_token();
   CHECK(Ask(*stub, &Stub::ListOperations, request).response.operations(0).database() ==
         "databases/a");
-  request.set_database("databases/none");
+  request.set_parent("databases/none");
   CHECK(Ask(*stub, &Stub::ListOperations, request).status.error_code() ==
         grpc::StatusCode::NOT_FOUND);
 }

@@ -95,7 +95,7 @@ TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
   REQUIRE(recognize != status.methods().end());
   CHECK(recognize->call_count() == 2);
   REQUIRE(recognize->errors_size() == 1);
-  CHECK(recognize->errors(0).code() == "NOT_FOUND");
+  CHECK(recognize->errors(0).code() == grpc::StatusCode::NOT_FOUND);
   CHECK(recognize->errors(0).call_count() == 1);
   CHECK(recognize->p50_time().nanos() + recognize->p50_time().seconds() > 0);
   const std::string text = server.server().monitor().Exposition();

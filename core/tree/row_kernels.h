@@ -60,9 +60,9 @@ bool IsBoxBeyond(const float* low, const float* high, const float* mean, const f
 
 // Adds, for the values x of each dimension between two bounds: their number, the sum of
 // (x - centre), and the sum of its square. `count` rows start `stride` values apart.
-void AddWithin(const float* rows, int count, Eigen::Index stride, int dimensions,
-               const float* low, const float* high, const double* centre, double* counts,
-               double* sums, double* squares);
+void AddWithin(const float* rows, int count, Eigen::Index stride, int dimensions, const float* low,
+               const float* high, const double* centre, double* counts, double* sums,
+               double* squares);
 
 // Matrix products for few rows, faster than Eigen's, which is compiled for the baseline processor.
 

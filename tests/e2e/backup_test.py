@@ -83,7 +83,7 @@ class Backup(WithServer):
             self.assertIn(other.ask_one("describe", "d")["model_version"], (version + 1, version + 2))
             again = other.run("restore", backup)
             self.assertNotEqual(again.returncode, 0)
-            self.assertIn("without any", again.stderr)
+            self.assertIn("empty store", again.stderr)
         finally:
             other.stop()
 
@@ -126,7 +126,7 @@ class Backup(WithServer):
                                 text=True, timeout=60)
         self.assertEqual(result.returncode, 1)
         self.assertIn("malformed", result.stderr)
-        self.assertIn("restore a backup into a new one", result.stderr)
+        self.assertIn("restore a backup into a new store", result.stderr)
 
     def test_a_corrupt_backup_is_refused(self):
         backup = self.path("copy.mdb")

@@ -283,7 +283,7 @@ class Observability(unittest.TestCase):
                                 "--log-level", "off", log=log)
                 self.assertEqual(server.stop(), 0)
                 log.seek(0)
-                self.assertEqual("without authentication" in log.read(), logged, listen)
+                self.assertEqual("no authentication" in log.read(), logged, listen)
 
     def test_a_closed_log_pipe_does_not_end_the_server(self):
         reader, writer = os.pipe()

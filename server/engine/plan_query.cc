@@ -16,7 +16,7 @@ constexpr double kMaxSearchSeconds = 60;
 
 absl::Status CheckSearchTime(double seconds) {
   if (seconds > 0 && seconds <= kMaxSearchSeconds) return absl::OkStatus();
-  return core::FieldViolation("max_search_seconds", "expected more than 0 and at most {}, got {}",
+  return core::FieldViolation("search_timeout", "expected more than 0 s and at most {} s, got {} s",
                               kMaxSearchSeconds, seconds);
 }
 

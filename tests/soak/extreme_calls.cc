@@ -90,7 +90,7 @@ ExtremeCall Recognize(std::mt19937& random, const ExtremeSubject& subject, std::
   if (OneIn(random, 2)) request.set_hop_seconds(Magnitude(random, 1e-6, 1e3));
   request.set_whole(OneIn(random, 3));
   if (OneIn(random, 2)) request.set_method(v1::METHOD_PAPER);
-  request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
+  if (OneIn(random, 2)) request.set_layer(AnyInt(random, 20));
   if (OneIn(random, 3)) request.set_transition_floor(0);
   if (OneIn(random, 2)) request.set_generation(v1::GENERATION_TOP_PATHS);
   if (OneIn(random, 2)) request.set_path_count(AnyInt(random, 101));
@@ -104,8 +104,8 @@ ExtremeCall Estimate(std::mt19937& random, const ExtremeSubject& subject, std::s
   request.set_database(subject.database);
   const std::string what =
       SetObservation(random, subject, max_bytes, *request.mutable_observation());
-  request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
-  request.set_path_count(AnyInt(random, 101));
+  if (OneIn(random, 2)) request.set_layer(AnyInt(random, 20));
+  if (OneIn(random, 2)) request.set_path_count(AnyInt(random, 101));
   if (OneIn(random, 2)) request.set_max_candidates(AnyInt(random, 1e4));
   if (OneIn(random, 3)) request.set_transition_floor(0);
   request.set_fill_every_frame(OneIn(random, 2));
@@ -121,7 +121,7 @@ std::string SetPrediction(std::mt19937& random, const ExtremeSubject& subject,
   if (OneIn(random, 2)) request.set_history_seconds(Magnitude(random, 1e-3, 1e6));
   const int horizons = static_cast<int>(Magnitude(random, 1, 1010));
   for (int h = 0; h < horizons; ++h) request.add_horizon_seconds(Magnitude(random, 1e-3, 4000));
-  request.set_layer(OneIn(random, 2) ? 0 : AnyInt(random, 20));
+  if (OneIn(random, 2)) request.set_layer(AnyInt(random, 20));
   if (OneIn(random, 3)) request.set_transition_floor(0);
   if (OneIn(random, 3)) request.set_method(v1::METHOD_PAPER);
   return what;

@@ -71,7 +71,7 @@ v1::MarkerObservation Part(const v1::MarkerObservation& walk, int first, int cou
   const std::size_t width = walk.positions().size() / static_cast<std::size_t>(walk.frame_count());
   v1::MarkerObservation part;
   part.set_frame_rate_hz(walk.frame_rate_hz());
-  part.set_leg_length_m(walk.leg_length_m());
+  if (walk.has_leg_length_m()) part.set_leg_length_m(walk.leg_length_m());
   part.set_frame_count(count);
   part.set_positions(walk.positions().substr(static_cast<std::size_t>(first) * width,
                                              static_cast<std::size_t>(count) * width));

@@ -51,11 +51,11 @@ inline std::vector<std::string> ListServices(TestServer& server) {
   return names;
 }
 
-// Returns the eight services of motiondb.
+// Returns the services of motiondb.
 inline std::vector<std::string> ListOwnServices(TestServer& server) {
   std::vector<std::string> names = ListServices(server);
   std::erase_if(names, [](const std::string& name) { return !name.starts_with("motiondb."); });
-  REQUIRE(names.size() == 8);
+  REQUIRE(names.size() == 9);
   return names;
 }
 

@@ -59,7 +59,6 @@ TEST_CASE("Streams: an observation ends when its token is revoked", "[security][
   const auto& markers = walk.response.markers();
   *request.mutable_start()->mutable_marker_names() = markers.marker_names();
   request.mutable_start()->set_frame_rate_hz(markers.frame_rate_hz());
-  request.mutable_start()->set_leg_length_m(markers.leg_length_m());
   REQUIRE(stream->Write(request));
   const int frame_bytes = 12 * markers.marker_names_size();
   v1::ObserveResponse response;

@@ -44,7 +44,7 @@ std::string NpyHeader(NpyType type, const std::vector<int64_t>& shape) {
   return header + description;
 }
 
-NpyWriter::NpyWriter(std::filesystem::path path, NpyType type, std::vector<int64_t> shape)
+NpyWriter::NpyWriter(std::filesystem::path path, NpyType type, const std::vector<int64_t>& shape)
     : path_(std::move(path)),
       missing_bytes_(ElementCount(shape) * kElementBytes),
       file_(OutputFile::Create(path_)) {

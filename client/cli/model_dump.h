@@ -43,7 +43,7 @@ enum class NpyType { kFloat32, kInt32 };
 class NpyWriter {
  public:
   // `shape` has one or two extents. Finish returns the first error.
-  NpyWriter(std::filesystem::path path, NpyType type, std::vector<int64_t> shape);
+  NpyWriter(std::filesystem::path path, NpyType type, const std::vector<int64_t>& shape);
   NpyWriter(const NpyWriter&) = delete;
   NpyWriter& operator=(const NpyWriter&) = delete;
 

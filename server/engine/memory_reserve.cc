@@ -10,6 +10,8 @@
 #include <new>
 #include <thread>
 
+#include "core/motion/error.h"
+
 namespace motiondb::server {
 namespace {
 

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/motion/error.h"
 #include "server/translate/status_mapping.h"
 
 namespace motiondb::server {

@@ -4,6 +4,7 @@
 
 #include <chrono>
 
+#include "core/motion/error.h"
 #include "server/translate/status_mapping.h"
 
 namespace motiondb::server {

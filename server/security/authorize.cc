@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "core/motion/error.h"
+
 namespace motiondb::server {
 namespace {
 

@@ -81,9 +81,9 @@ std::string Table::ToString() const {
 namespace {
 
 // Fields of packed float32: the names of the bytes fields of motiondb.v1 that hold numbers.
-constexpr const char* kPackedFields[] = {"angles", "joint_angles",     "marker_deviations",
-                                         "mean",   "marker_positions", "positions",
-                                         "scales", "states",           "variance"};
+constexpr std::string_view kPackedFields[] = {"angles", "joint_angles",     "marker_deviations",
+                                              "mean",   "marker_positions", "positions",
+                                              "scales", "states",           "variance"};
 
 std::string Numbers(const std::string& bytes) {
   std::string text;
@@ -98,34 +98,31 @@ std::string Numbers(const std::string& bytes) {
   return "[" + text + "]";
 }
 
-// Replaces the base64 text of packed fields by arrays of numbers. A quotation mark within a JSON
-// string is escaped, so that `"name":` is found as a key only.
-std::string WithNumbers(std::string json) {
-  for (const char* const field : kPackedFields) {
-    const std::string key = fmt::format("\"{}\":", field);
-    for (size_t at = json.find(key); at != std::string::npos; at = json.find(key, at)) {
-      at += key.size();
-      const size_t begin = json.find_first_not_of(' ', at);
-      if (begin == std::string::npos || json[begin] != '"') continue;
+// Prints packed fields as arrays of numbers, and outcomes of plans as the words of the command line
+// (EXACT), in one pass. A quotation mark within a JSON string is escaped, so that only a key ends
+// with `":` after its plain name.
+std::string Readable(const std::string& json) {
+  constexpr std::string_view kOutcome = "PLAN_OUTCOME_";
+  std::string text;
+  size_t copied = 0;
+  for (size_t at = json.find("\":"); at != std::string::npos; at = json.find("\":", at + 2)) {
+    const size_t key_begin = json.rfind('"', at - 1) + 1;
+    const std::string_view key = std::string_view(json).substr(key_begin, at - key_begin);
+    const size_t begin = json.find_first_not_of(' ', at + 2);
+    if (begin == std::string::npos || json[begin] != '"') continue;
+    if (key == "outcome" && json.compare(begin + 1, kOutcome.size(), kOutcome) == 0) {
+      text.append(json, copied, begin + 1 - copied);
+      copied = begin + 1 + kOutcome.size();
+    } else if (std::ranges::find(kPackedFields, key) != std::end(kPackedFields)) {
       const size_t end = json.find('"', begin + 1);
       std::string bytes;
-      if (end == std::string::npos ||
-          !absl::Base64Unescape(json.substr(begin + 1, end - begin - 1), &bytes)) {
-        continue;
-      }
-      json.replace(begin, end + 1 - begin, Numbers(bytes));
+      if (!absl::Base64Unescape(json.substr(begin + 1, end - begin - 1), &bytes)) continue;
+      text.append(json, copied, begin - copied);
+      text += Numbers(bytes);
+      copied = end + 1;
     }
   }
-  return json;
-}
-
-// Outcomes of plans are printed as the words of the command line: EXACT, APPROXIMATE, ...
-std::string WithShortOutcomes(std::string json) {
-  constexpr std::string_view kPrefix = "\"PLAN_OUTCOME_";
-  for (size_t at = json.find(kPrefix); at != std::string::npos; at = json.find(kPrefix, at + 1)) {
-    json.erase(at + 1, kPrefix.size() - 1);
-  }
-  return json;
+  return text.append(json, copied);
 }
 
 std::string Json(const google::protobuf::Message& message, bool indented) {
@@ -136,7 +133,7 @@ std::string Json(const google::protobuf::Message& message, bool indented) {
   std::string json;
   // Fails only for an Any of an unknown type; callers remove these.
   (void)google::protobuf::util::MessageToJsonString(message, &json, options);
-  return text::EscapedJson(WithShortOutcomes(WithNumbers(std::move(json))));
+  return text::EscapedJson(Readable(json));
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace {
 // The compared frames of all beginnings.
 struct ComparedBeginnings {
   std::vector<int> shared;        // frames of the observation
-  std::vector<int> shared_count;  // of each beginning: so many of `shared`, then its newest
+  std::vector<int> shared_count;  // by beginning: number of `shared` frames before its newest
 };
 
 ComparedBeginnings FramesToCompare(const Beginnings& beginnings, int stride) {

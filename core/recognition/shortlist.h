@@ -37,7 +37,7 @@ struct NearClip {
   float nearer = 0;
 };
 
-// Whether so many clips are all on the shortlist, whatever is observed.
+// Returns whether a shortlist has all of this number of clips, for any observation.
 bool ListsAll(int clip_count);
 
 // Which of `frames` frames are looked at, ascending.

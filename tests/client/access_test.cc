@@ -71,7 +71,7 @@ TEST_CASE("Client: errors name invalid TLS files", "[client]") {
   CHECK_THAT(Refusal(options), Contains("together"));
 }
 
-// Returns grpc-status-details-bin with a request id and a retry delay.
+// Returns grpc-status-details-bin with a request id, a retry delay and a reason.
 std::string Details(const std::string& request_id, int retry_seconds) {
   v1::Status status;
   v1::RequestInfo info;
@@ -84,6 +84,11 @@ std::string Details(const std::string& request_id, int retry_seconds) {
   detail = status.add_details();
   detail->set_type_url("type.googleapis.com/google.rpc.RetryInfo");
   detail->set_value(retry.SerializeAsString());
+  v1::ErrorInfo reason;
+  reason.set_reason("SOME_REASON");
+  detail = status.add_details();
+  detail->set_type_url("type.googleapis.com/google.rpc.ErrorInfo");
+  detail->set_value(reason.SerializeAsString());
   return status.SerializeAsString();
 }
 
@@ -114,8 +119,10 @@ TEST_CASE("Client: an error has the request id, in its message unless the reques
   CHECK(std::string(busy.message()) == "too many calls (request robot/3)");
   CHECK(client::RequestId(busy) == "robot/3");
   CHECK(client::RetryDelay(busy) == std::chrono::seconds(7));
+  CHECK(client::ErrorReason(busy) == "SOME_REASON");
   const absl::Status plain = client.GetDatabase({}).status();
   CHECK(!client::RetryDelay(plain).has_value());
+  CHECK(client::ErrorReason(plain).empty());
   for (const int code : kAboutTheRequest) {
     CAPTURE(code);
     const absl::Status status = client.GetDatabase({}).status();

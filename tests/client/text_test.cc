@@ -241,6 +241,9 @@ TEST_CASE("Json: packed floats are numbers, outcomes of plans are words", "[clie
   plan.set_missing(R"("marker_positions":"AAAA")");
   CHECK_THAT(JsonLine(plan), Catch::Contains(R"("outcome":"EXACT")") &&
                                  Catch::Contains(R"(\"marker_positions\":\"AAAA\")"));
+  v1::LabelProbability label;
+  label.set_label("PLAN_OUTCOME_EXACT");  // a user's own word stays
+  CHECK_THAT(JsonLine(label), Catch::Contains(R"("label":"PLAN_OUTCOME_EXACT")"));
 }
 
 TEST_CASE("Json: every bytes field is numbers, but for those that hold a file", "[client][cli]") {

@@ -239,6 +239,16 @@ class NamesTest(unittest.TestCase):
                 for part in name.split("::"):
                     self.assertTrue(part in words, f"{page}: `{name}` is not in the sources")
 
+    def test_every_reason_of_an_error_is_documented(self):
+        reasons = set()
+        for folder in ("core", "server", "storage"):
+            for path in glob.glob(f"{ROOT}/{folder}/**/*.cc", recursive=True):
+                with open(path, encoding="utf-8") as file:
+                    reasons.update(re.findall(r'WithReason\(\s*"([A-Z_]+)"', file.read()))
+        self.assertGreater(len(reasons), 20)
+        documented = set(re.findall(r"[A-Z_]{4,}", read("docs/api.md")))
+        self.assertEqual(reasons - documented, set())
+
     def test_pages_are_short_and_narrow(self):
         self.assertLessEqual(len(read("README.md").splitlines()), 150)
         for page in PAGES:

@@ -154,7 +154,24 @@ TEST_CASE("DatabaseService: lists in order, page by page", "[server][rpc]") {
   CHECK(ViolatedFields(Ask(*stub, &Stub::ListDatabases, request).status) == "page_size");
 }
 
-TEST_CASE("DatabaseService: DescribeDatabase describes the model", "[server][rpc]") {
+TEST_CASE("DatabaseService: the view decides whether there are statistics", "[server][rpc]") {
+  TestServer server;
+  server.CreateDatabase("db");
+  const auto stub = server.NewStub<v1::DatabaseService>();
+  v1::GetDatabaseRequest request;
+  request.set_name("databases/db");
+  for (const v1::DatabaseView view : {v1::DATABASE_VIEW_UNSPECIFIED, v1::DATABASE_VIEW_BASIC}) {
+    request.set_view(view);
+    CHECK(!Ask(*stub, &Stub::GetDatabase, request).response.database().has_statistics());
+  }
+  request.set_view(v1::DATABASE_VIEW_FULL);
+  const auto full = Ask(*stub, &Stub::GetDatabase, request).response.database();
+  CHECK(full.statistics().name() == full.name());
+  request.set_view(static_cast<v1::DatabaseView>(7));
+  CHECK(ViolatedFields(Ask(*stub, &Stub::GetDatabase, request).status) == "view");
+}
+
+TEST_CASE("DatabaseService: statistics describe the model", "[server][rpc]") {
   TestServer server;
   server.CreateDatabase("db");
   CHECK(server.Describe("db").model_version() == 0);

@@ -7,6 +7,7 @@
 
 #include "motiondb/v1/clip.grpc.pb.h"
 #include "motiondb/v1/query.grpc.pb.h"
+#include "tests/server/rpc/refusal.h"
 #include "tests/support/packed_floats.h"
 #include "tests/support/test_server.h"
 
@@ -256,6 +257,10 @@ TEST_CASE("QueryService: the error of a database without a model tells what to d
   const auto early = Ask(*other, &Stub::Predict, RequestFor<v1::PredictRequest>("db"));
   CHECK(early.status.error_code() == grpc::StatusCode::FAILED_PRECONDITION);
   CHECK(early.status.error_message().find("wait for operations/") != std::string::npos);
+  CHECK(ReasonOf(early.status) == "MODEL_BUILDING");
+  CHECK(ReasonOf(answer.status) == "NO_MODEL");
+  CHECK(ReasonOf(Ask(*stub, &Stub::Estimate, RequestFor<v1::EstimateRequest>("none")).status) ==
+        "DATABASE_NOT_FOUND");
 }
 
 TEST_CASE("QueryService: the error names the invalid option", "[server][rpc]") {

@@ -1,4 +1,4 @@
-// The error of a call above a limit.
+// The details of errors, and the error of a call above a limit.
 #pragma once
 
 #include <grpcpp/support/status.h>
@@ -26,6 +26,11 @@ Message DetailOf(const grpc::Status& error, const std::string& type_url) {
   INFO(type_url);
   REQUIRE(count == 1);
   return found;
+}
+
+// Returns the reason of an error.
+inline std::string ReasonOf(const grpc::Status& error) {
+  return DetailOf<v1::ErrorInfo>(error, "type.googleapis.com/google.rpc.ErrorInfo").reason();
 }
 
 // Expects RESOURCE_EXHAUSTED with the setting ("--max-calls"), the retry time and the request id.

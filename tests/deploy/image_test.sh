@@ -73,12 +73,27 @@ free_port() {
 port=$(free_port)
 http=$(free_port)
 
-# Starts a container with the program, user and variables of the image.
+# in_container LOG COMMAND...: runs a command with the user and variables of the image, and retries
+# if buildah itself could not start. buildah runs from a sealed copy of itself in memory; on a busy
+# machine the kernel can refuse the seal with EBUSY.
+in_container() {
+  local attempt code
+  for attempt in 1 2 3 4 5; do
+    code=0
+    in_storage run --isolation chroot --volume "$store:/var/lib/motiondb" \
+      --env "MOTIONDBD_HTTP_LISTEN=127.0.0.1:$http" "$container" -- "${@:2}" 2>"$1" || code=$?
+    grep -q "sealing memfd copy" "$1" || return "$code"
+    sleep 1
+  done
+  return "$code"
+}
+
+# Starts a container with the program of the image.
 start_container() {
   local i
   container=$(in_storage from localhost/motiondb)
-  in_storage run --isolation chroot --volume "$store:/var/lib/motiondb" "$container" -- \
-    motiondbd --listen "127.0.0.1:$port" --http-listen "127.0.0.1:$http" >"$work/address" 2>"$work/log" &
+  in_container "$work/log" motiondbd --listen "127.0.0.1:$port" --http-listen "127.0.0.1:$http" \
+    >"$work/address" &
   run=$!
   for i in $(seq 300); do
     if grep -q listening "$work/address"; then
@@ -97,10 +112,6 @@ stop_container() {
   [ -z "$container" ] || in_storage rm "$container" >/dev/null
   container=
 }
-healthy() {
-  in_storage run --isolation chroot --env "MOTIONDBD_HTTP_LISTEN=127.0.0.1:$http" "$container" -- \
-    /usr/lib/motiondb/health_check
-}
 ask() {
   "$motiondb" --server "127.0.0.1:$port" "$@"
 }
@@ -109,7 +120,7 @@ echo "== a container"
 start_container
 [ "$(ps -o uid= -p "$server" | tr -d ' ')" = 65051 ] || fail "the server does not run as user 65051"
 grep -q '^CapEff:.0*$' "/proc/$server/status" || fail "the server has capabilities"
-healthy || fail "the health check failed"
+in_container "$work/health" /usr/lib/motiondb/health_check || fail "the health check failed"
 "$here/walk.py" 6 1 >"$work/walk.bvh"
 "$here/walk.py" 6 2 >"$work/run.bvh"
 ask create demo --marker-set source --min-frames 4 >/dev/null
@@ -117,9 +128,8 @@ ask ingest demo "$work/walk.bvh" --label walk | tail -n 1
 ask ingest demo "$work/run.bvh" --label run | tail -n 1
 ask recognize demo "$work/run.bvh" --window all | tee "$work/answer"
 grep -q run "$work/answer" || fail "recognize did not find the stored motion"
-for program in gcc g++ cmake; do
-  ! in_storage run --isolation chroot "$container" -- which "$program" || fail "the image has $program"
-done
+in_container "$work/which" sh -c 'for program in gcc g++ cmake; do ! which $program || exit 1; done' ||
+  fail "the image has a compiler"
 
 echo "== a new container on the same volume"
 stop_container

@@ -1,15 +1,29 @@
 #include "core/graph/transition_graph.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace motiondb::core {
 namespace {
 
-// Counts transitions (from, to), in any order. Sorting needs only one pair for each transition.
-TransitionGraph FromPairs(std::vector<std::pair<std::int32_t, std::int32_t>> pairs,
-                          int node_count) {
-  std::sort(pairs.begin(), pairs.end());
+using Pair = std::pair<std::int32_t, std::int32_t>;
+
+// Counting sort by one member; stable.
+std::vector<Pair> SortedBy(std::int32_t Pair::*key, const std::vector<Pair>& pairs,
+                           int node_count) {
+  std::vector<std::int32_t> place(static_cast<std::size_t>(node_count) + 1, 0);
+  for (const Pair& pair : pairs) ++place[pair.*key + 1];
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  std::vector<Pair> sorted(pairs.size());
+  for (const Pair& pair : pairs) sorted[place[pair.*key]++] = pair;
+  return sorted;
+}
+
+// Counts transitions (from, to), in any order. O(pairs + nodes).
+TransitionGraph FromPairs(std::vector<Pair> pairs, int node_count) {
+  pairs = SortedBy(&Pair::second, pairs, node_count);
+  pairs = SortedBy(&Pair::first, pairs, node_count);
   std::vector<std::int32_t> row_begin(static_cast<std::size_t>(node_count) + 1, 0);
   std::vector<Edge> edges;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
@@ -42,7 +56,7 @@ std::int32_t TransitionGraph::count(int from, int to) const {
 
 TransitionGraph CountTransitions(std::span<const std::vector<std::int32_t>> sequences,
                                  int node_count) {
-  std::vector<std::pair<std::int32_t, std::int32_t>> pairs;
+  std::vector<Pair> pairs;
   for (const auto& sequence : sequences) {
     for (std::size_t i = 1; i < sequence.size(); ++i) {
       pairs.emplace_back(sequence[i - 1], sequence[i]);

@@ -25,7 +25,7 @@ absl::StatusOr<core::Model> ModelOfClips(storage::MotionStore& store, LiveDataba
     const double share = static_cast<double>(read) / static_cast<double>(ids.size());
     return progress(kReadShare * share, "reading clips");
   };
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, ids, read_progress));
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, ids, parallel, read_progress));
   if (inputs.empty()) {
     const auto unreadable = database.unreadable();
     if (unreadable.empty()) return absl::AbortedError("all clips were deleted meanwhile");
@@ -49,7 +49,7 @@ absl::StatusOr<std::optional<ExtendedModel>> ModelWithClips(storage::MotionStore
                                                             const core::Model& base,
                                                             const std::vector<std::string>& clips,
                                                             const core::ParallelFor& parallel) {
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, clips));
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, ReadInputs(store, database, clips, parallel));
   if (inputs.empty()) return std::nullopt;
   MOTIONDB_ASSIGN_OR_RETURN(core::Model model,
                             core::ExtendModel(base, std::move(inputs), parallel));

@@ -157,17 +157,17 @@ absl::StatusOr<std::unique_ptr<ModelLifecycle::Ingest>> Engine::BeginIngest(
 }
 
 absl::StatusOr<Ingested> Engine::Ingest(const std::shared_ptr<LiveDatabase>& database,
-                                        IngestFile file, const WorkOptions& terms) {
+                                        storage::NewClip clip, const WorkOptions& terms) {
   Ingested ingested;
-  const auto stored = [&](const storage::ClipRecord& clip) -> absl::Status {
-    spdlog::info("database '{}': clip '{}' stored: frames={}; {}", clip.database, clip.id,
-                 clip.frame_count, clip.source_report);
+  const auto stored = [&](const storage::ClipRecord& record) -> absl::Status {
+    spdlog::info("database '{}': clip '{}' stored: frames={}; {}", record.database, record.id,
+                 record.frame_count, record.source_report);
     database->lifecycle().RequestExtension();
     MOTIONDB_ASSIGN_OR_RETURN(ingested.operation, database->lifecycle().Request(terms.cancelled));
     return absl::OkStatus();
   };
   MOTIONDB_ASSIGN_OR_RETURN(ingested.clip,
-                            IngestClip(*store_, *database, std::move(file), options_,
+                            IngestClip(*store_, *database, std::move(clip), options_,
                                        workers_.Parallel(Pool::kRequests), terms, stored));
   return ingested;
 }

@@ -87,8 +87,8 @@ class Engine {
   // See IngestClip. Also returns the rebuild that will add the clip to the model. CANCELLED also if
   // the change was stored but the rebuild was not yet requested, here and in DeleteClip; the
   // rebuild is then requested in the background.
-  absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database, IngestFile file,
-                                  const WorkOptions& terms);
+  absl::StatusOr<Ingested> Ingest(const std::shared_ptr<LiveDatabase>& database,
+                                  storage::NewClip clip, const WorkOptions& terms);
   // Returns the rebuild that removes the clip from the model. NOT_FOUND; UNAVAILABLE, here and in
   // CancelOperation, while the database is being deleted.
   absl::StatusOr<storage::OperationRecord> DeleteClip(const std::string& database,

@@ -21,44 +21,24 @@ constexpr char kNoLabel[] = "unlabelled";
 
 using SchemePointer = std::shared_ptr<const core::MarkerScheme>;
 
-absl::StatusOr<core::MotionFile> Read(const IngestFile& file) {
-  std::optional<core::SourceFile> skeleton;
-  if (!file.skeleton_file_name.empty()) {
-    skeleton = core::SourceFile{file.skeleton_file_name, file.skeleton_bytes};
-  }
-  return core::ReadMotionFile(file.format, {file.file_name, file.file_bytes}, skeleton,
-                              file.conventions);
-}
-
-storage::NewClip MakeClip(const LiveDatabase& database, IngestFile file,
-                          const core::MotionFile& source, core::StateSequence states,
-                          const std::vector<std::string>& notes) {
-  storage::NewClip clip;
+// Sets what follows from the file and its states.
+void Complete(const LiveDatabase& database, const core::MotionFile& source,
+              core::StateSequence states, const std::vector<std::string>& notes,
+              storage::NewClip& clip) {
   storage::ClipRecord& record = clip.record;
   record.database = database.name();
-  record.id = file.clip_id.empty() ? ClipIdFromFileName(file.file_name) : file.clip_id;
-  record.label = file.label.empty() ? kNoLabel : std::move(file.label);
-  record.subject = std::move(file.subject);
-  record.file_name = std::move(file.file_name);
-  record.skeleton_file_name = std::move(file.skeleton_file_name);
-  record.format = file.format;
+  if (!clip.id_is_fixed) record.id = ClipIdFromFileName(record.file_name);
+  if (record.label.empty()) record.label = kNoLabel;
   record.frame_count = states.frame_count();
   record.duration_seconds = states.frame_count() / states.frame_rate_hz;
   record.source_frame_rate_hz = FrameRate(source.motion);
   record.leg_length_m = states.leg_length_m;
   record.source_report = ReportOf(source.report, notes);
-  record.given = file.conventions;
-  record.given_leg_length_m = file.leg_length_m;
   record.create_time_us = record.tried_time_us = NowMicroseconds();
-  clip.id_is_fixed = !file.clip_id.empty();
-  clip.file_bytes = std::move(file.file_bytes);
-  clip.skeleton_bytes = std::move(file.skeleton_bytes);
-  clip.audit = std::move(file.audit);
   clip.states = std::move(states);
   if (const auto* joints = std::get_if<core::JointMotion>(&source.motion)) {
     clip.skeleton = *joints->skeleton;
   }
-  return clip;
 }
 
 // Estimates the byte count that the store will report.
@@ -91,22 +71,19 @@ std::string ReportOf(const core::SourceReport& report, const std::vector<std::st
 }
 
 absl::StatusOr<storage::ClipRecord> IngestClip(
-    storage::MotionStore& store, LiveDatabase& database, IngestFile file,
+    storage::MotionStore& store, LiveDatabase& database, storage::NewClip clip,
     const EngineOptions& options, const core::ParallelFor& parallel, const WorkOptions& terms,
     const std::function<absl::Status(const storage::ClipRecord&)>& stored) {
-  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(
-      file.format, {file.file_name, file.file_bytes},
-      file.skeleton_file_name.empty()
-          ? std::nullopt
-          : std::optional(core::SourceFile{file.skeleton_file_name, file.skeleton_bytes}))));
+  const core::SourceFile file{clip.record.file_name, clip.file_bytes};
+  const auto skeleton = SkeletonFile(clip.record, clip.skeleton_bytes);
+  MOTIONDB_RETURN_IF_ERROR(terms.Reserve(core::MaxBytesToRead(clip.record.format, file, skeleton)));
   absl::StatusOr<core::MotionFile> source;
-  std::uint64_t content_hash = 0;
   // The hash runs byte by byte and takes a third of the time of reading.
   parallel(2, [&](int part) {
     if (part == 0) {
-      source = Read(file);
+      source = core::ReadMotionFile(clip.record.format, file, skeleton, clip.record.given);
     } else {
-      content_hash = ContentHash(file.file_bytes, file.skeleton_bytes);
+      clip.record.content_hash = ContentHash(clip.file_bytes, clip.skeleton_bytes);
     }
   });
   if (!source.ok()) return source.status();
@@ -130,21 +107,20 @@ absl::StatusOr<storage::ClipRecord> IngestClip(
                                     options.max_frames,
                                     {AllowedWork::kAllWork, terms.cancelled, terms.reserve}};
   auto states = RepresentWithin(limits, *scheme, source->motion, database.settings().glitches,
-                                file.leg_length_m, &notes);
+                                clip.record.given_leg_length_m, &notes);
   if (const absl::Status& status = states.status();
       absl::IsInvalidArgument(status) || absl::IsResourceExhausted(status)) {
-    return absl::Status(status.code(),
-                        fmt::format("{}: {}", file.file_name, std::string(status.message())));
+    return absl::Status(
+        status.code(), fmt::format("{}: {}", clip.record.file_name, std::string(status.message())));
   }
   if (!states.ok()) return states.status();
   if (states->frame_count() < kMinClipFrames) {
     return core::InvalidArgument("{}: expected at least {} frames at {:g} Hz, got {}",
-                                 file.file_name, kMinClipFrames, limits.frame_rate_hz,
+                                 clip.record.file_name, kMinClipFrames, limits.frame_rate_hz,
                                  states->frame_count());
   }
 
-  storage::NewClip clip = MakeClip(database, std::move(file), *source, *std::move(states), notes);
-  clip.record.content_hash = content_hash;
+  Complete(database, *source, *std::move(states), notes, clip);
   clip.cancelled = terms.cancelled;
   if (brings_scheme) clip.marker_set_text = core::WriteMarkerSetFile(*scheme);
 

@@ -154,11 +154,8 @@ absl::Status LiveDatabase::Retire(const std::function<absl::Status()>& deletion,
       mutex_.AssertHeld();
       return changes_ == 0;
     };
-    while (!life_changed_.WaitUntil(mutex_, storage::NextPollTime(), unchanged)) {
-      if (cancelled && cancelled()) {
-        return absl::CancelledError(
-            "the deletion was cancelled while it waited for running changes");
-      }
+    if (!life_changed_.WaitOrCancel(mutex_, cancelled, unchanged)) {
+      return absl::CancelledError("the deletion was cancelled while it waited for running changes");
     }
   }
   MOTIONDB_RETURN_IF_ERROR(deletion());

@@ -81,11 +81,11 @@ absl::StatusOr<storage::OperationRecord> ModelLifecycle::RequestStored(
     while (true) {
       if (auto joined = Join(kind)) return *std::move(joined);
       if (!is_storing_request_) break;
-      if (cancelled && cancelled()) return storage::CancelledInQueue();
-      changed_.WaitUntil(mutex_, storage::NextPollTime(), [this] {
+      const bool stored = changed_.WaitOrCancel(mutex_, cancelled, [this] {
         mutex_.AssertHeld();
         return !is_storing_request_;
       });
+      if (!stored) return storage::CancelledInQueue();
     }
     is_storing_request_ = true;
   }

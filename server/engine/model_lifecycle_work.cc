@@ -377,7 +377,8 @@ absl::StatusOr<bool> ModelLifecycle::HasAllClips(const Snapshot& snapshot) {
   // Clips may be missing because they are corrupt. If one of them is readable, the model is out of
   // date, and the build reads the rest.
   for (auto clip = staleness.missing.begin(); has_all && clip != staleness.missing.end(); ++clip) {
-    MOTIONDB_ASSIGN_OR_RETURN(const auto read, ReadInputs(services_.store, database_, {*clip}));
+    MOTIONDB_ASSIGN_OR_RETURN(const auto read,
+                              ReadInputs(services_.store, database_, {*clip}, core::RunSerially));
     has_all = read.empty();
   }
   return has_all;

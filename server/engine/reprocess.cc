@@ -107,12 +107,8 @@ class Reprocessor {
     const auto source = store_.ReadClipSource(clip.database, clip.id);
     if (absl::IsDataLoss(source.status())) return MakeFailed(clip, source.status());
     if (!source.ok()) return source.status();
-    std::optional<core::SourceFile> skeleton;
-    if (!clip.skeleton_file_name.empty()) {
-      skeleton = core::SourceFile{clip.skeleton_file_name, source->skeleton_bytes};
-    }
     const auto file = core::ReadMotionFile(clip.format, {clip.file_name, source->file_bytes},
-                                           skeleton, clip.given);
+                                           SkeletonFile(clip, source->skeleton_bytes), clip.given);
     if (!file.ok()) return MakeFailed(clip, file.status());
     std::vector<std::string> notes;
     auto states = Represent(file->motion, clip.given_leg_length_m, notes);

@@ -7,6 +7,18 @@
 #include "core/motion/error.h"
 
 namespace motiondb::server {
+namespace {
+
+constexpr std::size_t kClipsAtOnce = 16;
+
+absl::StatusOr<core::BuildInput> ReadInput(storage::MotionStore& store, const std::string& database,
+                                           const std::string& clip) {
+  MOTIONDB_ASSIGN_OR_RETURN(const auto record, store.GetClip(database, clip));
+  MOTIONDB_ASSIGN_OR_RETURN(auto states, store.ReadClipStates(database, clip));
+  return core::BuildInput{clip, record.label, std::move(states), record.subject};
+}
+
+}  // namespace
 
 absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& store,
                                                           const std::string& database) {
@@ -23,21 +35,26 @@ absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& 
 
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
-    const std::function<bool(std::size_t)>& go_on) {
+    const core::ParallelFor& parallel, const std::function<bool(std::size_t)>& go_on) {
   std::vector<core::BuildInput> inputs;
   inputs.reserve(clips.size());
-  for (const std::string& clip : clips) {
-    if (go_on && !go_on(inputs.size())) return absl::CancelledError("stopped");
-    const auto record = store.GetClip(database.name(), clip);
-    auto states = record.ok() ? store.ReadClipStates(database.name(), clip) : record.status();
-    if (absl::IsNotFound(states.status())) continue;
-    if (absl::IsDataLoss(states.status())) {
-      database.AddUnreadable(clip, std::string(states.status().message()));
-      continue;
+  for (std::size_t first = 0; first < clips.size(); first += kClipsAtOnce) {
+    if (go_on && !go_on(first)) return absl::CancelledError("stopped");
+    const std::size_t count = std::min(kClipsAtOnce, clips.size() - first);
+    std::vector<absl::StatusOr<core::BuildInput>> read(count);
+    parallel(static_cast<int>(count),
+             [&](int i) { read[i] = ReadInput(store, database.name(), clips[first + i]); });
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::string& clip = clips[first + i];
+      if (absl::IsNotFound(read[i].status())) continue;
+      if (absl::IsDataLoss(read[i].status())) {
+        database.AddUnreadable(clip, std::string(read[i].status().message()));
+        continue;
+      }
+      if (!read[i].ok()) return read[i].status();
+      database.ForgetUnreadable(clip);  // the disk may have recovered
+      inputs.push_back(*std::move(read[i]));
     }
-    if (!states.ok()) return states.status();
-    database.ForgetUnreadable(clip);  // the disk may have recovered
-    inputs.push_back({clip, record->label, *std::move(states), record->subject});
   }
   return inputs;
 }

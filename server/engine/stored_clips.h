@@ -19,9 +19,9 @@ absl::StatusOr<std::vector<storage::ClipRecord>> AllClips(storage::MotionStore& 
 
 // Returns the states of these clips as model input. Skips clips that were deleted meanwhile, and
 // corrupt clips, which it records (LiveDatabase::AddUnreadable). CANCELLED if `go_on` returns
-// false; it is called before each clip with the number of clips read. `go_on` may be empty.
+// false; it is called before each few clips with the number of clips read. `go_on` may be empty.
 absl::StatusOr<std::vector<core::BuildInput>> ReadInputs(
     storage::MotionStore& store, LiveDatabase& database, const std::vector<std::string>& clips,
-    const std::function<bool(std::size_t)>& go_on = {});
+    const core::ParallelFor& parallel, const std::function<bool(std::size_t)>& go_on = {});
 
 }  // namespace motiondb::server

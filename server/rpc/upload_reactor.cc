@@ -36,12 +36,12 @@ class IngestReactor final : public UploadReactor<v1::IngestClipRequest> {
   }
 
   absl::Status Answer() override {
-    MOTIONDB_ASSIGN_OR_RETURN(IngestFile file, stream_.Finish());
-    file.audit = [this](const storage::ClipRecord& clip) {
-      return entry().AuditRecordForChange(ClipName(clip.database, clip.id));
+    MOTIONDB_ASSIGN_OR_RETURN(storage::NewClip clip, stream_.Finish());
+    clip.audit = [this](const storage::ClipRecord& record) {
+      return entry().AuditRecordForChange(ClipName(record.database, record.id));
     };
     auto ingested =
-        engine_.Ingest(database_, std::move(file),
+        engine_.Ingest(database_, std::move(clip),
                        {AllowedWork::kAllWork, entry().cancelled(),
                         [this](std::int64_t bytes) { return entry().ReserveWork(bytes); }});
     if (!ingested.ok()) return AtField("file_block", ingested.status());

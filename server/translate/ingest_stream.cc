@@ -35,12 +35,12 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
     case v1::IngestClipRequest::kHeader:
       return TakeHeader(message.header());
     case v1::IngestClipRequest::kFileBlock:
-      return TakeBlock("file_block", *message.mutable_file_block(), file_.file_bytes);
+      return TakeBlock("file_block", *message.mutable_file_block(), clip_.file_bytes);
     case v1::IngestClipRequest::kSkeletonBlock:
-      if (file_.skeleton_file_name.empty()) {
+      if (clip_.record.skeleton_file_name.empty()) {
         return FieldViolation("skeleton_block", "the header names no skeleton file");
       }
-      return TakeBlock("skeleton_block", *message.mutable_skeleton_block(), file_.skeleton_bytes);
+      return TakeBlock("skeleton_block", *message.mutable_skeleton_block(), clip_.skeleton_bytes);
     case v1::IngestClipRequest::PART_NOT_SET:
       break;
   }
@@ -50,14 +50,16 @@ absl::Status IngestStream::Take(v1::IngestClipRequest message) {
 absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   MOTIONDB_ASSIGN_OR_RETURN(std::string database,
                             ParseDatabaseName("header.parent", header.parent()));
-  file_.file_name = WithoutFolders(header.file_name());
-  file_.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
-  if (file_.file_name.empty()) return FieldViolation("header.file_name", "is missing");
-  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.file_name", file_.file_name));
-  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.skeleton_file_name", file_.skeleton_file_name));
-  MOTIONDB_ASSIGN_OR_RETURN(file_.format,
-                            FileFormatFrom("header", header.format(), file_.file_name));
-  MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile("header", file_.format, file_.skeleton_file_name));
+  clip_.record.file_name = WithoutFolders(header.file_name());
+  clip_.record.skeleton_file_name = WithoutFolders(header.skeleton_file_name());
+  if (clip_.record.file_name.empty()) return FieldViolation("header.file_name", "is missing");
+  MOTIONDB_RETURN_IF_ERROR(CheckFileName("header.file_name", clip_.record.file_name));
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckFileName("header.skeleton_file_name", clip_.record.skeleton_file_name));
+  MOTIONDB_ASSIGN_OR_RETURN(clip_.record.format,
+                            FileFormatFrom("header", header.format(), clip_.record.file_name));
+  MOTIONDB_RETURN_IF_ERROR(
+      CheckSkeletonFile("header", clip_.record.format, clip_.record.skeleton_file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kMaxTextBytes));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kMaxTextBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
@@ -65,11 +67,12 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   if (!header.clip_id().empty()) {
     MOTIONDB_RETURN_IF_ERROR(CheckClipId("header.clip_id", header.clip_id()));
   }
-  file_.label = header.label();
-  file_.subject = header.subject();
-  file_.conventions = conventions.read;
-  file_.leg_length_m = conventions.leg_length_m;
-  file_.clip_id = header.clip_id();
+  clip_.record.label = header.label();
+  clip_.record.subject = header.subject();
+  clip_.record.given = conventions.read;
+  clip_.record.given_leg_length_m = conventions.leg_length_m;
+  clip_.record.id = header.clip_id();
+  clip_.id_is_fixed = !header.clip_id().empty();
   database_ = std::move(database);
   return absl::OkStatus();
 }
@@ -80,13 +83,13 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
     return FieldViolation(field, "expected at most {} bytes, got {}", kMostBlockBytes,
                           block.size());
   }
-  const std::size_t received = file_.file_bytes.size() + file_.skeleton_bytes.size();
+  const std::size_t received = clip_.file_bytes.size() + clip_.skeleton_bytes.size();
   if (block.size() > max_file_bytes_ - received) {
     return core::WithReason(
         "FILE_TOO_LARGE",
         absl::ResourceExhaustedError(
             fmt::format("{}: expected at most {} bytes, skeleton included (setting max-file-mib)",
-                        file_.file_name, max_file_bytes_)));
+                        clip_.record.file_name, max_file_bytes_)));
   }
   if (bytes.empty()) {
     bytes.swap(block);
@@ -96,16 +99,16 @@ absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
   return absl::OkStatus();
 }
 
-absl::StatusOr<IngestFile> IngestStream::Finish() {
+absl::StatusOr<storage::NewClip> IngestStream::Finish() {
   if (database_.empty()) return FieldViolation("header", "the stream ended without a header");
-  if (file_.file_bytes.empty()) {
-    return FieldViolation("file_block", "{}: the file is empty", file_.file_name);
+  if (clip_.file_bytes.empty()) {
+    return FieldViolation("file_block", "{}: the file is empty", clip_.record.file_name);
   }
-  if (!file_.skeleton_file_name.empty() && file_.skeleton_bytes.empty()) {
+  if (!clip_.record.skeleton_file_name.empty() && clip_.skeleton_bytes.empty()) {
     return FieldViolation("skeleton_block", "{}: the skeleton file is empty",
-                          file_.skeleton_file_name);
+                          clip_.record.skeleton_file_name);
   }
-  return std::move(file_);
+  return std::move(clip_);
 }
 
 }  // namespace motiondb::server

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "absl/status/statusor.h"
-#include "server/engine/ingest.h"
+#include "storage/records.h"
 
 namespace motiondb::v1 {
 class IngestClipHeader;
@@ -28,11 +28,11 @@ class IngestStream {
   // Id of the database; empty before the header.
   const std::string& database() const { return database_; }
   // Bytes received so far, of the file and its skeleton.
-  std::size_t byte_count() const { return file_.file_bytes.size() + file_.skeleton_bytes.size(); }
+  std::size_t byte_count() const { return clip_.file_bytes.size() + clip_.skeleton_bytes.size(); }
 
-  // Returns the file, after the end of the stream. Returns INVALID_ARGUMENT if something is
-  // missing.
-  absl::StatusOr<IngestFile> Finish();
+  // Returns the clip to ingest, after the end of the stream. Returns INVALID_ARGUMENT if something
+  // is missing.
+  absl::StatusOr<storage::NewClip> Finish();
 
  private:
   absl::Status TakeHeader(const v1::IngestClipHeader& header);
@@ -40,7 +40,7 @@ class IngestStream {
 
   const std::size_t max_file_bytes_;
   std::string database_;
-  IngestFile file_;
+  storage::NewClip clip_;
 };
 
 }  // namespace motiondb::server

@@ -101,7 +101,7 @@ absl::StatusOr<core::Model> BuildAllClips(storage::MotionStore& store, ServedDat
   MOTIONDB_ASSIGN_OR_RETURN(const auto records, server::AllClips(store, served.live().name()));
   std::vector<std::string> ids;
   for (const auto& record : records) ids.push_back(record.id);
-  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, server::ReadInputs(store, served.live(), ids));
+  MOTIONDB_ASSIGN_OR_RETURN(auto inputs, server::ReadInputs(store, served.live(), ids, parallel));
   return core::BuildModel(served.live().settings(), served.model().model.marker_set(),
                           std::move(inputs), parallel, nullptr);
 }

@@ -64,11 +64,11 @@ absl::StatusOr<server::Ingested> TestEngine::Ingest(const std::string& database,
   if (!live.ok()) return live.status();
   const auto in_flight = engine_->BeginIngest(*live);
   if (!in_flight.ok()) return in_flight.status();
-  server::IngestFile file;
-  file.file_name = name + ".bvh";
-  file.label = name;
-  file.file_bytes = WriteBvh(figure);
-  return engine_->Ingest(*live, std::move(file), {});
+  storage::NewClip clip;
+  clip.record.file_name = name + ".bvh";
+  clip.record.label = name;
+  clip.file_bytes = WriteBvh(figure);
+  return engine_->Ingest(*live, std::move(clip), {});
 }
 
 storage::OperationRecord TestEngine::Wait(const std::string& operation) {

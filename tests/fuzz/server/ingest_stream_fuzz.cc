@@ -1,6 +1,7 @@
 // Streams of IngestClip, and reading the received file. An input is a sequence of messages, each
 // after its length (u16).
 #include "motiondb/v1/clip.pb.h"
+#include "server/engine/ingest.h"
 #include "server/translate/ingest_stream.h"
 #include "tests/fuzz/server/answer_properties.h"
 #include "tests/fuzz/server/message_stream.h"
@@ -28,17 +29,15 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                                                  return taken;
                                                });
   if (!taken) return 0;
-  const auto file = stream.Finish();
-  tests::HoldsRefusal(file.status());
-  if (!file.ok()) return 0;
-  tests::Holds(file->file_bytes.size() + file->skeleton_bytes.size() <= kMaxBytes,
+  const auto clip = stream.Finish();
+  tests::HoldsRefusal(clip.status());
+  if (!clip.ok()) return 0;
+  tests::Holds(clip->file_bytes.size() + clip->skeleton_bytes.size() <= kMaxBytes,
                "a file is within the limit");
-  tests::Holds(file->file_name.find('/') == std::string::npos, "a file's name has no folder");
-  std::optional<core::SourceFile> skeleton;
-  if (!file->skeleton_file_name.empty()) {
-    skeleton = core::SourceFile{file->skeleton_file_name, file->skeleton_bytes};
-  }
-  tests::HoldsMotionFile(core::ReadMotionFile(file->format, {file->file_name, file->file_bytes},
-                                              skeleton, file->conventions));
+  const storage::ClipRecord& record = clip->record;
+  tests::Holds(record.file_name.find('/') == std::string::npos, "a file's name has no folder");
+  tests::HoldsMotionFile(core::ReadMotionFile(record.format, {record.file_name, clip->file_bytes},
+                                              server::SkeletonFile(record, clip->skeleton_bytes),
+                                              record.given));
   return 0;
 }

@@ -16,13 +16,13 @@ namespace {
 constexpr int kMaxFrames = 2000;  // of an observation; the time limit of a target allows no more
 
 void Ingest(TrainedEngine& trained, const std::string& name, const StickFigure& figure) {
-  server::IngestFile file;
-  file.file_name = name + ".bvh";
-  file.label = name;
-  file.file_bytes = WriteBvh(figure);
+  storage::NewClip clip;
+  clip.record.file_name = name + ".bvh";
+  clip.record.label = name;
+  clip.file_bytes = WriteBvh(figure);
   const auto in_flight = trained.engine->BeginIngest(trained.database);
   Holds(in_flight.ok(), "an ingest begins");
-  Holds(trained.engine->Ingest(trained.database, std::move(file), {}).ok(), "a figure is stored");
+  Holds(trained.engine->Ingest(trained.database, std::move(clip), {}).ok(), "a figure is stored");
 }
 
 TrainedEngine Train() {

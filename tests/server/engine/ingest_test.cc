@@ -14,11 +14,11 @@
 namespace motiondb::tests::ingest_test {
 namespace {
 
-server::IngestFile File(const std::string& name, std::string bytes) {
-  server::IngestFile file;
-  file.file_name = name;
-  file.file_bytes = std::move(bytes);
-  return file;
+storage::NewClip File(const std::string& name, std::string bytes) {
+  storage::NewClip clip;
+  clip.record.file_name = name;
+  clip.file_bytes = std::move(bytes);
+  return clip;
 }
 
 std::string Walk(double phase = 0) {
@@ -28,9 +28,9 @@ std::string Walk(double phase = 0) {
 TEST_CASE("Ingest: the record describes the file", "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
-  server::IngestFile file = File("My walk.bvh", Walk());
-  file.subject = "me";
-  const auto ingested = engine->Ingest(live, file, {});
+  storage::NewClip walk = File("My walk.bvh", Walk());
+  walk.record.subject = "me";
+  const auto ingested = engine->Ingest(live, walk, {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());
   const storage::ClipRecord& clip = ingested->clip;
@@ -43,7 +43,7 @@ TEST_CASE("Ingest: the record describes the file", "[server][ingest]") {
   CHECK(clip.leg_length_m == Approx(0.82).margin(0.05));
   CHECK(!clip.skeleton_id.empty());
   CHECK(!clip.source_report.empty());
-  CHECK(engine->store().ReadClipSource("db", clip.id)->file_bytes == file.file_bytes);
+  CHECK(engine->store().ReadClipSource("db", clip.id)->file_bytes == walk.file_bytes);
   CHECK((*live->scheme())->set.marker_count() == 10);
   CHECK(live->stored().frame_count == 121);
 }
@@ -115,10 +115,11 @@ TEST_CASE("Ingest: ids from file names get a number, fixed ids are kept or refus
   CHECK(engine->Ingest(live, File("walk.bvh", Walk(1)), {})->clip.id == "walk-2");
   const auto duplicate = engine->Ingest(live, File("other.bvh", Walk(1)), {});
   CHECK(absl::IsAlreadyExists(duplicate.status()));
-  server::IngestFile fixed = File("walk.bvh", Walk(2));
-  fixed.clip_id = "walk";
+  storage::NewClip fixed = File("walk.bvh", Walk(2));
+  fixed.id_is_fixed = true;
+  fixed.record.id = "walk";
   CHECK(absl::IsAlreadyExists(engine->Ingest(live, fixed, {}).status()));
-  fixed.clip_id = "mine";
+  fixed.record.id = "mine";
   CHECK(engine->Ingest(live, fixed, {})->clip.id == "mine");
 }
 

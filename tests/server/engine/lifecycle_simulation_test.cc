@@ -248,22 +248,23 @@ class Simulation {
 
   void Ingest() {
     const auto in_flight = NewIngest();
-    server::IngestFile file;
-    file.file_name = "walk.bvh";
-    file.clip_id = "walk" + std::to_string(clip_count_);
-    file.file_bytes = WriteBvh({.frame_count = 20, .phase = 0.1 * clip_count_++});
-    const auto stored = [&](const storage::ClipRecord& clip) {
-      clips_.insert(clip.id);
+    storage::NewClip clip;
+    clip.record.file_name = "walk.bvh";
+    clip.id_is_fixed = true;
+    clip.record.id = "walk" + std::to_string(clip_count_);
+    clip.file_bytes = WriteBvh({.frame_count = 20, .phase = 0.1 * clip_count_++});
+    const auto stored = [&](const storage::ClipRecord& record) {
+      clips_.insert(record.id);
       lifecycle().RequestExtension();
       const auto operation = lifecycle().Request();
       REQUIRE(operation.ok());
       Ask(*operation);
       return absl::OkStatus();
     };
-    const auto clip = server::IngestClip(store(), *process_->live, std::move(file), options_,
-                                         core::RunSerially, {}, stored);
-    INFO(clip.status().ToString());
-    REQUIRE(clip.ok());
+    const auto ingested = server::IngestClip(store(), *process_->live, std::move(clip), options_,
+                                             core::RunSerially, {}, stored);
+    INFO(ingested.status().ToString());
+    REQUIRE(ingested.ok());
     last_request_ = executor_.Now();
   }
 

@@ -85,10 +85,10 @@ class SlowEngine {
   }
   absl::StatusOr<server::Ingested> Ingest(const std::string& database,
                                           const core::Cancelled& cancelled = {}) {
-    server::IngestFile file;
-    file.file_name = "walk.bvh";
-    file.file_bytes = WriteBvh(Walk(0));
-    return engine_->Ingest(*engine_->FindDatabase(database), std::move(file),
+    storage::NewClip clip;
+    clip.record.file_name = "walk.bvh";
+    clip.file_bytes = WriteBvh(Walk(0));
+    return engine_->Ingest(*engine_->FindDatabase(database), std::move(clip),
                            {.cancelled = cancelled});
   }
 

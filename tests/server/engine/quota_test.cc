@@ -117,10 +117,10 @@ TEST_CASE("Quota: a deletion is counted by the deleted clip, also if its id was 
               .ok());
   const auto live = *engine.FindDatabase("db");
   const auto ingest = [&](int frame_count) {
-    server::IngestFile file;
-    file.file_name = "walk.bvh";
-    file.file_bytes = WriteBvh({.act = Act::kWalk, .frame_count = frame_count});
-    return engine.Ingest(live, std::move(file), {}).status();
+    storage::NewClip clip;
+    clip.record.file_name = "walk.bvh";
+    clip.file_bytes = WriteBvh({.act = Act::kWalk, .frame_count = frame_count});
+    return engine.Ingest(live, std::move(clip), {}).status();
   };
   REQUIRE(ingest(61).ok());
   store.before_deletion = [&] {

@@ -36,13 +36,13 @@ std::string Walk(double phase, int glitch_frames = 0) {
 }
 
 std::string Ingest(TestEngine& engine, const std::string& name, const std::string& bvh) {
-  server::IngestFile file;
-  file.file_name = name + ".bvh";
-  file.label = name;
-  file.file_bytes = bvh;
+  storage::NewClip clip;
+  clip.record.file_name = name + ".bvh";
+  clip.record.label = name;
+  clip.file_bytes = bvh;
   const auto live = *engine->FindDatabase("db");
   const auto in_flight = engine->BeginIngest(live);
-  const auto ingested = engine->Ingest(live, std::move(file), {});
+  const auto ingested = engine->Ingest(live, std::move(clip), {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());
   return ingested->operation.id;
@@ -374,12 +374,12 @@ TEST_CASE("Reprocess: the former model stays if no clip can be derived", "[serve
 TEST_CASE("Reprocess: uses the parameters of the ingest", "[server][reprocess]") {
   TestEngine engine;
   const auto live = engine.Create("db");
-  server::IngestFile file;
-  file.file_name = "walk.bvh";
-  file.file_bytes = Walk(0);
-  file.conventions = {.metres_per_unit = 0.02, .up_axis = core::UpAxis::kY, .frame_rate_hz = 30};
-  file.leg_length_m = 1.9;
-  const auto ingested = engine->Ingest(live, std::move(file), {});
+  storage::NewClip clip;
+  clip.record.file_name = "walk.bvh";
+  clip.file_bytes = Walk(0);
+  clip.record.given = {.metres_per_unit = 0.02, .up_axis = core::UpAxis::kY, .frame_rate_hz = 30};
+  clip.record.given_leg_length_m = 1.9;
+  const auto ingested = engine->Ingest(live, std::move(clip), {});
   REQUIRE(ingested.ok());
   engine.Wait(ingested->operation.id);
   const ClipRecord before = Clip(engine, "walk");

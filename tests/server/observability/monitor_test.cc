@@ -201,10 +201,10 @@ TEST_CASE("Monitor: statistics do not wait for a slow disk", "[server][monitor]"
   disk->Close();
   bool ingested = false;
   std::thread ingesting([&] {
-    server::IngestFile file;
-    file.file_name = "walk.bvh";
-    file.file_bytes = WriteBvh(Walk());
-    ingested = (*engine)->Ingest(*(*engine)->FindDatabase("walks"), std::move(file), {}).ok();
+    storage::NewClip clip;
+    clip.record.file_name = "walk.bvh";
+    clip.file_bytes = WriteBvh(Walk());
+    ingested = (*engine)->Ingest(*(*engine)->FindDatabase("walks"), std::move(clip), {}).ok();
   });
   disk->AwaitArrival();
   CHECK_THAT(monitor.Exposition(),

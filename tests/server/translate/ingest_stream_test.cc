@@ -30,11 +30,11 @@ TEST_CASE("IngestStream: joins blocks to the file", "[server][translate]") {
   CHECK(stream.database() == "db");
   REQUIRE(stream.Take(Block("abc")).ok());
   REQUIRE(stream.Take(Block("def")).ok());
-  const auto file = stream.Finish();
-  REQUIRE(file.ok());
-  CHECK(file->file_name == "walk.BVH");
-  CHECK(file->format == core::FileFormat::kBvh);
-  CHECK(file->file_bytes == "abcdef");
+  const auto clip = stream.Finish();
+  REQUIRE(clip.ok());
+  CHECK(clip->record.file_name == "walk.BVH");
+  CHECK(clip->record.format == core::FileFormat::kBvh);
+  CHECK(clip->file_bytes == "abcdef");
 }
 
 TEST_CASE("IngestStream: the header comes first and once", "[server][translate]") {

@@ -22,8 +22,9 @@ timeout=900  # seconds; a test that takes longer hangs
 if [ "$preset" != release ]; then
   timeout=1800
   export MOTIONDB_TEST_SLOWNESS=10
-  # The release build tries all writes that a power cut can lose; the code is equal in all builds.
+  # The release build injects every fault at every disk operation; the code is equal in all builds.
   export MOTIONDB_FAULT_SEEDS=${MOTIONDB_FAULT_SEEDS:-2}
+  export MOTIONDB_FAULT_STRIDE=${MOTIONDB_FAULT_STRIDE:-4}
   export LSAN_OPTIONS="suppressions=$PWD/tests/lsan.supp:print_suppressions=0:${LSAN_OPTIONS:-}"
 fi
 # Sanitizers find nothing new in tests of documents, packaging and accuracy.

@@ -86,7 +86,7 @@ void SetUpProcess() {
   mallopt(M_MMAP_THRESHOLD, 2 << 20);
   mallopt(M_TRIM_THRESHOLD, 4 << 20);
   RaiseDescriptorLimit();
-  SaveAddressSpace();
+  LimitMallocArenas();
   umask(0077);
   std::signal(SIGPIPE, SIG_IGN);
 }
@@ -136,8 +136,8 @@ absl::Status Serve(const Settings& settings) {
   boost::asio::signal_set signals(context);
   AddDrainSignals(signals);
 
-  MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
-                            PlanSecurity(settings.server.security, settings.server.listen));
+  MOTIONDB_ASSIGN_OR_RETURN(const SecurityConfig plan,
+                            DeriveSecurityConfig(settings.server.security, settings.server.listen));
   // At any log level.
   for (const std::string& warning : plan.warnings) PrintAlways(settings.log.format, warning);
   // Before the store, so that a long start can be monitored.
@@ -209,7 +209,7 @@ int CheckConfig(const SettingsReader& reader) {
   if (!problems.empty()) return PrintProblems(problems);
   const Settings& settings = reader.settings();
   // The same warnings as at a start.
-  const auto plan = PlanSecurity(settings.server.security, settings.server.listen);
+  const auto plan = DeriveSecurityConfig(settings.server.security, settings.server.listen);
   if (!plan.ok()) return PrintProblems({plan.status()});
   for (const std::string& warning : plan->warnings) {
     fmt::print(stderr, "motiondbd: {}\n", text::SafeText(warning));
@@ -242,7 +242,7 @@ int Run(int argc, const char* const* argv) {
   StartLog(log.format, log.level);
   LogGrpc();
   for (const std::string& warning : reader.warnings()) PrintAlways(log.format, warning);
-  const std::vector<absl::Status> violations = reader.CheckToServe();
+  const std::vector<absl::Status> violations = reader.CheckForStart();
   for (const absl::Status& problem : violations)
     PrintAlways(log.format, std::string(problem.message()));
   if (!violations.empty()) return kWrongSettings;

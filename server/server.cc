@@ -88,18 +88,18 @@ absl::StatusOr<std::unique_ptr<Server>> Server::Start(std::unique_ptr<storage::M
                                                       const ServerOptions& options,
                                                       std::shared_ptr<Monitor> monitor) {
   if (monitor == nullptr) monitor = std::make_shared<Monitor>(MonitorOptions{MethodNames()});
-  MOTIONDB_ASSIGN_OR_RETURN(const SecurityPlan plan,
-                            PlanSecurity(options.security, options.listen));
+  MOTIONDB_ASSIGN_OR_RETURN(const SecurityConfig plan,
+                            DeriveSecurityConfig(options.security, options.listen));
   MOTIONDB_ASSIGN_OR_RETURN(auto engine, Engine::Open(std::move(store), options.engine));
   std::unique_ptr<Server> server(
       new Server(std::move(engine), plan.access, options.calls, std::move(monitor)));
-  if (!server->host_->access.CanBeAdministered(NowMicroseconds())) {
+  if (!server->host_->access.HasAdminAccess(NowMicroseconds())) {
     spdlog::warn(
         "no valid admin token exists: set --admin-token-file, or start once on 127.0.0.1 and "
         "create one there with `motiondb token create --role admin`");
   }
   if (const std::string& file = options.security.admin_token_file; !file.empty()) {
-    server->admin_token_ = std::make_unique<FileWatch>(
+    server->admin_token_ = std::make_unique<FileReloader>(
         "administrator's token", file,
         [file, &access = server->host_->access]() -> absl::StatusOr<bool> {
           MOTIONDB_ASSIGN_OR_RETURN(const std::string token, ReadAdminToken(file));

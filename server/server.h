@@ -24,7 +24,7 @@ class HealthCheckServiceInterface;
 namespace motiondb::server {
 
 struct ServiceContext;
-class FileWatch;
+class FileReloader;
 class HealthWatch;
 class Listener;
 class IdleTimer;
@@ -34,7 +34,7 @@ class Tls;
 class Server {
  public:
   // Opens the engine and serves. `monitor`: null creates one. Errors: those of the store, of
-  // PlanSecurity and of ListenOn.
+  // DeriveSecurityConfig and of ListenOn.
   static absl::StatusOr<std::unique_ptr<Server>> Start(std::unique_ptr<storage::MotionStore> store,
                                                        const ServerOptions& options,
                                                        std::shared_ptr<Monitor> monitor = nullptr);
@@ -59,8 +59,8 @@ class Server {
   const std::unique_ptr<Engine> engine_;
   const Monitor::Attachment attachment_;
   const std::unique_ptr<ServiceContext> host_;
-  std::unique_ptr<IdleTimer> idle_watch_;   // cancels calls with unread responses
-  std::unique_ptr<FileWatch> admin_token_;  // null: no admin token file
+  std::unique_ptr<IdleTimer> idle_watch_;      // cancels calls with unread responses
+  std::unique_ptr<FileReloader> admin_token_;  // null: no admin token file
   std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<Tls> tls_;  // null: plain text
   std::unique_ptr<grpc::Server> grpc_;

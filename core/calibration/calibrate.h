@@ -1,5 +1,5 @@
-// Finds out on stored clips, each held out in turn, what a model's answers are worth, so that its
-// probabilities are frequencies. Safe to call from any thread; uses only the threads lent to it.
+// Calibrates the probabilities of a model's answers on held-out stored clips, so that they equal
+// observed frequencies.
 #pragma once
 
 #include "absl/status/status.h"
@@ -10,9 +10,9 @@ namespace motiondb::core {
 
 class Model;
 
-// Calibrates a model that was built and is not yet shared. Bounded work: at most some hundred
-// stored clips are asked about. The same model for any number of threads. CANCELLED if `progress`
-// returns false; the model is then as it was.
+// Calibrates a model that is built and not yet shared. Uses at most 128 stored clips, so the work
+// is bounded. The result does not depend on the number of threads. CANCELLED if `progress` returns
+// false; the model is then unchanged.
 absl::Status Calibrate(Model& model, const ParallelFor& parallel, const BuildProgress& progress);
 
 }  // namespace motiondb::core

@@ -22,13 +22,14 @@ double NegativeLogLikelihood(const std::vector<JudgedSample>& samples,
 EvidenceWeight FitEvidenceWeight(const std::vector<JudgedSample>& samples,
                                  const std::vector<double>& powers) {
   constexpr int kScales = 65;
-  constexpr double kLeast = -6;
-  constexpr double kMost = 2;
+  constexpr double kMinLogScale = -6;
+  constexpr double kMaxLogScale = 2;
   EvidenceWeight best;
   double lowest = std::numeric_limits<double>::infinity();
   for (const double power : powers) {
     for (int i = 0; i < kScales; ++i) {
-      const EvidenceWeight weight{std::exp(kLeast + (kMost - kLeast) * i / (kScales - 1)), power};
+      const EvidenceWeight weight{
+          std::exp(kMinLogScale + (kMaxLogScale - kMinLogScale) * i / (kScales - 1)), power};
       const double loss = NegativeLogLikelihood(samples, weight);
       if (loss < lowest) {
         lowest = loss;

@@ -1,4 +1,4 @@
-// How much evidence has to be taken back until probabilities are right. Pure.
+// Fits the weight of evidence with which label probabilities are calibrated.
 #pragma once
 
 #include <vector>
@@ -7,19 +7,19 @@
 
 namespace motiondb::core {
 
-// What a held-out observation was said to be.
+// Evidence of a held-out observation.
 struct JudgedSample {
-  std::vector<double> evidence;  // of each label, natural logarithms
-  std::size_t label = 0;         // what it is
-  int frames = 0;                // that the evidence is summed over
+  std::vector<double> evidence;  // log probability of each label, up to a constant
+  std::size_t label = 0;         // the correct one
+  int frames = 0;                // number of frames in the sum of the evidence
 };
 
-// The mean negative log probability of the right labels.
+// Returns the mean negative log probability of the correct labels.
 double NegativeLogLikelihood(const std::vector<JudgedSample>& samples,
                              const EvidenceWeight& weight);
 
-// The weight under which the right labels are most probable: scale from exp(-6) to exp(2), power
-// one of `powers`. `samples` are not empty.
+// Returns the weight that maximizes the probability of the correct labels: scale from exp(-6) to
+// exp(2), power one of `powers`. REQUIRES: samples are not empty.
 EvidenceWeight FitEvidenceWeight(const std::vector<JudgedSample>& samples,
                                  const std::vector<double>& powers);
 

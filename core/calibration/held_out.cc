@@ -24,7 +24,7 @@ std::vector<bool> LeftOutWith(const Model& model, int held_out) {
   return left_out;
 }
 
-std::vector<int> SampleClips(const Model& model, int most) {
+std::vector<int> SampleClips(const Model& model, int max_count) {
   const std::vector<ModelClip>& clips = model.clips();
   std::vector<int> order(clips.size());
   std::iota(order.begin(), order.end(), 0);
@@ -32,15 +32,19 @@ std::vector<int> SampleClips(const Model& model, int most) {
     return std::tie(clips[a].label, clips[a].subject) < std::tie(clips[b].label, clips[b].subject);
   });
   std::vector<int> sample;
-  for (const int i : SpreadEvenly(std::ssize(order), most)) sample.push_back(order[i]);
+  for (const int i : SpreadEvenly(std::ssize(order), max_count)) sample.push_back(order[i]);
   return sample;
 }
 
 StateSequence StoredMotion(const Model& model, int clip) {
+  return StoredMotion(model, clip, 0, model.clips()[clip].frame_count);
+}
+
+StateSequence StoredMotion(const Model& model, int clip, int first, int end) {
   const ModelClip& stored = model.clips()[clip];
   StateSequence motion{model.settings().frame_rate_hz, stored.leg_length_m,
-                       model.states().middleRows(stored.first_frame, stored.frame_count),
-                       model.root_path().middleRows(stored.first_frame, stored.frame_count)};
+                       model.states().middleRows(stored.first_frame + first, end - first),
+                       model.root_path().middleRows(stored.first_frame + first, end - first)};
   model.scale().Revert(motion.states);
   return motion;
 }

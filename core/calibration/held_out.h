@@ -1,5 +1,4 @@
-// What a model without one of its clips would be asked, and whom it would ask. Pure functions; safe
-// to call from any thread.
+// Selection of held-out clips, and their motion, to test a model on its own clips.
 #pragma once
 
 #include <vector>
@@ -10,16 +9,18 @@ namespace motiondb::core {
 
 class Model;
 
-// Which clips are left out with a stored clip: all that its subject did, where the subject is known
-// and others did the same, so that labels are not known by who moves; else the clip alone.
+// Returns which clips to leave out together with a held-out clip: all clips of its subject, if the
+// subject is known and other subjects have the same label, so that labels are not recognized by the
+// subject; otherwise the clip alone.
 std::vector<bool> LeftOutWith(const Model& model, int held_out);
 
-// At most `most` clips to be held out, spread evenly over the labels and, in a label, over the
-// subjects: each has its share of the clips, whatever the order they were added in. In order of
-// label and subject, so that some of them, spread evenly, are such a sample too.
-std::vector<int> SampleClips(const Model& model, int most);
+// Returns at most `max_count` clips, in proportion to the number of clips of each label and
+// subject, independent of their order in the model. Ordered by label and subject, so that an evenly
+// spread part of the result is such a sample too.
+std::vector<int> SampleClips(const Model& model, int max_count);
 
-// A stored clip as it was given (not scaled).
+// Returns the states of a stored clip, not scaled; of all its frames or of [first, end).
 StateSequence StoredMotion(const Model& model, int clip);
+StateSequence StoredMotion(const Model& model, int clip, int first, int end);
 
 }  // namespace motiondb::core

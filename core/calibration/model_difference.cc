@@ -14,13 +14,13 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostFrames = 20000;
+constexpr int kMaxFrames = 20000;
 constexpr int kComparedWindows = 64;
 constexpr double kComparedWindowSeconds = 0.4;
 
 double Spread(const Model& model) {
   const int bottom = model.layer_count();
-  const std::vector<int> frames = SpreadEvenly(model.frame_count(), kMostFrames);
+  const std::vector<int> frames = SpreadEvenly(model.frame_count(), kMaxFrames);
   double sum = 0;
   for (const int f : frames) {
     const int branch = model.tree().branch(bottom, model.tree().node_of_frame(bottom, f));
@@ -29,14 +29,14 @@ double Spread(const Model& model) {
   return std::sqrt(sum / (static_cast<double>(frames.size()) * model.states().cols()));
 }
 
-// The label that a model without the clip finds most probable for a window of it; empty where no
-// other clip is left.
+// Returns the most probable label of a window of a clip, in the model without this clip; empty if
+// the model has no other clip.
 std::string LabelOf(const Model& model, int clip, int first, int width) {
   const std::vector<bool> left_out = LeftOutWith(model, clip);
   if (std::ranges::find(left_out, false) == left_out.end()) return "";
   const FrameMatrix scaled =
       model.states().middleRows(model.clips()[clip].first_frame + first, width);
-  const auto observation = MetricObservation::Create(model, scaled);  // nobody cancels
+  const auto observation = MetricObservation::Create(model, scaled);
   const auto alignment =
       AlignWindow(model, *observation,
                   ComparedFrames(0, width, FrameStride(model.settings().frame_rate_hz), false),
@@ -59,7 +59,7 @@ ModelDifference CompareModels(const Model& before, const Model& after,
   for (std::size_t c = 0; c < after.clips().size(); ++c) {
     in_after[after.clips()[c].id] = static_cast<int>(c);
   }
-  std::vector<int> common;  // clips that were added, and are in both
+  std::vector<int> common;  // added clips that are in both models
   for (int c = before.built_clip_count(); c < std::ssize(before.clips()); ++c) {
     const auto same = in_after.find(before.clips()[c].id);
     if (same != in_after.end() &&
@@ -67,19 +67,19 @@ ModelDifference CompareModels(const Model& before, const Model& after,
       common.push_back(c);
     }
   }
-  const std::vector<int> asked = SpreadEvenly(static_cast<int>(common.size()), kComparedWindows);
+  const std::vector<int> tested = SpreadEvenly(static_cast<int>(common.size()), kComparedWindows);
   const auto full_width =
       static_cast<int>(std::lround(kComparedWindowSeconds * before.settings().frame_rate_hz));
-  std::vector<char> same_label(asked.size());
-  parallel(static_cast<int>(asked.size()), [&](int i) {
-    const int clip = common[asked[i]];
+  std::vector<char> same_label(tested.size());
+  parallel(static_cast<int>(tested.size()), [&](int i) {
+    const int clip = common[tested[i]];
     const int frames = before.clips()[clip].frame_count;
     const int width = std::clamp(full_width, 1, frames);
     const int first = (frames - width) / 2;
     same_label[i] = LabelOf(before, clip, first, width) ==
                     LabelOf(after, in_after.at(before.clips()[clip].id), first, width);
   });
-  difference.windows = static_cast<int>(asked.size());
+  difference.windows = static_cast<int>(tested.size());
   difference.same_label = static_cast<int>(std::ranges::count(same_label, 1));
   return difference;
 }

@@ -15,40 +15,42 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMoments = 192;
-constexpr int kMostClips = 128;        // moments of different clips say more than those of one
-constexpr double kMomentsApart = 0.2;  // s from moment to moment: what is nearer says little more
-constexpr int kLeastMoments = 16;      // to fit a law to
-constexpr double kLeastFuture = 0.08;  // s
+constexpr int kMaxMoments = 192;
+constexpr int kMaxPredictedClips = 128;     // different clips add more information than one clip
+constexpr double kMinMomentDistance = 0.2;  // s; nearer moments add little information
+constexpr int kMinSamples = 16;             // to fit an error model
+constexpr double kMinFuture = 0.08;         // s
 
-constexpr double kAround = 1.0;    // s to each side of a moment
-constexpr double kLongEnough = 4;  // s of a clip that stays an example of itself
-constexpr int kAgainEvery = 2;     // moments that are predicted again from their own clip
+// Every second moment is predicted again with its own clip as an example, without the second around
+// the moment: stored motion of the same person is often similar.
+constexpr int kOwnClipEvery = 2;
+constexpr double kLeftOutAround = 1.0;     // s before and after the moment
+constexpr double kMinOwnClipDuration = 4;  // s
 
 struct Moment {
   int clip = 0;
-  int frame = 0;  // of the clip
-  FrameRange without;
+  int frame = 0;       // of the clip, from 0
+  FrameRange without;  // left-out frames of the model
 };
 
 std::vector<Moment> Moments(const Model& model) {
   const double rate = model.settings().frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate));
-  const auto future = static_cast<int>(std::ceil(kLeastFuture * rate));
-  const std::vector<int> clips = SampleClips(model, kMostClips);
-  const int each = kMoments / static_cast<int>(clips.size());
+  const auto future = static_cast<int>(std::ceil(kMinFuture * rate));
+  const std::vector<int> clips = SampleClips(model, kMaxPredictedClips);
+  const int moments_per_clip = kMaxMoments / static_cast<int>(clips.size());
   std::vector<Moment> moments;
-  int tries = 0;
+  int count = 0;
   for (const int clip : clips) {
     const ModelClip& stored = model.clips()[clip];
     const int end = stored.first_frame + stored.frame_count;
     const int usable_frames = stored.frame_count - past - future;
-    const int apart = static_cast<int>(std::ceil(usable_frames / (kMomentsApart * rate)));
-    for (const int usable : SpreadEvenly(usable_frames, std::min(each, apart))) {
+    const auto distinct = static_cast<int>(std::ceil(usable_frames / (kMinMomentDistance * rate)));
+    for (const int usable : SpreadEvenly(usable_frames, std::min(moments_per_clip, distinct))) {
       const int frame = past + usable;
       moments.push_back({clip, frame, {stored.first_frame, end}});
-      if (stored.frame_count < kLongEnough * rate || ++tries % kAgainEvery != 0) continue;
-      const int around = static_cast<int>(kAround * rate);
+      if (stored.frame_count < kMinOwnClipDuration * rate || ++count % kOwnClipEvery != 0) continue;
+      const int around = static_cast<int>(kLeftOutAround * rate);
       const int at = stored.first_frame + frame;
       moments.push_back(
           {clip, frame, {std::max(stored.first_frame, at - around), std::min(end, at + around)}});
@@ -61,30 +63,32 @@ double MeanDistance(const Eigen::RowVectorXf& a, const Eigen::RowVectorXf& b) {
   return (a - b).reshaped<Eigen::RowMajor>(a.size() / 3, 3).rowwise().norm().mean();
 }
 
-// At each horizon that the clip goes on for.
+// One sample for each horizon within the clip.
 using Trial = std::vector<std::optional<ErrorSample>>;
 
 absl::StatusOr<Trial> Try(const Model& model, const MotionPrior& prior, const Moment& moment,
                           const std::vector<double>& horizons) {
   const PredictOptions options;
-  const StateSequence clip = StoredMotion(model, moment.clip);
-  const auto history =
-      std::max(1, static_cast<int>(std::lround(options.history_seconds * clip.frame_rate_hz)));
-  const StateSequence past = PastAt(clip, moment.frame, history);
+  const double rate = model.settings().frame_rate_hz;
+  const auto history = std::max(1, static_cast<int>(std::lround(options.history_seconds * rate)));
+  const int first = std::max(0, moment.frame - history);
+  const StateSequence past = PastAt(StoredMotion(model, moment.clip, first, moment.frame + 1),
+                                    moment.frame - first, history);
   MOTIONDB_ASSIGN_OR_RETURN(auto moments,
                             FindMoments(model, past, options.transition_floor, moment.without, {}));
   Forecaster forecaster(model, past, std::move(moments), &prior);
-  const Track truth(clip);
+  const Track truth(model.parts(), moment.clip);
+  const int now = truth.first() + moment.frame;
   Trial trial;
   for (const double seconds : horizons) {
-    const double frames = seconds * clip.frame_rate_hz;
-    if (moment.frame + frames > truth.end() - 1 + 1e-6) {
+    const double frames = seconds * rate;
+    if (now + frames > truth.end() - 1 + 1e-6) {
       trial.push_back(std::nullopt);
       continue;
     }
     const Forecast forecast = forecaster.At(seconds);
-    trial.push_back(ErrorSample{
-        forecast.evidence, MeanDistance(forecast.positions, truth.SeenFrom(moment.frame, frames))});
+    trial.push_back(ErrorSample{forecast.evidence,
+                                MeanDistance(forecast.positions, truth.SeenFrom(now, frames))});
   }
   return trial;
 }
@@ -98,7 +102,7 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
   if (model.clips().size() < 2) return confidence;
   const std::vector<double> horizons = PredictOptions().horizon_seconds;
   const std::vector<Moment> moments = Moments(model);
-  // The linear prior must not have seen the clip either: it is fitted anew without its part.
+  // The linear prior must not know the clip either: it is fitted without the clip's part.
   const std::shared_ptr<const MotionSums> kept = model.parts().prior_sums;
   const MotionSums sums = kept == nullptr ? MotionSums::Over(model.parts(), parallel) : *kept;
   std::vector<MotionPrior> priors(MotionSums::kParts);
@@ -116,8 +120,8 @@ absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
       if (!trial.ok()) return trial.status();
       if ((*trial)[h]) samples.push_back(*(*trial)[h]);
     }
-    if (samples.size() >= kLeastMoments) {
-      confidence.laws.push_back(FitErrorLaw(horizons[h], samples));
+    if (samples.size() >= kMinSamples) {
+      confidence.models.push_back(FitErrorModel(horizons[h], samples));
     }
   }
   return confidence;

@@ -18,25 +18,23 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kClipsTried = 128;
-constexpr int kMostWhole = 64;  // of these
-constexpr int kMostWindows = 512;
+constexpr int kMaxRecognizedClips = 128;
+constexpr int kMinWholeClips = 8;
+constexpr int kMaxWholeClips = 64;
+constexpr int kMaxWindows = 512;
 constexpr double kWindowSeconds = 0.4;
-constexpr double kWindowsApart =
-    0.2;  // s from window to window: what overlaps more says little more
+constexpr double kMinWindowDistance = 0.2;  // s; windows that overlap more add little information
 constexpr double kBeginnings[] = {0.1, 0.2, 0.4, 0.6, 0.8, 1};
 constexpr double kPowers[] = {0, 0.25, 0.5, 0.75, 1};
 
-// Of a longer clip its beginning is observed: how evidence grows with time shows in it as well.
-constexpr double kLongestSeconds = 20;
-// The most comparisons of a frame of an observation with a frame of a clip that it is aligned with,
-// of all together: every pair is compared.
-constexpr double kMostComparisons = 6e9;
-constexpr int kFewestWhole = 8;
+constexpr double kMaxWholeSeconds = 20;  // of longer clips only the beginning is used
+// Maximum number of compared frame pairs: each frame of an observation with each frame of the clips
+// it is aligned with.
+constexpr double kMaxComparisons = 6e9;
 
-// What held-out observations gave.
+// Results of held-out observations.
 struct Judged {
-  std::vector<JudgedSample> samples;  // of labels that other clips have
+  std::vector<JudgedSample> samples;  // only of labels that other clips have
   std::vector<float> familiarity;
 
   void Append(const Judged& more) {
@@ -45,7 +43,7 @@ struct Judged {
   }
 };
 
-// Asks a model without one of its clips about that clip.
+// Recognizes a clip with the model without this clip.
 class HeldOutClip {
  public:
   HeldOutClip(const Model& model, const std::vector<std::string>& labels, int clip)
@@ -60,28 +58,28 @@ class HeldOutClip {
     }
   }
 
-  // Windows of `width` frames of scaled states, from the given frames on (ascending).
+  // Recognizes windows of `width` frames of scaled states that begin at `firsts` (ascending).
   Judged Windows(const FrameMatrix& scaled, const std::vector<int>& firsts, int width) const {
     Judged judged;
     if (!any_left_) return judged;
     const int stride = FrameStride(model_.settings().frame_rate_hz);
     const auto observation = MetricObservation::Create(model_, scaled);
     for (const int first : firsts) {
-      const auto alignment =  // nobody cancels
-          AlignWindow(model_, *observation, ComparedFrames(first, width, stride, false), left_out_,
-                      false, {});
+      const auto alignment = AlignWindow(
+          model_, *observation, ComparedFrames(first, width, stride, false), left_out_, false, {});
       Add(*alignment, judged);
     }
     return judged;
   }
 
-  // The first 10 to 100 % of the clip, or of its first kLongestSeconds, as whole observations.
+  // Recognizes the first 10 to 100 % of the clip, or of its first kMaxWholeSeconds, as whole
+  // observations.
   Judged Beginnings(const StateSequence& motion) const {
     Judged judged;
     if (!any_left_) return judged;
     const int frames = std::min(
         motion.frame_count(),
-        std::max(1, static_cast<int>(std::lround(kLongestSeconds * motion.frame_rate_hz))));
+        std::max(1, static_cast<int>(std::lround(kMaxWholeSeconds * motion.frame_rate_hz))));
     core::Beginnings beginnings{motion.states.topRows(frames), {}, {}};
     model_.scale().Apply(beginnings.states);
     beginnings.newest.resize(std::ssize(kBeginnings), motion.states.cols());
@@ -114,7 +112,7 @@ class HeldOutClip {
   bool comparable_ = false;
 };
 
-// Fits what there are samples for.
+// Fits the parts of the calibration for which there are samples.
 void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& calibration) {
   if (!judged.samples.empty()) {
     calibration.weight = FitEvidenceWeight(judged.samples, powers);
@@ -125,12 +123,12 @@ void Fit(Judged judged, const std::vector<double>& powers, AnswerCalibration& ca
 
 }  // namespace
 
-int ClipsTriedWhole(int clips, double frames, double longest) {
+int ClipsTriedWhole(int clips, double frames, double max_frames) {
   const double length = frames / clips;
   const double comparisons_of_clip =
-      std::min(length, longest) * length * std::min<double>(clips, kMostShortlisted);
-  const double affordable = kMostComparisons / comparisons_of_clip;
-  return static_cast<int>(std::clamp<double>(affordable, kFewestWhole, kMostWhole));
+      std::min(length, max_frames) * length * std::min<double>(clips, kMaxShortlisted);
+  const double within_limit = kMaxComparisons / comparisons_of_clip;
+  return static_cast<int>(std::clamp<double>(within_limit, kMinWholeClips, kMaxWholeClips));
 }
 
 absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
@@ -139,14 +137,14 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
   RecognitionCalibration calibration;
   if (model.metric().empty()) return calibration;
   const std::vector<std::string> labels = Labels(model);
-  const std::vector<int> clips = SampleClips(model, kClipsTried);
+  const std::vector<int> clips = SampleClips(model, kMaxRecognizedClips);
   const auto count = static_cast<int>(clips.size());
-  const int windows_each = std::max(1, kMostWindows / count);
+  const int windows_per_clip = std::max(1, kMaxWindows / count);
   const double rate = model.settings().frame_rate_hz;
   const int full_width = std::max(1, static_cast<int>(std::lround(kWindowSeconds * rate)));
   const std::vector<int> whole_clips =
       SpreadEvenly(count, ClipsTriedWhole(static_cast<int>(model.clips().size()),
-                                          model.frame_count(), kLongestSeconds * rate));
+                                          model.frame_count(), kMaxWholeSeconds * rate));
   std::vector<Judged> windows(clips.size());
   std::vector<Judged> whole(clips.size());
   const auto judge = [&](int i) {
@@ -155,10 +153,11 @@ absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
     const int frames = motion.frame_count();
     const int width = std::min(frames, full_width);
     const ModelClip& clip = model.clips()[clips[i]];
-    const int apart = static_cast<int>(std::ceil((frames - width + 1) / (kWindowsApart * rate)));
-    windows[i] =
-        held_out.Windows(model.states().middleRows(clip.first_frame, frames),
-                         SpreadEvenly(frames - width + 1, std::min(windows_each, apart)), width);
+    const auto distinct =
+        static_cast<int>(std::ceil((frames - width + 1) / (kMinWindowDistance * rate)));
+    windows[i] = held_out.Windows(
+        model.states().middleRows(clip.first_frame, frames),
+        SpreadEvenly(frames - width + 1, std::min(windows_per_clip, distinct)), width);
 
     if (!std::binary_search(whole_clips.begin(), whole_clips.end(), i)) return;
     whole[i] = held_out.Beginnings(motion);

@@ -1,5 +1,4 @@
-// What a model's answers are worth, tried on its own clips, each held out in turn. Safe to call
-// from any thread; uses only the threads lent to it.
+// Calibration of recognition and prediction by trials on held-out stored clips.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +12,8 @@
 
 namespace motiondb::core {
 
-// Runs trial(0) ... trial(count - 1), each writing its result to a place of its own. CANCELLED if
-// `progress` returns false.
+// Runs trial(0) ... trial(count - 1). Each trial writes its own result. CANCELLED if `progress`
+// returns false.
 inline absl::Status RunTrials(int count, std::string_view stage, const ParallelFor& parallel,
                               const BuildProgress& progress,
                               const std::function<void(int)>& trial) {
@@ -30,26 +29,23 @@ inline absl::Status RunTrials(int count, std::string_view stage, const ParallelF
 
 class Model;
 
-// Predicts at some two hundred moments at most, of stored clips (SampleClips), each without the
-// clip it is of, and at some of them again without the second around them alone, for motion is
-// often like what is stored of the same person; and fits an error law to each horizon of a query by
-// default. No laws where the database has one clip or the clips are too short. The same for any
-// number of threads. CANCELLED.
+// Predicts from at most 288 moments of at most 128 stored clips (SampleClips), with their own clip
+// left out, or only the second around the moment. Fits an error model for each default horizon.
+// There are no error models if the database has one clip or if its clips are too short. The result
+// does not depend on the number of threads. CANCELLED.
 absl::StatusOr<PredictionConfidence> FitPredictionConfidence(const Model& model,
                                                              const ParallelFor& parallel,
                                                              const BuildProgress& progress);
 
-class Model;
+// Returns the number of clips that are also recognized as whole observations of at most
+// `max_frames` frames, in a model of `clips` clips (> 0) and `frames` frames: 8 to 64, fewer the
+// longer the clips are. It bounds the time of the calibration.
+int ClipsTriedWhole(int clips, double frames, double max_frames);
 
-// How many of the clips asked about are also tried as whole observations of at most `longest`
-// frames, in a model of `clips` clips (> 0) and `frames` frames: 64, or fewer in a model of very
-// long clips, but at least 8. It bounds the time of the calibration.
-int ClipsTriedWhole(int clips, double frames, double longest);
-
-// Recognizes at most 128 stored clips (SampleClips), each with the model of the other clips
-// (LeftOutWith): some 512 windows of 0.4 s, and of ClipsTriedWhole clips the first 10 to 100 % of
-// the clip, or of its first 20 s, as whole observations. A clip with a label of its own calibrates
-// the familiarity only. A calibration without samples keeps its default. Returns CANCELLED if
+// Recognizes at most 128 stored clips (SampleClips), each in the model without the clip
+// (LeftOutWith): at most 512 windows of 0.4 s, and for ClipsTriedWhole clips the first 10 to 100 %
+// of the clip, or of its first 20 s, as whole observations. A clip whose label no other clip has
+// calibrates only the familiarity. A calibration without samples keeps its default. CANCELLED if
 // `progress` returns false.
 absl::StatusOr<RecognitionCalibration> CalibrateRecognition(const Model& model,
                                                             const ParallelFor& parallel,

@@ -18,18 +18,19 @@ absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_
   for (const BuildInput& input : inputs) {
     const StateSequence& states = input.states;
     if (states.frame_count() == 0 || states.root_path.rows() != states.frame_count()) {
-      return InvalidArgument("clip '{}' has no frames, or not a root pose for each", input.clip_id);
+      return InvalidArgument(
+          "clip '{}': expected at least one frame and a root pose for each frame", input.clip_id);
     }
     if (states.states.cols() != marker_set.dimension_count()) {
       return InvalidArgument("clip '{}': expected {} dimensions, got {}", input.clip_id,
                              marker_set.dimension_count(), states.states.cols());
     }
     if (std::abs(states.frame_rate_hz - settings.frame_rate_hz) > 1e-6) {
-      return InvalidArgument("clip '{}': expected {} frames a second, got {}", input.clip_id,
+      return InvalidArgument("clip '{}': expected {} Hz, got {} Hz", input.clip_id,
                              settings.frame_rate_hz, states.frame_rate_hz);
     }
     if (!states.states.allFinite() || !states.root_path.allFinite()) {
-      return InvalidArgument("clip '{}' has a number that is not finite", input.clip_id);
+      return InvalidArgument("clip '{}': expected finite numbers", input.clip_id);
     }
   }
   return absl::OkStatus();
@@ -37,11 +38,11 @@ absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_
 
 namespace {
 
-constexpr std::int64_t kBytesGivenBack = 64 << 20;  // at a time
+constexpr std::int64_t kFreedBytes = 64 << 20;  // at a time
 
-// The allocator keeps what was freed between blocks that live on, and would not use it for large
-// ones: without this, a build takes the memory of its clips twice until it ends.
-void GiveBackFreed() {
+// Returns freed memory to the system. The allocator keeps freed blocks between living ones and does
+// not reuse them for large blocks: without this, a build needs the memory of its clips twice.
+void ReturnFreedMemory() {
 #if defined(__GLIBC__)
   malloc_trim(0);
 #endif
@@ -70,11 +71,11 @@ ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs) {
     together.root_path.middleRows(clip.first_frame, clip.frame_count) = inputs[c].states.root_path;
     inputs[c].states = {};
     freed += clip.frame_count * together.states.cols() * std::int64_t{sizeof(float)};
-    if (freed < kBytesGivenBack) continue;
-    GiveBackFreed();
+    if (freed < kFreedBytes) continue;
+    ReturnFreedMemory();
     freed = 0;
   }
-  GiveBackFreed();
+  ReturnFreedMemory();
   return together;
 }
 

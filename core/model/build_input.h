@@ -1,4 +1,4 @@
-// Clips on their way into a model. Functions are safe to call from any thread.
+// Clips as input of a model build.
 #pragma once
 
 #include <string>
@@ -14,22 +14,22 @@ struct BuildInput {
   std::string clip_id;
   std::string label;
   StateSequence states;  // without NaN
-  std::string subject;   // who moves; may be empty. Calibration holds out all that one did
+  std::string subject;   // may be empty; calibration holds out all clips of a subject
 };
 
-// INVALID_ARGUMENT, naming the clip, if there is none, or one has no frame, a number that is not
-// finite, or does not fit the marker set or the frame rate.
+// INVALID_ARGUMENT if there is no clip, or if a clip has no frame, has a number that is not finite,
+// or does not fit the marker set or the frame rate. The message names the clip.
 absl::Status CheckInputs(const BuildSettings& settings, const MarkerSet& marker_set,
                          const std::vector<BuildInput>& inputs);
 
-// Clips end to end.
+// All clips, concatenated.
 struct ConcatenatedInputs {
   std::vector<ModelClip> clips;  // numbered from frame 0
   FrameMatrix states;            // frames x dimensions, not scaled
   RootPath root_path;
 };
 
-// Each input's memory is given back as soon as it is copied. REQUIRES: CheckInputs.
+// Frees each input as soon as it is copied. REQUIRES: CheckInputs.
 ConcatenatedInputs Concatenate(std::vector<BuildInput> inputs);
 
 }  // namespace motiondb::core

@@ -1,4 +1,4 @@
-// How a database's clips are stored and its models built. Fixed when the database is created.
+// Settings of a database, fixed when it is created: how clips are stored and models are built.
 #pragma once
 
 #include "core/motion/glitches.h"
@@ -6,15 +6,15 @@
 
 namespace motiondb::core {
 
-// Of a database's frames, and of those of a plan.
-inline constexpr double kLowestFrameRateHz = 1;
-inline constexpr double kHighestFrameRateHz = 1000;  // the fastest that motion is captured with
+// Frame rates of databases and plans, Hz.
+inline constexpr double kMinFrameRate_hz = 1;
+inline constexpr double kMaxFrameRate_hz = 1000;  // the fastest motion capture
 
 struct BuildSettings {
   double frame_rate_hz = 60;
-  int min_frames = 16;  // fewest frames of a node (section III-B)
+  int min_frames = 16;  // minimum frames of a node (section III-B)
   Scaling scaling = Scaling::kKind;
-  GlitchPolicy glitches = GlitchPolicy::kRepair;  // of clips on their way in; no model knows it
+  GlitchPolicy glitches = GlitchPolicy::kRepair;  // applied at ingest; models ignore it
 };
 
 }  // namespace motiondb::core

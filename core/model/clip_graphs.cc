@@ -15,8 +15,8 @@ std::vector<std::int32_t> NodesOf(const Tree& tree, int layer, const ModelClip& 
   return nodes;
 }
 
-// Edges with one end added up; sorts them.
-void AddUp(std::vector<Edge>& row) {
+// Sorts edges by their end and adds the counts of equal ends.
+void MergeEqualEnds(std::vector<Edge>& row) {
   std::sort(row.begin(), row.end(), [](const Edge& a, const Edge& b) { return a.to < b.to; });
   std::size_t last = 0;
   for (std::size_t e = 1; e < row.size(); ++e) {
@@ -49,7 +49,7 @@ std::vector<std::int32_t> NodesAbove(const Tree& tree, int layer,
 ClipGraph ClipGraphAbove(const Tree& tree, int layer, const ClipGraph& bottom) {
   const std::vector<std::int32_t> above = NodesAbove(tree, layer, bottom.nodes);
   ClipGraph graph;
-  std::vector<std::int32_t> state_of;  // of the bottom's states
+  std::vector<std::int32_t> state_of;  // for each state of the bottom layer
   for (std::size_t s = 0; s < above.size(); ++s) {
     if (graph.nodes.empty() || graph.nodes.back() != above[s]) {
       graph.nodes.push_back(above[s]);
@@ -66,7 +66,7 @@ ClipGraph ClipGraphAbove(const Tree& tree, int layer, const ClipGraph& bottom) {
       row.push_back({state_of[edge.to], edge.count});
     }
     if (s + 1 < above.size() && above[s + 1] == above[s]) continue;
-    AddUp(row);
+    MergeEqualEnds(row);
     edges.insert(edges.end(), row.begin(), row.end());
     row_begin.push_back(static_cast<std::int32_t>(edges.size()));
     row.clear();

@@ -1,6 +1,5 @@
-// How clips pass through the nodes of a tree. A clip's graph is kept for the bottom layer alone; on
-// a layer above, nodes and their transitions are those below put together. Pure functions; safe to
-// call from any thread.
+// Transition graphs of clips and of all clips. A clip's graph is stored for the bottom layer only;
+// graphs of other layers are computed from it by merging nodes.
 #pragma once
 
 #include <cstdint>
@@ -13,19 +12,19 @@
 
 namespace motiondb::core {
 
-// The clip's graph on the bottom layer.
+// Returns the clip's graph on the bottom layer.
 ClipGraph CountClipGraph(const Tree& tree, const ModelClip& clip);
 
-// The nodes of a layer that hold these nodes of the bottom layer, each in its place. Ascending
-// nodes give ascending ones.
+// Returns, for each node of the bottom layer, the node of `layer` that contains it. Ascending input
+// gives ascending output.
 std::vector<std::int32_t> NodesAbove(const Tree& tree, int layer,
                                      std::span<const std::int32_t> bottom_nodes);
 
-// A clip's graph on a layer, from that on the bottom layer: what CountClipTransitions gives there.
+// Returns a clip's graph on a layer, computed from its graph on the bottom layer.
 // O(states + transitions log transitions).
 ClipGraph ClipGraphAbove(const Tree& tree, int layer, const ClipGraph& bottom);
 
-// The graph of one layer over all these clips.
+// Returns the graph of one layer over all clips.
 TransitionGraph CountGlobalGraph(const Tree& tree, int layer, std::span<const ModelClip> clips);
 
 }  // namespace motiondb::core

@@ -7,12 +7,12 @@
 namespace motiondb::core {
 namespace {
 
-// All are compared with each observed frame, however large the database.
-constexpr int kMostNodes = 2048;
+// Every indexed node is compared with every observed frame, so their number is limited.
+constexpr int kMaxNodes = 2048;
 
 int IndexedLayer(const Tree& tree) {
   int layer = tree.layer_count();
-  while (layer > 1 && tree.node_count(layer) > kMostNodes) --layer;
+  while (layer > 1 && tree.node_count(layer) > kMaxNodes) --layer;
   return layer;
 }
 

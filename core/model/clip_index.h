@@ -1,5 +1,5 @@
-// From nodes to the clips that pass through them: finds clips like an observation without a look
-// at each. Derived from a model; immutable, safe to share.
+// Index from nodes to the clips with frames in them, to find clips similar to an observation
+// without comparing all clips. Derived from a model; immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,14 +17,14 @@ struct MotionMetric;
 class ClipIndex {
  public:
   ClipIndex() = default;
-  // Empty where the model has no metric.
+  // Returns an empty index if the model has no metric.
   static ClipIndex Of(const ModelParts& parts);
 
   int node_count() const { return static_cast<int>(means_.rows()); }
   // Means of the indexed nodes in the metric, nodes x K, and their squared norms.
   const FrameMatrix& means() const { return means_; }
   const Eigen::VectorXf& squared_norms() const { return squared_norms_; }
-  // The same means in another metric; `gaussians` are the model's.
+  // Returns the means in another metric. `gaussians`: the model's.
   FrameMatrix MeansIn(const MotionMetric& metric, const NodeGaussians& gaussians) const;
   // Clips with frames in a node, ascending.
   std::span<const int> clips(int node) const {
@@ -32,10 +32,10 @@ class ClipIndex {
   }
 
  private:
-  std::vector<int> branches_;  // of the tree, one a node
+  std::vector<int> branches_;  // of the tree, one for each node
   FrameMatrix means_;
   Eigen::VectorXf squared_norms_;
-  std::vector<int> begin_;  // of each node's clips, and the end
+  std::vector<int> begin_;  // for each node, index of its first clip in clips_; and the end
   std::vector<int> clips_;
 };
 

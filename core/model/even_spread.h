@@ -1,4 +1,4 @@
-// A few of many, spread evenly. Pure.
+// Evenly spread samples.
 #pragma once
 
 #include <algorithm>
@@ -7,9 +7,10 @@
 
 namespace motiondb::core {
 
-// At most `most` of `count` indices, ascending; none where either is not above 0.
-inline std::vector<int> SpreadEvenly(std::int64_t count, std::int64_t most) {
-  const std::int64_t kept = std::min(count, most);
+// Returns at most `max_count` of the indices 0 to count - 1, evenly spread, ascending. Empty if
+// either number is not positive.
+inline std::vector<int> SpreadEvenly(std::int64_t count, std::int64_t max_count) {
+  const std::int64_t kept = std::min(count, max_count);
   std::vector<int> spread;
   for (std::int64_t i = 0; i < kept; ++i) spread.push_back(static_cast<int>(i * count / kept));
   return spread;

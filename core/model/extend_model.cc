@@ -10,7 +10,7 @@
 namespace motiondb::core {
 namespace {
 
-// What no clip that is added changes.
+// Returns the parts that an extension does not change.
 ModelParts FittedParts(const Model& base) {
   ModelParts parts;
   parts.settings = base.settings();

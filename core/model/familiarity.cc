@@ -12,8 +12,8 @@ namespace {
 
 constexpr int kMaxWindows = 256;
 constexpr double kFloor = 1e-6;
-constexpr int kWindowsAtOnce = 32;  // statistics are read once for these
-constexpr float kHopeless = 40;     // e^-40 / kFloor is less than a float's rounding
+constexpr int kWindowsAtOnce = 32;    // node statistics are read once for so many windows
+constexpr float kMaxLogDeficit = 40;  // e^-40 / kFloor is less than a float's rounding
 constexpr float kPadding = std::numeric_limits<float>::infinity();
 
 std::vector<FrameRun> Windows(const std::vector<FrameRun>& clips, int window_frames) {
@@ -29,7 +29,7 @@ std::vector<FrameRun> Windows(const std::vector<FrameRun>& clips, int window_fra
   return spread;
 }
 
-// The nodes that stand for a branch: one in each layer from its first to its last.
+// The nodes of a branch: one in each layer from its first to its last.
 class NodesOfBranches {
  public:
   explicit NodesOfBranches(const Tree& tree) : begin_(tree.branches().size() + 1) {
@@ -55,27 +55,27 @@ class NodesOfBranches {
   std::vector<std::int32_t> nodes_;
 };
 
-// Of one layer, for each of some frames.
+// Likely nodes of one layer, for each frame.
 using LikelyNodes = std::vector<std::vector<LikelyNode>>;
 
-// The least and the greatest number of each dimension over some frames, and for each layer the
-// least log density that a node must have for one of them.
+// Bounding box of some frames, and for each layer the minimum log density that a node must have for
+// one of them.
 struct Box {
   Eigen::RowVectorXf least;
   Eigen::RowVectorXf most;
   Eigen::VectorXf at_least;       // [layer - 1]
-  Eigen::VectorXf at_least_from;  // the least of this layer's and those below
+  Eigen::VectorXf at_least_from;  // minimum over this layer and those below
 };
 
-// Frames of windows as LogDensitiesFrom takes them: each window begins a block of its own. For
-// each layer what a node's log density must be there (of padding: infinite).
+// Frames of windows in the layout of LogDensitiesFrom: each window begins a new block. For each
+// layer the minimum log density of a node (infinite for padding).
 struct WindowFrames {
   FrameMatrix blocks;         // blocks of dimensions x kSquaresLanes, end to end
   FrameMatrix at_least;       // [layer - 1] x frames
-  FrameMatrix at_least_from;  // the least of this layer's and those below
+  FrameMatrix at_least_from;  // minimum over this layer and those below
   std::vector<Box> of_block;
   std::vector<Box> of_window;
-  std::vector<int> first_block;  // of each window, and the end
+  std::vector<int> first_block;  // of each window; and the end
 };
 
 int BlocksOf(const FrameRun& window) { return (window.count + kSquaresLanes - 1) / kSquaresLanes; }
@@ -110,7 +110,7 @@ WindowFrames GatherFrames(std::span<const FrameRun> windows,
         gathered.at_least(layer - 1, f) =
             own == known ? gathered.at_least(layer - 2, f)
                          : static_cast<float>(gaussians.LogDensity(own, states.row(frame).data())) -
-                               kHopeless;
+                               kMaxLogDeficit;
         known = own;
       }
     }
@@ -132,8 +132,8 @@ WindowFrames GatherFrames(std::span<const FrameRun> windows,
   return gathered;
 }
 
-// For each layer. A branch stands in several layers: its densities are computed once. Most branches
-// are far from all frames of a window or a block, as the box around these shows.
+// Returns the likely nodes of each layer. A branch spans several layers: its densities are computed
+// once. Most branches are excluded by the bounding box of a window or block.
 std::vector<LikelyNodes> FindLikelyNodes(const WindowFrames& frames, const Tree& tree,
                                          const NodesOfBranches& nodes,
                                          const NodeGaussians& gaussians) {

@@ -1,5 +1,5 @@
-// Is an observation like anything stored? Its score under the global graph is compared with what
-// the training motion itself scores. Immutable; safe to share.
+// Familiarity under the global graph: compares the score of an observation with the scores of
+// stored windows. Immutable.
 #pragma once
 
 #include <vector>
@@ -13,16 +13,16 @@
 
 namespace motiondb::core {
 
-// For each layer, the scores of training windows, ascending.
+// Scores of stored windows, ascending, for each layer.
 struct FamiliarityReference {
   std::vector<std::vector<float>> scores;  // [layer - 1][window]
 
-  // Fraction of training windows that score lower, in [0, 1]; 0 where there is no window.
+  // Returns the fraction of stored windows with a lower score, 0 to 1; 0 if there is no window.
   double Rank(int layer, double score) const;
 };
 
-// What is compared: log density a frame under the graph, with a small floor for transitions never
-// seen, whatever the query's own floor. `log_densities` is frames x nodes of the layer.
+// Returns the mean log density of a frame under the graph, with a fixed floor for unseen
+// transitions. log_densities: frames x nodes of the layer.
 double FamiliarityScore(const TransitionGraph& graph,
                         const Eigen::Ref<const EmissionMatrix>& log_densities);
 
@@ -32,11 +32,11 @@ struct FrameRun {
   int count = 0;
 };
 
-// Scores of windows of `window_frames` frames, spread evenly over the clips (at most 256 of them; a
-// clip shorter than a window is one), on every layer. Nodes where a frame's log density is more
-// than 40 below that in its own node are left out: with the floor of the score they change it by
-// less than its rounding. O(windows * branches), a few dimensions each, and what the nodes that are
-// left cost.
+// Returns the scores of at most 256 windows of `window_frames` frames, evenly spread over the
+// clips, on each layer; a clip shorter than a window is one window. Skips nodes in which a frame's
+// log density is more than 40 below the density in its own node: because of the floor they change
+// the score by less than its rounding. O(windows * branches) with a few dimensions each, plus the
+// cost of the remaining nodes.
 FamiliarityReference MakeFamiliarityReference(const std::vector<FrameRun>& clips, int window_frames,
                                               const Eigen::Ref<const FrameMatrix>& states,
                                               const Tree& tree, const NodeGaussians& gaussians,

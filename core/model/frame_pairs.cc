@@ -12,18 +12,18 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostClips = 256;
-constexpr Eigen::Index kMostFrames = 512;  // 17 s
+constexpr int kMaxClips = 256;
+constexpr Eigen::Index kMaxFrames = 512;  // 17 s
 constexpr int kStarts = 4;
-constexpr float kLateStart = 0.05F;  // a dimension and frame
-constexpr int kSteps = 3;            // 0, 1 or 2 reference frames on
+constexpr float kLateStart = 0.05F;  // for each dimension and frame
+constexpr int kSteps = 3;            // 0, 1 or 2 reference frames
 constexpr float kNever = std::numeric_limits<float>::infinity();
 
 }  // namespace
 
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_references) {
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references) {
   std::map<std::string, std::vector<int>> of_label;
-  std::vector<std::size_t> place(clips.size());  // among its label's
+  std::vector<std::size_t> place(clips.size());  // among the clips of its label
   for (std::size_t c = 0; c < clips.size(); ++c) {
     auto& same = of_label[clips[c].label];
     place[c] = same.size();
@@ -34,10 +34,10 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_r
     if (of_label[clips[c].label].size() > 1) with_others.push_back(static_cast<int>(c));
   }
   std::vector<IndexPair> pairs;
-  for (const int i : SpreadEvenly(std::ssize(with_others), kMostClips)) {
+  for (const int i : SpreadEvenly(std::ssize(with_others), kMaxClips)) {
     const int clip = with_others[i];
     const auto& same = of_label[clips[clip].label];
-    for (const int k : SpreadEvenly(std::ssize(same) - 1, most_references)) {
+    for (const int k : SpreadEvenly(std::ssize(same) - 1, max_references)) {
       pairs.push_back({clip, same[(place[clip] + 1 + k) % same.size()]});
     }
   }
@@ -46,7 +46,7 @@ std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_r
 
 std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference,
                                    Eigen::Index dimensions) {
-  const Eigen::Index frames = std::min(observed.rows(), kMostFrames);
+  const Eigen::Index frames = std::min(observed.rows(), kMaxFrames);
   const Eigen::Index places = std::min(reference.rows(), (kSteps - 1) * frames + kStarts);
   const auto compared = reference.topRows(places);
   const FrameMatrix cost =

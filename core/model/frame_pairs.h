@@ -1,5 +1,4 @@
-// Which frames of stored clips show the same moment of one behaviour: clips of one label, brought
-// together in time. Pure functions; safe to call from any thread.
+// Pairs of corresponding frames: clips of one label, aligned in time.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,16 +16,17 @@ struct IndexPair {
   friend bool operator==(const IndexPair&, const IndexPair&) = default;
 };
 
-// Pairs of clips of one label. At most 256 clips are observed, spread evenly over those whose label
-// has another, each with at most `most_references` references, spread evenly: the work is bounded.
-std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int most_references = 8);
+// Returns pairs of clips of one label: at most 256 observed clips, evenly spread over the clips
+// whose label occurs twice, each with at most `max_references` references, evenly spread.
+std::vector<IndexPair> ClipPairs(const std::vector<ModelClip>& clips, int max_references = 8);
 
-// Dynamic time warping of all of `observed` onto `reference` (frames x dimensions, some 30 a
-// second; the first 512 frames of it): squared distances, with each observed frame the reference
-// moves on by 0, 1 or 2, starts at one of its first four frames (a later start costs 0.05 a
-// dimension and frame) and ends anywhere. One pair of rows for each observed frame, in order of
-// time; none where the reference is too short. O(frames * frames * dimensions). Columns may stand
-// for more dimensions than they are, which a later start is then paid for.
+// Aligns `observed` with `reference` by dynamic time warping (frames x dimensions, about 30 Hz; at
+// most the first 512 frames) with squared distances. With each observed frame the reference
+// advances by 0, 1 or 2 frames; it starts at one of its first four frames (a later start costs 0.05
+// for each dimension and frame) and ends anywhere. Returns one pair of rows for each observed
+// frame, in order of time; empty if the reference is too short. `dimensions`: number of dimensions
+// for the cost of a later start, if the columns are projections of more dimensions. O(frames *
+// frames * dimensions).
 std::vector<IndexPair> AlignFrames(const FrameMatrix& observed, const FrameMatrix& reference,
                                    Eigen::Index dimensions);
 inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
@@ -34,8 +34,8 @@ inline std::vector<IndexPair> AlignFrames(const FrameMatrix& observed,
   return AlignFrames(observed, reference, observed.cols());
 }
 
-// Squared Euclidean distances, rows of `a` x rows of `b`, whose squared norms are given. Rounding
-// is that of the norms: a distance far below them is only known to be small.
+// Returns the squared Euclidean distances, rows of `a` x rows of `b`. The rounding error is that of
+// the squared norms, so distances much smaller than the norms are inexact.
 inline FrameMatrix SquaredDistances(const Eigen::Ref<const FrameMatrix>& a,
                                     const Eigen::Ref<const FrameMatrix>& b,
                                     const Eigen::Ref<const Eigen::VectorXf>& b_squared_norms) {

@@ -12,9 +12,9 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr int kRowsAtOnce = 256;  // of states that are gathered: they stay in the nearer caches
+constexpr int kRowsAtOnce = 256;  // gathered states stay in the processor cache
 
-// Some rows of the states in the metric: the first rows of `projected`.
+// Writes some rows of the states in the metric to the first rows of `projected`.
 void ProjectRows(const MotionMetric& metric, const SharedRows& states, std::span<const int> rows,
                  FrameMatrix& projected, const ParallelFor& parallel) {
   const auto count = static_cast<int>(rows.size());

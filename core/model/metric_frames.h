@@ -1,5 +1,5 @@
-// The stored frames as recognition compares them, about 30 a second: every stride-th of each clip,
-// in the metric. Derived from a model's states; immutable, safe to share.
+// Stored frames for recognition: every stride-th frame of each clip (about 30 Hz), in the metric.
+// Derived from a model's states; immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,13 +15,13 @@ struct ModelClip;
 struct ModelParts;
 struct MotionMetric;
 
-// Frames from one compared to the next: 2 at 60 Hz, 1 below 45 Hz.
+// Returns the distance between compared frames: 2 at 60 Hz, 1 below 45 Hz.
 int FrameStride(double frame_rate_hz);
 
-// Every stride-th frame of each clip, from its first.
+// Every stride-th frame of each clip, beginning with its first.
 struct StridedFrames {
   std::vector<int> frame;  // row -> frame of the model
-  std::vector<int> begin;  // clip c has the rows [begin[c], begin[c + 1])
+  std::vector<int> begin;  // clip c has the rows begin[c] to begin[c + 1] - 1
 
   int count(int clip) const { return begin[clip + 1] - begin[clip]; }
 };
@@ -29,15 +29,16 @@ StridedFrames StrideFrames(const std::vector<ModelClip>& clips, double frame_rat
 
 struct MetricFrames {
   StridedFrames rows;
-  SharedRows projected;           // rows x K, about the metric's mean
+  SharedRows projected;           // rows x K, relative to the metric's mean
   Eigen::VectorXf squared_norms;  // of the rows
 };
 
-// Scaled states (frames x D, without NaN) in the metric: frames x K.
+// Returns scaled states (frames x D, without NaN) in the metric: frames x K.
 FrameMatrix Project(const MotionMetric& metric, const Eigen::Ref<const FrameMatrix>& states);
 
-// Empty where the model has no metric. `known` are those of the model that this one extends, or
-// empty: they are shared. Takes no memory that grows with the frames but the result's.
+// Returns the stored frames in the metric; empty if the model has no metric. `known`: those of the
+// model that this one extends, whose memory is shared; or empty. Needs no memory proportional to
+// the frames except for the result.
 MetricFrames ProjectStored(const ModelParts& parts, const MetricFrames& known,
                            const ParallelFor& parallel);
 

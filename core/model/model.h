@@ -1,5 +1,5 @@
-// A model: what one database knows at one version. Immutable once made, so queries share it freely
-// and keep scratch of their own.
+// The model of a database at one version: tree, statistics, graphs and stored states. Immutable, so
+// queries share it.
 #pragma once
 
 #include <cstdint>
@@ -27,52 +27,51 @@
 
 namespace motiondb::core {
 
-// A clip as the model knows it: a run of frames.
+// A clip of a model: consecutive frames.
 struct ModelClip {
   std::string id;
   std::string label;
   std::int32_t first_frame = 0;
   std::int32_t frame_count = 0;
   double leg_length_m = 0;
-  std::string subject;  // empty where it is not known
-  // Frames of glitches that were kept, from 0 at first_frame; in order and apart.
+  std::string subject;  // empty: unknown
+  // Frames of kept glitches, relative to first_frame; ascending and disjoint.
   std::vector<FrameSpan> glitches = {};
 
-  // Whether one is in any of the model's frames first ... last.
+  // Returns whether the model's frames first to last contain a glitch.
   bool HasGlitch(int first, int last) const;
 };
 
-// Everything a model is made of, as a builder makes it and a store gives it back.
+// The parts of a model: result of a build and content of the store.
 struct ModelParts {
   BuildSettings settings;
   MarkerSet marker_set;
   std::vector<ModelClip> clips;  // in frame order, without gaps
-  // The first so many clips are those that the model was built from, the others were added since
-  // (core/model/extend_model.h). -1: all.
+  // Number of clips in the build; the rest were added by extensions (core/model/extend_model.h).
+  // -1: all.
   std::int32_t built_clip_count = -1;
   SharedRows states;   // frames x 6 N_v, scaled
   RootPath root_path;  // frames x 3
-  FeatureScale scale;  // what states were divided by
+  FeatureScale scale;  // divisor of the states
   Tree tree;
   NodeGaussians gaussians;                                    // one for each branch of the tree
   std::vector<TransitionGraph> global_graphs;                 // [layer - 1]
   std::vector<std::shared_ptr<const ClipGraph>> clip_graphs;  // [clip], on the bottom layer
   FamiliarityReference familiarity;
   MotionPrior prior;
-  // What `prior` was fitted to, for the calibration of a built model; it is not stored.
+  // Sums from which `prior` was fitted, for the calibration after a build; not stored.
   std::shared_ptr<const MotionSums> prior_sums;
   MotionMetric metric;
   RecognitionCalibration recognition;
   PredictionConfidence confidence;
-  double build_seconds = 0;  // set by whoever holds the clock
+  double build_seconds = 0;  // set by the caller, which has the clock
 };
 
 class Model {
  public:
-  // DATA_LOSS if the parts do not fit each other. What is derived from them is made on the threads
-  // that are lent.
+  // DATA_LOSS if the parts are inconsistent. Derived data is computed with `parallel`.
   static absl::StatusOr<Model> Create(ModelParts parts, const ParallelFor& parallel = RunSerially);
-  // The same for a model that extends `base`: what was derived from base's frames is shared.
+  // As above for a model that extends `base`, whose derived data is shared.
   static absl::StatusOr<Model> Create(ModelParts parts, const Model& base);
 
   const BuildSettings& settings() const { return parts_.settings; }
@@ -85,7 +84,7 @@ class Model {
   const Tree& tree() const { return parts_.tree; }
   const NodeGaussians& gaussians() const { return parts_.gaussians; }
   const TransitionGraph& global_graph(int layer) const { return parts_.global_graphs[layer - 1]; }
-  // That on the bottom layer is kept, those on others are put together from it.
+  // Returns the stored graph for the bottom layer; graphs of other layers are computed from it.
   std::shared_ptr<const ClipGraph> clip_graph(int layer, int clip) const;
   const FamiliarityReference& familiarity() const { return parts_.familiarity; }
   const MotionPrior& prior() const { return parts_.prior; }
@@ -93,26 +92,26 @@ class Model {
   const MetricFrames& metric_frames() const { return metric_frames_; }
   const ClipIndex& clip_index() const { return clip_index_; }
   const RecognitionCalibration& recognition() const { return parts_.recognition; }
-  // For the calibration, before the model is shared.
+  // REQUIRES: the model is not yet shared.
   void set_recognition(RecognitionCalibration recognition) {
     parts_.recognition = std::move(recognition);
   }
   const PredictionConfidence& confidence() const { return parts_.confidence; }
-  // For the calibration, before the model is shared.
+  // REQUIRES: the model is not yet shared.
   void set_confidence(PredictionConfidence confidence) {
     parts_.confidence = std::move(confidence);
     parts_.prior_sums.reset();
   }
   const RigidTree& rigid_tree() const { return rigid_tree_; }
-  // Index of each marker's other side; empty where the markers have no sides.
+  // Index of each marker's counterpart on the other side; empty if the markers have no sides.
   const std::vector<int>& other_sides() const { return other_sides_; }
   double build_seconds() const { return parts_.build_seconds; }
-  // For whoever holds the clock, before the model is shared.
+  // REQUIRES: the model is not yet shared.
   void set_build_seconds(double seconds) { parts_.build_seconds = seconds; }
   const ModelParts& parts() const { return parts_; }
 
   int frame_count() const { return static_cast<int>(parts_.states.rows()); }
-  // Clips and frames that the model was built from; the others were added since.
+  // Clips and frames of the build; the rest were added by extensions.
   int built_clip_count() const {
     return parts_.built_clip_count < 0 ? static_cast<int>(parts_.clips.size())
                                        : parts_.built_clip_count;
@@ -123,11 +122,11 @@ class Model {
                : parts_.clips[built_clip_count()].first_frame;
   }
   int layer_count() const { return parts_.tree.layer_count(); }
-  // Index into clips() of the clip that holds a frame. O(log clips).
+  // Returns the index into clips() of the clip of a frame. O(log clips).
   int clip_of_frame(int frame) const;
-  // Whether a kept glitch is in any of the frames first ... last, which are of one clip.
+  // Returns whether the frames first to last, which are of one clip, contain a kept glitch.
   bool HasGlitch(int first, int last) const;
-  // The layer that a request means: 0 is the bottom. OUT_OF_RANGE names the layers there are.
+  // Returns the layer of a request: 0 is the bottom layer. OUT_OF_RANGE names the valid layers.
   absl::StatusOr<int> ResolveLayer(int layer) const;
 
  private:

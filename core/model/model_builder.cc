@@ -65,7 +65,7 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
                                  together.states.cols());
   ScaleInPlace(parts.scale, scaled, parallel);
 
-  // The depth is not known beforehand: progress closes half of what is left with each few layers.
+  // The depth is unknown: each layer advances the progress by 15 % of the rest.
   const auto layer_done = [&](int layer) {
     return report(0.8 * (1 - std::pow(0.85, layer)), fmt::format("tree, layer {}", layer)).ok();
   };
@@ -84,10 +84,10 @@ absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet&
       1, static_cast<int>(std::lround(kFamiliarityWindowSeconds * settings.frame_rate_hz)));
   parts.familiarity = MakeFamiliarityReference(runs, window, states, parts.tree, parts.gaussians,
                                                parts.global_graphs, parallel);
-  MOTIONDB_RETURN_IF_ERROR(report(0.93, "how motion goes on"));
+  MOTIONDB_RETURN_IF_ERROR(report(0.93, "motion prior"));
   parts.prior_sums = std::make_shared<const MotionSums>(MotionSums::Over(parts, parallel));
   parts.prior = parts.prior_sums->Fit();
-  MOTIONDB_RETURN_IF_ERROR(report(0.96, "which differences matter"));
+  MOTIONDB_RETURN_IF_ERROR(report(0.96, "metric"));
   parts.metric = FitMotionMetric(parts, parallel);
   MOTIONDB_RETURN_IF_ERROR(report(1, "done"));
   return Model::Create(std::move(parts), parallel);

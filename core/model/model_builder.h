@@ -1,5 +1,5 @@
-// Builds a model from the states of clips: scale, tree, node statistics, graphs, familiarity.
-// Safe to call from any thread; uses only the threads lent to it.
+// Builds a model from the states of clips: scale, tree, node statistics, graphs, familiarity,
+// motion prior, metric.
 #pragma once
 
 #include <functional>
@@ -13,12 +13,12 @@
 
 namespace motiondb::core {
 
-// Called now and then from the calling thread with progress in [0, 1] and what is being done.
-// Returns false to stop the build, which then ends as CANCELLED.
+// Called repeatedly on the calling thread with the progress (0 to 1) and the current stage. Returns
+// false to cancel the build.
 using BuildProgress = std::function<bool(double fraction, std::string_view stage)>;
 
-// The same inputs in the same order give the same model, bit for bit, on any number of threads.
-// INVALID_ARGUMENT as CheckInputs.
+// Returns the model of the clips. It depends only on the inputs and their order, not on the number
+// of threads. INVALID_ARGUMENT as CheckInputs; CANCELLED.
 absl::StatusOr<Model> BuildModel(const BuildSettings& settings, const MarkerSet& marker_set,
                                  std::vector<BuildInput> inputs, const ParallelFor& parallel,
                                  const BuildProgress& progress);

@@ -17,21 +17,21 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kParts = 16;           // of the sums, whatever the threads
-constexpr Eigen::Index kRows = 256;  // summed at a time, as fast as a matrix product
+constexpr int kParts = 16;           // partial sums, for any number of threads
+constexpr Eigen::Index kRows = 256;  // in one matrix product
 constexpr double kShrinkage = 0.2;
 constexpr Eigen::Index kDirections = 40;
 constexpr Eigen::Index kLoadings = 30;
-constexpr Eigen::Index kAligned = 48;        // directions in which frames are brought together
-constexpr std::int64_t kMostFrames = 65536;  // that the covariance of all motion is taken over
-// Differences between clips, some. Neighbours in time say nearly the same, so these go first.
-constexpr double kMostDifferences = 65536;
-constexpr double kLeastNoise = 1e-4;
-constexpr double kLeastVariance = 1e-8;  // where stored clips of one label are all the same
+constexpr Eigen::Index kAligned = 48;       // directions in which clips are aligned
+constexpr std::int64_t kMaxFrames = 65536;  // for the covariance of all motion
+// Maximum number of differences. Frames next to each other add little, so they are skipped first.
+constexpr double kMaxDifferences = 65536;
+constexpr double kMinNoise = 1e-4;
+constexpr double kMinVariance = 1e-8;  // if all clips of a label are equal
 
 using Solver = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>;
 
-// The sum of row^T row, and of how many.
+// Sum of row^T row, and the number of rows.
 struct Scatter {
   Eigen::MatrixXd sum;
   double rows = 0;
@@ -47,7 +47,7 @@ struct Scatter {
   }
 };
 
-// body(part, scatter) for each part; the parts' sums together, in order.
+// Calls body(part, scatter) for each part. Returns the total, added in order.
 Scatter SumParts(Eigen::Index dimensions, const ParallelFor& parallel,
                  const std::function<void(int, Scatter&)>& body) {
   std::vector<Scatter> scatters(kParts);
@@ -63,8 +63,8 @@ Scatter SumParts(Eigen::Index dimensions, const ParallelFor& parallel,
   return std::move(scatters[0]);
 }
 
-// The strided frames as the metric is learned from them: about their mean; frames that kept
-// glitches are in are as the mean, so that they say nothing.
+// The strided frames from which the metric is learned, relative to their mean. Frames with kept
+// glitches are replaced by the mean, so that they have no effect.
 class LearnedFrames {
  public:
   explicit LearnedFrames(const ModelParts& parts)
@@ -77,10 +77,10 @@ class LearnedFrames {
         is_glitch_[row] = parts.clips[c].HasGlitch(strided_.frame[row], strided_.frame[row]);
       }
     }
-    sampled_ = SpreadEvenly(std::ssize(strided_.frame), kMostFrames);
+    sampled_ = SpreadEvenly(std::ssize(strided_.frame), kMaxFrames);
   }
 
-  // Learns the mean of the sampled frames.
+  // Computes the mean of the sampled frames.
   const Eigen::RowVectorXf& FindMean(const ParallelFor& parallel) {
     const auto dimensions = static_cast<int>(states_.cols());
     std::vector<Eigen::RowVectorXd> sums(kParts);
@@ -101,7 +101,7 @@ class LearnedFrames {
     return mean_;
   }
 
-  // Of the sampled frames.
+  // Returns the covariance of the sampled frames.
   Eigen::MatrixXd Covariance(const ParallelFor& parallel) const {
     const Scatter scatter = SumParts(states_.cols(), parallel, [&](int part, Scatter& sum) {
       const std::span<const int> rows = SampleOf(part);
@@ -140,35 +140,35 @@ class LearnedFrames {
 
   StridedFrames strided_;
   Eigen::Map<const FrameMatrix> states_;
-  std::vector<char> is_glitch_;  // of each strided frame
+  std::vector<char> is_glitch_;  // for each strided frame
   std::vector<int> sampled_;
   Eigen::RowVectorXf mean_;
 };
 
-// Which pairs of clips are brought together, and how many of their frames apart differences are
-// taken: all, if they are not too many, else every second one and those of fewer references.
+// The aligned pairs of clips, and the distance between the frames of which differences are taken: 1
+// if the differences are not too many, otherwise 2 and fewer references.
 struct Comparisons {
   std::vector<IndexPair> clips;
   int frames_apart = 1;
 };
 
 Comparisons ChooseComparisons(const std::vector<ModelClip>& clips, const LearnedFrames& frames) {
-  constexpr int kFewestReferences = 2;
-  constexpr int kMostReferences = 8;
-  Comparisons chosen{ClipPairs(clips, kMostReferences)};
+  constexpr int kMinReferences = 2;
+  constexpr int kMaxReferences = 8;
+  Comparisons chosen{ClipPairs(clips, kMaxReferences)};
   double differences = 0;
   for (const IndexPair& pair : chosen.clips) differences += frames.CountOf(pair.observed);
-  if (differences <= kMostDifferences) return chosen;
+  if (differences <= kMaxDifferences) return chosen;
   chosen.frames_apart = 2;
-  const double share = kMostDifferences * chosen.frames_apart / differences;
+  const double share = kMaxDifferences * chosen.frames_apart / differences;
   if (share >= 1) return chosen;
   chosen.clips = ClipPairs(
-      clips, std::max(kFewestReferences, static_cast<int>(std::lround(share * kMostReferences))));
+      clips, std::max(kMinReferences, static_cast<int>(std::lround(share * kMaxReferences))));
   return chosen;
 }
 
-// W: half the mean of d d^T, d from a frame to its like in another clip of the label. Frames are
-// brought together in the directions (D x q) along which stored motion varies most.
+// Returns W: half the mean of d d^T, d the difference between corresponding frames of two clips of
+// a label. Clips are aligned in the directions (D x q) with the largest variance.
 Eigen::MatrixXd WithinBehaviours(const ModelParts& parts, const LearnedFrames& frames,
                                  const FrameMatrix& directions, const ParallelFor& parallel) {
   const Comparisons chosen = ChooseComparisons(parts.clips, frames);
@@ -219,7 +219,7 @@ MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& paralle
   const Solver of_all(all);
   const Eigen::Index loadings = std::min(kLoadings, dimensions - 1);
   const Eigen::VectorXd& variances = of_all.eigenvalues();  // ascending
-  metric.noise = std::max(variances.head(dimensions - loadings).mean(), kLeastNoise);
+  metric.noise = std::max(variances.head(dimensions - loadings).mean(), kMinNoise);
   metric.loadings =
       (of_all.eigenvectors().rightCols(loadings) *
        (variances.tail(loadings).array() - metric.noise).max(0).sqrt().matrix().asDiagonal())
@@ -229,7 +229,7 @@ MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& paralle
       of_all.eigenvectors().rightCols(std::min(kAligned, dimensions)).cast<float>();
   Eigen::MatrixXd within = WithinBehaviours(parts, frames, directions, parallel);
   const double ridge =
-      std::max(kShrinkage * within.trace() / static_cast<double>(dimensions), kLeastVariance);
+      std::max(kShrinkage * within.trace() / static_cast<double>(dimensions), kMinVariance);
   within *= 1 - kShrinkage;
   within.diagonal().array() += ridge;
   const Solver of_within(within);

@@ -1,5 +1,5 @@
-// Which differences between states matter: those that are small between clips of one behaviour and
-// large between all others count most. Learned from the stored clips. Immutable; safe to share.
+// The metric of recognition, learned from the stored clips: it weights differences that are small
+// within a behaviour and large between behaviours. Immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -11,29 +11,31 @@ namespace motiondb::core {
 
 struct ModelParts;
 
-// Dimensions D are those of a scaled state.
+// D: dimensions of a scaled state.
 struct MotionMetric {
-  Eigen::RowVectorXf mean;  // D: of the stored frames
-  // D x q: how dimensions vary together, x = mean + loadings * h + noise with h standard normal
-  // (probabilistic PCA). What is missing follows from what was seen.
+  Eigen::RowVectorXf mean;  // D: mean of the stored frames
+  // D x q: probabilistic PCA, x = mean + loadings * h + noise with standard normal h. Used to fill
+  // in missing dimensions.
   FrameMatrix loadings;
   double noise = 0;  // variance
-  // D x D: a difference times it has equal variances within behaviours.
+  // D x D: differences within behaviours, multiplied by it, have equal variances.
   FrameMatrix whitening;
-  // D x K, the 40 whitened directions in which the stored motion varies most: alignment is in them.
+  // D x K: the 40 whitened directions with the largest variance of stored motion; used by
+  // alignment.
   FrameMatrix projection;
 
-  // Models stored before there was a metric have none.
+  // Models stored by old versions have no metric.
   bool empty() const { return mean.size() == 0; }
 };
 
-// Fitted to every stride-th frame (core/model/metric_frames.h), at most 65,536 of them, spread
-// evenly. W is the mean of d d^T / 2 over the differences d of paired frames of clips of one label;
-// from 65,536 on every second pair, then fewer clips, are taken. Where no label has two clips, of
-// frames that follow each other. Clips are brought together in the 48 directions in which all
-// motion varies most. With T, the covariance of all frames, and S = 0.8 W + 0.2 (tr W / D) I = V
-// diag(w) V^T: whitening = V diag(w)^-1/2, projection = whitening U, U the first eigenvectors of
-// whitening^T T whitening. The same bytes for any number of threads.
+// Fits the metric to every stride-th frame (core/model/metric_frames.h), at most 65,536, evenly
+// spread. W is the mean of d d^T / 2 over the differences d between corresponding frames of clips
+// of one label (frame_pairs.h); beyond 65,536 differences, every second pair and then fewer clips
+// are used. If no label has two clips, d are differences between successive frames. Clips are
+// aligned in the 48 directions with the largest variance. With T the covariance of all frames and S
+// = 0.8 W + 0.2 (tr W / D) I = V diag(w) V^T: whitening = V diag(w)^-1/2, projection = whitening U
+// with U the first eigenvectors of whitening^T T whitening. The result does not depend on the
+// number of threads.
 MotionMetric FitMotionMetric(const ModelParts& parts, const ParallelFor& parallel);
 
 }  // namespace motiondb::core

@@ -13,13 +13,13 @@ namespace motiondb::core {
 namespace {
 
 constexpr double kHorizons[] = {0.08, 0.16, 0.32,
-                                0.4,  0.56, 1.0};  // s, those of a query by default
-constexpr int kMostMoments = 2500;
-constexpr double kApart = 0.04;  // s from moment to moment, at least: nearer ones say little more
-constexpr Eigen::Index kFeatureRows = 128;  // of features that are summed at a time
-// Leg lengths squared. A prior, so it does not grow with what is stored; flat from 1 to 10.
+                                0.4,  0.56, 1.0};  // s, the default horizons of a query
+constexpr int kMaxMoments = 2500;
+constexpr double kMinMomentDistance = 0.04;  // s; nearer moments add little information
+constexpr Eigen::Index kFeatureRows = 128;   // in one matrix product
+// Leg lengths squared. Independent of the number of moments. The error hardly changes from 1 to 10.
 constexpr double kPriorRidge = 2.8;
-constexpr float kStill = 1e-4F;  // features that are less throughout are left out
+constexpr float kMinFeature = 1e-4F;  // smaller features are excluded
 
 struct Moment {
   int clip = 0;
@@ -30,7 +30,7 @@ std::vector<Moment> Moments(const ModelParts& parts) {
   const double rate = parts.settings.frame_rate_hz;
   const auto past = static_cast<int>(std::ceil(kLags * kLagSeconds * rate - 1e-6));
   const auto future = static_cast<int>(std::ceil(std::end(kHorizons)[-1] * rate - 1e-6));
-  const int step = std::max(1, static_cast<int>(std::lround(kApart * rate)));
+  const int step = std::max(1, static_cast<int>(std::lround(kMinMomentDistance * rate)));
   std::vector<Moment> all;
   for (std::size_t c = 0; c < parts.clips.size(); ++c) {
     const ModelClip& clip = parts.clips[c];
@@ -41,11 +41,11 @@ std::vector<Moment> Moments(const ModelParts& parts) {
     }
   }
   std::vector<Moment> spread;
-  for (const int i : SpreadEvenly(std::ssize(all), kMostMoments)) spread.push_back(all[i]);
+  for (const int i : SpreadEvenly(std::ssize(all), kMaxMoments)) spread.push_back(all[i]);
   return spread;
 }
 
-// What a moment's features and futures are, one row each.
+// Features and futures of a moment, one row each.
 struct MomentRow {
   Eigen::RowVectorXf features;
   Eigen::RowVectorXf futures;
@@ -145,15 +145,14 @@ MotionSums MotionSums::Over(const ModelParts& parts, const ParallelFor& parallel
   sums.moments_ = moments.size();
   if (moments.empty()) return sums;
   const auto part_of = [&](std::size_t i) { return static_cast<int>(i * kParts / moments.size()); };
-  // The part that the middle one of a clip's moments is in: they follow each other.
+  // A clip is in the part of its middle moment, because its moments are consecutive.
   for (std::size_t begin = 0, end = 0; begin < moments.size(); begin = end) {
     while (end < moments.size() && moments[end].clip == moments[begin].clip) ++end;
     sums.part_of_clip_[moments[begin].clip] = part_of((begin + end) / 2);
   }
   sums.parts_.resize(kParts);
   const auto horizons = static_cast<Eigen::Index>(std::size(kHorizons));
-  // A mirror image has the same even parts and the odd ones with the other sign: it counts as the
-  // motion itself does.
+  // A mirror image adds the same products of even parts and of odd parts again.
   const float images = sides.empty() ? 1 : 2;
   parallel(kParts, [&](int part) {
     const auto first = [&](int p) { return (p * moments.size() + kParts - 1) / kParts; };
@@ -207,8 +206,8 @@ MotionPrior MotionSums::Fit(int without_part) const {
   if (parts_.empty()) return {};
   const Sums totals[2] = {Total(MirrorBasis::kEven, without_part),
                           Total(MirrorBasis::kOdd, without_part)};
-  // Sums of floats are off by about so much of their trace. Where features are as large as a fast
-  // motion over kilometres, that is more than the ridge, and the solution would be anything.
+  // Relative rounding error of sums of floats. For very large features (a fast motion over
+  // kilometres) it exceeds the ridge, and the solution would be arbitrary.
   constexpr float kRounding = 1e-5F;
   float trace = 0;
   for (const Sums& sums : totals) trace += sums.features.trace();
@@ -223,7 +222,7 @@ MotionPrior MotionSums::Fit(int without_part) const {
     std::vector<Eigen::Index> moving;
     for (Eigen::Index d = 0; d < sums.features.rows(); ++d) {
       const double scatter = sums.features(d, d) / static_cast<double>(moments_);
-      if (scatter > kStill * kStill) moving.push_back(d);
+      if (scatter > kMinFeature * kMinFeature) moving.push_back(d);
     }
     if (moving.empty()) continue;
     Eigen::MatrixXf gram = sums.features.selfadjointView<Eigen::Lower>();

@@ -1,5 +1,5 @@
-// The last moments of a motion, as prediction compares them: poses now and every 0.04 s before, in
-// the reference frame of now, leg lengths. Pure functions.
+// Pose history: the current pose and the poses every 0.04 s before, in the current reference frame,
+// in leg lengths. Prediction compares moments by it.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,18 +12,18 @@ namespace motiondb::core {
 inline constexpr double kLagSeconds = 0.04;
 inline constexpr int kLags = 9;
 
-// 1 + kLags rows (now first) x 3 N_v.
+// Returns (1 + kLags) x 3 N_v, the current pose first.
 FrameMatrix HistoryAt(const Track& track, int frame);
 
-// What the linear prior looks at, (1 + kLags) 3 N_v numbers: the pose, lightly, and how it moved
-// from each lag to the next, the latest most.
+// Returns the input of the motion prior, (1 + kLags) 3 N_v numbers: the pose with a small weight,
+// and the movements from lag to lag, the latest with the largest weight.
 Eigen::RowVectorXf MotionFeatures(const FrameMatrix& history);
 
-// What the distance between two moments is taken over, 12 N_v numbers: the pose, and how it moved
-// over the last one, three and eight lags. Divided by the root of the number of markers, so that a
-// distance is that of a typical marker.
+// Returns the key of a moment, 12 N_v numbers: the pose, and the movements over the last 1, 3 and 8
+// lags, divided by the square root of the number of markers. The distance of two keys is the
+// distance of a typical marker.
 Eigen::RowVectorXf HistoryKey(const FrameMatrix& history);
-// The same without the whole history: four poses are enough.
+// As above, from the four necessary poses only.
 Eigen::RowVectorXf HistoryKeyAt(const Track& track, int frame);
 
 }  // namespace motiondb::core

@@ -8,28 +8,29 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kLeast = 1e-4;       // of evidence and errors, before taking logarithms
+constexpr double kMinValue = 1e-4;    // of evidence and errors, before the logarithm
 constexpr double kClampShare = 0.02;  // of samples beyond each clamp
-constexpr double kRidge = 1e-3;       // for each sample; evidence may not vary
-constexpr double kLeastDeviation = 0.05;
+constexpr double kRidge = 1e-3;       // for each sample; the evidence may be constant
+constexpr double kMinDeviation = 0.05;
 
 std::array<double, 3> Logs(const PredictionEvidence& evidence) {
-  return {std::log(std::max(kLeast, evidence.variance)),
-          std::log(std::max(kLeast, evidence.spread)), std::log(std::max(kLeast, evidence.speed))};
+  return {std::log(std::max(kMinValue, evidence.variance)),
+          std::log(std::max(kMinValue, evidence.spread)),
+          std::log(std::max(kMinValue, evidence.speed))};
 }
 
-Eigen::Vector4d Row(const ErrorModel& law, const PredictionEvidence& evidence) {
+Eigen::Vector4d Row(const ErrorModel& model, const PredictionEvidence& evidence) {
   const std::array<double, 3> logs = Logs(evidence);
   Eigen::Vector4d row(1, 0, 0, 0);
-  for (int i = 0; i < 3; ++i) row[i + 1] = std::clamp(logs[i], law.lowest[i], law.highest[i]);
+  for (int i = 0; i < 3; ++i) row[i + 1] = std::clamp(logs[i], model.lowest[i], model.highest[i]);
   return row;
 }
 
-ExpectedError JudgeBy(const ErrorModel& law, const PredictionEvidence& evidence, double limit) {
+ExpectedError JudgeBy(const ErrorModel& model, const PredictionEvidence& evidence, double limit) {
   const double middle =
-      Row(law, evidence).dot(Eigen::Map<const Eigen::Vector4d>(law.coefficients.data()));
-  const double below = (std::log(limit) - middle) / law.deviation;
-  return {std::exp(middle + law.deviation * law.deviation / 2),
+      Row(model, evidence).dot(Eigen::Map<const Eigen::Vector4d>(model.coefficients.data()));
+  const double below = (std::log(limit) - middle) / model.deviation;
+  return {std::exp(middle + model.deviation * model.deviation / 2),
           0.5 * std::erfc(-below / std::sqrt(2.0))};
 }
 
@@ -37,13 +38,13 @@ ExpectedError JudgeBy(const ErrorModel& law, const PredictionEvidence& evidence,
 
 ExpectedError PredictionConfidence::Judge(const PredictionEvidence& evidence, double at_seconds,
                                           double limit) const {
-  if (laws.empty()) return {0, std::clamp(1 - evidence.variance, 0.0, 1.0)};
+  if (models.empty()) return {0, std::clamp(1 - evidence.variance, 0.0, 1.0)};
   const auto after = std::lower_bound(
-      laws.begin(), laws.end(), at_seconds,
-      [](const ErrorModel& law, double seconds) { return law.seconds < seconds - 1e-9; });
-  if (after == laws.end()) return JudgeBy(laws.back(), evidence, limit);
+      models.begin(), models.end(), at_seconds,
+      [](const ErrorModel& model, double seconds) { return model.seconds < seconds - 1e-9; });
+  if (after == models.end()) return JudgeBy(models.back(), evidence, limit);
   const ExpectedError late = JudgeBy(*after, evidence, limit);
-  if (after == laws.begin()) return late;
+  if (after == models.begin()) return late;
   const ErrorModel& before = *(after - 1);
   const double share = (at_seconds - before.seconds) / (after->seconds - before.seconds);
   const ExpectedError early = JudgeBy(before, evidence, limit);
@@ -51,15 +52,15 @@ ExpectedError PredictionConfidence::Judge(const PredictionEvidence& evidence, do
           early.probability + share * (late.probability - early.probability)};
 }
 
-ErrorModel FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples) {
-  ErrorModel law{.seconds = seconds};
+ErrorModel FitErrorModel(double seconds, const std::vector<ErrorSample>& samples) {
+  ErrorModel model{.seconds = seconds};
   for (int i = 0; i < 3; ++i) {
     std::vector<double> logs;
     for (const ErrorSample& sample : samples) logs.push_back(Logs(sample.evidence)[i]);
     std::sort(logs.begin(), logs.end());
     const auto cut = static_cast<std::size_t>(kClampShare * static_cast<double>(logs.size()));
-    law.lowest[i] = logs[cut];
-    law.highest[i] = logs[logs.size() - 1 - cut];
+    model.lowest[i] = logs[cut];
+    model.highest[i] = logs[logs.size() - 1 - cut];
   }
   Eigen::Matrix4d sums = Eigen::Matrix4d::Zero();
   Eigen::Vector4d products = Eigen::Vector4d::Zero();
@@ -67,28 +68,28 @@ ErrorModel FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples) 
   double mean = 0;
   const auto count = static_cast<double>(samples.size());
   for (const ErrorSample& sample : samples) {
-    middle += Row(law, sample.evidence) / count;
-    mean += std::log(std::max(kLeast, sample.error)) / count;
+    middle += Row(model, sample.evidence) / count;
+    mean += std::log(std::max(kMinValue, sample.error)) / count;
   }
   middle[0] = 0;
   for (const ErrorSample& sample : samples) {
-    const Eigen::Vector4d row = Row(law, sample.evidence) - middle;
+    const Eigen::Vector4d row = Row(model, sample.evidence) - middle;
     sums += row * row.transpose();
-    products += row * (std::log(std::max(kLeast, sample.error)) - mean);
+    products += row * (std::log(std::max(kMinValue, sample.error)) - mean);
   }
   sums.diagonal().tail<3>().array() += kRidge * count;
   Eigen::Vector4d fitted = sums.llt().solve(products);
   double squares = 0;
   for (const ErrorSample& sample : samples) {
-    const double expected = (Row(law, sample.evidence) - middle).dot(fitted) + mean;
-    squares += std::pow(std::log(std::max(kLeast, sample.error)) - expected, 2);
+    const double expected = (Row(model, sample.evidence) - middle).dot(fitted) + mean;
+    squares += std::pow(std::log(std::max(kMinValue, sample.error)) - expected, 2);
   }
-  law.deviation = std::max(kLeastDeviation, std::sqrt(squares / std::max(1.0, count - 4)));
+  model.deviation = std::max(kMinDeviation, std::sqrt(squares / std::max(1.0, count - 4)));
   fitted[0] += mean - fitted.tail<3>().dot(middle.tail<3>());
-  std::copy(fitted.begin(), fitted.end(), law.coefficients.begin());
-  // With every clip held back nothing is as well known as what is stored: there the law goes on.
-  if (fitted[1] > 0) law.lowest[0] = std::log(kLeast);
-  return law;
+  std::copy(fitted.begin(), fitted.end(), model.coefficients.begin());
+  // Held-out clips are never as well known as stored ones: the model is extrapolated for these.
+  if (fitted[1] > 0) model.lowest[0] = std::log(kMinValue);
+  return model;
 }
 
 }  // namespace motiondb::core

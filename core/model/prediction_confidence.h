@@ -1,5 +1,5 @@
-// How good a prediction is, told from what went into it; fitted on stored clips that are predicted
-// without themselves. Plain values; pure functions.
+// The error model of predictions: expected error as a function of the inputs of a prediction.
+// Fitted to held-out stored clips.
 #pragma once
 
 #include <array>
@@ -7,7 +7,7 @@
 
 namespace motiondb::core {
 
-// What is known of a prediction when it is made (core/prediction/forecast.h).
+// Inputs of the error model (core/prediction/forecast.h).
 struct PredictionEvidence {
   double variance = 1;
   double spread = 0;  // leg lengths
@@ -19,31 +19,31 @@ struct PredictionEvidence {
 struct ErrorModel {
   double seconds = 0;
   std::array<double, 4> coefficients{};  // constant, variance, spread, speed
-  std::array<double, 3> lowest{};        // logarithms of the evidence are clamped to what was seen
+  std::array<double, 3> lowest{};        // logarithms of the evidence are clamped to this range
   std::array<double, 3> highest{};
   double deviation = 0;
 };
 
 struct ExpectedError {
   double mean = 0;         // leg lengths
-  double probability = 0;  // that it is below the limit
+  double probability = 0;  // that the error is below the limit
 };
 
 struct PredictionConfidence {
-  std::vector<ErrorModel> laws;  // horizons ascending; empty where there was too little to fit to
+  std::vector<ErrorModel> models;  // horizons ascending; empty if there were too few samples
 
-  // Interpolated between horizons; before the first and after the last it is theirs. Where there
-  // are no laws the error is not known (0) and the probability is 1 less the variance: not
-  // calibrated.
+  // Interpolated between horizons, constant outside them. Without error models: error 0 (unknown)
+  // and probability 1 - variance, not calibrated.
   ExpectedError Judge(const PredictionEvidence& evidence, double at_seconds, double limit) const;
 };
 
-// The law that fits errors (leg lengths, above 0) best, least squares on the logarithms. At least
-// two samples.
 struct ErrorSample {
   PredictionEvidence evidence;
-  double error = 0;
+  double error = 0;  // leg lengths, above 0
 };
-ErrorModel FitErrorLaw(double seconds, const std::vector<ErrorSample>& samples);
+
+// Returns the error model that fits best: least squares on the logarithms. REQUIRES: at least two
+// samples.
+ErrorModel FitErrorModel(double seconds, const std::vector<ErrorSample>& samples);
 
 }  // namespace motiondb::core

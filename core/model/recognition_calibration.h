@@ -1,5 +1,4 @@
-// What recognition's evidence is worth, as found on stored clips that were held out. Plain values,
-// kept with the model.
+// Calibration of recognition, fitted to held-out stored clips; stored with the model.
 #pragma once
 
 #include <algorithm>
@@ -8,8 +7,8 @@
 
 namespace motiondb::core {
 
-// Frames that follow each other say nearly the same, so evidence summed over m of them counts for
-// scale * m^(power - 1) of its sum: power 1 takes the sum as it is, 0 its mean.
+// Successive frames are not independent, so the evidence of m frames is their sum times scale *
+// m^(power - 1): power 1 is the sum, power 0 the mean.
 struct EvidenceWeight {
   double scale = 1;
   double power = 1;
@@ -21,7 +20,7 @@ struct AnswerCalibration {
   EvidenceWeight weight;
   std::vector<float> familiarity;  // scores of held-out observations, ascending
 
-  // Fraction of held-out observations that score lower, in [0, 1].
+  // Returns the fraction of held-out observations with a lower score, 0 to 1.
   double FamiliarityRank(double score) const {
     const auto lower =
         std::lower_bound(familiarity.begin(), familiarity.end(), static_cast<float>(score));
@@ -30,7 +29,7 @@ struct AnswerCalibration {
   }
 };
 
-// The weights here are typical ones, for a model that was not calibrated.
+// The default weights are typical ones, for models that are not calibrated.
 struct RecognitionCalibration {
   AnswerCalibration window{{0.07, 1}, {}};
   AnswerCalibration whole{{0.25, 0.25}, {}};

@@ -9,24 +9,25 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kClips = 64;          // looked at, at most
-constexpr int kFrames = 16;         // of each
-constexpr double kRigid = 0.01;     // leg lengths that a bone's length varies, at most
-constexpr float kNoLength = 1e-6F;  // leg lengths
+constexpr int kMaxClips = 64;
+constexpr int kFramesOfClip = 16;
+constexpr double kMaxDeviation = 0.01;  // of a bone's length, leg lengths
+constexpr float kNoLength = 1e-6F;      // leg lengths
 
-// Variance within clips of the distance of each two markers, leg lengths squared.
+// Returns the variance, within clips, of the distance between each two markers (leg lengths
+// squared).
 Eigen::MatrixXd DistanceVariances(const ModelParts& parts) {
   const Eigen::Index count = parts.marker_set.marker_count();
   Eigen::MatrixXd variances = Eigen::MatrixXd::Zero(count, count);
   int frames = 0;
-  const auto clips = std::min<std::size_t>(kClips, parts.clips.size());
+  const auto clips = std::min<std::size_t>(kMaxClips, parts.clips.size());
   for (std::size_t i = 0; i < clips; ++i) {
     const ModelClip& clip = parts.clips[i * parts.clips.size() / clips];
     Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(count, count);
     Eigen::MatrixXd squares = sum;
-    const int looked_at = std::min(kFrames, clip.frame_count);
-    for (int f = 0; f < looked_at; ++f) {
-      const int frame = clip.first_frame + f * clip.frame_count / looked_at;
+    const int sampled = std::min(kFramesOfClip, clip.frame_count);
+    for (int f = 0; f < sampled; ++f) {
+      const int frame = clip.first_frame + f * clip.frame_count / sampled;
       const Eigen::RowVectorXf state = parts.states.row(frame).cwiseProduct(parts.scale.divisor);
       for (Eigen::Index a = 0; a < count; ++a) {
         for (Eigen::Index b = 0; b < a; ++b) {
@@ -36,8 +37,8 @@ Eigen::MatrixXd DistanceVariances(const ModelParts& parts) {
         }
       }
     }
-    variances += squares - sum.cwiseAbs2() / looked_at;
-    frames += looked_at;
+    variances += squares - sum.cwiseAbs2() / sampled;
+    frames += sampled;
   }
   variances /= std::max(1, frames);
   return variances.selfadjointView<Eigen::Lower>();
@@ -66,14 +67,14 @@ Eigen::RowVectorXf RigidTree::Restore(const Eigen::RowVectorXf& positions,
 RigidTree FindRigidTree(const ModelParts& parts) {
   const Eigen::MatrixXd variances = DistanceVariances(parts);
   const int count = parts.marker_set.marker_count();
-  // Prim's algorithm: always the surest pair next.
+  // Prim's algorithm: the pair with the smallest variance next.
   RigidTree tree;
   std::vector<int> parent(count, -1);
   std::vector<double> best(count, std::numeric_limits<double>::infinity());
   std::vector<bool> taken(count, false);
   for (int next = std::max(0, parts.marker_set.landmarks.left_hip); next >= 0;) {
     taken[next] = true;
-    tree.bones.push_back({next, best[next] <= kRigid * kRigid ? parent[next] : -1});
+    tree.bones.push_back({next, best[next] <= kMaxDeviation * kMaxDeviation ? parent[next] : -1});
     for (int m = 0; m < count; ++m) {
       if (!taken[m] && variances(m, next) < best[m]) {
         best[m] = variances(m, next);

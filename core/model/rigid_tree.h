@@ -1,5 +1,5 @@
-// Which markers keep their distance: pairs on one bone. A predicted pose is brought back to the
-// body's own lengths along them. Immutable; safe to share.
+// Pairs of markers with constant distance (on one bone), to restore the bone lengths of a predicted
+// pose. Immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -12,17 +12,18 @@ struct ModelParts;
 struct RigidTree {
   struct Bone {
     int marker = 0;
-    int parent = -1;  // comes earlier; -1 where the marker keeps no distance to any before it
+    int parent = -1;  // an earlier marker at constant distance; -1: none
   };
   std::vector<Bone> bones;  // every marker once, from the hips outward
 
-  // Positions (3 N_v) with each bone in its direction as given and as long as in `reference`
-  // (3 N_v).
+  // Returns the positions (3 N_v) with the given bone directions and the bone lengths of
+  // `reference` (3 N_v).
   Eigen::RowVectorXf Restore(const Eigen::RowVectorXf& positions,
                              const Eigen::RowVectorXf& reference) const;
 };
 
-// The tree of pairs whose distance varies least within the stored clips, as far as it hardly does.
+// Returns the tree of pairs whose distance varies least within the stored clips; pairs whose
+// distance varies noticeably are not connected.
 RigidTree FindRigidTree(const ModelParts& parts);
 
 }  // namespace motiondb::core

@@ -1,6 +1,5 @@
-// A matrix that grows at its end and is shared: the rows of a model are the first rows of the one
-// that extends it, in the same memory. What is there never changes, so views may be read from any
-// thread while WithMore adds rows behind them.
+// A shared matrix that grows at its end: an extended model has the rows of its base in the same
+// memory. Existing rows never change, so views may be read from any thread while WithMore appends.
 #pragma once
 
 #include <algorithm>
@@ -14,15 +13,15 @@
 
 namespace motiondb::core {
 
-// Rows that so many keep room for behind them. A model is built again before as many frames were
-// added to it (ModelDrift). They cost addresses, and no memory before they are taken.
+// Returns the capacity to reserve after `rows` rows. A model is rebuilt before so many frames are
+// added (ModelDrift). Unused capacity takes address space but no memory.
 constexpr Eigen::Index RoomToGrow(Eigen::Index rows) { return rows / 8; }
 
 class SharedRows {
  public:
   SharedRows() = default;
   explicit SharedRows(FrameMatrix rows) : SharedRows(std::move(rows), 0) {}
-  // The last `room` rows are room for more.
+  // The last `room` rows are unused capacity.
   SharedRows(FrameMatrix rows, Eigen::Index room)
       : count_(rows.rows() - room), memory_(std::make_shared<Memory>(std::move(rows), count_)) {}
 
@@ -33,14 +32,14 @@ class SharedRows {
   auto middleRows(Eigen::Index first, Eigen::Index count) const {
     return view().middleRows(first, count);
   }
-  // Valid as long as this or what extends it lives.
+  // Valid as long as this or an extension of it lives.
   Eigen::Map<const FrameMatrix> view() const {
     return {memory_ == nullptr ? nullptr : memory_->rows.data(), rows(), cols()};
   }
 
-  // These rows and `more` (of as many columns). Takes over `more` where there are no rows yet,
-  // takes room behind these where nobody else took it, else copies them with RoomToGrow, so that
-  // adding costs what is added in the long run.
+  // Returns these rows and `more` (same number of columns). Uses the capacity after these rows if
+  // it is large enough and unused; otherwise copies all rows with new capacity, so the amortized
+  // cost is that of the added rows.
   SharedRows WithMore(FrameMatrix more) const {
     if (memory_ == nullptr) return SharedRows(std::move(more));
     SharedRows grown = *this;
@@ -59,14 +58,14 @@ class SharedRows {
  private:
   struct Memory {
     Memory(FrameMatrix all, Eigen::Index taken) : rows(std::move(all)), used(taken) {}
-    FrameMatrix rows;  // those behind `used` are room
+    FrameMatrix rows;  // rows from `used` on are unused capacity
     std::atomic<Eigen::Index> used;
   };
   Eigen::Index count_ = 0;
   std::shared_ptr<Memory> memory_;
 };
 
-// Scales the first rows of `states` (rows x dimensions); the last `room` are room for more.
+// Scales `states` (rows x dimensions) except for the last `room` rows, which are unused capacity.
 inline SharedRows ScaleRows(const FeatureScale& scale, FrameMatrix states, Eigen::Index room,
                             const ParallelFor& parallel) {
   constexpr int kRowsAtOnce = 1024;

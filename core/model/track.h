@@ -1,5 +1,5 @@
-// One motion as poses that can be seen from any of its frames: what a key to the future and the
-// future itself are made of. A view; what it looks at must outlive it. Safe to share.
+// A motion as poses relative to any of its frames, for pose histories and predictions. A view: the
+// model or observation must outlive it.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,23 +17,23 @@ class Track {
   // An observation, not scaled.
   explicit Track(const StateSequence& observation);
 
-  // Frames [first, end) in the numbering of its owner.
+  // Frames first to end - 1, as numbered in the model or observation.
   int first() const { return first_; }
   int end() const { return first_ + count_; }
   double frame_rate_hz() const { return frame_rate_hz_; }
 
-  // Marker positions (3 N_v, leg lengths) `frames_on` frames after frame `from` (a fraction is
-  // interpolated; before the first frame or after the last it is that frame's), in the reference
-  // frame of `from`. NaN where a marker is missing.
+  // Returns the marker positions (3 N_v, leg lengths) `frames_on` frames after frame `from`, in the
+  // reference frame of `from`. Interpolates between frames; constant before the first and after the
+  // last frame. NaN: missing marker.
   Eigen::RowVectorXf SeenFrom(int from, double frames_on) const;
 
  private:
-  // Of one frame, by itself.
+  // As SeenFrom, for a whole frame number.
   Eigen::RowVectorXf Whole(int from, int frame) const;
 
   Eigen::Map<const FrameMatrix> states_;
   const RootPath& root_path_;
-  Eigen::RowVectorXf divisor_;  // 6 N_v: what states were divided by
+  Eigen::RowVectorXf divisor_;  // 6 N_v: scale of the states
   double leg_length_m_;
   double frame_rate_hz_;
   int first_;

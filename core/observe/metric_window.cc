@@ -72,8 +72,8 @@ void CachedClip::Take(const Model& model, int clip, int window_frames) {
   distances_.resize(count);
 }
 
-const NearestFrame& CachedClip::See(const Model& model, std::size_t ring,
-                                    const MetricFrame& frame) {
+const NearestFrame& CachedClip::Compare(const Model& model, std::size_t ring,
+                                        const MetricFrame& frame) {
   if (version_[ring] == frame.version) return nearest_[ring];
   version_[ring] = frame.version;
   const MetricFrames& stored = model.metric_frames();
@@ -82,7 +82,7 @@ const NearestFrame& CachedClip::See(const Model& model, std::size_t ring,
   SquaredDistancesOfOne(stored.projected.row(first).data(), stored.squared_norms.data() + first,
                         static_cast<int>(count), static_cast<int>(frame.projected.size()),
                         frame.projected.data(), frame.squared_norm, distances_.data());
-  const float min_distance = Least(distances_.data(), static_cast<int>(count));
+  const float min_distance = Minimum(distances_.data(), static_cast<int>(count));
   const auto nearest =
       std::find(distances_.begin(), distances_.end(), min_distance) - distances_.begin();
   nearest_[ring] = {min_distance, stored.rows.frame[first + nearest]};
@@ -94,7 +94,7 @@ bool CachedClip::LogEvidence(std::span<const std::size_t> rings, PathSum& paths,
                              double& log_evidence) const {
   paths.Begin(roots_.rows(), false);
   for (const std::size_t ring : rings) {
-    paths.SeeRoots(roots_.col(static_cast<Eigen::Index>(ring)), nearest_[ring].squared_distance);
+    paths.AddRoots(roots_.col(static_cast<Eigen::Index>(ring)), nearest_[ring].squared_distance);
   }
   log_evidence = paths.LogEvidence();
   return paths.IsExact();

@@ -65,9 +65,9 @@ class CachedClip {
 
   // Compares the clip with a frame of the window (`ring`: its number % window frames), unless done
   // before. Returns the clip's nearest frame.
-  const NearestFrame& See(const Model& model, std::size_t ring, const MetricFrame& frame);
+  const NearestFrame& Compare(const Model& model, std::size_t ring, const MetricFrame& frame);
 
-  // As AlignToClip for the frames at `rings`, in order, all of them seen. Returns false if the
+  // As AlignToClip for the frames at `rings`, in order, all of them compared. Returns false if the
   // result is inexact and AlignToClip is needed. `paths` is scratch.
   bool LogEvidence(std::span<const std::size_t> rings, PathSum& paths, double& log_evidence) const;
   // Returns an upper bound of LogEvidence.

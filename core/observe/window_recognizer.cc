@@ -116,7 +116,7 @@ absl::Status WindowRecognizer::CompareClips(const ObservedStates& states,
   for (const int clip : shortlist_) {
     CachedClip& cached = Keep(clip);
     for (std::size_t i = 0; i < frames_.size(); ++i) {
-      const NearestFrame& near = cached.See(model_, rings_[i], window_->At(states, frames_[i]));
+      const NearestFrame& near = cached.Compare(model_, rings_[i], window_->At(states, frames_[i]));
       if (near.squared_distance < nearest_[i].squared_distance) nearest_[i] = near;
     }
     listed_.push_back(&cached);

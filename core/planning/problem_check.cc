@@ -76,8 +76,8 @@ absl::Status CheckCorners(const std::string& field, const Polygon& polygon) {
 
 absl::Status CheckFrames(const PlanProblem& problem, double model_rate_hz) {
   if (problem.frame_rate_hz != 0) {
-    MOTIONDB_RETURN_IF_ERROR(CheckBetween("frame_rate_hz", problem.frame_rate_hz,
-                                          kLowestFrameRateHz, kHighestFrameRateHz));
+    MOTIONDB_RETURN_IF_ERROR(
+        CheckBetween("frame_rate_hz", problem.frame_rate_hz, kMinFrameRate_hz, kMaxFrameRate_hz));
   }
   const double rate = problem.frame_rate_hz > 0 ? problem.frame_rate_hz : model_rate_hz;
   const int motions = 1 + problem.alternative_count;

@@ -17,11 +17,11 @@ namespace motiondb::core {
 
 namespace {
 
-// Chosen as the constants of pose_history.cc were; flat around these.
+// Chosen like the constants of pose_history.cc. The error hardly changes near these values.
 constexpr std::size_t kExamples = 64;
-constexpr int kMoments = 256;   // of each side, compared by their history
-constexpr int kMinPool = 2048;  // stored frames that they are chosen from, if there are as many
-constexpr double kKernelLength = 0.59;  // leg lengths of a typical marker's key
+constexpr int kMoments = 256;   // candidates, compared by their history; as many mirrored ones
+constexpr int kMinPool = 2048;  // stored frames from which they are chosen, if there are so many
+constexpr double kKernelLength = 0.59;  // leg lengths
 constexpr double kNoise = 0.03;
 constexpr int kSpeedLags = 3;
 
@@ -29,7 +29,7 @@ Track TrackOf(const Model& model, int frame) {
   return Track(model.parts(), model.clip_of_frame(frame));
 }
 
-// Rows of a key or of features, 3 N_v numbers each, in a mirror.
+// Returns the mirror image of a key or of features: rows of 3 N_v numbers, one after another.
 Eigen::RowVectorXf MirrorRows(const Model& model, const Eigen::RowVectorXf& rows) {
   const std::vector<int>& other_sides = model.other_sides();
   const auto numbers = 3 * std::ssize(other_sides);
@@ -121,8 +121,8 @@ Eigen::RowVectorXf Forecaster::Future(const StoredMoment& moment, double seconds
 
 Forecast Forecaster::At(double seconds) {
   Weigh(seconds);
-  // The process is over what the prior misses: an example's future, less what the prior makes of
-  // its own past, is added to what the prior makes of this one.
+  // The Gaussian process predicts the error of the prior: the difference between an example's
+  // displacement and the prior's prediction for it.
   Eigen::RowVectorXf displacement = Eigen::RowVectorXf::Zero(history_.cols());
   Eigen::RowVectorXf features = features_;
   std::vector<Eigen::RowVectorXf> futures;
@@ -136,14 +136,14 @@ Forecast Forecaster::At(double seconds) {
 
   Forecast forecast;
   forecast.evidence = {.variance = weights_.variance, .speed = speed_};
-  double counted = 0;
+  double total = 0;
   for (std::size_t e = 0; e < chosen_.size(); ++e) {
     const double weight = weights_.weights[static_cast<Eigen::Index>(e)];
     if (weight <= 0) continue;
-    counted += weight;
+    total += weight;
     forecast.evidence.spread += weight * MeanLength(futures[e] - displacement);
   }
-  if (counted > 0) forecast.evidence.spread /= counted;
+  if (total > 0) forecast.evidence.spread /= total;
   forecast.positions = model_.rigid_tree().Restore(history_.row(0) + displacement, history_.row(0));
   return forecast;
 }
@@ -185,17 +185,17 @@ ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf
   Eigen::MatrixXd kernel(count, count);
   for (Eigen::Index i = 0; i < count; ++i) {
     for (Eigen::Index j = 0; j < i; ++j) {
-      const double apart = std::sqrt(std::max(0.0, squares[i] + squares[j] - 2 * dots(i, j)));
-      kernel(i, j) = std::exp(-apart / kernel_length);
+      const double distance = std::sqrt(std::max(0.0, squares[i] + squares[j] - 2 * dots(i, j)));
+      kernel(i, j) = std::exp(-distance / kernel_length);
     }
     kernel(i, i) = 1 + noise;
   }
   const Eigen::VectorXd to_query =
       ((keys.rowwise() - query).rowwise().norm().cast<double>().array() / -kernel_length).exp();
-  ExemplarWeights weighed;
-  weighed.weights = kernel.selfadjointView<Eigen::Lower>().llt().solve(to_query);
-  weighed.variance = 1 - to_query.dot(weighed.weights);
-  return weighed;
+  ExemplarWeights result;
+  result.weights = kernel.selfadjointView<Eigen::Lower>().llt().solve(to_query);
+  result.variance = 1 - to_query.dot(result.weights);
+  return result;
 }
 
 NodeForecaster::NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now)

@@ -1,6 +1,5 @@
-// Where the markers will be: stored motion like the last moments observed, weighed by a local
-// Gaussian process around a linear prior, on the observed body's own bones. Safe to call from any
-// thread.
+// Predicted marker positions: a local Gaussian process over similar stored moments, with a linear
+// prior mean; the observed bone lengths are kept.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,18 +19,18 @@ namespace motiondb::core {
 
 struct ExemplarWeights {
   Eigen::VectorXd weights;  // examples; signed, and they need not sum to 1
-  double variance = 1;      // of the process at the query: 0 where the examples tell all, 1 nothing
+  double variance = 1;      // of the process at the query: 0 certain, 1 no information
 };
 
-// Kriging with the kernel exp(-distance / kernel_length) and `noise` beside a variance of 1: keys
-// of the examples (examples x dimensions), key of the query, distances Euclidean. O(examples^2
-// (dimensions + examples)).
+// Returns the weights of a Gaussian process (kriging) with the kernel exp(-distance /
+// kernel_length), Euclidean distances, variance 1 and the noise variance `noise`. keys: examples x
+// dimensions. O(examples^2 (dimensions + examples)).
 ExemplarWeights WeighExemplars(const FrameMatrix& keys, const Eigen::RowVectorXf& query,
                                double kernel_length, double noise);
 
 class Model;
 
-// A moment of stored motion, as it was or in a mirror.
+// A moment of stored motion, or its mirror image.
 struct StoredMoment {
   int frame = 0;
   bool mirrored = false;
@@ -39,28 +38,27 @@ struct StoredMoment {
 
 struct Forecast {
   Eigen::RowVectorXf positions;  // 3 N_v, leg lengths, in the reference frame of the moment
-  // What tells how good it is: the variance of the process (1 where no example is like the moment),
-  // how much the examples' futures differ from it on average, and how far a marker moved over the
-  // last 0.12 s.
+  // Inputs of the error model: the variance of the process, the mean distance of the examples'
+  // futures from the forecast, and the mean movement of the markers in the last 0.12 s.
   PredictionEvidence evidence;
 };
 
 class Forecaster {
  public:
-  // `past` ends at the moment and lacks no marker; the model and it must outlive the forecaster.
-  // `moments` are stored moments to choose examples from. `prior`: another than the model's.
+  // `past` ends at the moment and has all markers. Examples are chosen from `moments`. `prior`:
+  // null for the model's. The model and `past` must outlive the forecaster.
   Forecaster(const Model& model, const StateSequence& past, std::vector<StoredMoment> moments,
              const MotionPrior* prior = nullptr);
 
-  // Of the examples, those whose clips go on so long count. `seconds` >= 0.
+  // Uses the examples whose clips continue for `seconds` (>= 0).
   Forecast At(double seconds);
 
  private:
-  // What the prior looks at before one of moments_.
+  // Returns the inputs of the prior for one of moments_.
   const Eigen::RowVectorXf& FeaturesOf(std::size_t i);
-  // Picks and weighs the nearest moments that are followed by so many seconds.
+  // Chooses and weights the nearest moments that are followed by `seconds` of motion.
   void Weigh(double seconds);
-  // How an example's markers move on (3 N_v, leg lengths).
+  // Returns the displacement of an example's markers (3 N_v, leg lengths).
   Eigen::RowVectorXf Future(const StoredMoment& moment, double seconds) const;
 
   const Model& model_;
@@ -70,39 +68,37 @@ class Forecaster {
   Eigen::RowVectorXf features_;
   double speed_ = 0;
   std::vector<StoredMoment> moments_;            // nearest first
-  std::vector<Eigen::RowVectorXf> keys_;         // of each
-  std::vector<Eigen::RowVectorXf> features_of_;  // of each, empty until they are asked for
-  std::vector<std::size_t> chosen_;              // of moments_, those weighed last
-  ExemplarWeights weights_;                      // of these
+  std::vector<Eigen::RowVectorXf> keys_;         // one for each moment
+  std::vector<Eigen::RowVectorXf> features_of_;  // one for each moment; empty until needed
+  std::vector<std::size_t> chosen_;              // indices into moments_
+  ExemplarWeights weights_;                      // of the chosen moments
 };
 
-// Stored moments to forecast from: those most like the last frame of `past` among the frames that
-// the tree takes it to, and the same of its mirror image where the markers have sides. Frames in
-// `without` are passed over. `known`, where given, are the LastNodes of `past` on the bottom layer,
-// so that they are not looked for again. Errors as FindNodePaths.
+// Returns the stored moments most similar to the last frame of `past`, among the frames of the
+// nodes that the tree finds for it, and those most similar to its mirror image if the markers have
+// sides. Ignores frames in `without`. `known`: LastNodes of `past` on the bottom layer; searched if
+// empty. Errors as FindNodePaths.
 absl::StatusOr<std::vector<StoredMoment>> FindMoments(const Model& model, const StateSequence& past,
                                                       double transition_floor, FrameRange without,
                                                       const Cancelled& cancelled,
                                                       std::vector<NodeState> known = {});
 
-// Where the markers will be by the graph alone, as in the paper (section V-A): the nodes the motion
-// may be in spread along the global graph, and each looks as its mean. Safe to call from any
-// thread.
-class Model;
-
+// Prediction with the global graph alone, as in the paper (section V-A): the distribution over
+// nodes propagates along the graph, and each node has its mean pose.
 class NodeForecaster {
  public:
-  // `now`: the nodes of `layer` that the motion may be in; probabilities sum to 1.
+  // `now`: possible current nodes of `layer`; their probabilities sum to 1.
   NodeForecaster(const Model& model, int layer, const std::vector<NodeState>& now);
 
-  // Marker positions (3 N_v, leg lengths) after `seconds`, in the reference frame of now: expected
-  // means of the nodes, moved on with the hips' mean velocities. Moments must ascend. Where no node
-  // goes on, the motion stays. Once cancelled it returns early, with what is of no use.
+  // Returns the marker positions (3 N_v, leg lengths) after `seconds`, in the current reference
+  // frame: the expected node mean, moved by the hips' mean velocities. `seconds` must not decrease
+  // from call to call. If no node has a successor, the distribution stays. If cancelled, returns
+  // early with an invalid result.
   Eigen::RowVectorXf At(double seconds, const Cancelled& cancelled = {});
 
  private:
   void Step();
-  // Expected mean state, 6 N_v, not scaled.
+  // Returns the expected mean state (6 N_v, not scaled).
   Eigen::RowVectorXf Mean() const;
 
   const Model& model_;

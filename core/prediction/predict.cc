@@ -18,11 +18,11 @@
 namespace motiondb::core {
 namespace {
 
-constexpr double kLikelyNext = 1e-3;  // next nodes less probable than this are left out
-constexpr double kNearM = 0.05;       // that confidence is about
+constexpr double kMinNextProbability = 1e-3;  // less probable next nodes are not reported
+constexpr double kNear_m = 0.05;              // mean error to which the confidence refers
 
-// The next different node: where the graph goes from each node the motion may be in now, staying
-// left out, weighted by how probable that node is.
+// Returns the distribution of the next different node: the graph's transitions to other nodes,
+// weighted by the probabilities of the current nodes.
 std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector<NodeState>& now) {
   const TransitionGraph& graph = model.global_graph(layer);
   std::map<int, double> probability;
@@ -40,7 +40,7 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
   }
   std::vector<NextNode> next;
   for (const auto& [node, p] : probability) {
-    if (p / total >= kLikelyNext) next.push_back({node, p / total, {}});
+    if (p / total >= kMinNextProbability) next.push_back({node, p / total, {}});
   }
   std::stable_sort(next.begin(), next.end(), [](const NextNode& a, const NextNode& b) {
     return a.probability > b.probability;
@@ -55,23 +55,23 @@ std::vector<NextNode> NextNodes(const Model& model, int layer, const std::vector
     for (NextNode& candidate : next) {
       const int to = state_of(candidate.node);
       if (to < 0) continue;
-      const bool makes = std::any_of(now.begin(), now.end(), [&](const NodeState& state) {
+      const bool has_transition = std::any_of(now.begin(), now.end(), [&](const NodeState& state) {
         const int from = state.node == candidate.node ? -1 : state_of(state.node);
         return from >= 0 && clip->transitions.count(from, to) > 0;
       });
-      if (makes) candidate.clips.push_back(c);
+      if (has_transition) candidate.clips.push_back(c);
     }
   }
   return next;
 }
 
-// The past with its missing markers filled in.
+// Returns the past with its missing markers filled in.
 absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& search,
                                        const StateSequence& past, const FrameMatrix& scaled,
                                        const Cancelled& cancelled) {
   StateSequence complete = past;
   if (past.states.hasNaN()) {
-    // Filled frames are positions as floats.
+    // Filled positions are floats, so they are computed near the origin.
     const Eigen::Vector2d origin = NearestCorner(past.root_path.row(0).head<2>().transpose());
     complete.root_path.leftCols<2>().rowwise() -= origin.transpose();
     const StateSequence near = complete;
@@ -84,7 +84,7 @@ absl::StatusOr<StateSequence> Complete(const Model& model, const PathSearch& sea
   return complete;
 }
 
-// Positions (3 N_v, leg lengths) in the reference frame of the last frame of `past`, in its world.
+// Converts positions (3 N_v, leg lengths) from the last reference frame of `past` to its world.
 PredictedFrame InWorld(const StateSequence& past, double seconds,
                        const Eigen::RowVectorXf& positions) {
   StateSequence pose{past.frame_rate_hz, past.leg_length_m,
@@ -95,7 +95,7 @@ PredictedFrame InWorld(const StateSequence& past, double seconds,
   return {.seconds = seconds, .marker_positions_m = WorldPositions(pose).row(0)};
 }
 
-// By the graph alone; how sure it is follows from nothing that was measured, so it is left out.
+// Predicts with the graph alone. There is no confidence: no error of this method was measured.
 absl::Status PredictByNodes(const Model& model, const StateSequence& past,
                             const std::vector<NodeState>& now,
                             const std::vector<double>& horizon_seconds, const Cancelled& cancelled,
@@ -115,17 +115,17 @@ absl::Status PredictByNodes(const Model& model, const StateSequence& past,
   return absl::OkStatus();
 }
 
-// What was seen up to a moment, and which frame that is.
+// The observed moment and the motion before it.
 struct Moment {
   int frame = 0;
   StateSequence past;
-  FrameMatrix scaled;  // its states
+  FrameMatrix scaled;  // scaled states of `past`
 };
 
 absl::StatusOr<Moment> MomentOf(const Model& model, const StateSequence& observation,
                                 const PredictOptions& options) {
   MOTIONDB_RETURN_IF_ERROR(CheckOptions(options));
-  if (observation.frame_count() == 0) return InvalidArgument("observation: it has no frames");
+  if (observation.frame_count() == 0) return InvalidArgument("observation: has no frames");
   const double rate = observation.frame_rate_hz;
   const double end = (observation.frame_count() - 1) / rate;
   const double at = options.at_seconds.value_or(end);
@@ -150,8 +150,8 @@ absl::StatusOr<PathSearch> Search(const Model& model, const Moment& moment,
   return FindNodePaths(model, moment.scaled, search, cancelled);
 }
 
-// By stored motion. `complete` is the past without gaps; `now` its last nodes on the bottom layer,
-// empty where they are not known.
+// Predicts from stored motion. `complete`: the past without gaps. `now`: its last nodes on the
+// bottom layer; searched if empty.
 absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
     const Model& model, const StateSequence& past, const StateSequence& complete,
     std::vector<NodeState> now, const PredictOptions& options, const Cancelled& cancelled) {
@@ -164,7 +164,7 @@ absl::StatusOr<std::vector<PredictedFrame>> PredictByExamples(
     const Forecast forecast = forecaster.At(seconds);
     PredictedFrame predicted = InWorld(past, seconds, forecast.positions);
     const ExpectedError error =
-        model.confidence().Judge(forecast.evidence, seconds, kNearM / past.leg_length_m);
+        model.confidence().Judge(forecast.evidence, seconds, kNear_m / past.leg_length_m);
     predicted.confidence = error.probability;
     predicted.expected_error_m = error.mean * past.leg_length_m;
     horizons.push_back(std::move(predicted));
@@ -182,9 +182,9 @@ absl::Status CheckOptions(const PredictOptions& options) {
   if (!(options.transition_floor >= 0 && options.transition_floor <= 1)) {
     return FieldViolation("transition_floor", "expected 0 to 1, got {}", options.transition_floor);
   }
-  constexpr std::size_t kMostHorizons = 1000;
-  if (options.horizon_seconds.size() > kMostHorizons) {
-    return FieldViolation("horizon_seconds", "expected at most {}, got {}", kMostHorizons,
+  constexpr std::size_t kMaxHorizons = 1000;
+  if (options.horizon_seconds.size() > kMaxHorizons) {
+    return FieldViolation("horizon_seconds", "expected at most {}, got {}", kMaxHorizons,
                           options.horizon_seconds.size());
   }
   for (std::size_t h = 0; h < options.horizon_seconds.size(); ++h) {

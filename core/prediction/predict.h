@@ -1,4 +1,4 @@
-// What comes next? (section V-A). Safe to call from any thread.
+// Predicts the next nodes and marker positions of a motion (section V-A).
 #pragma once
 
 #include <optional>
@@ -21,7 +21,7 @@ struct PredictOptions {
   std::vector<double> horizon_seconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
   int layer = 0;
   double transition_floor = 1e-6;
-  FrameRange without;  // stored frames that are no examples, to try the method on them
+  FrameRange without;  // stored frames that are not used as examples, to test the method on them
 };
 
 // INVALID_ARGUMENT naming the field if an option is out of range.
@@ -30,15 +30,14 @@ absl::Status CheckOptions(const PredictOptions& options);
 struct NextNode {
   int node = 0;
   double probability = 0;
-  std::vector<int> clips;  // indices into Model::clips() of those that make the transition
+  std::vector<int> clips;  // indices into Model::clips() of clips with this transition
 };
 
 struct PredictedFrame {
   double seconds = 0;
   Eigen::VectorXf marker_positions_m;  // 3 N_v, in the observation's world and size
-  // Probability that the markers are on average within 5 cm of where they will be.
-  double confidence = 0;
-  double expected_error_m = 0;  // mean over the markers; 0 where it is not known
+  double confidence = 0;        // probability that the mean error of the markers is below 5 cm
+  double expected_error_m = 0;  // mean over the markers; 0: unknown
 };
 
 struct Prediction {
@@ -49,15 +48,14 @@ struct Prediction {
   std::vector<PredictedFrame> horizons;
 };
 
-// Predicts from one moment of an observation (not scaled; the model's markers and frame rate) using
-// the `history_seconds` before it and nothing after. The moment is taken at the nearest frame.
-// INVALID_ARGUMENT for settings out of range or a moment outside the observation; CANCELLED.
+// Predicts from one moment of an observation (not scaled; the model's markers and frame rate). Uses
+// only the `history_seconds` before the moment, which is rounded to a frame. INVALID_ARGUMENT if an
+// option is out of range or the moment is outside the observation; CANCELLED.
 absl::StatusOr<Prediction> Predict(const Model& model, const StateSequence& observation,
                                    const PredictOptions& options, const Cancelled& cancelled = {});
 
-// The horizons of Predict alone, for who asks again and again: nodes and clips that may come next
-// are not looked up, and a whole observation is taken down the tree to the bottom layer only.
-// Errors as Predict.
+// Returns only the horizons of Predict, for many predictions: faster, because it does not search
+// next nodes and their clips. Errors as Predict.
 absl::StatusOr<std::vector<PredictedFrame>> PredictFrames(const Model& model,
                                                           const StateSequence& observation,
                                                           const PredictOptions& options,

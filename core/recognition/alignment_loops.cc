@@ -29,9 +29,9 @@ void DistancesOfRows(const float* rows, const float* squared_norms, int dimensio
   for (int r = 0; r < kRows; ++r) {
 #pragma GCC unroll 4
     for (int v = 0; v < kVectors; ++v) {
-      const Floats apart =
+      const Floats distance =
           (Load(observed_norms + v * kFloats) + squared_norms[r]) - 2.0F * lanes[r][v];
-      Store(apart > 0.0F ? apart : Floats{}, &of_rows[r][v * kFloats]);
+      Store(distance > 0.0F ? distance : Floats{}, &of_rows[r][v * kFloats]);
     }
   }
   for (int f = 0; f < frames; ++f) {
@@ -45,7 +45,7 @@ template <int kVectors>
 void DistancesOf(const float* rows, const float* squared_norms, int count, int dimensions,
                  const float* observed, const float* observed_norms, int frames, float* squared,
                  int stride) {
-  constexpr int kRows = 6;  // their sums take 12 of 16 registers
+  constexpr int kRows = 6;  // the sums use 12 of 16 registers
   int r = 0;
   for (; r + kRows <= count; r += kRows) {
     DistancesOfRows<kVectors, kRows>(rows + r * dimensions, squared_norms + r, dimensions, observed,
@@ -57,7 +57,7 @@ void DistancesOf(const float* rows, const float* squared_norms, int count, int d
   }
 }
 
-// Sums of every eighth number.
+// Returns the sums of every eighth number.
 template <int kRows>
 void DistancesOfOneTo(const float* rows, const float* squared_norms, int dimensions,
                       const float* observed, float observed_norm, float* squared) {
@@ -74,20 +74,20 @@ void DistancesOfOneTo(const float* rows, const float* squared_norms, int dimensi
   for (int r = 0; r < kRows; ++r) {
     float product = SumOf(SumOfHalves(lanes[r]));
     for (int i = d; i < dimensions; ++i) product += rows[r * dimensions + i] * observed[i];
-    const float apart = (observed_norm + squared_norms[r]) - 2.0F * product;
-    squared[r] = apart > 0.0F ? apart : 0.0F;
+    const float distance = (observed_norm + squared_norms[r]) - 2.0F * product;
+    squared[r] = distance > 0.0F ? distance : 0.0F;
   }
 }
 
-// exp(x) of -80 <= x <= 0, to two units in the last place; lower ones are -80. As 2^n exp(r),
-// |r| <= log(2) / 2, with the polynomial of Cephes' expf.
+// Returns exp(x) for x <= 0, with x at least -80, to two units in the last place: 2^n exp(r), |r|
+// <= log(2) / 2, with the polynomial of Cephes' expf.
 Floats Exp(Floats x) {
-  constexpr float kLeast = -80;
-  constexpr float kLog2High = 0.693359375F;  // their sum is log(2), the first times n is exact
+  constexpr float kMinX = -80;
+  constexpr float kLog2High = 0.693359375F;  // high + low = log(2); n * high is exact
   constexpr float kLog2Low = -2.12194440e-4F;
-  const Floats least = Floats{} + kLeast;
-  x = x > least ? x : least;
-  // Towards zero, which is up.
+  const Floats min_x = Floats{} + kMinX;
+  x = x > min_x ? x : min_x;
+  // The conversion rounds towards zero: up.
   const auto n = __builtin_convertvector(x * 1.44269504F - 0.5F, Ints);
   const Floats whole = __builtin_convertvector(n, Floats);
   const Floats r = (x - whole * kLog2High) - whole * kLog2Low;
@@ -132,8 +132,8 @@ void SquaredDistancesOfOne(const float* rows, const float* squared_norms, int co
 }
 
 MOTIONDB_WIDEST_VECTORS
-float Least(const float* numbers, int count) {
-  float least = numbers[0];
+float Minimum(const float* numbers, int count) {
+  float minimum = numbers[0];
   int i = 0;
   if (count >= kFloats) {
     Floats lanes = Load(numbers);
@@ -141,10 +141,11 @@ float Least(const float* numbers, int count) {
       const Floats more = Load(numbers + i);
       lanes = more < lanes ? more : lanes;
     }
-    for (int lane = 0; lane < kFloats; ++lane) least = lanes[lane] < least ? lanes[lane] : least;
+    for (int lane = 0; lane < kFloats; ++lane)
+      minimum = lanes[lane] < minimum ? lanes[lane] : minimum;
   }
-  for (; i < count; ++i) least = numbers[i] < least ? numbers[i] : least;
-  return least;
+  for (; i < count; ++i) minimum = numbers[i] < minimum ? numbers[i] : minimum;
+  return minimum;
 }
 
 MOTIONDB_WIDEST_VECTORS
@@ -173,7 +174,7 @@ float Roots(const float* squared, int count, float nearest, float scale, float* 
 MOTIONDB_WIDEST_VECTORS
 double Advance(const double* ending, const float* roots, int count, double stay, double go,
                double skip, double* next) {
-  Doubles sums = {};  // of every fourth number, put together last
+  Doubles sums = {};  // of every fourth number; added at the end
   int z = 0;
   for (; z + kDoubles <= count; z += kDoubles) {
     Doubles density = Widened(LoadHalf(roots + z));

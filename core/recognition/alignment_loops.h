@@ -1,32 +1,32 @@
-// The inner loops of alignment: the same bits on every processor (core/tree/vectors.h). Safe to
-// call from any thread.
+// The inner loops of alignment. Results are bitwise identical on all processors
+// (core/tree/vectors.h).
 #pragma once
 
 namespace motiondb::core {
 
-// Observed frames that are compared at a time: one a lane.
+// Number of observed frames in a block: one in each vector lane.
 inline constexpr int kFrameLanes = 16;
 
-// squared (frames x count, `stride` numbers apart): squared distances of observed frames (at most
-// kFrameLanes) to `rows` (count x dimensions). `observed` is dimensions x kFrameLanes, with zeros
-// in lanes without a frame; squared norms of both are given.
+// Writes the squared distances of observed frames (at most kFrameLanes) from `rows` (count x
+// dimensions) to `squared` (frames x count, with `stride` numbers from row to row). `observed` is
+// dimensions x kFrameLanes, zero in lanes without a frame. The norms are squared norms.
 void SquaredDistances(const float* rows, const float* squared_norms, int count, int dimensions,
                       const float* observed, const float* observed_norms, int frames,
                       float* squared, int stride);
 
-// The same of one frame: `observed` and `squared` have its numbers alone.
+// As above, for one frame: observed (dimensions), squared (count).
 void SquaredDistancesOfOne(const float* rows, const float* squared_norms, int count, int dimensions,
                            const float* observed, float observed_norm, float* squared);
 
-// The least of the numbers (count, at least one, none NaN).
-float Least(const float* numbers, int count);
+// Returns the minimum of the numbers. REQUIRES: count >= 1, no NaN.
+float Minimum(const float* numbers, int count);
 
-// roots (count): exp((nearest - squared) * scale), but not less than exp(-80). Not more than 1:
-// `nearest` is the least of `squared`. Returns the greatest of `squared`.
+// Writes exp((nearest - squared) * scale), at least exp(-80), to `roots` (count). `nearest` is the
+// minimum of `squared`, so the results are at most 1. Returns the maximum of `squared`.
 float Roots(const float* squared, int count, float nearest, float scale, float* roots);
 
-// next[z] = (stay ending[z + 2] + go ending[z + 1] + skip ending[z]) roots[z]^4, z < count. Returns
-// their sum.
+// Computes next[z] = (stay ending[z + 2] + go ending[z + 1] + skip ending[z]) roots[z]^4 for z <
+// count. Returns the sum.
 double Advance(const double* ending, const float* roots, int count, double stay, double go,
                double skip, double* next);
 

@@ -30,14 +30,14 @@ ComparedBeginnings FramesToCompare(const Beginnings& beginnings, int stride) {
   return compared;
 }
 
-// Where the result of a clip for a beginning goes.
+// Position of a clip's result for a beginning.
 struct Place {
   int beginning = 0;
-  int rank = 0;  // on the shortlist
+  int rank = 0;  // index in the shortlist
 };
 
-// Squared whitened differences of observed frames from stored ones. Most nearest frames of a
-// beginning are those of the one before it, so their differences are kept.
+// Squared whitened differences between observed and stored frames. A beginning has mostly the same
+// nearest frames as the previous one, so the differences are cached.
 class WhitenedSquares {
  public:
   WhitenedSquares(const Model& model, const FrameMatrix& shared_states)
@@ -46,8 +46,8 @@ class WhitenedSquares {
         frame_(shared_states.rows(), -1),
         squares_(shared_states.rows()) {}
 
-  // The mean over frames and dimensions of a beginning. `nearest`: its shared frames', then its
-  // newest one's.
+  // Returns the mean over the frames and dimensions of a beginning. `nearest`: of the shared
+  // frames, then of the newest frame.
   double Mean(const std::vector<NearestFrame>& nearest,
               const Eigen::Ref<const Eigen::RowVectorXf>& newest) {
     const std::size_t shared = nearest.size() - 1;
@@ -75,48 +75,49 @@ class WhitenedSquares {
  private:
   const Model& model_;
   const FrameMatrix& shared_;
-  std::vector<int> frame_;  // the stored frame that the difference is taken from
+  std::vector<int> frame_;  // stored frame of the cached difference
   std::vector<double> squares_;
 };
 
-// Aligns clip after clip, in memory that is used again.
+// Aligns one clip after another with reused memory.
 class BeginningAligner {
  public:
-  // `shared_count` of the `shared` frames and then its row of `newest` are a beginning; ascending.
+  // A beginning consists of the first `shared_count` of the `shared` frames and its row of
+  // `newest`; ascending.
   BeginningAligner(const FrameMatrix& shared, const FrameMatrix& newest,
                    const std::vector<int>& shared_count)
       : shared_(shared), newest_(newest), shared_count_(shared_count) {}
 
-  // Writes the log evidence of the beginnings `asked` (ascending, one at least), and puts nearer
-  // frames in the place of theirs in `nearest`.
-  void Align(const MetricFrames& stored, int clip, const std::vector<int>& asked,
+  // Writes the log evidence of the beginnings `wanted` (ascending, not empty) and updates their
+  // nearest frames.
+  void Align(const MetricFrames& stored, int clip, const std::vector<int>& wanted,
              std::vector<std::vector<NearestFrame>>& nearest, std::vector<double>& log_evidence) {
     ReadNewest(stored, clip);
     inexact_.clear();
     FollowPaths(
-        stored, clip, asked,
+        stored, clip, wanted,
         [&](PathSum& paths, const auto& distances, int frame) {
-          const float least = Least(distances.data(), static_cast<int>(distances.size()));
-          for (const int b : asked) {
+          const float minimum = Minimum(distances.data(), static_cast<int>(distances.size()));
+          for (const int b : wanted) {
             if (frame < shared_count_[b])
-              TakeNearer(stored, clip, distances, least, nearest[b][frame]);
+              UpdateNearest(stored, clip, distances, minimum, nearest[b][frame]);
           }
-          SeeByRoots(paths, distances, least);
+          AddFrame(paths, distances, minimum);
         },
         [&](PathSum& paths, const auto& distances, int b) {
-          const float least = Least(distances.data(), static_cast<int>(distances.size()));
-          TakeNearer(stored, clip, distances, least, nearest[b].back());
-          SeeByRoots(paths, distances, least);
+          const float minimum = Minimum(distances.data(), static_cast<int>(distances.size()));
+          UpdateNearest(stored, clip, distances, minimum, nearest[b].back());
+          AddFrame(paths, distances, minimum);
           if (!paths.IsExact()) inexact_.push_back(b);
           return paths.LogEvidence();
         },
         log_evidence);
     if (inexact_.empty()) return;
-    const auto see = [](PathSum& paths, const auto& distances, int) { paths.See(distances); };
+    const auto add = [](PathSum& paths, const auto& distances, int) { paths.AddFrame(distances); };
     FollowPaths(
-        stored, clip, std::vector<int>(inexact_), see,
+        stored, clip, std::vector<int>(inexact_), add,
         [&](PathSum& paths, const auto& distances, int) {
-          paths.See(distances);
+          paths.AddFrame(distances);
           return paths.LogEvidence();
         },
         log_evidence);
@@ -133,32 +134,32 @@ class BeginningAligner {
     }
   }
 
-  void SeeByRoots(PathSum& paths, const Eigen::Ref<const Eigen::ArrayXf>& distances, float least) {
+  void AddFrame(PathSum& paths, const Eigen::Ref<const Eigen::ArrayXf>& distances, float minimum) {
     roots_.resize(distances.size());
-    const bool cut_off = PathSum::Roots(distances, least, roots_);
-    paths.SeeRoots(roots_, least, cut_off);
+    const bool cut_off = PathSum::Roots(distances, minimum, roots_);
+    paths.AddRoots(roots_, minimum, cut_off);
   }
 
-  // Takes the paths along the shared frames, and from where a beginning ends a copy of them to its
-  // newest frame.
-  template <typename SeeShared, typename SeeNewest>
-  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& asked,
-                   const SeeShared& see_shared, const SeeNewest& see_newest,
+  // Follows the paths along the shared frames; at the end of each beginning, a copy continues to
+  // its newest frame.
+  template <typename AddShared, typename AddNewest>
+  void FollowPaths(const MetricFrames& stored, int clip, const std::vector<int>& wanted,
+                   const AddShared& add_shared, const AddNewest& add_newest,
                    std::vector<double>& log_evidence) {
     paths_.Begin(stored.rows.count(clip), true);
-    auto next = asked.begin();
+    auto next = wanted.begin();
     const auto end_beginnings = [&](int seen) {
-      for (; next != asked.end() && shared_count_[*next] == seen; ++next) {
+      for (; next != wanted.end() && shared_count_[*next] == seen; ++next) {
         ended_ = paths_;
-        log_evidence[*next] = see_newest(ended_, newest_distances_.col(*next), *next);
+        log_evidence[*next] = add_newest(ended_, newest_distances_.col(*next), *next);
       }
     };
     end_beginnings(0);
-    for (int block = 0; next != asked.end(); ++block) {
+    for (int block = 0; next != wanted.end(); ++block) {
       shared_.ComputeDistances(stored, clip, block, distances_);
-      for (int f = 0; f < shared_.CountOf(block) && next != asked.end(); ++f) {
+      for (int f = 0; f < shared_.CountOf(block) && next != wanted.end(); ++f) {
         const int frame = block * kFrameLanes + f;
-        see_shared(paths_, distances_.col(f), frame);
+        add_shared(paths_, distances_.col(f), frame);
         end_beginnings(frame + 1);
       }
     }
@@ -170,7 +171,7 @@ class BeginningAligner {
   PathSum paths_;
   PathSum ended_;
   std::vector<int> inexact_;
-  Eigen::ArrayXXf distances_;         // clip's frames x block's
+  Eigen::ArrayXXf distances_;         // frames of the clip x frames of the block
   Eigen::ArrayXXf newest_distances_;  // clip's frames x beginnings
   Eigen::ArrayXf roots_;
 };

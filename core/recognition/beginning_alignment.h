@@ -1,5 +1,5 @@
-// Aligns several beginnings of one observation with stored clips in one pass: beginnings share all
-// frames but their newest. Safe to call from any thread.
+// Aligns several beginnings of one observation with stored clips in one pass. All frames of a
+// beginning except its newest are shared with the longer ones.
 #pragma once
 
 #include <vector>
@@ -11,18 +11,18 @@ namespace motiondb::core {
 
 class Model;
 
-// Beginnings of one observation, from its first frame on, the shortest first.
+// Beginnings of one observation, in ascending order of length.
 struct Beginnings {
   FrameMatrix states;        // frames x D, scaled, without NaN: the observation
   std::vector<int> lengths;  // frames of each beginning, at least 1, ascending
-  // One row for each beginning: the state of its newest frame as that beginning shows it. Its
-  // velocities are one-sided, for nothing after it is known.
+  // One row for each beginning: the state of its newest frame, with one-sided velocities, because
+  // the next frame is unknown.
   FrameMatrix newest;
 };
 
-// For each beginning, the result of AlignWindow for its compared frames (ComparedFrames, from the
-// start), anchored: every beginning has a shortlist of its own. One clip at least is not left out.
-// The cost is that of the longest beginning, with the clips on the shortlist of any.
+// Returns for each beginning the result of AlignWindow, anchored, for its compared frames
+// (ComparedFrames from the start). Each beginning has its own shortlist. Costs as much as the
+// longest beginning with all shortlisted clips. REQUIRES: at least one clip is not left out.
 std::vector<WindowAlignment> AlignBeginnings(const Model& model, const Beginnings& beginnings,
                                              const std::vector<bool>& left_out);
 

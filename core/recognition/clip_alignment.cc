@@ -13,23 +13,24 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kTemper = 3;  // a stored frame stands for more than itself: variances are tripled
+constexpr double kTemper = 3;  // variances are tripled, because other persons' frames differ more
 constexpr double kLateStart = 2;
-constexpr Eigen::Index kReach = 2;  // the furthest step
+constexpr Eigen::Index kMaxStep = 2;
 constexpr double kStay = 0.2;
 constexpr double kNext = 0.6;
 constexpr double kSkip = 0.2;
-constexpr double kAlive = 1e-290;  // of the most probable frame: what is less is let go
+constexpr double kMinArrival = 1e-290;  // relative to the most probable frame; less is ignored
 constexpr float kUnreached = std::numeric_limits<float>::max();
-constexpr double kLeastLogRoot = -80;  // near the end of what a float holds
+constexpr double kMinLogRoot = -80;  // near the smallest float
 constexpr auto kRootScale = static_cast<float>(1 / (4 * 2 * kTemper));
-const double kCutOff = std::exp(4 * kLeastLogRoot);
-constexpr double kExact = 1e-30;  // of the sum may be blurred
-constexpr double kLeastScale = 1e-150;
+const double kCutOff = std::exp(4 * kMinLogRoot);
+constexpr double kMaxBlur = 1e-30;
+constexpr double kMinScale = 1e-150;
 
-// Of each frame, from the sums over the paths that end in each, behind two places.
+// Returns the sums over the paths that arrive at each frame, from the sums over the paths that end
+// in each frame (after two zeros).
 auto Arrivals(const Eigen::ArrayXd& ending, Eigen::Index count) {
-  return kStay * ending.tail(count) + kNext * ending.segment(kReach - 1, count) +
+  return kStay * ending.tail(count) + kNext * ending.segment(kMaxStep - 1, count) +
          kSkip * ending.head(count);
 }
 
@@ -41,8 +42,8 @@ void PathSum::Begin(Eigen::Index count, bool anchored) {
   blur_ = 0;
   log_sum_ = 0;
   scale_ = 1;
-  ending_.setZero(kReach + count);
-  next_.setZero(kReach + count);
+  ending_.setZero(kMaxStep + count);
+  next_.setZero(kMaxStep + count);
   arrival_.setOnes(count);
   if (anchored) {
     arrival_ =
@@ -50,13 +51,13 @@ void PathSum::Begin(Eigen::Index count, bool anchored) {
   }
 }
 
-void PathSum::See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances) {
+void PathSum::AddFrame(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances) {
   if (begun_) arrival_ = Arrivals(ending_, count_);
   begun_ = true;
-  // Densities relative to that of the nearest frame which can be arrived at: one is left.
-  const double reached = (arrival_ > kAlive).select(squared_distances, kUnreached).minCoeff();
+  // Densities are relative to the nearest reachable frame, so at least one is not zero.
+  const double reached = (arrival_ > kMinArrival).select(squared_distances, kUnreached).minCoeff();
   ending_.tail(count_) =
-      (arrival_ > kAlive)
+      (arrival_ > kMinArrival)
           .select(arrival_ * ((reached - squared_distances.cast<double>()) / (2 * kTemper)).exp(),
                   0.0);
   const double peak = ending_.maxCoeff();
@@ -64,9 +65,10 @@ void PathSum::See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances) {
   log_sum_ += std::log(peak) - reached / (2 * kTemper);
 }
 
-void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off) {
-  double* const next = next_.data() + kReach;
-  double before = 1;  // the sum is taken relative to what it was: it stays what a double can hold
+void PathSum::AddRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off) {
+  double* const next = next_.data() + kMaxStep;
+  double before =
+      1;  // sums are relative to the previous one, so that they stay in the range of doubles
   if (begun_) {
     scale_ *= sum_;
     const double unit = 1 / sum_;
@@ -80,10 +82,10 @@ void PathSum::SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float near
   begun_ = true;
   ending_.swap(next_);
   log_sum_ -= nearest / (2 * kTemper);
-  if (scale_ < kLeastScale) log_sum_ += std::log(std::exchange(scale_, 1));
-  // What was blurred may have stayed while the rest fell.
+  if (scale_ < kMinScale) log_sum_ += std::log(std::exchange(scale_, 1));
+  // The blurred part may have stayed while the sum decreased.
   blur_ = ((cut_off ? kCutOff * before : 0) + blur_) / sum_;
-  if (!IsExact()) sum_ = 1;  // whatever comes is no answer
+  if (!IsExact()) sum_ = 1;  // later results are invalid
 }
 
 bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
@@ -91,10 +93,10 @@ bool PathSum::Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, f
   const float greatest =
       core::Roots(squared_distances.data(), static_cast<int>(squared_distances.size()), nearest,
                   kRootScale, roots.data());
-  return (nearest - greatest) * kRootScale < kLeastLogRoot;
+  return (nearest - greatest) * kRootScale < kMinLogRoot;
 }
 
-bool PathSum::IsExact() const { return blur_ < kExact; }
+bool PathSum::IsExact() const { return blur_ < kMaxBlur; }
 
 double PathSum::LogEvidence() const { return log_sum_ + std::log(scale_ * ending_.sum()); }
 
@@ -104,7 +106,7 @@ double PathSum::LogEvidenceBound(Eigen::Index count, double nearest_sum) {
 
 namespace {
 
-// Of a block of observed frames with so many stored ones.
+// Returns the steps (ThrottledCancellation) of comparing a block with `count` stored frames.
 std::int64_t StepsOfBlock(const MetricFrames& stored, int count) {
   return std::int64_t{count} * stored.projected.cols();
 }
@@ -138,13 +140,13 @@ void ObservedFrames::ComputeDistances(const MetricFrames& stored, int clip, int 
                    count);
 }
 
-void TakeNearer(const MetricFrames& stored, int clip,
-                const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float least,
-                NearestFrame& nearest) {
-  if (!(least < nearest.squared_distance)) return;
-  const auto at = std::find(squared_distances.begin(), squared_distances.end(), least) -
+void UpdateNearest(const MetricFrames& stored, int clip,
+                   const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float minimum,
+                   NearestFrame& nearest) {
+  if (!(minimum < nearest.squared_distance)) return;
+  const auto at = std::find(squared_distances.begin(), squared_distances.end(), minimum) -
                   squared_distances.begin();
-  nearest = {least, stored.rows.frame[stored.rows.begin[clip] + at]};
+  nearest = {minimum, stored.rows.frame[stored.rows.begin[clip] + at]};
 }
 
 ClipAligner::ClipAligner(const FrameMatrix& observed, bool anchored)
@@ -157,7 +159,7 @@ double ClipAligner::LogEvidenceByDistances(const MetricFrames& stored, int clip,
   for (int block = 0; block < observed_.block_count(); ++block) {
     if (cancellation.cancelled(StepsOfBlock(stored, count))) return 0;
     observed_.ComputeDistances(stored, clip, block, distances_);
-    for (int f = 0; f < observed_.CountOf(block); ++f) paths_.See(distances_.col(f));
+    for (int f = 0; f < observed_.CountOf(block); ++f) paths_.AddFrame(distances_.col(f));
   }
   return paths_.LogEvidence();
 }
@@ -173,10 +175,10 @@ double ClipAligner::Align(const MetricFrames& stored, int clip, std::vector<Near
     observed_.ComputeDistances(stored, clip, block, distances_);
     for (int f = 0; f < observed_.CountOf(block); ++f) {
       const auto distances = distances_.col(f);
-      const float least = Least(distances.data(), count);
-      TakeNearer(stored, clip, distances, least, nearest[block * kFrameLanes + f]);
-      const bool cut_off = PathSum::Roots(distances, least, roots_);
-      paths_.SeeRoots(roots_, least, cut_off);
+      const float minimum = Minimum(distances.data(), count);
+      UpdateNearest(stored, clip, distances, minimum, nearest[block * kFrameLanes + f]);
+      const bool cut_off = PathSum::Roots(distances, minimum, roots_);
+      paths_.AddRoots(roots_, minimum, cut_off);
     }
   }
   return paths_.IsExact() ? paths_.LogEvidence()

@@ -1,4 +1,5 @@
-// How well a stored clip's own course explains an observation, by the sum over all ways through it.
+// Alignment of an observation with a stored clip: a hidden Markov model whose states are the clip's
+// frames.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,55 +10,51 @@
 
 namespace motiondb::core {
 
-// The sum over all ways through a clip's frames that an observation may have taken, frame by frame.
-// Scratch for one alignment after the other; not thread-safe.
-
-// The model of AlignToClip (clip_alignment.h): Begin, then See each observed frame, all in the same
-// way.
+// Forward algorithm: the sum over all paths of an observation through a clip's frames, in the model
+// of AlignToClip. Call Begin, then AddFrame or AddRoots for each observed frame. Reusable; not
+// thread-safe.
 class PathSum {
  public:
-  // A clip of `count` strided frames.
+  // Begins a clip of `count` strided frames.
   void Begin(Eigen::Index count, bool anchored);
 
-  // A frame at these squared distances (`count`) from the clip's.
-  void See(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances);
+  // Adds a frame with these squared distances (`count`) from the clip's frames.
+  void AddFrame(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances);
 
-  // The same, faster, from the fourth roots (`count`) of the densities relative to the nearest
-  // frame's, and the squared distance of that. Roots of frames that are too far off are cut off at
-  // what a float holds: where ways through these may count, IsExact is false, and See has to be
-  // used.
-  void SeeRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off = true);
-  // Returns whether some are cut off.
+  // As AddFrame, faster, from the fourth roots (`count`) of the densities relative to that of the
+  // nearest frame, and the squared distance of the nearest frame. Roots of distant frames are
+  // raised to the smallest float in use. If this may change the sum, IsExact is false: use AddFrame
+  // instead.
+  void AddRoots(const Eigen::Ref<const Eigen::ArrayXf>& roots, float nearest, bool cut_off = true);
+  // Computes the roots. Returns whether some were raised.
   static bool Roots(const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float nearest,
                     Eigen::Ref<Eigen::ArrayXf> roots);
   bool IsExact() const;
 
-  // Natural log of the sum.
+  // Returns the natural logarithm of the sum.
   double LogEvidence() const;
-  // It is not above this for frames whose squared distances to the clip's nearest sum up to
-  // `nearest_sum`.
+  // Returns an upper bound of LogEvidence, given the sum of the frames' squared distances from the
+  // clip's nearest frames.
   static double LogEvidenceBound(Eigen::Index count, double nearest_sum);
 
  private:
-  // Sums over the paths that end in each frame, the greatest being 1, behind two places where none
-  // does. Doubles reach so far below it that a path which catches up late is not lost.
+  // Sums over the paths that end in each frame, scaled to a maximum of 1, after two zeros. The
+  // range of doubles is large enough for paths that become probable late.
   Eigen::ArrayXd ending_;
   Eigen::ArrayXd arrival_;  // sums over the paths that arrive at each frame
   Eigen::ArrayXd next_;     // as ending_
   Eigen::Index count_ = 0;
   bool begun_ = false;
-  // What `ending_` is to be multiplied with: the logarithm of one part, and the other.
+  // The true sums are ending_ * exp(log_sum_) * scale_.
   double log_sum_ = 0;
   double scale_ = 1;
-  double sum_ = 1;   // of `ending_`, from roots
-  double blur_ = 0;  // at most so much of the sum is from roots that are cut off
+  double sum_ = 1;   // of ending_, from roots
+  double blur_ = 0;  // upper bound of the fraction of the sum that comes from raised roots
 };
 
-// How well a stored clip's own course explains an observation: a hidden Markov model whose states
-// are the clip's frames. The functions are safe to call from any thread.
 class ThrottledCancellation;
 
-// Observed frames as they are compared with stored ones: in blocks of kFrameLanes. Immutable.
+// Observed frames in blocks of kFrameLanes, for comparison with stored frames. Immutable.
 class ObservedFrames {
  public:
   // `observed`: frames x K, in the metric.
@@ -66,8 +63,8 @@ class ObservedFrames {
   int count() const { return frames_; }
   int block_count() const { return static_cast<int>(blocks_.size()); }
   int CountOf(int block) const;
-  // Replaces `distances` (the clip's strided frames x kFrameLanes) by the squared distances of a
-  // block's frames to them.
+  // Writes the squared distances between the clip's strided frames and the frames of a block to
+  // `distances` (strided frames x kFrameLanes).
   void ComputeDistances(const MetricFrames& stored, int clip, int block,
                         Eigen::ArrayXXf& distances) const;
 
@@ -77,37 +74,38 @@ class ObservedFrames {
   Eigen::ArrayXf squared_norms_;
 };
 
-// The stored frame that an observed one is most like.
+// The stored frame nearest to an observed one.
 struct NearestFrame {
   float squared_distance = 0;
   int frame = 0;  // of the model
 };
 
-// Puts the frame nearest to an observed one, if it is nearer than `nearest`, in its place.
-// `squared_distances` are those to the clip's strided frames, `least` is the least of them.
-void TakeNearer(const MetricFrames& stored, int clip,
-                const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float least,
-                NearestFrame& nearest);
+// Updates `nearest` if a frame of the clip is nearer to the observed frame. `squared_distances`:
+// from the clip's strided frames; `minimum`: their minimum.
+void UpdateNearest(const MetricFrames& stored, int clip,
+                   const Eigen::Ref<const Eigen::ArrayXf>& squared_distances, float minimum,
+                   NearestFrame& nearest);
 
 struct ClipAlignment {
   double log_evidence = 0;
   std::vector<NearestFrame> nearest;  // one for each observed frame
 };
 
-// `observed`: frames x K, in the metric, at the stride of `stored`. From frame to frame the clip
-// moves on by 0, 1 or 2 of its strided frames with probability 0.2, 0.6, 0.2; frame z is seen for
-// z_j with log density -|z - z_j|^2 / 6; all paths are summed. Any start and any end; `anchored`, a
-// start at the clip's j-th strided frame costs 2 j. O(frames * frames * K).
+// Aligns an observation (frames x K, in the metric, at the stride of `stored`) with a clip. With
+// each observed frame the clip advances by 0, 1 or 2 strided frames with probability 0.2, 0.6, 0.2;
+// the log density of an observed frame z in the clip's frame z_j is -|z - z_j|^2 / 6. Sums over all
+// paths. A path may begin and end anywhere; if `anchored`, a begin at the j-th strided frame costs
+// 2 j. O(frames * frames * K).
 ClipAlignment AlignToClip(const MetricFrames& stored, int clip, const FrameMatrix& observed,
                           bool anchored);
 
-// The same of one observation and clip after clip, in memory that is used again. Not thread-safe.
+// AlignToClip for one observation and one clip after another, with reused memory. Not thread-safe.
 class ClipAligner {
  public:
   ClipAligner(const FrameMatrix& observed, bool anchored);
 
-  // The clip's log evidence. Where it has nearer frames than `nearest` (one for each observed
-  // frame), they take that place. Once cancelled it returns early, with what is of no use.
+  // Returns the clip's log evidence, and updates `nearest` (one for each observed frame). If
+  // cancelled, returns early with an invalid result.
   double Align(const MetricFrames& stored, int clip, std::vector<NearestFrame>& nearest,
                const Cancelled& cancelled = {});
 
@@ -118,7 +116,7 @@ class ClipAligner {
   const ObservedFrames observed_;
   const bool anchored_;
   PathSum paths_;
-  Eigen::ArrayXXf distances_;  // clip's frames x block's
+  Eigen::ArrayXXf distances_;  // frames of the clip x frames of the block
   Eigen::ArrayXf roots_;
 };
 

@@ -1,4 +1,4 @@
-// How probable it is that a layer's nodes, and each clip's graph on them, generate a window.
+// Generation probabilities (section IV-B): the probability that a clip's graph generates a window.
 #pragma once
 
 #include <vector>
@@ -10,24 +10,24 @@
 
 namespace motiondb::core {
 
-// log P_o(x | k) of every node of a layer for the frames of a window that moves along: each frame
-// is computed once, however many windows and clips it serves. Not thread-safe; what it is made of
-// must outlive it.
 class Model;
 
+// log P_o(x | k) of every node of a layer for the frames of a moving window. Each frame is computed
+// once for all windows and clips. Not thread-safe.
 class WindowEmission {
  public:
-  // `observation` is scaled, frames x dimensions; the window has `frames` frames.
+  // `observation`: scaled, frames x dimensions; the window has `frames` frames. The model and the
+  // observation must outlive this.
   WindowEmission(const Model& model, int layer, const FrameMatrix& observation, int frames);
 
-  // Moves to the frames [first, first + rows). Windows must come in ascending order. Once cancelled
-  // it returns early, and the window is of no use.
+  // Moves to the frames [first, first + rows), in ascending order. If cancelled, returns early and
+  // the window is invalid.
   void MoveTo(int first, const Cancelled& cancelled = {});
 
-  // frames x nodes of the layer.
+  // frames x nodes of the layer
   const EmissionMatrix& log_density() const { return log_density_; }
 
-  // The sum over frames of log P(x), eq. 8's denominator with P(k) uniform.
+  // Returns the sum over frames of log P(x): the denominator of eq. 8 with uniform P(k).
   double LogEvidence() const;
 
  private:
@@ -39,18 +39,15 @@ class WindowEmission {
   int computed_ = 0;
 };
 
-// How probable it is that each clip's graph generates a window (section IV-B). Safe to call from
-// any thread.
-
-// One score for each of `clips` (indices into Model::clips()), in their order: eq. 7 with eq. 8's
-// posterior, on the layer that `emission` is of. CANCELLED, soon.
+// Returns one score for each of `clips` (indices into Model::clips()), in their order: eq. 7 with
+// the posterior of eq. 8, on the layer of `emission`. CANCELLED.
 absl::StatusOr<std::vector<ClipScore>> ScoreGeneration(const Model& model, int layer,
                                                        const WindowEmission& emission,
                                                        const std::vector<int>& clips,
                                                        const RecognizeOptions& options,
                                                        const Cancelled& cancelled);
 
-// Most probable first; equals stay in order.
+// Sorts by descending probability; stable.
 void SortByGeneration(std::vector<ClipScore>& scores);
 
 }  // namespace motiondb::core

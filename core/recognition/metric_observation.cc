@@ -45,7 +45,7 @@ MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::I
   for (Eigen::Index d = 0; d < dimensions; ++d) {
     if (!std::binary_search(seen.begin(), seen.end(), d)) unseen.push_back(d);
   }
-  // The inverse of a block of S by the inverse of all of it, which is what whitening holds.
+  // The inverse of a block of S follows from the inverse of S, which the whitening contains.
   const Eigen::MatrixXd inverse = (metric.whitening * metric.whitening.transpose()).cast<double>();
   Eigen::MatrixXd of_seen = inverse(seen, seen);
   if (!unseen.empty()) {
@@ -57,7 +57,7 @@ MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::I
   const Eigen::MatrixXd whitened =
       whitening.transpose() * metric.loadings(seen, Eigen::all).cast<double>();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> spread(whitened.transpose() * whitened);
-  // Directions along which stored motion does not vary tell nothing apart.
+  // Directions without variance in the stored motion are excluded.
   const Eigen::Index directions =
       std::max<Eigen::Index>(1, (spread.eigenvalues().array() > 1e-9).count());
   const Eigen::MatrixXd projection =
@@ -82,12 +82,12 @@ void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state
   }
   if (unseen.empty()) return;
   const Eigen::MatrixXd loadings = metric.loadings(seen, Eigen::all).cast<double>();
-  const Eigen::VectorXd apart = (state(seen) - metric.mean(seen)).transpose().cast<double>();
+  const Eigen::VectorXd difference = (state(seen) - metric.mean(seen)).transpose().cast<double>();
   Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(loadings.cols(), loadings.cols());
   if (!seen.empty()) precision.selfadjointView<Eigen::Lower>().rankUpdate(loadings.transpose());
   precision.diagonal().array() += metric.noise;
   const Eigen::VectorXd hidden = precision.selfadjointView<Eigen::Lower>().llt().solve(
-      Eigen::VectorXd(loadings.transpose() * apart));
+      Eigen::VectorXd(loadings.transpose() * difference));
   for (const Eigen::Index d : unseen) {
     state[d] = metric.mean[d] + static_cast<float>(metric.loadings.row(d).cast<double>() * hidden);
   }

@@ -1,5 +1,5 @@
-// An observation as recognition compares it with stored clips, in the metric: what it lacks is
-// filled in, what it never shows is left out. Immutable; safe to share.
+// An observation in the metric, for comparison with stored clips: gaps are filled in, markers that
+// are never seen are excluded. Immutable.
 #pragma once
 
 #include <memory>
@@ -13,12 +13,12 @@
 namespace motiondb::core {
 
 struct MetricObservation {
-  FrameMatrix states;     // frames x D, scaled; what was missing is filled in
-  FrameMatrix projected;  // frames x K, in `own` if there is one, else in the model's metric
-  // Where the observation never shows some dimensions: the metric of the others.
+  FrameMatrix states;     // frames x D, scaled, missing values filled in
+  FrameMatrix projected;  // frames x K, in `own` if it is not null, else in the model's metric
+  // Metric of the seen dimensions; null if all dimensions were seen.
   std::shared_ptr<const MotionMetric> own;
 
-  // From scaled states with NaN where a marker is missing. CANCELLED.
+  // `scaled`: scaled states with NaN for missing markers. CANCELLED.
   static absl::StatusOr<MetricObservation> Create(const Model& model, FrameMatrix scaled,
                                                   const Cancelled& cancelled = {});
 
@@ -27,22 +27,21 @@ struct MetricObservation {
   }
 };
 
-// Which of the frames [first, first + width) are compared: every stride-th, ending with the newest.
-// `from_start` takes frames first, first + stride, ... and then the newest: a stored clip is then
-// compared from its own start.
+// Returns which of the frames [first, first + width) are compared: every stride-th, ending with the
+// newest. If `from_start`: first, first + stride, ..., and the newest, so that a stored clip is
+// compared from its start.
 std::vector<int> ComparedFrames(int first, int width, int stride, bool from_start);
 
-// As if the stored motion had no more than the dimensions `seen` (ascending, at least one): with S
-// and T the covariances within behaviours and of all motion (motion_metric.h), whitening G is that
-// of the block of S, G G^T = S_seen^-1, and the projection takes the whitened directions in which
-// the block of T varies most, as far as the loadings tell it. Both have a row for each dimension of
-// a state, zero where it is not seen, so that what was filled in there does not count. What was
-// learned about the rest stays. O(D^3).
+// Returns the metric of motion that has only the dimensions `seen` (ascending, not empty). With the
+// covariances S within behaviours and T of all motion (motion_metric.h): the whitening G satisfies
+// G G^T = S_seen^-1, and the projection consists of the whitened directions with the largest
+// variance of T_seen, as given by the loadings. Both have a row for each dimension of a state, zero
+// for unseen dimensions, so that filled-in values do not count. The rest is unchanged. O(D^3).
 MotionMetric MetricOfSeen(const MotionMetric& metric, const std::vector<Eigen::Index>& seen);
 
-// Replaces the NaN of a scaled state (D) by their mean given its other dimensions, under the
-// metric's probabilistic PCA: with o what was seen and L the loadings, h = (L_o^T L_o + noise I)^-1
-// L_o^T (x_o - mean_o) and x = mean + L h. O(q^2 D).
+// Replaces the NaN of a scaled state (D) by their conditional mean under the metric's probabilistic
+// PCA. With the seen dimensions o and the loadings L: h = (L_o^T L_o + noise I)^-1 L_o^T (x_o -
+// mean_o), x = mean + L h. O(q^2 D).
 void FillUnseen(const MotionMetric& metric, Eigen::Ref<Eigen::RowVectorXf> state);
 
 }  // namespace motiondb::core

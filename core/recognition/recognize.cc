@@ -18,15 +18,14 @@ namespace {
 constexpr Eigen::Index kMaxCells = 1
                                    << 26;  // frames of a window x nodes of the layer, 8 bytes each
 
-constexpr std::int64_t kMaxScores = 1 << 23;  // some 40 bytes each
+constexpr std::int64_t kMaxScores = 1 << 23;  // about 40 bytes each
 
-// What the windows of an answer hold together: a score for each clip that is compared, and each
-// label.
+// Checks the size of an answer: a score for each compared clip and each label of each window.
 absl::Status CheckAnswer(const Model& model, bool align, std::int64_t windows) {
   const std::int64_t clips = std::ssize(model.clips());
   const std::int64_t labels = static_cast<std::int64_t>(Labels(model).size());
   const std::int64_t scores =
-      labels + (align ? std::min<std::int64_t>(clips, kMostShortlisted) : clips);
+      labels + (align ? std::min<std::int64_t>(clips, kMaxShortlisted) : clips);
   if (windows * scores <= kMaxScores) return absl::OkStatus();
   return FieldViolation(
       "hop_seconds",
@@ -40,7 +39,7 @@ double FamiliarityByGraph(const Model& model, int layer, const WindowEmission& e
       layer, FamiliarityScore(model.global_graph(layer), emission.log_density()));
 }
 
-// By the graphs alone.
+// Sets the window's scores by generation probability.
 absl::Status JudgeByPaper(const Model& model, const WindowEmission& emission,
                           const RecognizeOptions& options, const Cancelled& cancelled,
                           RecognizedWindow& window) {
@@ -54,8 +53,8 @@ absl::Status JudgeByPaper(const Model& model, const WindowEmission& emission,
   return absl::OkStatus();
 }
 
-// By the frames of the clips on the window's shortlist; all but a familiarity that is not
-// calibrated.
+// Sets the window's scores by alignment with the shortlisted clips. Does not set the familiarity if
+// the model is not calibrated.
 absl::Status JudgeByAlignment(const Model& model, const MetricObservation& observation,
                               const std::vector<int>& compared, bool whole,
                               const Cancelled& cancelled, RecognizedWindow& window) {

@@ -1,5 +1,4 @@
-// What is this motion? (sections IV-B, V-B). Safe to call from any thread; scratch is the call's
-// own.
+// Recognizes the behaviour of a motion (sections IV-B, V-B).
 #pragma once
 
 #include <string>
@@ -19,11 +18,11 @@ enum class Generation { kExact, kTopPaths };
 struct RecognizeOptions {
   Method method = Method::kBest;
   double window_seconds = 0.4;
-  // One window over the whole observation, taken for a motion from its beginning on.
+  // One window over the whole observation, which is compared with stored clips from their start.
   bool whole = false;
   double hop_seconds = 0.1;
-  // The rest is for kPaper.
-  int layer = 0;  // 0 is the bottom layer
+  // For kPaper only:
+  int layer = 0;  // 0: the bottom layer
   double transition_floor = 1e-6;
   Generation generation = Generation::kExact;
   int path_count = 5;  // with kTopPaths
@@ -34,9 +33,9 @@ absl::Status CheckOptions(const RecognizeOptions& options);
 
 struct ClipScore {
   int clip = 0;  // index into Model::clips()
-  // That the clip generates the window; natural. kPaper: its graph, -infinity where the strict rule
-  // allows no path. kBest: its own course of frames, up to a term that all clips of the window
-  // share.
+  // Natural logarithm of the probability that the clip generates the window. kPaper: that its graph
+  // does; -infinity if the strict rule allows no path. kBest: that its sequence of frames does, up
+  // to a constant of the window.
   double log_probability = 0;
 };
 
@@ -49,25 +48,26 @@ struct RecognizedWindow {
   double start_seconds = 0;
   double end_seconds = 0;
   int layer = 0;
-  // Most probable first. kPaper: all clips; kBest: those that were compared frame by frame, which
-  // are all of at most 64.
+  // Most probable first. kPaper: all clips; kBest: the shortlisted clips, at most 64.
   std::vector<ClipScore> clips;
-  std::vector<LabelScore> labels;  // most probable first; they sum to 1
-  // Fraction of windows like this one that are less like the stored motion. kPaper: of the stored
-  // ones, under the global graph; kBest: of stored ones each compared without its own clip (as
-  // kPaper in a model that was not calibrated).
+  std::vector<LabelScore> labels;  // most probable first; the probabilities sum to 1
+  // Fraction of reference windows that are less similar to the stored motion than this window.
+  // kPaper: stored windows, under the global graph. kBest: stored windows, each compared without
+  // its own clip (as kPaper if the model is not calibrated).
   double familiarity = 0;
 };
 
-// By the paper (Method::kPaper) clips and labels are as probable as their graphs generate the
-// window; missing markers are left out. Best (Method::kBest): the 64 clips whose nodes the window
-// comes nearest (shortlist.h) are compared frame by frame (clip_alignment.h) in the model's metric,
-// missing markers filled in; a label is as probable as its best clip, weighted as calibrated. A
-// model without a metric answers by the paper.
+// Recognizes the windows of an observation (not scaled; the model's markers and frame rate). A
+// window of w seconds has round(w * rate) frames; an observation shorter than a window is one
+// window.
 //
-// Windows over an observation (not scaled; the model's markers and frame rate). A window of w
-// seconds has round(w * rate) frames; an observation shorter than a window is one window.
-// INVALID_ARGUMENT for settings out of range (naming the field) or an observation that does not fit
+// Method::kPaper: probabilities of clips and labels are generation probabilities; missing markers
+// are ignored. Method::kBest: the 64 clips with nodes nearest to the window (shortlist.h) are
+// compared frame by frame (clip_alignment.h) in the model's metric, with missing markers filled in;
+// a label has the evidence of its best clip, with the calibrated weight. A model without a metric
+// uses kPaper.
+//
+// INVALID_ARGUMENT if an option is out of range (naming the field) or the observation does not fit
 // the model; CANCELLED.
 absl::StatusOr<std::vector<RecognizedWindow>> Recognize(const Model& model,
                                                         const StateSequence& observation,

@@ -11,14 +11,14 @@
 namespace motiondb::core {
 namespace {
 
-constexpr int kMostFrames = 24;
+constexpr int kMaxSearchedFrames = 24;
 constexpr int kNearNodes = 64;
 
 }  // namespace
 
-bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMostShortlisted); }
+bool ListsAll(int clip_count) { return clip_count <= static_cast<int>(kMaxShortlisted); }
 
-std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMostFrames); }
+std::vector<int> ShortlistFrames(int frames) { return SpreadEvenly(frames, kMaxSearchedFrames); }
 
 NearClipFinder::NearClipFinder(const ClipIndex& index, int clip_count)
     : index_(index), nodes_(std::min(kNearNodes, index.node_count())), found_by_(clip_count, -1) {
@@ -30,8 +30,7 @@ void NearClipFinder::Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_di
   near.clear();
   const auto& to = squared_distances;
   const auto nodes = static_cast<int>(nodes_.size());
-  // None of the nearest is further than the furthest of those that were nearest to the frame
-  // before.
+  // The nearest nodes are at most as far as the farthest of the previous frame's nearest nodes.
   float bound = to[nodes_[0]];
   for (int n = 1; n < nodes; ++n) bound = std::max(bound, to[nodes_[n]]);
   std::vector<int> within;
@@ -65,13 +64,13 @@ std::vector<int> ClipRanking::TakeShortlist(const std::vector<bool>& left_out) {
   for (const int clip : found_) {
     if (left_out.empty() || !left_out[clip]) shortlist.push_back(clip);
   }
-  const auto kept = std::min(kMostShortlisted, shortlist.size());
+  const auto kept = std::min(kMaxShortlisted, shortlist.size());
   std::partial_sort(
       shortlist.begin(), shortlist.begin() + static_cast<std::ptrdiff_t>(kept), shortlist.end(),
       [&](int a, int b) { return std::pair(-nearer_[a], a) < std::pair(-nearer_[b], b); });
   shortlist.resize(kept);
-  // Where few were found nothing is lost by comparing some more.
-  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMostShortlisted;
+  // A short list is filled up: comparing more clips costs little.
+  for (int clip = 0; clip < static_cast<int>(nearer_.size()) && shortlist.size() < kMaxShortlisted;
        ++clip) {
     if (!is_found_[clip] && (left_out.empty() || !left_out[clip])) shortlist.push_back(clip);
   }

@@ -1,5 +1,5 @@
-// Which clips are worth aligning with a window: those whose nodes it comes near. The functions are
-// safe to call from any thread, the classes are scratch of one caller.
+// Selects the clips to align with a window: those with nodes near the window. The classes are not
+// thread-safe.
 #pragma once
 
 #include <cstdint>
@@ -13,58 +13,59 @@ namespace motiondb::core {
 
 class Model;
 
-// Clips on a list at most.
-inline constexpr std::size_t kMostShortlisted = 64;
+// Maximum number of clips in a shortlist.
+inline constexpr std::size_t kMaxShortlisted = 64;
 
-// At most 64 clips, the nearest first. `observed`: frames x K, in the metric. A clip is as far as
-// the mean, over at most 24 of the frames spread evenly, of the squared distance to the nearest
-// mean among its nodes; only the 64 nodes nearest to a frame are looked at, and to the others it is
-// taken to be as far as to the 64th. Noise moves an observation away from all nodes alike, so the
-// order stays. Clips with `left_out[clip]` are passed over; it may be empty. Of the rest there is
-// none that a database of 64 clips leaves out. The cost does not grow with the number of clips but
-// for those found in these nodes.
-// Where there are no more than 64, all are listed in their own order, without a look at the nodes.
-// `own`: the metric, if it is not the model's.
+// Returns at most 64 clips, the nearest first. `observed`: frames x K, in the metric. The distance
+// of a clip is the mean, over at most 24 evenly spread frames, of the squared distance to the
+// nearest of its node means. Only the 64 nodes nearest to a frame are searched; a clip in none of
+// them has the distance of the 64th node. Noise increases all distances alike, so it does not
+// change the order. Clips with `left_out[clip]` are excluded; `left_out` may be empty. If at most
+// 64 clips remain, all are listed in their order, and the nodes are not searched. `own`: the
+// metric; null: the model's. Cost: independent of the number of clips, except for those found in
+// the searched nodes.
 std::vector<int> ShortlistClips(const Model& model, const MotionMetric* own,
                                 const FrameMatrix& observed,
                                 const std::vector<bool>& left_out = {});
 
-// The same in parts, for windows that share frames.
+// The steps of ShortlistClips, for windows that share frames:
 
-// How much nearer a clip's nearest node is to a frame than the 64th node is.
+// Difference between the squared distances of a frame from the 64th node and from a clip's nearest
+// node.
 struct NearClip {
   int clip = 0;  // index into Model::clips()
   float nearer = 0;
 };
 
-// Returns whether a shortlist has all of this number of clips, for any observation.
+// Returns whether a shortlist always has all of `clip_count` clips.
 bool ListsAll(int clip_count);
 
-// Which of `frames` frames are looked at, ascending.
+// Returns which of `frames` frames are used, ascending.
 std::vector<int> ShortlistFrames(int frames);
 
 class NearClipFinder {
  public:
-  // What it is made of must outlive it.
+  // The index must outlive this.
   NearClipFinder(const ClipIndex& index, int clip_count);
-  // `squared_distances`: of a frame to the index's nodes. Replaces `near` by the clips of the
-  // nearest.
+  // Replaces `near` by the clips of the nodes nearest to a frame. `squared_distances`: of the frame
+  // from the index's nodes.
   void Find(const Eigen::Ref<const Eigen::RowVectorXf>& squared_distances,
             std::vector<NearClip>& near);
 
  private:
   const ClipIndex& index_;
-  std::vector<int> nodes_;              // nearest to the frame before
-  std::vector<std::int64_t> found_by_;  // the frame that found a clip last
+  std::vector<int> nodes_;              // nearest to the previous frame
+  std::vector<std::int64_t> found_by_;  // for each clip: the last frame that found it
   std::int64_t frame_ = 0;
 };
 
 class ClipRanking {
  public:
   explicit ClipRanking(int clip_count) : nearer_(clip_count), is_found_(clip_count) {}
-  // Takes one frame's clips.
+  // Adds the clips of one frame.
   void Add(const std::vector<NearClip>& near);
-  // The shortlist of the frames taken (none, where it lists all), and forgets them.
+  // Returns the shortlist of the added frames and clears this. Needs no frames if all clips are
+  // listed.
   std::vector<int> TakeShortlist(const std::vector<bool>& left_out);
 
  private:

@@ -15,7 +15,7 @@ namespace motiondb::core {
 
 namespace {
 
-constexpr double kLeastDifference = 1e-12;  // a stored frame compared with itself
+constexpr double kMinDifference = 1e-12;  // of a stored frame from itself
 
 double FamiliarityScore(const Model& model, const MetricObservation& observation,
                         const std::vector<int>& compared,
@@ -30,7 +30,7 @@ double FamiliarityScore(const Model& model, const MetricObservation& observation
                                  static_cast<double>(whitened.size()));
 }
 
-// A clip's strided frames in another metric than the model's, as the only ones.
+// Returns the strided frames of one clip in another metric than the model's.
 MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int clip) {
   const StridedFrames& all = model.metric_frames().rows;
   MetricFrames frames;
@@ -45,7 +45,7 @@ MetricFrames ProjectClip(const Model& model, const MotionMetric& metric, int cli
 }  // namespace
 
 double FamiliarityOfDifference(double mean_square) {
-  return -std::log(std::max(mean_square, kLeastDifference));
+  return -std::log(std::max(mean_square, kMinDifference));
 }
 
 void SortByEvidence(std::vector<ClipEvidence>& clips) {
@@ -79,7 +79,7 @@ absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
 
 namespace {
 
-// Probabilities proportional to exp(logs), most probable first.
+// Returns probabilities proportional to exp(logs), most probable first.
 std::vector<LabelScore> Normalized(const std::vector<std::string>& labels,
                                    const std::vector<double>& logs) {
   const double all = LogSum(logs);

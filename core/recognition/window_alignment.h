@@ -1,4 +1,4 @@
-// What stored clips, compared frame by frame, say about one window. Safe to call from any thread.
+// Alignment of one window with stored clips, and label probabilities from it.
 #pragma once
 
 #include <string>
@@ -15,49 +15,46 @@ class Model;
 
 struct ClipEvidence {
   int clip = 0;             // index into Model::clips()
-  double log_evidence = 0;  // natural, summed over the frames
+  double log_evidence = 0;  // natural logarithm, sum over the frames
 };
 
 struct WindowAlignment {
-  std::vector<ClipEvidence> clips;  // most evidence first
-  int frames = 0;                   // of the observation that were compared
-  // How like the stored clips the window is: the negative log of the mean, over frames and
-  // dimensions, of the squared whitened difference to the nearest stored frame.
+  std::vector<ClipEvidence> clips;  // in descending order of evidence
+  int frames = 0;                   // number of compared frames
+  // Similarity to the stored clips: negative logarithm of the mean, over frames and dimensions, of
+  // the squared whitened difference from the nearest stored frame.
   double familiarity_score = 0;
 };
 
-// Puts those with most evidence first; those with the same keep their order.
+// Sorts by descending evidence; stable.
 void SortByEvidence(std::vector<ClipEvidence>& clips);
 
-// A familiarity score from the mean of the squared whitened differences.
+// Returns the familiarity score of a mean squared whitened difference.
 double FamiliarityOfDifference(double mean_square);
 
-// Aligns the observation's frames `compared` (ComparedFrames) with each clip that is on its
-// shortlist, among those that are not left out (one at least is not). `anchored` as for
-// AlignToClip. CANCELLED, soon.
+// Aligns the observation's frames `compared` (ComparedFrames) with each shortlisted clip.
+// `anchored` as for AlignToClip. CANCELLED. REQUIRES: at least one clip is not left out.
 absl::StatusOr<WindowAlignment> AlignWindow(const Model& model,
                                             const MetricObservation& observation,
                                             const std::vector<int>& compared,
                                             const std::vector<bool>& left_out, bool anchored,
                                             const Cancelled& cancelled);
 
-// From clips to labels. Safe to call from any thread.
-
-// P(label | window) by the paper: labels alike beforehand, and the clips of a label too. Uniform
-// where no clip can generate the window. Most probable first.
+// Returns P(label | window) by generation probabilities (kPaper), with a uniform prior over the
+// labels and over the clips of a label. Uniform if no clip can generate the window. Most probable
+// first.
 std::vector<LabelScore> LabelsByGeneration(const Model& model, const std::vector<ClipScore>& clips);
 
-// The labels of a model's clips, each once, in order of name.
+// Returns the distinct labels of a model's clips, in alphabetical order.
 std::vector<std::string> Labels(const Model& model);
 
-// What the aligned clips of each label say: that of the best. A label none of whose clips was
-// aligned, so that the graphs found them all less probable, is held to be like the poorest clip
-// that was: not impossible, for the graphs may err.
+// Returns the evidence of each label: that of its best aligned clip. A label without an aligned
+// clip gets the lowest evidence of the aligned clips, because the shortlist may be wrong.
 std::vector<double> LabelEvidence(const Model& model, const std::vector<std::string>& labels,
                                   const std::vector<ClipEvidence>& clips);
 
-// P(label | window) by alignment: proportional to exp(weight * evidence). `labels`: Labels(model).
-// Most probable first.
+// Returns P(label | window) by alignment: proportional to exp(weight * evidence). `labels`:
+// Labels(model). Most probable first.
 std::vector<LabelScore> LabelsByAlignment(const Model& model,
                                           const std::vector<std::string>& labels,
                                           const WindowAlignment& alignment,

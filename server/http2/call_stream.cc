@@ -53,7 +53,7 @@ CallStream::CallStream(CallBridge& bridge, std::shared_ptr<StreamConnection> hos
       host_(std::move(host)),
       id_(id),
       exempt_(exempt),
-      memory_(bridge.memory, SourceOf(AddressOf(host_->peer()))) {}
+      memory_(bridge.memory, AttemptSource(AddressOf(host_->peer()))) {}
 
 bool CallStream::AddHeader(std::string_view name, std::string_view value) {
   header_bytes_ += name.size() + value.size() + kHeaderOverhead;

@@ -166,7 +166,7 @@ bool Listener::AcceptWaiting(Acceptor& acceptor) {
 }
 
 void Listener::Admit(int descriptor, const tcp::endpoint& client) {
-  const std::string address = SourceOf(client.address().to_string());
+  const std::string address = AttemptSource(client.address().to_string());
   // The kernel assigns the lowest free number, so at least `descriptor` descriptors are in use.
   const char* refusal = descriptor >= max_descriptors_ ? "too many descriptors" : nullptr;
   if (refusal == nullptr && !MakeRoom(address)) refusal = "too many connections of its address";
@@ -206,7 +206,7 @@ bool Listener::MakeRoom(const std::string& address) {
 }
 
 void Listener::Begin(Loop& loop, int descriptor, const tcp::endpoint& client) {
-  const std::string address = SourceOf(client.address().to_string());
+  const std::string address = AttemptSource(client.address().to_string());
   std::shared_ptr<Connection> connection;
   if (closing_) {
     close(descriptor);

@@ -19,7 +19,7 @@ constexpr char kAuditEntries[] = "audit entries";
 
 absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request,
                          v1::CreateTokenResponse& response) {
-  MOTIONDB_ASSIGN_OR_RETURN(const WantedToken wanted, WantedFrom(request));
+  MOTIONDB_ASSIGN_OR_RETURN(const NewTokenSpec wanted, ParseCreateToken(request));
   if (!wanted.database.empty()) {
     MOTIONDB_RETURN_IF_ERROR(call.engine.FindDatabase(wanted.database).status());
   }
@@ -29,7 +29,7 @@ absl::Status CreateToken(const Call& call, const v1::CreateTokenRequest& request
     return call.entry.AuditRecordForChange(TokenName(token.id));
   };
   MOTIONDB_ASSIGN_OR_RETURN(
-      const MadeToken made,
+      const CreatedToken made,
       call.entry.access().tokens().Make(wanted.role, wanted.database, wanted.description, now_us,
                                         expire_time_us, audit, call.cancelled));
   SetToken(made.record, *response.mutable_token());

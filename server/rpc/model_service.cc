@@ -75,7 +75,7 @@ absl::Status ListNodes(const Call& call, const v1::ListNodesRequest& request,
   const std::string scope =
       fmt::format("{}/models/nodes of layer {}", DatabaseName(id.database), request.layer());
   MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, PinnedTo(position, id)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, ModelOfPage(position, id)));
   MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
   const core::Model& model = snapshot->model;
   const auto layer = model.ResolveLayer(request.layer());
@@ -117,7 +117,7 @@ absl::Status ListTransitions(const Call& call, const v1::ListTransitionsRequest&
   const std::string scope = fmt::format("{}/models/transitions of layer {} of '{}'",
                                         DatabaseName(id.database), request.layer(), request.clip());
   MOTIONDB_ASSIGN_OR_RETURN(const auto position, DecodeModelPosition(scope, request.page_token()));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, PinnedTo(position, id)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto snapshot, FindReadable(call, ModelOfPage(position, id)));
   MOTIONDB_RETURN_IF_ERROR(CheckStillCurrent(position, snapshot->record));
   const core::Model& model = snapshot->model;
   const auto layer = model.ResolveLayer(request.layer());

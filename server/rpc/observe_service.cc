@@ -152,7 +152,7 @@ class ObserveReactor final
   absl::StatusOr<std::unique_ptr<ObserveSession>> OpenSession(const v1::ObserveStart& start) {
     MOTIONDB_ASSIGN_OR_RETURN(const std::string id,
                               ParseDatabaseName("database", start.database()));
-    MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup, SetupFrom(start));
+    MOTIONDB_ASSIGN_OR_RETURN(ObserveSetup setup, ParseObserveSetup(start));
     top_count_ = start.top_count();
     MOTIONDB_ASSIGN_OR_RETURN(Query query, Query::Begin(engine_, id,
                                                         {.cancelled = entry_.cancelled(),
@@ -202,7 +202,7 @@ absl::Status Represent(const Call& call, const v1::RepresentRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const Observation observation,
-      ObservationFrom("observation", request.observation(), query.database()->name()));
+      ParseObservation("observation", request.observation(), query.database()->name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto markers, query.Markers(observation));
   SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();

@@ -19,7 +19,7 @@ absl::Status Recognize(const Call& call, const v1::RecognizeRequest& request,
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseRecognizeOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            ObservationFrom("observation", request.observation(), database));
+                            ParseObservation("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto windows,
                             query.Recognize(observation, options, request.top_count()));
   response.set_calibration(ToProto(query.snapshot()->calibration));
@@ -31,7 +31,7 @@ absl::Status Estimate(const Call& call, const v1::EstimateRequest& request,
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
   MOTIONDB_ASSIGN_OR_RETURN(
       const auto observation,
-      ObservationFrom("observation", request.observation(), query.database()->name()));
+      ParseObservation("observation", request.observation(), query.database()->name()));
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseEstimateOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto estimation, query.Estimate(observation, options));
   SetEstimation(estimation, query.model(), response);
@@ -44,7 +44,7 @@ absl::Status Predict(const Call& call, const v1::PredictRequest& request,
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParsePredictOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            ObservationFrom("observation", request.observation(), database));
+                            ParseObservation("observation", request.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto prediction, query.Predict(observation, options));
   SetPrediction(prediction, database, query.model(), options.method, response);
   response.set_calibration(ToProto(query.snapshot()->calibration));
@@ -58,8 +58,9 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
                             BeginQuery(call, first.database(), "prediction.database"));
   const std::string& database = query.database()->name();
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, ParseSeriesOptions(request));
-  MOTIONDB_ASSIGN_OR_RETURN(const auto observation, ObservationFrom("prediction.observation",
-                                                                    first.observation(), database));
+  MOTIONDB_ASSIGN_OR_RETURN(
+      const auto observation,
+      ParseObservation("prediction.observation", first.observation(), database));
   MOTIONDB_ASSIGN_OR_RETURN(const auto series, query.PredictSeries(observation, options));
   return [series, database, method = options.prediction.method](
              v1::PredictSeriesResponse& message) -> absl::StatusOr<bool> {
@@ -74,7 +75,7 @@ absl::StatusOr<MessageSource<v1::PredictSeriesResponse>> OpenSeries(
 absl::Status Plan(const Call& call, const v1::PlanRequest& request, v1::PlanResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const Query query, BeginQuery(call, request.database()));
   const std::string& database = query.database()->name();
-  MOTIONDB_ASSIGN_OR_RETURN(const PlanRequest plan, PlanRequestFrom(request, database));
+  MOTIONDB_ASSIGN_OR_RETURN(const PlanRequest plan, ParsePlanRequest(request, database));
   MOTIONDB_ASSIGN_OR_RETURN(const PlanResult result, FindPlan(query, plan));
   return SetPlan(result, database, query.model(), request.include_files(), call.cancelled,
                  response);

@@ -80,8 +80,8 @@ class RestoreReactor final : public UploadReactor<v1::RestoreStoreRequest> {
     if (restore_ == nullptr) {
       MOTIONDB_ASSIGN_OR_RETURN(restore_, engine_.store().maintenance().BeginRestore());
     }
-    if (message.block().size() > kMostBlockBytes) {
-      return FieldViolation("block", "expected at most {} bytes, got {}", kMostBlockBytes,
+    if (message.block().size() > kMaxBlockBytes) {
+      return FieldViolation("block", "expected at most {} bytes, got {}", kMaxBlockBytes,
                             message.block().size());
     }
     return AtField("block", restore_->Append(message.block()));

@@ -78,7 +78,7 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
   std::shared_ptr<const KnownToken> token = FindAdminToken(bearer);
   if (token == nullptr) token = tokens_.FindInMemory(bearer);
   if (token == nullptr) {
-    const milliseconds wait = failures_.Wait(SourceOf(address));
+    const milliseconds wait = failures_.Wait(AttemptSource(address));
     if (wait.count() > 0) {
       return Fail(
           "too many wrong tokens", address,
@@ -89,12 +89,12 @@ absl::StatusOr<Caller> AccessControl::ByToken(const std::string& authorization,
     MOTIONDB_ASSIGN_OR_RETURN(token, tokens_.Find(bearer));
   }
   if (token == nullptr) {
-    failures_.Count(SourceOf(address));
+    failures_.Count(AttemptSource(address));
     return Fail("a wrong token", address,
                 core::WithReason("TOKEN_INVALID", absl::UnauthenticatedError(
                                                       "the token is not one of this server's")));
   }
-  if (absl::Status valid = token->CheckHolds(NowMicroseconds()); !valid.ok()) {
+  if (absl::Status valid = token->CheckValid(NowMicroseconds()); !valid.ok()) {
     const std::string what =
         fmt::format("a token that is not valid ({})", std::string(valid.message()));
     return Fail(what, address, std::move(valid));
@@ -124,33 +124,34 @@ bool AccessControl::CanAdministerWithoutToken() const {
          options_.certificate_role == storage::Role::kAdmin;
 }
 
-bool AccessControl::CanBeAdministered(std::int64_t now_us) {
+bool AccessControl::HasAdminAccess(std::int64_t now_us) {
   return CanAdministerWithoutToken() || tokens_.HasAdmin(now_us).value_or(true);
 }
 
 absl::StatusOr<storage::TokenRecord> AccessControl::RevokeToken(
     const std::string& id, std::int64_t now_us, const storage::WriteOptions& terms) {
   return tokens_.Revoke(id, now_us, terms,
-                        CanAdministerWithoutToken() ? TokenRegistry::LastAdmin::kMayGo
+                        CanAdministerWithoutToken() ? TokenRegistry::LastAdmin::kMayRevoke
                                                     : TokenRegistry::LastAdmin::kKeep);
 }
 
 absl::Status AccessControl::Fail(std::string_view what, const std::string& address,
                                  absl::Status status) {
-  if (warnings_.Count(fmt::format("{} {}", SourceOf(address), what))) {
+  if (warnings_.Count(fmt::format("{} {}", AttemptSource(address), what))) {
     spdlog::warn("{} from {}", what, address);
   }
   return status;
 }
 
 absl::Status AccessControl::Recheck(const Caller& caller) const {
-  return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckHolds(NowMicroseconds());
+  return caller.token == nullptr ? absl::OkStatus() : caller.token->CheckValid(NowMicroseconds());
 }
 
 absl::Status AccessControl::Record(const storage::AuditRecord& record, bool of_administrator,
                                    bool changed, const core::Cancelled& cancelled) {
   if (!changed && !of_administrator &&
-      !no_change_entries_.Count(fmt::format("{} {}", SourceOf(record.peer), record.principal))) {
+      !no_change_entries_.Count(
+          fmt::format("{} {}", AttemptSource(record.peer), record.principal))) {
     return absl::OkStatus();
   }
   return StoreAuditRecord(store_, record, cancelled);

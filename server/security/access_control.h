@@ -41,7 +41,7 @@ class AccessControl {
 
   // Returns whether admin access is possible at `now_us`, with a token or without. Returns true if
   // the tokens cannot be read.
-  bool CanBeAdministered(std::int64_t now_us);
+  bool HasAdminAccess(std::int64_t now_us);
 
   // Adds an entry to the audit log, with StoreAuditRecord. Entries of calls that changed nothing
   // (for example, failed calls) are limited to 10 a minute for each source and principal, unless

@@ -42,7 +42,7 @@ void AttemptLimit::MakeRoom(Clock::time_point now) {
       std::ranges::min_element(windows_, {}, [](const auto& entry) { return entry.second.began; }));
 }
 
-std::string SourceOf(const std::string& address) {
+std::string AttemptSource(const std::string& address) {
   in6_addr parsed;
   if (inet_pton(AF_INET6, address.c_str(), &parsed) != 1) return address;
   if (IN6_IS_ADDR_V4MAPPED(&parsed)) return address;

@@ -43,6 +43,6 @@ class AttemptLimit {
 
 // Returns the key of a peer for AttemptLimit: an IPv4 address itself, or the /64 network of an IPv6
 // address, because one peer can use every address of its network.
-std::string SourceOf(const std::string& address);
+std::string AttemptSource(const std::string& address);
 
 }  // namespace motiondb::server

@@ -42,11 +42,11 @@ const char* RoleName(storage::Role role) {
 }
 
 absl::Status Authorize(const Caller& caller, const CallRule& rule, std::string_view resource) {
-  if (caller.role < rule.least_role) {
-    return core::WithReason(
-        "ROLE_REQUIRED", absl::PermissionDeniedError(fmt::format(
-                             "{} needs the role {}; {} has the role {}", rule.method,
-                             RoleName(rule.least_role), caller.principal, RoleName(caller.role))));
+  if (caller.role < rule.min_role) {
+    return core::WithReason("ROLE_REQUIRED",
+                            absl::PermissionDeniedError(fmt::format(
+                                "{} needs the role {}; {} has the role {}", rule.method,
+                                RoleName(rule.min_role), caller.principal, RoleName(caller.role))));
   }
   if (!caller.database.empty() && !IsWithin(caller, rule, resource)) {
     return core::WithReason("DATABASE_NOT_ALLOWED", absl::PermissionDeniedError(fmt::format(

@@ -78,8 +78,8 @@ absl::StatusOr<Key> KeyIn(const std::string& path, const std::string& text) {
 
 }  // namespace
 
-absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files) {
-  TlsTexts texts;
+absl::StatusOr<TlsContents> ReadTlsFiles(const TlsFiles& files) {
+  TlsContents texts;
   MOTIONDB_ASSIGN_OR_RETURN(texts.certificate, ReadTextFile(files.certificate));
   MOTIONDB_ASSIGN_OR_RETURN(texts.key, ReadTextFile(files.key));
   MOTIONDB_ASSIGN_OR_RETURN(const Certificate certificate,

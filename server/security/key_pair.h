@@ -17,7 +17,7 @@ struct TlsFiles {
 };
 
 // The contents of TlsFiles.
-struct TlsTexts {
+struct TlsContents {
   std::string certificate;
   std::string key;
   std::string client_ca;
@@ -26,12 +26,12 @@ struct TlsTexts {
   std::int64_t end_time_s = 0;
   std::string first_to_end;  // path of the file with that certificate
 
-  bool operator==(const TlsTexts&) const = default;
+  bool operator==(const TlsContents&) const = default;
 };
 
 // Returns the contents of the files. Returns INVALID_ARGUMENT with the path if a file cannot be
 // read, has no certificate or key, has an expired certificate, or the key does not match the
 // certificate.
-absl::StatusOr<TlsTexts> ReadTlsFiles(const TlsFiles& files);
+absl::StatusOr<TlsContents> ReadTlsFiles(const TlsFiles& files);
 
 }  // namespace motiondb::server

@@ -36,7 +36,7 @@ absl::StatusOr<std::string> ReadAdminToken(const std::string& path) {
   if (stat(path.c_str(), &status) != 0) {
     return core::InvalidArgument("{}: {}", path, std::strerror(errno));
   }
-  if (const std::string_view fault = FaultOfMode(status.st_mode); !fault.empty()) {
+  if (const std::string_view fault = ModeFault(status.st_mode); !fault.empty()) {
     return core::InvalidArgument("{}: {}; expected mode {}", path, fault, kSecretModes);
   }
   MOTIONDB_ASSIGN_OR_RETURN(std::string text, ReadTextFile(path));

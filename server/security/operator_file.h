@@ -14,7 +14,7 @@ namespace motiondb::server {
 absl::StatusOr<std::string> ReadTextFile(const std::string& path);
 
 // Returns the fault in the mode of a file with a secret; empty if the mode is safe.
-inline std::string_view FaultOfMode(mode_t mode) {
+inline std::string_view ModeFault(mode_t mode) {
   if ((mode & S_IROTH) != 0) return "everybody on this machine can read it";
   if ((mode & S_IWOTH) != 0) return "everybody on this machine can write it";
   if ((mode & S_IWGRP) != 0) return "its group can write it";
@@ -25,7 +25,7 @@ inline std::string_view FaultOfMode(mode_t mode) {
 inline constexpr char kSecretModes[] = "0600 or 0640";
 
 // Returns the token in the admin token file, without surrounding white space. Returns
-// INVALID_ARGUMENT with the path if the file cannot be read, if its mode has a fault (FaultOfMode),
+// INVALID_ARGUMENT with the path if the file cannot be read, if its mode has a fault (ModeFault),
 // or if the token has fewer than 20 characters or non-printable or non-ASCII characters. The error
 // never contains the token.
 absl::StatusOr<std::string> ReadAdminToken(const std::string& path);

@@ -27,7 +27,7 @@ enum class Scope {
 
 struct CallRule {
   std::string_view method;  // "DatabaseService.GetDatabase", of motiondb.v1
-  storage::Role least_role;
+  storage::Role min_role;
   bool recorded;  // in the audit log: the call changes something or copies the whole store
   RequestClass request_class;
   Scope scope;

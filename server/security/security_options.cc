@@ -28,7 +28,7 @@ absl::Status CheckTls(const SecurityOptions& options) {
 void WarnOfKey(const std::string& key, std::vector<std::string>& warnings) {
   struct stat status;
   if (key.empty() || stat(key.c_str(), &status) != 0) return;
-  const std::string_view fault = FaultOfMode(status.st_mode);
+  const std::string_view fault = ModeFault(status.st_mode);
   if (fault.empty()) return;
   warnings.push_back(
       fmt::format("{}: {}; a program with this key can impersonate the server; expected mode {}",
@@ -45,12 +45,12 @@ bool IsLoopback(const std::string& listen) {
   return host == "::1" || host == "localhost";
 }
 
-absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
-                                          const std::string& listen) {
+absl::StatusOr<SecurityConfig> DeriveSecurityConfig(const SecurityOptions& options,
+                                                    const std::string& listen) {
   MOTIONDB_RETURN_IF_ERROR(CheckTls(options));
   const bool loopback = IsLoopback(listen);
   const bool encrypted = options.tls.enabled();
-  SecurityPlan plan;
+  SecurityConfig plan;
   // A token over plain text is readable on the network, and the client library sends none. So with
   // --insecure and without TLS, tokens are required only if the operator sets it.
   plan.access.authentication = options.authentication == Authentication::kByAddress

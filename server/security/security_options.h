@@ -36,7 +36,7 @@ struct SecurityOptions {
   int failures_per_minute = AccessOptions().failures_per_minute;
 };
 
-struct SecurityPlan {
+struct SecurityConfig {
   AccessOptions access;
   bool reflection = true;
   std::vector<std::string> warnings;  // for the operator, at start
@@ -48,7 +48,7 @@ bool IsLoopback(const std::string& listen);
 // Derives the configuration. Returns INVALID_ARGUMENT if options contradict each other or a file is
 // invalid (with its path); FAILED_PRECONDITION if other machines can reach `listen` without TLS or
 // authentication, unless `insecure` is set.
-absl::StatusOr<SecurityPlan> PlanSecurity(const SecurityOptions& options,
-                                          const std::string& listen);
+absl::StatusOr<SecurityConfig> DeriveSecurityConfig(const SecurityOptions& options,
+                                                    const std::string& listen);
 
 }  // namespace motiondb::server

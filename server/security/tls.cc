@@ -14,15 +14,15 @@
 
 namespace motiondb::server {
 
-FileWatch::FileWatch(std::string what, std::string file, Take take,
-                     std::chrono::milliseconds period)
+FileReloader::FileReloader(std::string what, std::string file, Take take,
+                           std::chrono::milliseconds period)
     : what_(std::move(what)),
       file_(std::move(file)),
       take_(std::move(take)),
       period_(period),
       thread_([this] { Watch(); }) {}
 
-FileWatch::~FileWatch() {
+FileReloader::~FileReloader() {
   {
     const storage::MutexLock lock(mutex_);
     stopping_ = true;
@@ -33,7 +33,7 @@ FileWatch::~FileWatch() {
 
 // Reads the content, not the modification time: two changes within one clock tick have the same
 // time. The files are small.
-void FileWatch::Watch() {
+void FileReloader::Watch() {
   const storage::MutexLock lock(mutex_);
   const auto stopping = [this] {
     mutex_.AssertHeld();
@@ -42,7 +42,7 @@ void FileWatch::Watch() {
   while (!wake_.WaitUntil(mutex_, storage::WaitClock::now() + period_, stopping)) Look();
 }
 
-void FileWatch::Look() {
+void FileReloader::Look() {
   const absl::StatusOr<bool> taken = take_();
   if (taken.ok()) {
     fault_.clear();
@@ -84,7 +84,7 @@ int ChooseProtocol(SSL*, const unsigned char** chosen, unsigned char* size,
   return SSL_TLSEXT_ERR_OK;
 }
 
-bool UsePair(SSL_CTX& context, const TlsTexts& texts) {
+bool UsePair(SSL_CTX& context, const TlsContents& texts) {
   const Memory chain = MemoryOf(texts.certificate);
   const Certificate own = NextIn(*chain);
   const Memory key_text = MemoryOf(texts.key);
@@ -109,7 +109,7 @@ bool RequireClients(SSL_CTX& context, const std::string& authorities) {
   return true;
 }
 
-absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsTexts& texts) {
+absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsContents& texts) {
   const std::shared_ptr<SSL_CTX> context(SSL_CTX_new(TLS_server_method()), SSL_CTX_free);
   if (context == nullptr) return absl::ResourceExhaustedError("TLS: out of memory");
   SSL_CTX_set_min_proto_version(context.get(), TLS1_2_VERSION);
@@ -136,16 +136,16 @@ absl::StatusOr<std::shared_ptr<SSL_CTX>> MakeContext(const TlsTexts& texts) {
 }  // namespace
 
 absl::StatusOr<std::unique_ptr<Tls>> Tls::Start(const TlsFiles& files,
-                                                CertificateEnd::Tell tell_end) {
-  MOTIONDB_ASSIGN_OR_RETURN(TlsTexts texts, ReadTlsFiles(files));
+                                                CertificateExpiry::Tell tell_end) {
+  MOTIONDB_ASSIGN_OR_RETURN(TlsContents texts, ReadTlsFiles(files));
   MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
-  CertificateEnd end(std::move(tell_end));
+  CertificateExpiry end(std::move(tell_end));
   end.Look(texts.first_to_end, texts.end_time_s, std::time(nullptr));
   return std::unique_ptr<Tls>(new Tls(files, std::move(texts), std::move(context), std::move(end)));
 }
 
-Tls::Tls(const TlsFiles& files, TlsTexts texts, std::shared_ptr<SSL_CTX> context,
-         CertificateEnd end)
+Tls::Tls(const TlsFiles& files, TlsContents texts, std::shared_ptr<SSL_CTX> context,
+         CertificateExpiry end)
     : files_(files),
       texts_(std::move(texts)),
       context_(std::move(context)),
@@ -158,7 +158,7 @@ std::shared_ptr<SSL_CTX> Tls::context() const {
 }
 
 absl::StatusOr<bool> Tls::TakeChange() {
-  MOTIONDB_ASSIGN_OR_RETURN(const TlsTexts texts, ReadTlsFiles(files_));
+  MOTIONDB_ASSIGN_OR_RETURN(const TlsContents texts, ReadTlsFiles(files_));
   const bool changed = texts != texts_;
   if (changed) {
     MOTIONDB_ASSIGN_OR_RETURN(auto context, MakeContext(texts));
@@ -177,9 +177,9 @@ constexpr std::int64_t kSoonSeconds = std::int64_t{14} * 24 * 3600;
 
 }  // namespace
 
-CertificateEnd::CertificateEnd(Tell tell) : tell_(std::move(tell)) {}
+CertificateExpiry::CertificateExpiry(Tell tell) : tell_(std::move(tell)) {}
 
-void CertificateEnd::Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s) {
+void CertificateExpiry::Look(const std::string& file, std::int64_t end_time_s, std::int64_t now_s) {
   if (end_time_s != end_time_s_) {
     end_time_s_ = end_time_s;
     warned_ = false;

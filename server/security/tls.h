@@ -18,18 +18,18 @@ namespace motiondb::server {
 
 // Reloads files periodically, on its own thread. Logs each reload. Logs a fault once; the previous
 // content then stays in use.
-class FileWatch {
+class FileReloader {
  public:
   // Reads the files and applies their content. Returns whether the content is new. Runs on the
-  // thread of the FileWatch. Its errors must not contain secrets.
+  // thread of the FileReloader. Its errors must not contain secrets.
   using Take = std::function<absl::StatusOr<bool>()>;
 
   // `what` names the content for the log ("certificates"); `file` is its path.
-  FileWatch(std::string what, std::string file, Take take,
-            std::chrono::milliseconds period = std::chrono::seconds(1));
-  ~FileWatch();
-  FileWatch(const FileWatch&) = delete;
-  FileWatch& operator=(const FileWatch&) = delete;
+  FileReloader(std::string what, std::string file, Take take,
+               std::chrono::milliseconds period = std::chrono::seconds(1));
+  ~FileReloader();
+  FileReloader(const FileReloader&) = delete;
+  FileReloader& operator=(const FileReloader&) = delete;
 
  private:
   void Watch();
@@ -48,13 +48,13 @@ class FileWatch {
 };
 
 // Reports when the certificates expire, and warns 14 days before.
-class CertificateEnd {
+class CertificateExpiry {
  public:
   // Receives the expiry of new certificates, Unix time in s.
   using Tell = std::function<void(std::int64_t end_time_s)>;
 
   // `tell` may be empty.
-  explicit CertificateEnd(Tell tell);
+  explicit CertificateExpiry(Tell tell);
 
   // Checks the certificate in `file` that expires at `end_time_s`; `now_s` is the current time,
   // both Unix time in s. Logs a warning once for each certificate, from 14 days before its expiry.
@@ -71,10 +71,10 @@ class CertificateEnd {
 class Tls {
  public:
   // Loads the files and watches them. Returns INVALID_ARGUMENT with the path of an invalid file.
-  // Calls `tell_end` with the expiry here and, on the thread of the FileWatch, for each new
+  // Calls `tell_end` with the expiry here and, on the thread of the FileReloader, for each new
   // certificate.
   static absl::StatusOr<std::unique_ptr<Tls>> Start(const TlsFiles& files,
-                                                    CertificateEnd::Tell tell_end);
+                                                    CertificateExpiry::Tell tell_end);
 
   // Returns the context for new connections: TLS 1.2 or later, only HTTP/2, no session resumption.
   // Requires a client certificate if `client_ca` is set. The files are read every second; an
@@ -82,15 +82,16 @@ class Tls {
   std::shared_ptr<SSL_CTX> context() const;
 
  private:
-  Tls(const TlsFiles& files, TlsTexts texts, std::shared_ptr<SSL_CTX> context, CertificateEnd end);
+  Tls(const TlsFiles& files, TlsContents texts, std::shared_ptr<SSL_CTX> context,
+      CertificateExpiry end);
   absl::StatusOr<bool> TakeChange();
 
   const TlsFiles files_;
-  TlsTexts texts_;  // in use
+  TlsContents texts_;  // in use
   mutable storage::Mutex mutex_;
   std::shared_ptr<SSL_CTX> context_ ABSL_GUARDED_BY(mutex_);
-  CertificateEnd end_;
-  FileWatch watch_;  // last member: its thread uses the members above
+  CertificateExpiry end_;
+  FileReloader watch_;  // last member: its thread uses the members above
 };
 
 }  // namespace motiondb::server

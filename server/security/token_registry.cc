@@ -20,7 +20,7 @@ constexpr int kPageSize = 1000;
 // Returns whether the token is valid and has the role admin for all databases.
 bool Administers(const storage::TokenRecord& token, std::int64_t now_us) {
   return token.role == storage::Role::kAdmin && token.database.empty() &&
-         KnownToken(token).CheckHolds(now_us).ok();
+         KnownToken(token).CheckValid(now_us).ok();
 }
 
 }  // namespace
@@ -29,7 +29,7 @@ bool KnownToken::HasSecret(std::string_view secret) const {
   return SameBytes(HashSecret(record_.salt, secret), record_.secret_hash);
 }
 
-absl::Status KnownToken::CheckHolds(std::int64_t now_us) const {
+absl::Status KnownToken::CheckValid(std::int64_t now_us) const {
   if (state_ != State::kValid) {
     return core::WithReason("TOKEN_REVOKED", absl::UnauthenticatedError(
                                                  fmt::format("tokens/{} was revoked", record_.id)));
@@ -54,16 +54,17 @@ absl::Status TokenRegistry::ReadAhead(std::int64_t now_us) {
     after = page.back().id;
     for (storage::TokenRecord& record : page) {
       if (known_.size() >= kMaxReadAhead) return absl::OkStatus();
-      if (KnownToken(record).CheckHolds(now_us).ok()) Keep(std::move(record), now_us);
+      if (KnownToken(record).CheckValid(now_us).ok()) Keep(std::move(record), now_us);
     }
   }
 }
 
-absl::StatusOr<MadeToken> TokenRegistry::Make(storage::Role role, const std::string& database,
-                                              const std::string& description, std::int64_t now_us,
-                                              std::int64_t expire_time_us, const MakeAudit& audit,
-                                              const core::Cancelled& cancelled) {
-  MadeToken made;
+absl::StatusOr<CreatedToken> TokenRegistry::Make(storage::Role role, const std::string& database,
+                                                 const std::string& description,
+                                                 std::int64_t now_us, std::int64_t expire_time_us,
+                                                 const MakeAudit& audit,
+                                                 const core::Cancelled& cancelled) {
+  CreatedToken made;
   storage::TokenRecord& record = made.record;
   MOTIONDB_ASSIGN_OR_RETURN(record.id, RandomHex(text::kTokenIdBytes));
   MOTIONDB_ASSIGN_OR_RETURN(record.salt, RandomHex(kSaltBytes));

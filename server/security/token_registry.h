@@ -42,7 +42,7 @@ class KnownToken {
   // Returns whether the token can never become valid again; false while suspended.
   bool HasEnded(std::int64_t now_us) const;
   // Returns UNAUTHENTICATED if the token is revoked, suspended or expired.
-  absl::Status CheckHolds(std::int64_t now_us) const;
+  absl::Status CheckValid(std::int64_t now_us) const;
 
  private:
   enum class State { kValid, kSuspended, kEnded };
@@ -54,7 +54,7 @@ class KnownToken {
   std::atomic<State> state_;
 };
 
-struct MadeToken {
+struct CreatedToken {
   storage::TokenRecord record;
   std::string secret;  // `mdb_{id}_{secret}`, as the client sends it
 };
@@ -72,12 +72,12 @@ class TokenRegistry {
 
   // Creates a token at `now_us` that expires at `expire_time_us`; 0: never. `audit`, if set, makes
   // the entry of the audit log, which is stored in the same transaction.
-  absl::StatusOr<MadeToken> Make(storage::Role role, const std::string& database,
-                                 const std::string& description, std::int64_t now_us,
-                                 std::int64_t expire_time_us, const MakeAudit& audit = {},
-                                 const core::Cancelled& cancelled = {});
-  // Whether the last admin token may be revoked (kMayGo) or not (kKeep).
-  enum class LastAdmin { kMayGo, kKeep };
+  absl::StatusOr<CreatedToken> Make(storage::Role role, const std::string& database,
+                                    const std::string& description, std::int64_t now_us,
+                                    std::int64_t expire_time_us, const MakeAudit& audit = {},
+                                    const core::Cancelled& cancelled = {});
+  // Whether the last admin token may be revoked (kMayRevoke) or not (kKeep).
+  enum class LastAdmin { kMayRevoke, kKeep };
 
   // Refuses the token immediately and returns when the revocation is durable. Returns
   // FAILED_PRECONDITION if the token is the last valid admin token for all databases and
@@ -85,7 +85,7 @@ class TokenRegistry {
   // before.
   absl::StatusOr<storage::TokenRecord> Revoke(const std::string& id, std::int64_t now_us,
                                               const storage::WriteOptions& terms = {},
-                                              LastAdmin last_admin = LastAdmin::kMayGo);
+                                              LastAdmin last_admin = LastAdmin::kMayRevoke);
 
   // Returns whether a valid admin token for all databases exists at `now_us`. Returns errors of the
   // store.

@@ -71,7 +71,7 @@ absl::Status CheckThreads(int count) {
 
 }  // namespace
 
-void SaveAddressSpace() {
+void LimitMallocArenas() {
   rlimit limit{};
   if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
   mallopt(M_ARENA_MAX, 2);

@@ -16,7 +16,7 @@ absl::Status CheckProcessLimits(int work_threads);
 
 // If the address space is limited (RLIMIT_AS), limits malloc to two arenas. Each arena reserves 64
 // MiB, and the default is eight arenas for each core. Call this before threads start.
-void SaveAddressSpace();
+void LimitMallocArenas();
 
 // Returns the memory that this process may use, in bytes: the minimum of the machine's memory and
 // the limits of the process's control groups (versions 1 and 2) and their ancestors. `root` is the

@@ -217,7 +217,7 @@ SettingsReader::SettingsReader()
       "override the file.");
 }
 
-std::vector<absl::Status> SettingsReader::CheckToServe() const {
+std::vector<absl::Status> SettingsReader::CheckForStart() const {
   std::vector<absl::Status> problems;
   CheckHttpSettings(settings_, problems);
   CheckLimitSettings(settings_, problems);
@@ -226,7 +226,7 @@ std::vector<absl::Status> SettingsReader::CheckToServe() const {
 }
 
 std::vector<absl::Status> SettingsReader::Check() const {
-  std::vector<absl::Status> problems = CheckToServe();
+  std::vector<absl::Status> problems = CheckForStart();
   CheckStoreSettings(settings_, problems);
   return problems;
 }

@@ -72,8 +72,8 @@ class SettingsReader {
   std::vector<EffectiveSetting> Effective() const;
   // Returns the problems of the settings as a whole (groups.h). With a problem the server does not
   // start.
-  std::vector<absl::Status> CheckToServe() const;
-  // Like CheckToServe, and checks the store, for --check-config. A start does not check the store
+  std::vector<absl::Status> CheckForStart() const;
+  // Like CheckForStart, and checks the store, for --check-config. A start does not check the store
   // beforehand: opening it reports errors.
   std::vector<absl::Status> Check() const;
   std::string Help() const { return app_.help(); }

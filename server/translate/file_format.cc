@@ -19,8 +19,8 @@ v1::FileFormat ToProto(core::FileFormat format) {
   return v1::FILE_FORMAT_UNSPECIFIED;
 }
 
-absl::StatusOr<core::FileFormat> FileFormatFrom(std::string_view prefix, v1::FileFormat format,
-                                                const std::string& file_name) {
+absl::StatusOr<core::FileFormat> ParseFileFormat(std::string_view prefix, v1::FileFormat format,
+                                                 const std::string& file_name) {
   switch (format) {
     case v1::FILE_FORMAT_BVH:
       return core::FileFormat::kBvh;
@@ -55,8 +55,8 @@ absl::Status CheckSkeletonFile(std::string_view prefix, core::FileFormat format,
   return absl::OkStatus();
 }
 
-absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
-                                            const v1::SourceConventions& conventions) {
+absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
+                                             const v1::SourceConventions& conventions) {
   const auto field = [&](std::string_view name) {
     return fmt::format("{}.conventions.{}", prefix, name);
   };

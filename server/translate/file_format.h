@@ -14,8 +14,8 @@ v1::FileFormat ToProto(core::FileFormat format);
 
 // Returns `format`; if unspecified, the format of the extension of `file_name`. `prefix` is the
 // path of the message for errors: "header" for header.format and header.file_name.
-absl::StatusOr<core::FileFormat> FileFormatFrom(std::string_view prefix, v1::FileFormat format,
-                                                const std::string& file_name);
+absl::StatusOr<core::FileFormat> ParseFileFormat(std::string_view prefix, v1::FileFormat format,
+                                                 const std::string& file_name);
 
 // Returns INVALID_ARGUMENT for AMC without an ASF file, and for another format with a skeleton
 // file.
@@ -28,7 +28,7 @@ struct Conventions {
 };
 
 // Converts conventions. Numbers must be finite and not negative; 0 means not given.
-absl::StatusOr<Conventions> ConventionsFrom(std::string_view prefix,
-                                            const v1::SourceConventions& conventions);
+absl::StatusOr<Conventions> ParseConventions(std::string_view prefix,
+                                             const v1::SourceConventions& conventions);
 
 }  // namespace motiondb::server

@@ -57,13 +57,13 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
   MOTIONDB_RETURN_IF_ERROR(
       CheckFileName("header.skeleton_file_name", clip_.record.skeleton_file_name));
   MOTIONDB_ASSIGN_OR_RETURN(clip_.record.format,
-                            FileFormatFrom("header", header.format(), clip_.record.file_name));
+                            ParseFileFormat("header", header.format(), clip_.record.file_name));
   MOTIONDB_RETURN_IF_ERROR(
       CheckSkeletonFile("header", clip_.record.format, clip_.record.skeleton_file_name));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.label", header.label(), kMaxTextBytes));
   MOTIONDB_RETURN_IF_ERROR(CheckPlainText("header.subject", header.subject(), kMaxTextBytes));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
-                            ConventionsFrom("header", header.conventions()));
+                            ParseConventions("header", header.conventions()));
   if (!header.clip_id().empty()) {
     MOTIONDB_RETURN_IF_ERROR(CheckClipId("header.clip_id", header.clip_id()));
   }
@@ -79,9 +79,8 @@ absl::Status IngestStream::TakeHeader(const v1::IngestClipHeader& header) {
 
 absl::Status IngestStream::TakeBlock(std::string_view field, std::string& block,
                                      std::string& bytes) {
-  if (block.size() > kMostBlockBytes) {
-    return FieldViolation(field, "expected at most {} bytes, got {}", kMostBlockBytes,
-                          block.size());
+  if (block.size() > kMaxBlockBytes) {
+    return FieldViolation(field, "expected at most {} bytes, got {}", kMaxBlockBytes, block.size());
   }
   const std::size_t received = clip_.file_bytes.size() + clip_.skeleton_bytes.size();
   if (block.size() > max_file_bytes_ - received) {

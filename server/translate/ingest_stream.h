@@ -15,7 +15,7 @@ class IngestClipRequest;
 namespace motiondb::server {
 
 // Maximum size of a file block in one message.
-inline constexpr std::size_t kMostBlockBytes = std::size_t{1} << 20;
+inline constexpr std::size_t kMaxBlockBytes = std::size_t{1} << 20;
 
 class IngestStream {
  public:

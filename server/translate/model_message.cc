@@ -23,7 +23,7 @@ void SetModel(const storage::ModelRecord& record, const core::BuildSettings& set
   message.set_version(record.version);
   message.set_state(current ? v1::MODEL_STATE_CURRENT : v1::MODEL_STATE_SUPERSEDED);
   SetTimestamp(record.create_time_us, *message.mutable_create_time());
-  SetModelFigures(record, message);
+  SetModelStatistics(record, message);
   message.set_added_frame_count(record.added_frame_count);
   message.set_scaling(ToProto(settings.scaling));
   if (!current) return;

@@ -18,10 +18,10 @@ absl::StatusOr<Observation> FromFile(std::string field, const v1::FileObservatio
   }
   ObservedFile file;
   MOTIONDB_ASSIGN_OR_RETURN(file.format,
-                            FileFormatFrom(field, message.format(), message.file_name()));
+                            ParseFileFormat(field, message.format(), message.file_name()));
   MOTIONDB_RETURN_IF_ERROR(CheckSkeletonFile(field, file.format, message.skeleton_file_name()));
   MOTIONDB_ASSIGN_OR_RETURN(const Conventions conventions,
-                            ConventionsFrom(field, message.conventions()));
+                            ParseConventions(field, message.conventions()));
   file.file = {message.file_name(), message.data()};
   if (!message.skeleton_file_name().empty()) {
     file.skeleton = core::SourceFile{message.skeleton_file_name(), message.skeleton_data()};
@@ -58,8 +58,8 @@ absl::StatusOr<Observation> FromJoints(std::string field, const v1::JointObserva
 
 }  // namespace
 
-absl::StatusOr<Observation> ObservationFrom(std::string_view field, const v1::Observation& message,
-                                            const std::string& database) {
+absl::StatusOr<Observation> ParseObservation(std::string_view field, const v1::Observation& message,
+                                             const std::string& database) {
   switch (message.form_case()) {
     case v1::Observation::kFile:
       return FromFile(fmt::format("{}.file", field), message.file());
@@ -73,7 +73,7 @@ absl::StatusOr<Observation> ObservationFrom(std::string_view field, const v1::Ob
   return FieldViolation(field, "expected one of file, markers, joints");
 }
 
-absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start) {
+absl::StatusOr<ObserveSetup> ParseObserveSetup(const v1::ObserveStart& start) {
   ObserveSetup setup;
   setup.marker_names.assign(start.marker_names().begin(), start.marker_names().end());
   setup.frame_rate_hz = start.frame_rate_hz();

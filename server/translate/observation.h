@@ -21,10 +21,10 @@ namespace motiondb::server {
 // Converts an observation; the result refers to `message`. `field` is the path of the observation
 // in the request, for errors; `database` is the id of the database. Returns INVALID_ARGUMENT for an
 // invalid field.
-absl::StatusOr<Observation> ObservationFrom(std::string_view field, const v1::Observation& message,
-                                            const std::string& database);
+absl::StatusOr<Observation> ParseObservation(std::string_view field, const v1::Observation& message,
+                                             const std::string& database);
 
-absl::StatusOr<ObserveSetup> SetupFrom(const v1::ObserveStart& start);
+absl::StatusOr<ObserveSetup> ParseObserveSetup(const v1::ObserveStart& start);
 
 // The result refers to `frames`.
 PackedFrames FramesFrom(const v1::ObservedFrames& frames);

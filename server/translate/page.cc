@@ -73,7 +73,7 @@ absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope,
   return position;
 }
 
-ModelId PinnedTo(const ModelPosition& position, const ModelId& id) {
+ModelId ModelOfPage(const ModelPosition& position, const ModelId& id) {
   return {id.database, position.create_time_us == 0 ? id.version : 0};
 }
 

@@ -79,7 +79,7 @@ absl::StatusOr<ModelPosition> DecodeModelPosition(std::string_view scope, const 
 
 // Returns the model to read: `id` for the first page; the current model for later pages, so that
 // CheckStillCurrent detects a replaced model.
-ModelId PinnedTo(const ModelPosition& position, const ModelId& id);
+ModelId ModelOfPage(const ModelPosition& position, const ModelId& id);
 
 // Returns ABORTED if the position belongs to another model than `current`.
 absl::Status CheckStillCurrent(const ModelPosition& position, const storage::ModelRecord& current);

@@ -250,7 +250,7 @@ absl::Status SetStart(const v1::PlanRequest& request, const std::string& databas
   } else if (request.has_observation_start()) {
     MOTIONDB_ASSIGN_OR_RETURN(
         plan.observation_start,
-        ObservationFrom("observation_start", request.observation_start(), database));
+        ParseObservation("observation_start", request.observation_start(), database));
   }
   return absl::OkStatus();
 }
@@ -268,8 +268,8 @@ absl::Status SetBody(const v1::PlanRequest& request, const std::string& database
 
 }  // namespace
 
-absl::StatusOr<PlanRequest> PlanRequestFrom(const v1::PlanRequest& request,
-                                            const std::string& database) {
+absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
+                                             const std::string& database) {
   PlanRequest plan;
   MOTIONDB_ASSIGN_OR_RETURN(plan.problem.goal, GoalFrom(request));
   MOTIONDB_RETURN_IF_ERROR(SetNumbers(request, plan));

@@ -22,8 +22,8 @@ namespace motiondb::server {
 
 // Converts a request; the result refers to `request`. `database` is the id of the database. Returns
 // INVALID_ARGUMENT with the field.
-absl::StatusOr<PlanRequest> PlanRequestFrom(const v1::PlanRequest& request,
-                                            const std::string& database);
+absl::StatusOr<PlanRequest> ParsePlanRequest(const v1::PlanRequest& request,
+                                             const std::string& database);
 
 // Sets a plan. `with_files` adds each motion as a file. Returns CANCELLED if cancelled.
 absl::Status SetPlan(const PlanResult& plan, const std::string& database, const core::Model& model,

@@ -90,13 +90,13 @@ v1::Calibration ToProto(Calibration calibration) {
   return v1::CALIBRATION_UNSPECIFIED;
 }
 
-absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
+absl::StatusOr<core::BuildSettings> ParseBuildSettings(const v1::Database& database) {
   core::BuildSettings settings;
   const double rate = database.frame_rate_hz();
   if (database.has_frame_rate_hz() &&
-      !(rate >= core::kLowestFrameRateHz && rate <= core::kHighestFrameRateHz)) {
+      !(rate >= core::kMinFrameRate_hz && rate <= core::kMaxFrameRate_hz)) {
     return FieldViolation("database.frame_rate_hz", "expected {} to {}, got {}",
-                          core::kLowestFrameRateHz, core::kHighestFrameRateHz, rate);
+                          core::kMinFrameRate_hz, core::kMaxFrameRate_hz, rate);
   }
   const int min_frames = database.min_frames();
   if (database.has_min_frames() &&
@@ -111,7 +111,7 @@ absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database) {
   return settings;
 }
 
-absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database) {
+absl::StatusOr<MarkerSetSetting> ParseMarkerSet(const v1::Database& database) {
   MOTIONDB_RETURN_IF_ERROR(CheckPlainLines("database.marker_set_file", database.marker_set_file()));
   auto setting = ResolveMarkerSet(database.marker_set(), database.marker_set_file());
   if (setting.ok()) return setting;
@@ -159,7 +159,7 @@ void SetStatistics(const LiveDatabase& live, const Snapshot* snapshot,
   if (snapshot == nullptr) return;
 
   const storage::ModelRecord& record = snapshot->record;
-  SetModelFigures(record, message);
+  SetModelStatistics(record, message);
   const auto& nodes = record.nodes_per_layer;
   message.set_layer_count(static_cast<int>(nodes.size()));
   message.set_node_count(std::accumulate(nodes.begin(), nodes.end(), 0));
@@ -324,8 +324,8 @@ absl::StatusOr<std::int64_t> TtlFrom(const google::protobuf::Duration& ttl) {
 
 }  // namespace
 
-absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request) {
-  WantedToken wanted;
+absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request) {
+  NewTokenSpec wanted;
   const v1::Token& token = request.token();
   MOTIONDB_ASSIGN_OR_RETURN(wanted.role, RoleFrom(token.role()));
   if (!token.database().empty()) {

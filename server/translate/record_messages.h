@@ -30,13 +30,13 @@ namespace motiondb::server {
 
 // Returns the settings of a database to create, with defaults for settings not given. Returns
 // INVALID_ARGUMENT with the field, below `database`.
-absl::StatusOr<core::BuildSettings> SettingsFrom(const v1::Database& database);
-absl::StatusOr<MarkerSetSetting> MarkerSetFrom(const v1::Database& database);
+absl::StatusOr<core::BuildSettings> ParseBuildSettings(const v1::Database& database);
+absl::StatusOr<MarkerSetSetting> ParseMarkerSet(const v1::Database& database);
 
 // Sets the statistics that Model and DescribeDatabaseResponse have in common. They are the stored
 // values, as in `status` and in the metrics.
 template <typename Message>
-void SetModelFigures(const storage::ModelRecord& record, Message& message) {
+void SetModelStatistics(const storage::ModelRecord& record, Message& message) {
   message.set_build_seconds(record.build_seconds);
   message.set_frame_count(record.frame_count);
   message.set_clip_count(record.clip_count);
@@ -74,7 +74,7 @@ void SetSkeleton(const std::string& database, const storage::SkeletonRecord& rec
 void SetOperation(const storage::OperationRecord& record, v1::Operation& message);
 
 // A token to create.
-struct WantedToken {
+struct NewTokenSpec {
   storage::Role role = storage::Role::kReader;
   std::string database;  // id; empty: all
   std::string description;
@@ -82,7 +82,7 @@ struct WantedToken {
 };
 
 // Returns INVALID_ARGUMENT with the field.
-absl::StatusOr<WantedToken> WantedFrom(const v1::CreateTokenRequest& request);
+absl::StatusOr<NewTokenSpec> ParseCreateToken(const v1::CreateTokenRequest& request);
 
 void SetToken(const storage::TokenRecord& record, v1::Token& message);
 void SetAuditEntry(const storage::AuditRecord& record, v1::AuditEntry& message);

@@ -34,38 +34,38 @@ core::MotionPrior GetPrior(FieldReader& reader, Eigen::Index dimensions) {
 }
 
 void PutConfidence(FieldWriter& writer, const core::PredictionConfidence& confidence) {
-  writer.PutCount(confidence.laws.size());
-  for (const core::ErrorModel& law : confidence.laws) {
-    writer.Put(law.seconds);
-    for (const double coefficient : law.coefficients) writer.Put(coefficient);
-    for (const double lowest : law.lowest) writer.Put(lowest);
-    for (const double highest : law.highest) writer.Put(highest);
-    writer.Put(law.deviation);
+  writer.PutCount(confidence.models.size());
+  for (const core::ErrorModel& model : confidence.models) {
+    writer.Put(model.seconds);
+    for (const double coefficient : model.coefficients) writer.Put(coefficient);
+    for (const double lowest : model.lowest) writer.Put(lowest);
+    for (const double highest : model.highest) writer.Put(highest);
+    writer.Put(model.deviation);
   }
 }
 
 core::PredictionConfidence GetConfidence(FieldReader& reader) {
   core::PredictionConfidence confidence;
-  confidence.laws.resize(reader.GetCount(kErrorModelBytes));
+  confidence.models.resize(reader.GetCount(kErrorModelBytes));
   double before = 0;
-  for (core::ErrorModel& law : confidence.laws) {
-    law.seconds = reader.Get<double>();
-    bool finite = law.seconds > before && std::isfinite(law.seconds);
-    before = law.seconds;
+  for (core::ErrorModel& model : confidence.models) {
+    model.seconds = reader.Get<double>();
+    bool finite = model.seconds > before && std::isfinite(model.seconds);
+    before = model.seconds;
     const auto get = [&](auto& numbers) {
       for (double& number : numbers) {
         number = reader.Get<double>();
         finite = finite && std::isfinite(number);
       }
     };
-    get(law.coefficients);
-    get(law.lowest);
-    get(law.highest);
-    law.deviation = reader.Get<double>();
-    for (std::size_t i = 0; i < law.lowest.size(); ++i) {
-      finite = finite && law.lowest[i] <= law.highest[i];
+    get(model.coefficients);
+    get(model.lowest);
+    get(model.highest);
+    model.deviation = reader.Get<double>();
+    for (std::size_t i = 0; i < model.lowest.size(); ++i) {
+      finite = finite && model.lowest[i] <= model.highest[i];
     }
-    if (!finite || !(law.deviation > 0)) {
+    if (!finite || !(model.deviation > 0)) {
       reader.Fail(core::DataLoss("confidence: invalid error model of the predictions"));
       return {};
     }

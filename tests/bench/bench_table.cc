@@ -73,14 +73,14 @@ std::optional<bool> BenchRow::met() const {
   return std::nullopt;
 }
 
-BenchRow TimesFaster(std::string name, double ours, std::string against, double theirs,
-                     std::string unit, Bar bar) {
+BenchRow SpeedupRow(std::string name, double ours, std::string against, double theirs,
+                    std::string unit, Bar bar) {
   return {
       std::move(name), ours, std::move(against), theirs, std::move(unit), theirs / ours, bar, {}};
 }
 
-BenchRow TimesTheirs(std::string name, double ours, std::string against, double theirs,
-                     std::string unit, Bar bar) {
+BenchRow RatioRow(std::string name, double ours, std::string against, double theirs,
+                  std::string unit, Bar bar) {
   return {
       std::move(name), ours, std::move(against), theirs, std::move(unit), ours / theirs, bar, {}};
 }

@@ -20,7 +20,7 @@ struct Bar {
 
 inline Bar AtLeast(double limit) { return {Bar::Kind::kAtLeast, limit}; }
 inline Bar AtMost(double limit) { return {Bar::Kind::kAtMost, limit}; }
-inline Bar Reported() { return {}; }
+inline Bar NoBar() { return {}; }
 
 struct BenchRow {
   std::string name;     // the measurement: "recognize 0.4 s, 2000 clips"
@@ -37,12 +37,12 @@ struct BenchRow {
 };
 
 // Returns a row of times (less is better): ratio = theirs / ours.
-BenchRow TimesFaster(std::string name, double ours, std::string against, double theirs,
-                     std::string unit, Bar bar);
+BenchRow SpeedupRow(std::string name, double ours, std::string against, double theirs,
+                    std::string unit, Bar bar);
 // Returns a row of costs, with ratio = ours / theirs. Rates (more is better) are such rows with a
 // bar AtLeast.
-BenchRow TimesTheirs(std::string name, double ours, std::string against, double theirs,
-                     std::string unit, Bar bar);
+BenchRow RatioRow(std::string name, double ours, std::string against, double theirs,
+                  std::string unit, Bar bar);
 
 struct BenchTable {
   std::string title;  // of the benchmark: "parsing"

@@ -8,9 +8,9 @@ namespace {
 
 BenchTable SomeTable() {
   BenchTable table{"parsing", {}, {"two files"}};
-  table.rows.push_back(TimesFaster("read", 2, "peer", 12, "ms", AtLeast(5)));
-  table.rows.push_back(TimesTheirs("many", 30, "few", 5, "ms", AtMost(5)));
-  table.rows.push_back(TimesTheirs("rate", 1, "copy", 0, "MB/s", Reported()));
+  table.rows.push_back(SpeedupRow("read", 2, "peer", 12, "ms", AtLeast(5)));
+  table.rows.push_back(RatioRow("many", 30, "few", 5, "ms", AtMost(5)));
+  table.rows.push_back(RatioRow("rate", 1, "copy", 0, "MB/s", NoBar()));
   table.rows[1].note = "it is slow";
   return table;
 }
@@ -24,8 +24,8 @@ TEST_CASE("Bench table: the ratio decides whether a bar is met", "[bench]") {
   CHECK(table.rows[1].ratio == 6);
   CHECK(table.rows[1].met() == false);
   CHECK_FALSE(table.rows[2].met().has_value());
-  CHECK(TimesFaster("", 0, "", 1, "ms", AtLeast(5)).met() == false);
-  CHECK(TimesTheirs("", std::nan(""), "", 1, "ms", AtMost(5)).met() == false);
+  CHECK(SpeedupRow("", 0, "", 1, "ms", AtLeast(5)).met() == false);
+  CHECK(RatioRow("", std::nan(""), "", 1, "ms", AtMost(5)).met() == false);
 }
 
 TEST_CASE("Bench table: aligned columns, notes below", "[bench]") {

@@ -96,7 +96,7 @@ class ObserveClient final : public LoadClient {
 
 }  // namespace
 
-double Load::Within(double part) const {
+double Load::LatencyQuantile(double part) const {
   if (ms.empty()) return std::nan("");
   std::vector<double> sorted = ms;
   const auto rank = std::ceil(part * static_cast<double>(sorted.size()));
@@ -123,8 +123,8 @@ std::unique_ptr<LoadClient> NewObserveClient(const std::string& address,
   return std::make_unique<ObserveClient>(address, start, std::move(messages));
 }
 
-absl::StatusOr<Load> AskAll(const std::vector<std::unique_ptr<LoadClient>>& clients, int warm_up,
-                            Seconds duration) {
+absl::StatusOr<Load> RunConcurrently(const std::vector<std::unique_ptr<LoadClient>>& clients,
+                                     int warm_up, Seconds duration) {
   const auto count = static_cast<std::ptrdiff_t>(clients.size());
   Clock::time_point begin;
   std::clock_t processor_begin = 0;
@@ -162,8 +162,8 @@ absl::StatusOr<Load> AskAll(const std::vector<std::unique_ptr<LoadClient>>& clie
   return all;
 }
 
-absl::StatusOr<Load> AskEvery(LoadClient& client, Seconds period,
-                              const std::function<bool()>& going) {
+absl::StatusOr<Load> RunPeriodically(LoadClient& client, Seconds period,
+                                     const std::function<bool()>& going) {
   const auto begin = Clock::now();
   Load load;
   for (int i = 0; going(); ++i) {

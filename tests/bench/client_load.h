@@ -29,7 +29,7 @@ struct Load {
   // Returns the processor time of one answer, on both ends.
   double processor_ms() const { return 1e3 * processor_seconds / static_cast<double>(ms.size()); }
   // Returns the quantile `part` (0 to 1) of the latencies, ms. NaN without answers.
-  double Within(double part) const;
+  double LatencyQuantile(double part) const;
   void Add(const Load& more);
 };
 
@@ -56,12 +56,12 @@ std::unique_ptr<LoadClient> NewObserveClient(const std::string& address,
 
 // Runs all clients concurrently for `duration`, one thread each, after `warm_up` requests of each.
 // Returns the first error of any client.
-absl::StatusOr<Load> AskAll(const std::vector<std::unique_ptr<LoadClient>>& clients, int warm_up,
-                            Seconds duration);
+absl::StatusOr<Load> RunConcurrently(const std::vector<std::unique_ptr<LoadClient>>& clients,
+                                     int warm_up, Seconds duration);
 
 // Runs one client that sends a request every `period` while `going` returns true. A request waits
 // for the answer to the previous one; its latency counts from its scheduled time.
-absl::StatusOr<Load> AskEvery(LoadClient& client, Seconds period,
-                              const std::function<bool()>& going);
+absl::StatusOr<Load> RunPeriodically(LoadClient& client, Seconds period,
+                                     const std::function<bool()>& going);
 
 }  // namespace motiondb::tests

@@ -77,7 +77,7 @@ absl::StatusOr<std::vector<double>> AddOneByOne(storage::MotionStore& store, Ser
                                                 const Options& options) {
   const VariedSize size{options.added, options.added * kFramesEach, options.size.frame_rate_hz};
   MOTIONDB_ASSIGN_OR_RETURN(auto clips,
-                            VariedClips(DataDir(), size, kSeed + 1, OnThreads(options.jobs)));
+                            VariedClips(DataDir(), size, kSeed + 1, RunOnThreads(options.jobs)));
   std::vector<double> milliseconds;
   for (core::BuildInput& clip : clips) {
     clip.clip_id = fmt::format("added {:04}", milliseconds.size());
@@ -116,7 +116,7 @@ std::string Describe(const core::ModelDifference& difference) {
 }
 
 absl::StatusOr<BenchTable> Run(const Options& options) {
-  const auto parallel = OnThreads(options.jobs);
+  const auto parallel = RunOnThreads(options.jobs);
   const TemporaryDirectory directory;
   const std::string path = directory / "large.db";
   if (options.store.empty()) {
@@ -135,7 +135,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   std::sort(times.begin(), times.end());
 
   BenchTable table{"extend", {}, {}};
-  table.rows.push_back(TimesTheirs(
+  table.rows.push_back(RatioRow(
       fmt::format("a clip of {} frames known in {} frames, the slowest", kFramesEach, frames),
       times.back(), "a second", 1000, "ms", AtMost(1)));
   const auto& record = served.model().record;

@@ -43,7 +43,7 @@ struct Options {
 absl::Status Build(const std::string& path, int jobs) {
   spdlog::set_level(spdlog::level::off);  // the parent reads standard output
   const auto began = std::chrono::steady_clock::now();
-  MOTIONDB_ASSIGN_OR_RETURN(const auto stages, RebuildStore(path, OnThreads(jobs)));
+  MOTIONDB_ASSIGN_OR_RETURN(const auto stages, RebuildStore(path, RunOnThreads(jobs)));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   double processors = 0;
   for (const BuildStage& stage : stages) {
@@ -108,13 +108,13 @@ absl::Status Measure(const std::string& store, const std::string& what, double r
   }
   MOTIONDB_ASSIGN_OR_RETURN(const Built built, BuildInChild(store, options));
   const BuildStage& whole = built.whole;
-  table.rows.push_back(TimesTheirs(fmt::format("rebuild of {}", what), whole.seconds, "the bar",
-                                   bar_seconds, "s", AtMost(1)));
-  table.rows.push_back(TimesTheirs(fmt::format("its processor time, {}", what),
-                                   whole.processor_seconds, "two processors for the bar's time",
-                                   2 * bar_seconds, "s", AtMost(1)));
-  table.rows.push_back(TimesTheirs(fmt::format("its peak of memory, {}", what), whole.peak_mb,
-                                   "the bar", kMaxMegabytes, "MB", AtMost(1)));
+  table.rows.push_back(RatioRow(fmt::format("rebuild of {}", what), whole.seconds, "the bar",
+                                bar_seconds, "s", AtMost(1)));
+  table.rows.push_back(RatioRow(fmt::format("its processor time, {}", what),
+                                whole.processor_seconds, "two processors for the bar's time",
+                                2 * bar_seconds, "s", AtMost(1)));
+  table.rows.push_back(RatioRow(fmt::format("its peak of memory, {}", what), whole.peak_mb,
+                                "the bar", kMaxMegabytes, "MB", AtMost(1)));
   table.notes.push_back(
       fmt::format("rebuild: {}, {} threads: {}", what, options.jobs, built.stages));
   return absl::OkStatus();
@@ -125,7 +125,7 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   const std::filesystem::path stores = options.stores.empty()
                                            ? std::filesystem::path(directory / "")
                                            : std::filesystem::path(options.stores);
-  const core::ParallelFor parallel = OnThreads(options.jobs);
+  const core::ParallelFor parallel = RunOnThreads(options.jobs);
   BenchTable table{"rebuild", {}, {}};
   MOTIONDB_RETURN_IF_ERROR(Measure(
       stores / fmt::format("recorded-{:g}.db", options.recorded_rate_hz),

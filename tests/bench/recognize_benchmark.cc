@@ -120,7 +120,7 @@ void Search(const core::Model& model, const Window& window, Answers& answers) {
 }
 
 absl::StatusOr<BenchTable> Run(const Options& options) {
-  const core::ParallelFor parallel = OnThreads(options.jobs);
+  const core::ParallelFor parallel = RunOnThreads(options.jobs);
   VariedSize few_size = options.size;
   few_size.clips = kFewClips;
   few_size.frames = options.size.frames / options.size.clips * kFewClips;
@@ -152,10 +152,10 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     const std::string what =
         fmt::format("recognize 0.4 s in {}, {}", size, m == 0 ? "best" : "paper");
     const double ours = Median(in_many[m].ms);
-    table.rows.push_back(TimesFaster(what, ours, "FAISS exact windowed search", Median(searched.ms),
-                                     "ms", AtLeast(50)));
-    table.rows.push_back(TimesTheirs(what, ours, fmt::format("the same in {} clips", kFewClips),
-                                     Median(in_few[m].ms), "ms", AtMost(5)));
+    table.rows.push_back(SpeedupRow(what, ours, "FAISS exact windowed search", Median(searched.ms),
+                                    "ms", AtLeast(50)));
+    table.rows.push_back(RatioRow(what, ours, fmt::format("the same in {} clips", kFewClips),
+                                  Median(in_few[m].ms), "ms", AtMost(5)));
   }
   table.notes.push_back(fmt::format(
       "recognition: {}, {} frames of {} numbers in {} ({} frames in {} clips); {} windows of clips "

@@ -190,17 +190,17 @@ BenchTable Tabulate(const Served& served, std::uintmax_t file_bytes, const Optio
   const std::string size = served.frames >= 1e6 ? fmt::format("{:g}M frames", served.frames / 1e6)
                                                 : fmt::format("{:g}k frames", served.frames / 1e3);
   const double start_ms = Median(served.start_ms);
-  table.rows.push_back(TimesTheirs("start-up to first answer, " + size, start_ms,
-                                   "reading the file into memory", Median(served.load_ms), "ms",
-                                   AtMost(2)));
-  table.rows.push_back(TimesTheirs("start-up to first answer, " + size, start_ms,
-                                   "reading the file, keeping nothing", Median(served.read_ms),
-                                   "ms", AtMost(2)));
+  table.rows.push_back(RatioRow("start-up to first answer, " + size, start_ms,
+                                "reading the file into memory", Median(served.load_ms), "ms",
+                                AtMost(2)));
+  table.rows.push_back(RatioRow("start-up to first answer, " + size, start_ms,
+                                "reading the file, keeping nothing", Median(served.read_ms), "ms",
+                                AtMost(2)));
   table.rows.back().note =
       "the reader reuses one megabyte and never writes to memory; a server keeps the data";
-  table.rows.push_back(TimesTheirs("memory while serving, " + size, served.serving_mb,
-                                   "the float32 matrix",
-                                   4 * served.frames * served.dimensions / 1e6, "MB", AtMost(1.5)));
+  table.rows.push_back(RatioRow("memory while serving, " + size, served.serving_mb,
+                                "the float32 matrix", 4 * served.frames * served.dimensions / 1e6,
+                                "MB", AtMost(1.5)));
   table.notes.push_back(fmt::format(
       "scale: {}, {} clips, a file of {:.0f} MB; medians of {} process starts, the file in the "
       "page cache; a query has 0.4 s of motion; read(2) reads one megabyte at a time",
@@ -219,8 +219,8 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   if (!std::filesystem::exists(store)) {
     // Renamed to its final path only when complete.
     const std::string making = store + ".making";
-    MOTIONDB_ASSIGN_OR_RETURN(stages,
-                              MakeLargeStore(making, options.size, kSeed, OnThreads(options.jobs)));
+    MOTIONDB_ASSIGN_OR_RETURN(
+        stages, MakeLargeStore(making, options.size, kSeed, RunOnThreads(options.jobs)));
     std::filesystem::rename(making, store);
     std::filesystem::remove(making + "-lock");  // left by the store
     fmt::print(stderr, "{}\n", Describe(stages));

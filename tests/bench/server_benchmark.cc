@@ -98,8 +98,10 @@ absl::StatusOr<Sides> BesidePeer(const Bench& bench, const std::string& method,
   const Clients on_theirs = Make(make, count, peer->address(), true);
   Sides sides{{}, {}, reply.size()};
   for (int round = 0; round < bench.options.rounds(); ++round) {
-    MOTIONDB_ASSIGN_OR_RETURN(const Load ours, AskAll(on_ours, kWarmUp, bench.options.round()));
-    MOTIONDB_ASSIGN_OR_RETURN(const Load theirs, AskAll(on_theirs, kWarmUp, bench.options.round()));
+    MOTIONDB_ASSIGN_OR_RETURN(const Load ours,
+                              RunConcurrently(on_ours, kWarmUp, bench.options.round()));
+    MOTIONDB_ASSIGN_OR_RETURN(const Load theirs,
+                              RunConcurrently(on_theirs, kWarmUp, bench.options.round()));
     sides.ours.Add(ours);
     sides.theirs.Add(theirs);
   }
@@ -111,8 +113,9 @@ std::string Costs(const Sides& sides) {
   return fmt::format(
       "processor time per answer {:.3f} ms, p50 {:.2f} ms, p99 {:.2f} ms (peer {:.3f} ms, {:.2f} "
       "ms, {:.2f} ms)",
-      sides.ours.processor_ms(), sides.ours.Within(0.5), sides.ours.Within(0.99),
-      sides.theirs.processor_ms(), sides.theirs.Within(0.5), sides.theirs.Within(0.99));
+      sides.ours.processor_ms(), sides.ours.LatencyQuantile(0.5), sides.ours.LatencyQuantile(0.99),
+      sides.theirs.processor_ms(), sides.theirs.LatencyQuantile(0.5),
+      sides.theirs.LatencyQuantile(0.99));
 }
 
 std::vector<v1::RecognizeRequest> Questions(const Bench& bench, v1::Method method) {
@@ -137,10 +140,10 @@ absl::Status RecognizeRow(Bench& bench, v1::Method method, Bar bar) {
   MOTIONDB_ASSIGN_OR_RETURN(const Sides sides,
                             BesidePeer(bench, "/motiondb.v1.QueryService/Recognize",
                                        EmptyPeer::Shape::kUnary, kRecognizeClients, make));
-  BenchRow row = TimesTheirs(fmt::format("recognize over gRPC, {} clients{}", kRecognizeClients,
-                                         method == v1::METHOD_PAPER ? ", PAPER" : ""),
-                             sides.ours.rate(), "empty handler, same sizes", sides.theirs.rate(),
-                             "calls/s", bar);
+  BenchRow row =
+      RatioRow(fmt::format("recognize over gRPC, {} clients{}", kRecognizeClients,
+                           method == v1::METHOD_PAPER ? ", PAPER" : ""),
+               sides.ours.rate(), "empty handler, same sizes", sides.theirs.rate(), "calls/s", bar);
   row.note = fmt::format(
       "one window of 0.4 s per call ({} bytes), answer with 5 clips and all labels ({} bytes); {}",
       requests.front().ByteSizeLong(), sides.reply_bytes, Costs(sides));
@@ -180,16 +183,16 @@ absl::Status ObserveRows(Bench& bench, const std::vector<double>& horizons_s, Ba
   const std::string name =
       fmt::format("observe, 204 floats a frame, {} frames a message, {} streams{}", kFramesAMessage,
                   kStreams, horizons_s.empty() ? "" : ", one horizon");
-  BenchRow rate = TimesTheirs(name, sides.ours.rate(), "echo stream, same messages",
-                              sides.theirs.rate(), "messages/s", rate_bar);
+  BenchRow rate = RatioRow(name, sides.ours.rate(), "echo stream, same messages",
+                           sides.theirs.rate(), "messages/s", rate_bar);
   rate.note =
       fmt::format("answers of {} bytes; {}; at {} frames per second this equals {:.0f} streams",
                   sides.reply_bytes, Costs(sides), kFrameRateHz,
                   sides.ours.rate() * kFramesAMessage / kFrameRateHz);
   bench.table.rows.push_back(std::move(rate));
-  bench.table.rows.push_back(TimesTheirs(name + ", p99", sides.ours.Within(0.99),
-                                         "echo stream, same messages", sides.theirs.Within(0.99),
-                                         "ms", late_bar));
+  bench.table.rows.push_back(RatioRow(name + ", p99", sides.ours.LatencyQuantile(0.99),
+                                      "echo stream, same messages",
+                                      sides.theirs.LatencyQuantile(0.99), "ms", late_bar));
   return absl::OkStatus();
 }
 
@@ -265,10 +268,10 @@ absl::Status IngestRow(Bench& bench, int streams, Bar bar) {
   }
   megabytes *= bench.options.rounds();
   BenchRow row =
-      TimesTheirs(streams == 1 ? "ingest to acknowledged"
-                               : fmt::format("ingest to acknowledged, {} clips at a time", streams),
-                  megabytes / ours, "the same bytes inserted raw into SQLite, same settings",
-                  megabytes / theirs, "MB/s", bar);
+      RatioRow(streams == 1 ? "ingest to acknowledged"
+                            : fmt::format("ingest to acknowledged, {} clips at a time", streams),
+               megabytes / ours, "the same bytes inserted raw into SQLite, same settings",
+               megabytes / theirs, "MB/s", bar);
   row.note = fmt::format(
       "{} clips, each a motion file and a skeleton file, over one connection; parsed, mapped to "
       "the markers, stored as sent and as states, and synced before acknowledgement; the peer "
@@ -298,7 +301,7 @@ absl::Status RebuildRow(Bench& bench) {
   const auto clips = std::span(bench.test).first(bench.options.quick ? 6 : bench.test.size());
   const auto ask_for = [&](Seconds time) {
     const auto end = Clock::now() + time;
-    return AskEvery(*client, kQuestionPeriod, [end] { return Clock::now() < end; });
+    return RunPeriodically(*client, kQuestionPeriod, [end] { return Clock::now() < end; });
   };
   MOTIONDB_RETURN_IF_ERROR(ask_for(Seconds(0.5)).status());
   // The database grows meanwhile: half of the idle time is measured before, half after.
@@ -311,21 +314,22 @@ absl::Status RebuildRow(Bench& bench) {
     ingested = IngestSlowly(served, clips);
     built = true;
   });
-  const auto busy = AskEvery(*client, kQuestionPeriod, [&] { return !built; });
+  const auto busy = RunPeriodically(*client, kQuestionPeriod, [&] { return !built; });
   ingester.join();
   MOTIONDB_RETURN_IF_ERROR(ingested);
   MOTIONDB_RETURN_IF_ERROR(busy.status());
   MOTIONDB_ASSIGN_OR_RETURN(const int last, served.ModelVersion(kDatabase));
   MOTIONDB_ASSIGN_OR_RETURN(const Load after, ask_for(half));
   idle.Add(after);
-  BenchRow row = TimesTheirs("query p99 during rebuild and ingest", busy->Within(0.99), "idle p99",
-                             idle.Within(0.99), "ms", AtMost(1.5));
+  BenchRow row = RatioRow("query p99 during rebuild and ingest", busy->LatencyQuantile(0.99),
+                          "idle p99", idle.LatencyQuantile(0.99), "ms", AtMost(1.5));
   row.note = fmt::format(
       "one client with a query every {:g} ms, latency from its scheduled time, for {:.1f} s in "
       "which {} clips are ingested, one every {:g} s, and {} models are built; p50 {:.2f} ms, "
       "maximum {:.1f} ms (idle {:.2f} ms, {:.1f} ms)",
       1e3 * kQuestionPeriod.count(), busy->seconds, clips.size(), kIngestPeriod.count(),
-      last - first, busy->Within(0.5), busy->Within(1), idle.Within(0.5), idle.Within(1));
+      last - first, busy->LatencyQuantile(0.5), busy->LatencyQuantile(1), idle.LatencyQuantile(0.5),
+      idle.LatencyQuantile(1));
   bench.table.rows.push_back(std::move(row));
   return absl::OkStatus();
 }
@@ -355,13 +359,13 @@ absl::Status SetUp(Bench& bench) {
 absl::StatusOr<BenchTable> Run(Bench& bench) {
   const std::pair<const char*, std::function<absl::Status()>> measurements[] = {
       {"recognize", [&] { return RecognizeRow(bench, v1::METHOD_BEST, AtLeast(0.5)); }},
-      {"recognize-paper", [&] { return RecognizeRow(bench, v1::METHOD_PAPER, Reported()); }},
+      {"recognize-paper", [&] { return RecognizeRow(bench, v1::METHOD_PAPER, NoBar()); }},
       {"observe", [&] { return ObserveRows(bench, {}, AtLeast(0.5), AtMost(2)); }},
-      {"observe-predict", [&] { return ObserveRows(bench, {0.4}, Reported(), Reported()); }},
+      {"observe-predict", [&] { return ObserveRows(bench, {0.4}, NoBar(), NoBar()); }},
       {"ingest",
        [&]() -> absl::Status {
          MOTIONDB_RETURN_IF_ERROR(IngestRow(bench, 1, AtLeast(0.5)));
-         return IngestRow(bench, kIngestStreams, Reported());
+         return IngestRow(bench, kIngestStreams, NoBar());
        }},
       {"rebuild", [&] { return RebuildRow(bench); }},  // last: it adds to the database
   };

@@ -131,7 +131,7 @@ Clustered Cluster(const core::FrameMatrix& states, int clusters) {
 std::string Thousands(int frames) { return fmt::format("{}k frames", frames / 1000); }
 
 absl::StatusOr<BenchTable> Run(const Options& options) {
-  const core::ParallelFor parallel = OnThreads(options.jobs);
+  const core::ParallelFor parallel = RunOnThreads(options.jobs);
   omp_set_num_threads(options.jobs);
   Bandwidth bandwidth(options.jobs, parallel);
   BenchTable table{"tree build", {}, {}};
@@ -144,9 +144,9 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     if (!states.ok()) return states.status();
     const Built built = Build(*states, options.builds, bandwidth, parallel);
     const double bytes = built.frames_read * static_cast<double>(states->cols()) * sizeof(float);
-    table.rows.push_back(TimesTheirs(fmt::format("tree build, {}", Thousands(frames)),
-                                     1e3 * built.seconds, "one streaming read of each tested node",
-                                     1e3 * bytes / bandwidth.median(), "ms", AtMost(15)));
+    table.rows.push_back(RatioRow(fmt::format("tree build, {}", Thousands(frames)),
+                                  1e3 * built.seconds, "one streaming read of each tested node",
+                                  1e3 * bytes / bandwidth.median(), "ms", AtMost(15)));
     read_nanoseconds.push_back(1e9 * built.seconds / built.frames_read);
     table.notes.push_back(fmt::format(
         "tree build, {}: {} layers, {} leaves; each frame is tested {:.1f} times, {:.0f} ns per "
@@ -157,16 +157,16 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     if (frames > options.max_clustered) continue;
     const Clustered clustered = Cluster(*states, built.leaves);
     table.rows.push_back(
-        TimesFaster(fmt::format("tree build, {}", Thousands(frames)), 1e3 * built.seconds,
-                    fmt::format("FAISS k-means, {} clusters, 25 iterations ({} timed)",
-                                built.leaves, clustered.timed),
-                    1e3 * clustered.seconds, "ms", AtLeast(20)));
+        SpeedupRow(fmt::format("tree build, {}", Thousands(frames)), 1e3 * built.seconds,
+                   fmt::format("FAISS k-means, {} clusters, 25 iterations ({} timed)", built.leaves,
+                               clustered.timed),
+                   1e3 * clustered.seconds, "ms", AtLeast(20)));
   }
   for (std::size_t i = 1; i < options.frames.size(); ++i) {
-    table.rows.push_back(
-        TimesTheirs(fmt::format("frame and test, {}", Thousands(options.frames[i])),
-                    read_nanoseconds[i], Thousands(options.frames[i - 1]), read_nanoseconds[i - 1],
-                    "ns", options.frames[i] == 1'000'000 ? AtMost(1.3) : Reported()));
+    table.rows.push_back(RatioRow(fmt::format("frame and test, {}", Thousands(options.frames[i])),
+                                  read_nanoseconds[i], Thousands(options.frames[i - 1]),
+                                  read_nanoseconds[i - 1], "ns",
+                                  options.frames[i] == 1'000'000 ? AtMost(1.3) : NoBar()));
   }
   table.notes.push_back(fmt::format(
       "tree build: {}, {} numbers per frame, at least {} frames per node; {} threads, median of {} "

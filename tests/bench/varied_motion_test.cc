@@ -12,7 +12,7 @@ namespace {
 constexpr VariedSize kSize{.clips = 700, .frames = 70'000};
 
 std::vector<core::BuildInput> Clips(const VariedSize& size, std::uint64_t seed, int threads = 2) {
-  auto clips = VariedClips(DataDir(), size, seed, OnThreads(threads));
+  auto clips = VariedClips(DataDir(), size, seed, RunOnThreads(threads));
   INFO(clips.status());
   REQUIRE(clips.ok());
   return *std::move(clips);
@@ -104,7 +104,7 @@ TEST_CASE("Varied motion: clips from one recording differ in every frame", "[ben
 
 TEST_CASE("Varied motion: states in one matrix are scaled to unit spread", "[bench]") {
   MOTIONDB_REQUIRE_DATA();
-  const auto states = VariedStates(DataDir(), {.clips = 20, .frames = 2000}, 3, OnThreads(2));
+  const auto states = VariedStates(DataDir(), {.clips = 20, .frames = 2000}, 3, RunOnThreads(2));
   REQUIRE(states.ok());
   REQUIRE(states->rows() == 2000);
   REQUIRE(states->cols() == 204);

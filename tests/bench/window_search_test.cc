@@ -40,7 +40,7 @@ TEST_CASE("Window search: agrees with brute force, for clips of any length", "[b
   const core::FrameMatrix frames = RandomFrames(total, 6, 1);
   for (unsigned seed = 2; seed < 12; ++seed) {
     const core::FrameMatrix window = RandomFrames(5, 6, seed);
-    const NearestWindow found = FindNearestWindow(frames, clips, window, OnThreads(2));
+    const NearestWindow found = FindNearestWindow(frames, clips, window, RunOnThreads(2));
     const NearestWindow expected = ByHand(frames, clips, window);
     CHECK(found.clip == expected.clip);
     CHECK(found.first_frame == expected.first_frame);
@@ -48,7 +48,7 @@ TEST_CASE("Window search: agrees with brute force, for clips of any length", "[b
   }
   for (const int at : {4070, 4096, 4110, 4126, 32768, 69600}) {  // a stored window
     const core::FrameMatrix window = frames.middleRows(at, 5);
-    CHECK(FindNearestWindow(frames, clips, window, OnThreads(2)).first_frame ==
+    CHECK(FindNearestWindow(frames, clips, window, RunOnThreads(2)).first_frame ==
           ByHand(frames, clips, window).first_frame);
   }
 }

@@ -95,7 +95,7 @@ absl::StatusOr<Times> TimeChanges(storage::AccessStore& store, const std::string
 
 absl::StatusOr<BenchTable> Run(const Options& options) {
   const TemporaryDirectory directory;
-  const auto parallel = OnThreads(options.jobs);
+  const auto parallel = RunOnThreads(options.jobs);
   MOTIONDB_ASSIGN_OR_RETURN(auto clips, VariedClips(DataDir(), options.size, kSeed, parallel));
   BenchTable table{"writes", {}, {}};
   MOTIONDB_ASSIGN_OR_RETURN(const double synced, SyncedPerSecond(directory / "file", clips));
@@ -103,8 +103,8 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
     MOTIONDB_ASSIGN_OR_RETURN(
         const double added,
         AddedPerSecond(directory / fmt::format("{}.db", clients), clips, clients));
-    table.rows.push_back(TimesTheirs(fmt::format("clips added by {} clients", clients), added,
-                                     "a file, synced", synced, "/s", Reported()));
+    table.rows.push_back(RatioRow(fmt::format("clips added by {} clients", clients), added,
+                                  "a file, synced", synced, "/s", NoBar()));
   }
   const std::string path = directory / "model.db";
   MOTIONDB_RETURN_IF_ERROR(MakeClipStore(path, options.size.frame_rate_hz, std::move(clips)));
@@ -130,10 +130,10 @@ absl::StatusOr<BenchTable> Run(const Options& options) {
   writer.join();
   MOTIONDB_RETURN_IF_ERROR(put);
   MOTIONDB_RETURN_IF_ERROR(during.status());
-  table.rows.push_back(TimesTheirs("a token added while a model is stored, median", during->median,
-                                   "nothing is stored", alone.median, "ms", Reported()));
-  table.rows.push_back(TimesTheirs("a token added while a model is stored, p99", during->p99,
-                                   "nothing is stored", alone.p99, "ms", Reported()));
+  table.rows.push_back(RatioRow("a token added while a model is stored, median", during->median,
+                                "nothing is stored", alone.median, "ms", NoBar()));
+  table.rows.push_back(RatioRow("a token added while a model is stored, p99", during->p99,
+                                "nothing is stored", alone.p99, "ms", NoBar()));
   table.notes.push_back(fmt::format(
       "writes: {}; {} clips of {} frames; their model was stored {} times, {:.2f} s each",
       kVariedMotion, options.size.clips, options.size.frames / options.size.clips, options.models,

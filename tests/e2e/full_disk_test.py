@@ -17,7 +17,7 @@ from programs import Server
 MIB = 1 << 20
 
 
-class FullDisk(unittest.TestCase):
+class SimulatedDisk(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.addCleanup(self.folder.cleanup)

@@ -40,7 +40,7 @@ Condition Changed(std::string name, const Change& change) {
   const auto in_parts = [change](Extent extent) {
     return [change, extent](const EvalClip& clip) -> absl::StatusOr<States> {
       MOTIONDB_ASSIGN_OR_RETURN(const core::StateSequence states, change(clip));
-      return PartsOf(states, extent);
+      return SplitIntoParts(states, extent);
     };
   };
   return {std::move(name), in_parts(Extent::kWhole), in_parts(Extent::kWindow)};
@@ -87,7 +87,7 @@ Condition MissingThroughout(const core::MarkerSet& set, int percent) {
       }
       const auto missing =
           static_cast<std::size_t>(std::lround(percent / 100.0 * set.marker_count()));
-      States parts = PartsOf(clip.states, extent);
+      States parts = SplitIntoParts(clip.states, extent);
       for (std::size_t p = 0; p < parts.size(); ++p) {
         std::mt19937 random = RandomFor(clip, static_cast<int>(p) + 1);
         for (std::size_t i = 0; i < missing; ++i) {  // a partial shuffle

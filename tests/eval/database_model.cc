@@ -15,7 +15,7 @@ double GraphBytes(const core::TransitionGraph& graph) {
 
 }  // namespace
 
-absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& training) {
+absl::StatusOr<core::Model> BuildEvalModel(const core::MarkerSet& set, const ClipSet& training) {
   std::vector<core::BuildInput> inputs;
   for (const EvalClip* clip : training) {
     inputs.push_back({clip->name, clip->label, clip->states, clip->source});

@@ -8,7 +8,7 @@
 namespace motiondb::tests {
 
 // Uses the clips' frame rate and default settings.
-absl::StatusOr<core::Model> ModelOf(const core::MarkerSet& set, const ClipSet& training);
+absl::StatusOr<core::Model> BuildEvalModel(const core::MarkerSet& set, const ClipSet& training);
 
 // Returns the bytes of its states, node statistics, graphs and familiarity statistics.
 double ModelBytes(const core::Model& model);

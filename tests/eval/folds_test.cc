@@ -51,7 +51,7 @@ TEST_CASE("Temperature: calibrates scores", "[eval]") {
 TEST_CASE("Threads: each body runs once, with any number of them", "[eval]") {
   for (const int jobs : {1, 3}) {
     std::vector<int> runs(100);
-    OnThreads(jobs)(100, [&](int i) { ++runs[i]; });
+    RunOnThreads(jobs)(100, [&](int i) { ++runs[i]; });
     CHECK(runs == std::vector<int>(100, 1));
   }
 }

@@ -57,7 +57,7 @@ absl::StatusOr<nlohmann::json> Run(const Options& options) {
   };
   Progress progress;
   const std::filesystem::path data(options.data);
-  const core::ParallelFor parallel = OnThreads(options.jobs);
+  const core::ParallelFor parallel = RunOnThreads(options.jobs);
   Studies studies{{data, options.frame_rate_hz, parallel, progress},
                   {data, options.window_step, parallel, progress}};
   nlohmann::json all = {{"frame_rate_hz", options.frame_rate_hz},

@@ -16,7 +16,7 @@ core::MarkerMotion Slice(const core::MarkerMotion& markers, int first, int count
   return {markers.names, markers.frame_rate_hz, markers.positions_m.middleRows(first, count)};
 }
 
-std::vector<core::StateSequence> WindowsOf(const core::StateSequence& states) {
+std::vector<core::StateSequence> SplitIntoWindows(const core::StateSequence& states) {
   const auto in_frames = [&](double seconds) {
     return static_cast<int>(std::lround(seconds * states.frame_rate_hz));
   };
@@ -28,8 +28,8 @@ std::vector<core::StateSequence> WindowsOf(const core::StateSequence& states) {
   return windows;
 }
 
-std::vector<core::StateSequence> PartsOf(const core::StateSequence& states, Extent extent) {
-  if (extent == Extent::kWindow) return WindowsOf(states);
+std::vector<core::StateSequence> SplitIntoParts(const core::StateSequence& states, Extent extent) {
+  if (extent == Extent::kWindow) return SplitIntoWindows(states);
   return {states};
 }
 
@@ -41,8 +41,8 @@ absl::StatusOr<core::StateSequence> StatesOf(const core::MarkerSet& set,
   return core::ComputeStates(set, resampled, leg_length_m);
 }
 
-absl::StatusOr<core::StateSequence> BeginningOf(const core::MarkerSet& set, const EvalClip& clip,
-                                                double share) {
+absl::StatusOr<core::StateSequence> PrefixStates(const core::MarkerSet& set, const EvalClip& clip,
+                                                 double share) {
   const auto all = static_cast<int>(clip.markers.positions_m.rows());
   const int count = std::clamp(static_cast<int>(std::lround(share * all)), std::min(2, all), all);
   return StatesOf(set, Slice(clip.markers, 0, count), clip.states.frame_rate_hz,

@@ -19,10 +19,10 @@ core::StateSequence Slice(const core::StateSequence& states, int first, int coun
 core::MarkerMotion Slice(const core::MarkerMotion& markers, int first, int count);
 
 // Returns windows of 0.4 s every 0.1 s; a shorter motion is one window.
-std::vector<core::StateSequence> WindowsOf(const core::StateSequence& states);
+std::vector<core::StateSequence> SplitIntoWindows(const core::StateSequence& states);
 
 // Returns the windows, or the whole as one part.
-std::vector<core::StateSequence> PartsOf(const core::StateSequence& states, Extent extent);
+std::vector<core::StateSequence> SplitIntoParts(const core::StateSequence& states, Extent extent);
 
 // Returns the states of markers at another frame rate, for a body of known size.
 absl::StatusOr<core::StateSequence> StatesOf(const core::MarkerSet& set,
@@ -31,7 +31,7 @@ absl::StatusOr<core::StateSequence> StatesOf(const core::MarkerSet& set,
 
 // Returns the first `share` of a clip's frames (at least two). Later frames are not used: the last
 // velocities are backward differences. The size of the body is known.
-absl::StatusOr<core::StateSequence> BeginningOf(const core::MarkerSet& set, const EvalClip& clip,
-                                                double share);
+absl::StatusOr<core::StateSequence> PrefixStates(const core::MarkerSet& set, const EvalClip& clip,
+                                                 double share);
 
 }  // namespace motiondb::tests

@@ -183,8 +183,7 @@ TEST_CASE("HMM: Baum-Welch never lowers the likelihood, and rows still sum to 1"
       }
       std::vector<double> likelihoods;
       const GaussianHmm hmm = GaussianHmm::Fit(
-          sequences,
-          {.states = states, .topology = topology, .max_iterations = 15, .least_gain = 0},
+          sequences, {.states = states, .topology = topology, .max_iterations = 15, .min_gain = 0},
           &likelihoods);
       REQUIRE(likelihoods.size() > 2);
       for (std::size_t i = 1; i < likelihoods.size(); ++i) {

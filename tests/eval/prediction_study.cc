@@ -58,9 +58,9 @@ absl::StatusOr<std::vector<MethodForecasts>> PredictionStudy::Run(const std::str
       const auto frames = static_cast<int>(clip->markers.positions_m.rows());
       for (int first = 0; first + kFramesIn + kFramesOut <= frames; first += window_step_) {
         const core::MarkerMotion past = Slice(clip->markers, first, kFramesIn);
-        const double begin = ThreadSeconds();
+        const double begin = ThreadCpuSeconds();
         MOTIONDB_ASSIGN_OR_RETURN(const Forecast forecast, predictor->Predict(past, horizons));
-        result.seconds += ThreadSeconds() - begin;
+        result.seconds += ThreadCpuSeconds() - begin;
         result.forecasts.push_back(ScoreForecast(*clip, first + kFramesIn - 1, forecast));
       }
     }

@@ -23,7 +23,7 @@ inline constexpr int kFramesOut = 25;
 inline constexpr std::array<double, 6> kHorizonSeconds = {0.08, 0.16, 0.32, 0.4, 0.56, 1.0};
 // A forecast is correct if its mean marker error is at most this. The database's confidence is the
 // probability of that.
-inline constexpr double kRightMm = 50;
+inline constexpr double kCorrectMm = 50;
 
 // The errors of one window's forecast at each horizon.
 struct ScoredForecast {

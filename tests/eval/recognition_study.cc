@@ -12,21 +12,21 @@
 
 namespace motiondb::tests {
 
-double Judged::milliseconds_each() const {
+double MethodResults::milliseconds_each() const {
   return judgements.empty() ? std::numeric_limits<double>::quiet_NaN()
                             : 1e3 * seconds / static_cast<double>(judgements.size());
 }
 
-std::vector<Named> Judged::names() const {
-  std::vector<Named> names;
-  for (const Judgement& judgement : judgements) {
+std::vector<LabelPair> MethodResults::names() const {
+  std::vector<LabelPair> names;
+  for (const ScoredObservation& judgement : judgements) {
     names.push_back({judgement.clip->label, judgement.recognition.label});
   }
   return names;
 }
 
 Observe Unchanged(Extent extent) {
-  return [extent](const EvalClip& clip) { return PartsOf(clip.states, extent); };
+  return [extent](const EvalClip& clip) { return SplitIntoParts(clip.states, extent); };
 }
 
 RecognitionStudy::RecognitionStudy(std::filesystem::path data, double frame_rate_hz,
@@ -73,10 +73,11 @@ absl::StatusOr<const std::vector<Experiment>*> RecognitionStudy::Fitted(Experime
   return &(experiments_[which] = std::move(experiments));
 }
 
-absl::StatusOr<std::vector<Judged>> RecognitionStudy::Judge(const std::string& stage,
-                                                            Experiments which, Extent extent,
-                                                            const Observe& observe,
-                                                            const ClipSet* clips) {
+absl::StatusOr<std::vector<MethodResults>> RecognitionStudy::RunMethods(const std::string& stage,
+                                                                        Experiments which,
+                                                                        Extent extent,
+                                                                        const Observe& observe,
+                                                                        const ClipSet* clips) {
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Experiment>* const experiments, Fitted(which));
   struct Task {
     const Recognizer* recognizer;
@@ -91,21 +92,21 @@ absl::StatusOr<std::vector<Judged>> RecognitionStudy::Judge(const std::string& s
       }
     }
   }
-  const auto answer = [&](const Task& task) -> absl::StatusOr<Judged> {
+  const auto answer = [&](const Task& task) -> absl::StatusOr<MethodResults> {
     MOTIONDB_ASSIGN_OR_RETURN(const auto observations, observe(*task.clip));
-    Judged judged;
-    const double begin = ThreadSeconds();
+    MethodResults judged;
+    const double begin = ThreadCpuSeconds();
     for (const core::StateSequence& observation : observations) {
       MOTIONDB_ASSIGN_OR_RETURN(Recognition recognition,
                                 task.recognizer->Recognize(observation, extent));
       judged.judgements.push_back({task.clip, std::move(recognition)});
     }
-    judged.seconds = ThreadSeconds() - begin;
+    judged.seconds = ThreadCpuSeconds() - begin;
     return judged;
   };
-  std::vector<absl::StatusOr<Judged>> answers(tasks.size());
+  std::vector<absl::StatusOr<MethodResults>> answers(tasks.size());
   ForEach(stage, static_cast<int>(tasks.size()), [&](int t) { answers[t] = answer(tasks[t]); });
-  std::vector<Judged> by_method(methods_.size());
+  std::vector<MethodResults> by_method(methods_.size());
   for (std::size_t t = 0; t < tasks.size(); ++t) {
     if (!answers[t].ok()) {
       return absl::Status(
@@ -113,9 +114,9 @@ absl::StatusOr<std::vector<Judged>> RecognitionStudy::Judge(const std::string& s
           fmt::format("{}, {}, {}: {}", stage, methods_[tasks[t].method].name, tasks[t].clip->name,
                       std::string(answers[t].status().message())));
     }
-    Judged& all = by_method[tasks[t].method];
+    MethodResults& all = by_method[tasks[t].method];
     all.seconds += answers[t]->seconds;
-    for (Judgement& judgement : answers[t]->judgements) {
+    for (ScoredObservation& judgement : answers[t]->judgements) {
       all.judgements.push_back(std::move(judgement));
     }
   }

@@ -10,10 +10,10 @@
 #include <vector>
 
 #include "absl/status/statusor.h"
-#include "tests/eval/figures/accuracy.h"
 #include "tests/eval/progress.h"
 #include "tests/eval/recognizers/cross_validation.h"
 #include "tests/eval/recognizers/recognizer.h"
+#include "tests/eval/statistics/accuracy.h"
 #include "tests/support/corpus.h"
 
 namespace motiondb::tests {
@@ -24,18 +24,18 @@ struct Experiment {
   std::vector<std::unique_ptr<Recognizer>> fitted;  // [method]
 };
 
-struct Judgement {
+struct ScoredObservation {
   const EvalClip* clip = nullptr;
   Recognition recognition;
 };
 
 // The results of one method for all observations, in order of fold, clip and observation.
-struct Judged {
-  std::vector<Judgement> judgements;
+struct MethodResults {
+  std::vector<ScoredObservation> judgements;
   double seconds = 0;  // processor time of all observations
 
   double milliseconds_each() const;
-  std::vector<Named> names() const;
+  std::vector<LabelPair> names() const;
 };
 
 // Makes observations of a clip.
@@ -64,10 +64,10 @@ class RecognitionStudy {
   absl::StatusOr<const std::vector<Experiment>*> Fitted(Experiments which);
 
   // Runs every method on the observations of each fold's test clips, or of `clips` if given.
-  // Returns one Judged per method. `stage` is the label of the progress bar.
-  absl::StatusOr<std::vector<Judged>> Judge(const std::string& stage, Experiments which,
-                                            Extent extent, const Observe& observe,
-                                            const ClipSet* clips = nullptr);
+  // Returns one MethodResults per method. `stage` is the label of the progress bar.
+  absl::StatusOr<std::vector<MethodResults>> RunMethods(const std::string& stage, Experiments which,
+                                                        Extent extent, const Observe& observe,
+                                                        const ClipSet* clips = nullptr);
 
   // Runs bodies on the given threads, with progress.
   void ForEach(const std::string& stage, int count, const std::function<void(int)>& body);

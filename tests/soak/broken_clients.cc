@@ -77,7 +77,7 @@ void IngestGarbage(const client::Client& client, std::mt19937& random, Tally& ta
             {StatusCode::kInvalidArgument});
 }
 
-void AskNonsense(const client::Client& client, std::mt19937& random, Tally& tally) {
+void SendInvalidQueries(const client::Client& client, std::mt19937& random, Tally& tally) {
   v1::RecognizeRequest question;
   question.set_database(random() % 2 == 0 ? "databases/nobody" : "databases/soak");
   v1::MarkerObservation& markers = *question.mutable_observation()->mutable_markers();

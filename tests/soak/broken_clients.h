@@ -18,7 +18,7 @@ void SendNoise(const std::string& address, std::mt19937& random);
 void IngestGarbage(const client::Client& client, std::mt19937& random, Tally& tally);
 
 // Sends invalid queries: unknown databases and clips, out of range, NaN.
-void AskNonsense(const client::Client& client, std::mt19937& random, Tally& tally);
+void SendInvalidQueries(const client::Client& client, std::mt19937& random, Tally& tally);
 
 // Opens a stream that sends, never reads, and then cancels.
 void ObserveWithoutReading(const client::Client& client, const std::string& database,

@@ -80,8 +80,8 @@ v1::MarkerObservation Part(const v1::MarkerObservation& walk, int first, int cou
 
 // An ingest that its client cancels halfway. The clip may be stored although the client has no
 // answer, so a figure with this number must not be used again.
-void IngestInTooShortATime(const client::Client& client, int number,
-                           std::chrono::milliseconds timeout, Tally& tally) {
+void IngestWithShortDeadline(const client::Client& client, int number,
+                             std::chrono::milliseconds timeout, Tally& tally) {
   v1::IngestClipHeader header;
   header.set_parent(kDatabase);
   header.set_file_name("late.bvh");
@@ -161,7 +161,7 @@ void IngestAndDelete(Soak& soak) {
   }
 }
 
-void AskInTurn(Soak& soak, unsigned seed) {
+void SendAllQueries(Soak& soak, unsigned seed) {
   const client::Client client = Connect(soak);
   std::mt19937 random(seed);
   while (!soak.over) {
@@ -255,11 +255,11 @@ void Misbehave(Soak& soak, unsigned seed) {
   for (int round = 0; !soak.over; ++round) {
     SendNoise(soak.address, random);
     IngestGarbage(client, random, soak.tally);
-    AskNonsense(client, random, soak.tally);
+    SendInvalidQueries(client, random, soak.tally);
     ObserveWithoutReading(client, "soak", soak.walk.positions(), soak.walk.frame_count(),
                           MarkerCount(soak.walk), 0.5);
-    IngestInTooShortATime(client, 10000 * static_cast<int>(seed) + round,
-                          std::chrono::milliseconds(1 + random() % 5), soak.tally);
+    IngestWithShortDeadline(client, 10000 * static_cast<int>(seed) + round,
+                            std::chrono::milliseconds(1 + random() % 5), soak.tally);
     if (round % 10 == 9) DeleteLateClips(client, soak.tally);
   }
 }

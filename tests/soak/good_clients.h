@@ -33,7 +33,7 @@ void Prepare(Soak& soak);
 // Ingests a figure every 0.5 s; deletes the oldest if there are more than 40.
 void IngestAndDelete(Soak& soak);
 // Sends the four queries in turn.
-void AskInTurn(Soak& soak, unsigned seed);
+void SendAllQueries(Soak& soak, unsigned seed);
 // Observes a walk for some seconds at 60 frames per second, repeatedly.
 void Watch(Soak& soak, unsigned seed);
 // Creates, fills, lists and deletes databases.

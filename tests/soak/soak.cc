@@ -19,7 +19,7 @@
 #include "motiondb/v1/clip.pb.h"
 #include "motiondb/v1/database.pb.h"
 #include "tests/soak/good_clients.h"
-#include "tests/soak/process_figures.h"
+#include "tests/soak/process_statistics.h"
 #include "tests/support/child_process.h"
 #include "tests/support/temporary_directory.h"
 
@@ -77,7 +77,7 @@ std::vector<ProcessStatistics> Observe(const Served& served, const std::string& 
     const double passed = std::chrono::duration<double>(Clock::now() - begin).count();
     if (passed >= seconds) return thirds;
     auto& third = thirds[static_cast<std::size_t>(3 * passed / seconds)];
-    third = Largest(third, ReadFigures(served.pid(), store));
+    third = Largest(third, ReadProcessStatistics(served.pid(), store));
     std::this_thread::sleep_for(std::chrono::milliseconds(500));
   }
 }
@@ -196,7 +196,7 @@ int Run(double seconds, const std::string& json_file) {
   };
   start([&] { IngestAndDelete(soak); });
   start([&] { Administer(soak); });
-  for (unsigned seed = 1; seed <= 2; ++seed) start([&soak, seed] { AskInTurn(soak, seed); });
+  for (unsigned seed = 1; seed <= 2; ++seed) start([&soak, seed] { SendAllQueries(soak, seed); });
   for (unsigned seed = 1; seed <= 4; ++seed) start([&soak, seed] { Watch(soak, seed); });
   for (unsigned seed = 1; seed <= 2; ++seed) start([&soak, seed] { Misbehave(soak, seed); });
   const auto thirds = Observe(*served, store, seconds);

@@ -18,7 +18,7 @@
 namespace motiondb::tests::sqlite_concurrency_test {
 namespace {
 
-void OnThreads(int count, const std::function<void(int)>& body) {
+void RunOnThreads(int count, const std::function<void(int)>& body) {
   std::vector<std::jthread> threads;
   for (int i = 0; i < count; ++i) threads.emplace_back(body, i);
 }
@@ -37,7 +37,7 @@ TEST_CASE("SqliteMotionStore: a model that is read on several threads is the sto
   }
   const core::Model model = SampleModel(clips);
   REQUIRE_OK(store->PutModel("d", model));
-  const core::Model read = Require(store->ReadModel("d", OnThreads));
+  const core::Model read = Require(store->ReadModel("d", RunOnThreads));
   REQUIRE(Same(read, model));
   REQUIRE(read.metric_frames().projected.view() == model.metric_frames().projected.view());
 }
@@ -69,7 +69,7 @@ TEST_CASE("SqliteMotionStore: readers see consistent data during writes",
           if (!states.ok() || states->frame_count() != 60) ++errors;
         }
         const auto read =
-            store->ReadModel("d", i % 2 == 0 ? core::ParallelFor(OnThreads) : core::RunSerially);
+            store->ReadModel("d", i % 2 == 0 ? core::ParallelFor(RunOnThreads) : core::RunSerially);
         if (!read.ok() || read->frame_count() != 60) ++errors;
         ++reads;
       }

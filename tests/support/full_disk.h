@@ -8,7 +8,7 @@
 namespace motiondb::tests {
 
 // Must outlive the store that writes to it. Thread-safe.
-class FullDisk {
+class SimulatedDisk {
  public:
   enum class Lacks { kNothing, kRoomForOperations, kRoom };
   void Set(Lacks lacks) { lacks_ = lacks; }

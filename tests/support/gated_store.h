@@ -35,9 +35,9 @@ class Gate {
 };
 
 // Verify, backup and restore pass `gate` first.
-class GatedUpkeep final : public storage::StoreMaintenance {
+class GatedMaintenance final : public storage::StoreMaintenance {
  public:
-  GatedUpkeep(storage::StoreMaintenance& maintenance, Gate& gate)
+  GatedMaintenance(storage::StoreMaintenance& maintenance, Gate& gate)
       : maintenance_(maintenance), gate_(gate) {}
   absl::Status CheckIsWritable() const override { return maintenance_.CheckIsWritable(); }
   std::vector<storage::Corruption> FoundAtOpening() const override {
@@ -71,7 +71,7 @@ class GatedStore : public storage::MotionStore {
   // derived clips. `disk` decides whether writes succeed.
   GatedStore(std::unique_ptr<storage::MotionStore> store, std::shared_ptr<Gate> gate,
              std::shared_ptr<Gate> model_gate = std::make_shared<Gate>(),
-             std::shared_ptr<const FullDisk> disk = std::make_shared<FullDisk>(),
+             std::shared_ptr<const SimulatedDisk> disk = std::make_shared<SimulatedDisk>(),
              std::shared_ptr<Gate> reading_gate = std::make_shared<Gate>(),
              std::shared_ptr<Gate> derive_gate = std::make_shared<Gate>())
       : store_(std::move(store)),
@@ -208,10 +208,10 @@ class GatedStore : public storage::MotionStore {
   const std::unique_ptr<storage::MotionStore> store_;
   const std::shared_ptr<Gate> gate_;
   const std::shared_ptr<Gate> model_gate_;
-  const std::shared_ptr<const FullDisk> disk_;
+  const std::shared_ptr<const SimulatedDisk> disk_;
   const std::shared_ptr<Gate> reading_gate_;
   const std::shared_ptr<Gate> derive_gate_;
-  GatedUpkeep maintenance_{store_->maintenance(), *gate_};
+  GatedMaintenance maintenance_{store_->maintenance(), *gate_};
   absl::Status model_fault_;
 };
 

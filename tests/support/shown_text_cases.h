@@ -23,7 +23,7 @@ inline std::string Secret() { return std::string(64, 'c'); }
 inline std::string AnyToken() { return "mdb_0123456789ab_" + Secret(); }
 
 // Pairs of a text and its displayed form.
-inline std::vector<std::pair<std::string, std::string>> ShownTexts() {
+inline std::vector<std::pair<std::string, std::string>> DisplayedTextCases() {
   const std::string token = AnyToken(), shown = "mdb_0123456789ab_...", mark = "\xEF\xBF\xBD";
   return {
       {"", ""},

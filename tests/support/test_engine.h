@@ -31,7 +31,7 @@ class TestEngine {
   Gate& model_gate() { return *model_gate_; }
   Gate& reading_gate() { return *reading_gate_; }
   Gate& derive_gate() { return *derive_gate_; }
-  FullDisk& disk() { return *disk_; }
+  SimulatedDisk& disk() { return *disk_; }
   // Applied by the next Start.
   void set_options(const server::EngineOptions& options) { options_ = options; }
 
@@ -53,7 +53,7 @@ class TestEngine {
   const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> reading_gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> derive_gate_ = std::make_shared<Gate>();
-  const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
+  const std::shared_ptr<SimulatedDisk> disk_ = std::make_shared<SimulatedDisk>();
   std::unique_ptr<server::Engine> engine_;
 };
 

@@ -156,7 +156,7 @@ v1::DatabaseStatistics TestServer::Describe(const std::string& id) {
   return answer.response.database().statistics();
 }
 
-v1::Observation ObservedWalk() {
+v1::Observation WalkObservation() {
   v1::Observation observation;
   observation.mutable_file()->set_file_name("seen.bvh");
   observation.mutable_file()->set_data(

@@ -46,7 +46,7 @@ class TestServer {
   // `gate` blocks reads of clips by a build, `model_gate` the write of its model.
   Gate& gate() { return *gate_; }
   Gate& model_gate() { return *model_gate_; }
-  FullDisk& disk() { return *disk_; }
+  SimulatedDisk& disk() { return *disk_; }
   const std::shared_ptr<grpc::Channel>& channel() { return channel_; }
   // Returns a new channel with its own connection.
   std::shared_ptr<grpc::Channel> NewChannel() const;
@@ -76,13 +76,13 @@ class TestServer {
   TemporaryDirectory directory_;
   const std::shared_ptr<Gate> gate_ = std::make_shared<Gate>();
   const std::shared_ptr<Gate> model_gate_ = std::make_shared<Gate>();
-  const std::shared_ptr<FullDisk> disk_ = std::make_shared<FullDisk>();
+  const std::shared_ptr<SimulatedDisk> disk_ = std::make_shared<SimulatedDisk>();
   std::unique_ptr<server::Server> server_;
   std::shared_ptr<grpc::Channel> channel_;
 };
 
 // Returns a walk as a file observation.
-v1::Observation ObservedWalk();
+v1::Observation WalkObservation();
 
 // Result of a unary call.
 template <typename Response>

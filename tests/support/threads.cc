@@ -7,7 +7,7 @@
 
 namespace motiondb::tests {
 
-core::ParallelFor OnThreads(int jobs) {
+core::ParallelFor RunOnThreads(int jobs) {
   if (jobs <= 1) return core::RunSerially;
   return [jobs](int count, const std::function<void(int)>& body) {
     std::atomic<int> next{0};
@@ -20,7 +20,7 @@ core::ParallelFor OnThreads(int jobs) {
   };
 }
 
-double ThreadSeconds() {
+double ThreadCpuSeconds() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
   return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);

@@ -6,9 +6,9 @@
 namespace motiondb::tests {
 
 // `jobs` threads run the bodies in order of index (1: the calling thread). Cannot be nested.
-core::ParallelFor OnThreads(int jobs);
+core::ParallelFor RunOnThreads(int jobs);
 
 // Returns the processor time of the calling thread, s: the cost of a query on a busy machine.
-double ThreadSeconds();
+double ThreadCpuSeconds();
 
 }  // namespace motiondb::tests

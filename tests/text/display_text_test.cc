@@ -8,7 +8,7 @@ namespace motiondb::tests::display_text_test {
 namespace {
 
 TEST_CASE("DisplayText: display controls are replaced", "[text]") {
-  for (const auto& [text, shown] : ShownTexts()) {
+  for (const auto& [text, shown] : DisplayedTextCases()) {
     CAPTURE(text);
     CHECK(text::SafeText(text) == shown);
     if (text.find("mdb_") == std::string::npos) CHECK(text::DisplayText(text) == shown);

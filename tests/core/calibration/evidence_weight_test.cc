@@ -35,13 +35,13 @@ std::vector<core::JudgedSample> Samples(int count, double too_strong, int frames
 
 }  // namespace
 
-TEST_CASE("FitEvidenceWeight: finds how much too strong evidence is", "[core][calibration]") {
+TEST_CASE("FitEvidenceWeight: finds the scale of overconfident evidence", "[core][calibration]") {
   const auto weight = core::FitEvidenceWeight(Samples(2000, 8, 1, 1), {1});
   CHECK(weight.scale == Approx(1 / 8.0).epsilon(0.2));
   CHECK(weight.power == 1);
 }
 
-TEST_CASE("FitEvidenceWeight: finds that frames say nothing new", "[core][calibration]") {
+TEST_CASE("FitEvidenceWeight: finds power 0 for dependent frames", "[core][calibration]") {
   const auto samples = Samples(2000, 3, 100, 2);
   const auto weight = core::FitEvidenceWeight(samples, {0, 0.25, 0.5, 0.75, 1});
   CHECK(weight.power == 0);
@@ -50,7 +50,7 @@ TEST_CASE("FitEvidenceWeight: finds that frames say nothing new", "[core][calibr
         core::NegativeLogLikelihood(Samples(500, 3, 100, 3), {1, 1}));
 }
 
-TEST_CASE("NegativeLogLikelihood: is that of the softmax", "[core][calibration]") {
+TEST_CASE("NegativeLogLikelihood: equals that of the softmax", "[core][calibration]") {
   const core::JudgedSample sample{{-3000, -3002}, 1, 4};
   const double at = 0.5 * std::pow(4, -0.5);
   CHECK(core::NegativeLogLikelihood({sample}, {0.5, 0.5}) ==

@@ -18,7 +18,8 @@ core::Model Built(std::vector<core::BuildInput> clips) {
 
 }  // namespace
 
-TEST_CASE("CompareModels: how an extended model differs from a built one", "[core][calibration]") {
+TEST_CASE("CompareModels: measures the difference between an extended and a built model",
+          "[core][calibration]") {
   const auto clips = WanderingClips(14, 150, SmallMarkerSet(5), 4);
   const core::Model base = Built({clips.begin(), clips.begin() + 12});
   const auto extended =
@@ -29,12 +30,12 @@ TEST_CASE("CompareModels: how an extended model differs from a built one", "[cor
   CHECK(difference.bottom_nodes_before == base.tree().node_count(base.layer_count()));
   CHECK(difference.bottom_nodes_after == built.tree().node_count(built.layer_count()));
   CHECK(difference.spread_after > 0);
-  // A build divides more finely, or as finely, where frames came in.
+  // A build splits nodes with added frames at least as finely.
   CHECK(difference.spread_after < 1.1 * difference.spread_before);
   CHECK(difference.windows == 2);
-  CHECK(difference.same_label == 2);  // two labels, each in places of its own
+  CHECK(difference.same_label == 2);  // two labels with different poses
 
-  // The same model on both sides; none of its clips was added.
+  // Both are the same model without added clips.
   const auto none = core::CompareModels(built, built, core::RunSerially);
   CHECK(none.spread_before == none.spread_after);
   CHECK(none.windows == 0);

@@ -17,15 +17,15 @@ void Backwards(int count, const std::function<void(int)>& body) {
 
 }  // namespace
 
-TEST_CASE("FitPredictionConfidence: expected errors are those of motion held back",
+TEST_CASE("FitPredictionConfidence: expected errors equal those of held-out motion",
           "[core][calibration]") {
   const core::Model model = SmallModel(6, 300, kMarkers, 8, 11);
   const auto fitted = core::FitPredictionConfidence(model, core::RunSerially, {});
   REQUIRE(fitted.ok());
-  REQUIRE(fitted->laws.size() == 6);
+  REQUIRE(fitted->models.size() == 6);
 
   const core::StateSequence unseen =
-      WanderingClips(8, 300, model.marker_set(), 11)[7].states;  // of a seed's places, not stored
+      WanderingClips(8, 300, model.marker_set(), 11)[7].states;  // not stored
   const core::FrameMatrix world = core::WorldPositions(unseen);
   double expected = 0;
   double measured = 0;
@@ -49,9 +49,8 @@ TEST_CASE("FitPredictionConfidence: expected errors are those of motion held bac
   CHECK(expected < 1.7 * measured);
 }
 
-TEST_CASE("FitPredictionConfidence: motion of a frame a second", "[core][calibration]") {
-  for (const double rate :
-       {1.0, 1.24}) {  // less than one frame in the seconds that are looked back
+TEST_CASE("FitPredictionConfidence: supports motion at 1 Hz", "[core][calibration]") {
+  for (const double rate : {1.0, 1.24}) {  // less than one frame of history
     core::BuildSettings settings;
     settings.min_frames = 4;
     settings.frame_rate_hz = rate;
@@ -63,20 +62,21 @@ TEST_CASE("FitPredictionConfidence: motion of a frame a second", "[core][calibra
   }
 }
 
-TEST_CASE("FitPredictionConfidence: the same in any order of work; none of one clip or short ones",
-          "[core][calibration]") {
+TEST_CASE(
+    "FitPredictionConfidence: independent of the order of work; empty for one clip or short clips",
+    "[core][calibration]") {
   const core::Model model = SmallModel(3, 200, kMarkers, 8, 11);
   const auto once = core::FitPredictionConfidence(model, core::RunSerially, {});
   const auto again = core::FitPredictionConfidence(model, Backwards, {});
-  REQUIRE(once->laws.size() == again->laws.size());
-  for (std::size_t h = 0; h < once->laws.size(); ++h) {
-    CHECK(once->laws[h].coefficients == again->laws[h].coefficients);
-    CHECK(once->laws[h].deviation == again->laws[h].deviation);
+  REQUIRE(once->models.size() == again->models.size());
+  for (std::size_t h = 0; h < once->models.size(); ++h) {
+    CHECK(once->models[h].coefficients == again->models[h].coefficients);
+    CHECK(once->models[h].deviation == again->models[h].deviation);
   }
   const core::Model single = SmallModel(1, 200, kMarkers, 8, 11);
-  CHECK(core::FitPredictionConfidence(single, core::RunSerially, {})->laws.empty());
+  CHECK(core::FitPredictionConfidence(single, core::RunSerially, {})->models.empty());
   const core::Model brief = SmallModel(4, 20, kMarkers, 8, 11);
-  CHECK(core::FitPredictionConfidence(brief, core::RunSerially, {})->laws.empty());
+  CHECK(core::FitPredictionConfidence(brief, core::RunSerially, {})->models.empty());
   CHECK(core::FitPredictionConfidence(model, core::RunSerially,
                                       [](double, std::string_view) { return false; })
             .status()

@@ -15,7 +15,7 @@
 namespace motiondb::tests::recognition_calibration_test {
 namespace {
 
-// Clips of three labels whose places are so near that windows are at times taken for another's.
+// Clips of three labels so similar that windows are sometimes confused.
 std::vector<core::BuildInput> AlikeClips(int clips, const core::MarkerSet& set, unsigned seed) {
   std::vector<core::BuildInput> inputs = WanderingClips(clips, 96, set, 77);
   std::mt19937 random(seed);
@@ -46,7 +46,7 @@ core::Model ModelOf(std::vector<core::BuildInput> inputs, const core::MarkerSet&
 }
 
 struct Reliability {
-  double loss = 0;   // mean negative log probability of the right label
+  double loss = 0;   // mean negative log probability of the correct label
   double error = 0;  // expected calibration error, 10 bins
 };
 
@@ -78,7 +78,7 @@ Reliability Judge(const core::Model& model, const std::vector<core::BuildInput>&
 
 }  // namespace
 
-TEST_CASE("Calibrate: probabilities of unseen windows become frequencies", "[core][calibration]") {
+TEST_CASE("Calibrate: probabilities of unseen windows equal frequencies", "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   core::Model model = ModelOf(AlikeClips(36, set, 1), set);
   const auto unseen = AlikeClips(36, set, 2);
@@ -93,7 +93,8 @@ TEST_CASE("Calibrate: probabilities of unseen windows become frequencies", "[cor
   CHECK(after.error < 0.1);
 }
 
-TEST_CASE("Calibrate: held-out stored windows rank evenly, others low", "[core][calibration]") {
+TEST_CASE("Calibrate: held-out windows have uniform ranks, unfamiliar ones low ranks",
+          "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   core::Model model = ModelOf(AlikeClips(36, set, 1), set);
   REQUIRE(core::Calibrate(model, core::RunSerially, {}).ok());
@@ -123,7 +124,7 @@ TEST_CASE("Calibrate: held-out stored windows rank evenly, others low", "[core][
   }
 }
 
-TEST_CASE("Calibrate: the same for any order of the work, and cancelled it changes nothing",
+TEST_CASE("Calibrate: independent of the order of work; no change if cancelled",
           "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(3);
   core::Model model = ModelOf(AlikeClips(10, set, 1), set);
@@ -148,20 +149,19 @@ TEST_CASE("Calibrate: the same for any order of the work, and cancelled it chang
   }
 }
 
-TEST_CASE("Calibrate: a model too small to say keeps typical weights", "[core][calibration]") {
+TEST_CASE("Calibrate: a model that is too small keeps the default weights", "[core][calibration]") {
   core::Model single = SmallModel(1, 60, 2, 8, 1);
   REQUIRE(core::Calibrate(single, core::RunSerially, {}).ok());
   CHECK(single.recognition().window.familiarity.empty());
   CHECK(single.recognition().window.weight.scale ==
         core::RecognitionCalibration{}.window.weight.scale);
-  core::Model two = SmallModel(2, 60, 2, 8, 1);  // of two labels
+  core::Model two = SmallModel(2, 60, 2, 8, 1);  // with two labels
   REQUIRE(core::Calibrate(two, core::RunSerially, {}).ok());
   CHECK_FALSE(two.recognition().window.familiarity.empty());
   CHECK(two.recognition().whole.weight.power == core::RecognitionCalibration{}.whole.weight.power);
 }
 
-TEST_CASE("ClipsTriedWhole: fewer of clips so long that all would take hours",
-          "[core][calibration]") {
+TEST_CASE("ClipsTriedWhole: fewer for very long clips", "[core][calibration]") {
   CHECK(core::ClipsTriedWhole(1, 1, 1200) == 64);
   CHECK(core::ClipsTriedWhole(344, 119'685, 2400) == 64);
   CHECK(core::ClipsTriedWhole(2'000, 1e6, 1200) == 64);
@@ -170,7 +170,8 @@ TEST_CASE("ClipsTriedWhole: fewer of clips so long that all would take hours",
   CHECK(core::ClipsTriedWhole(1, 1e9, 1200) == 8);
 }
 
-TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][calibration]") {
+TEST_CASE("LeftOutWith: all clips of the subject, if other subjects have the label",
+          "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   std::vector<core::BuildInput> inputs = WanderingClips(5, 30, set, 1);
   const char* const labels[] = {"a", "a", "b", "b", "a"};
@@ -188,7 +189,7 @@ TEST_CASE("LeftOutWith: the subject, unless nobody else did the same", "[core][c
         std::vector<bool>{true, false, false, false, false});
 }
 
-TEST_CASE("SampleClips: labels and subjects have their shares, in any order of the clips",
+TEST_CASE("SampleClips: in proportion to labels and subjects, in any order of the clips",
           "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   std::vector<core::BuildInput> inputs = WanderingClips(40, 30, set, 1);
@@ -212,7 +213,7 @@ TEST_CASE("SampleClips: labels and subjects have their shares, in any order of t
   CHECK(all.size() == 40);
 }
 
-TEST_CASE("StoredMotion: a clip comes back as it was given", "[core][calibration]") {
+TEST_CASE("StoredMotion: equals the states of the clip", "[core][calibration]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   const auto inputs = WanderingClips(3, 30, set, 1);
   const core::StateSequence motion = core::StoredMotion(ModelOf(inputs, set), 2);

@@ -174,7 +174,7 @@ TEST_CASE("AMC: degrees of freedom in any order, including translations and stre
   const auto file =
       ReadAmc(Amc("arm 70 -80", "arm 70 2 1.5 -80 "),
               Asf("dof rz rx\n     limits (20 -45)\n            (-70 70)", "dof RZ ty L rx"));
-  CHECK_THAT(Refusal(file), Contains("value 3 of 4 of bone 'arm' in frame 2"));
+  CHECK_THAT(ErrorMessageOf(file), Contains("value 3 of 4 of bone 'arm' in frame 2"));
   const auto both =
       ReadAmc(Replaced(Amc("arm 70 -80", "arm 70 2 1.5 -80 "), "arm 70 8\n", "arm 70 2 1.5 8\n"),
               Asf("dof rz rx\n     limits (20 -45)\n            (-70 70)", "dof RZ ty L rx"));
@@ -225,7 +225,7 @@ TEST_CASE("AMC: radians, rate and frame numbers", "[core][format]") {
   const auto late = ReadAmc(Replaced(Amc("\n1\n", "\n27\n"), "\n2\n", "\n28\n"));
   REQUIRE(late.ok());
   CHECK_THAT(core::Describe(late->report), Contains("frames start at 27"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("\n2\n", "\n4\n"))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("\n2\n", "\n4\n"))),
              Contains("walk:8: expected frame 2, found '4'"));
 }
 
@@ -246,30 +246,33 @@ TEST_CASE("AMC: bones may change their order", "[core][format]") {
 }
 
 TEST_CASE("AMC: errors in frames name their line", "[core][format]") {
-  CHECK_THAT(Refusal(ReadAmc(Amc("spine 40 50 60\n", ""))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("spine 40 50 60\n", ""))),
              Contains("walk:7: expected bone 'spine' in frame 1, found '2'"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("arm 70 8\n", ""))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("arm 70 8\n", ""))),
              Contains("truncated") && Contains("expected bone 'arm' in frame 2"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("spine", "tail"))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("spine", "tail"))),
              Contains("walk:6: expected a bone of the skeleton in frame 1, found 'tail'"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("spine 40 50 60", "spine 40 50"))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("spine 40 50 60", "spine 40 50"))),
              Contains("walk:6: the line ends here, expected value 3 of 3 of bone 'spine'"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("spine 40 50 60", "spine 40 50 60 70"))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("spine 40 50 60", "spine 40 50 60 70"))),
              Contains("walk:6: expected 3 values of bone 'spine' in frame 1, found '70'"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("spine 40 50 60", "spine 40 nan 60"))), Contains("found 'nan'"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("arm 70 -80", "arm 70 -80\narm 70 -80"))),
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("spine 40 50 60", "spine 40 nan 60"))),
+             Contains("found 'nan'"));
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("arm 70 -80", "arm 70 -80\narm 70 -80"))),
              Contains("walk:8: expected bone 'arm' once in frame 1"));
-  CHECK_THAT(Refusal(ReadAmc(Amc("1\nroot", "root"))), Contains("number of the first frame"));
-  CHECK_THAT(Refusal(ReadAmc(":FULLY-SPECIFIED\n")), Contains("number of the first frame"));
+  CHECK_THAT(ErrorMessageOf(ReadAmc(Amc("1\nroot", "root"))),
+             Contains("number of the first frame"));
+  CHECK_THAT(ErrorMessageOf(ReadAmc(":FULLY-SPECIFIED\n")), Contains("number of the first frame"));
 }
 
 TEST_CASE("AMC: requires its skeleton", "[core][format]") {
-  CHECK_THAT(Refusal(ReadText(core::FileFormat::kAmc, kAmc)), Contains("expected an ASF file"));
+  CHECK_THAT(ErrorMessageOf(ReadText(core::FileFormat::kAmc, kAmc)),
+             Contains("expected an ASF file"));
 }
 
 TEST_CASE("ASF: inconsistencies are reported with their line", "[core][format]") {
   const auto refusal = [](std::string_view from, std::string_view to) {
-    return Refusal(ReadAmc(kAmc, Asf(from, to)));
+    return ErrorMessageOf(ReadAmc(kAmc, Asf(from, to)));
   };
   CHECK_THAT(refusal("angle deg", "angle grad"), Contains("figure:7: expected 'deg' or 'rad'"));
   CHECK_THAT(refusal("length 0.5", "length 0"), Contains("figure:6: expected a length unit"));

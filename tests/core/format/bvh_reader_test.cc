@@ -119,11 +119,14 @@ TEST_CASE("BVH: any channel count, and positions in any order", "[core][format]"
   CHECK(motion.skeleton->joints()[0].offset_m == Eigen::Vector3d(5, 6, 7));
   const auto one = ReadOneJoint("0 0 0", "1 Yrotation", "90");
   CHECK(Near(Position(Joints(one), "a_end", 0), {0, 0, -1}));
-  CHECK_THAT(Refusal(ReadOneJoint("0 0 0", "7 Xrotation", "1")), Contains("walk:5: expected the"));
-  CHECK_THAT(Refusal(ReadOneJoint("0 0 0", "2 Xposition Xposition", "1 1")), Contains("once"));
-  CHECK_THAT(Refusal(ReadOneJoint("0 0 0", "1 Xscale", "1")),
+  CHECK_THAT(ErrorMessageOf(ReadOneJoint("0 0 0", "7 Xrotation", "1")),
+             Contains("walk:5: expected the"));
+  CHECK_THAT(ErrorMessageOf(ReadOneJoint("0 0 0", "2 Xposition Xposition", "1 1")),
+             Contains("once"));
+  CHECK_THAT(ErrorMessageOf(ReadOneJoint("0 0 0", "1 Xscale", "1")),
              Contains("walk:5: expected channel 1 of 1 of joint 'a'"));
-  CHECK_THAT(Refusal(ReadOneJoint("0 0 0", "0", "")), Contains("at least one joint with channels"));
+  CHECK_THAT(ErrorMessageOf(ReadOneJoint("0 0 0", "0", "")),
+             Contains("at least one joint with channels"));
 }
 
 TEST_CASE("BVH: positions of inner joints replace their OFFSET too", "[core][format]") {
@@ -173,7 +176,7 @@ TEST_CASE("BVH: names with spaces, invalid UTF-8 and duplicates", "[core][format
   const auto twice = ReadBvh(Figure("JOINT LeftFoot", "JOINT Head"));
   CHECK(Joints(twice).skeleton->joints()[3].name == "Head_2");
   CHECK_THAT(core::Describe(twice->report), Contains("made distinct: Head_2"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("JOINT Head", "JOINT"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("JOINT Head", "JOINT"))),
              Contains("walk:6: ") && Contains("name"));
 }
 
@@ -234,10 +237,12 @@ TEST_CASE("BVH: conventions of the caller override the file's", "[core][format]"
   CHECK(Joints(file).frame_rate_hz == 50);
   CHECK(file->report.unit_provenance == Provenance::kGiven);
   CHECK(file->report.up_provenance == Provenance::kGiven);
-  CHECK_THAT(Refusal(ReadBvh(kFigure, {.metres_per_unit = 0, .up_axis = {}, .frame_rate_hz = {}})),
-             Contains("metres_per_unit"));
-  CHECK_THAT(Refusal(ReadBvh(kFigure, {.metres_per_unit = {}, .up_axis = {}, .frame_rate_hz = -1})),
-             Contains("frame_rate_hz"));
+  CHECK_THAT(
+      ErrorMessageOf(ReadBvh(kFigure, {.metres_per_unit = 0, .up_axis = {}, .frame_rate_hz = {}})),
+      Contains("metres_per_unit"));
+  CHECK_THAT(
+      ErrorMessageOf(ReadBvh(kFigure, {.metres_per_unit = {}, .up_axis = {}, .frame_rate_hz = -1})),
+      Contains("frame_rate_hz"));
 }
 
 TEST_CASE("BVH: a rounded frame time is mapped to the exact rate", "[core][format]") {
@@ -260,26 +265,27 @@ TEST_CASE("BVH: a rounded frame time is mapped to the exact rate", "[core][forma
 TEST_CASE("BVH: invalid frame times and counts are refused", "[core][format]") {
   for (const char* time : {"0", "-0.01", "nan", "inf", "1e-9", "1e9", "abc", "0.01s"}) {
     CAPTURE(time);
-    CHECK_THAT(Refusal(ReadBvh(Figure("0.01\n", fmt::format("{}\n", time)))),
+    CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("0.01\n", fmt::format("{}\n", time)))),
                Contains("walk:27: expected") && Contains("frame time"));
   }
-  CHECK_THAT(Refusal(ReadBvh(Figure("Frame Time: 0.01\n", ""))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("Frame Time: 0.01\n", ""))),
              Contains("walk:27: expected 'Frame Time:'"));
   for (const char* frames : {"0", "-1", "1.5", "many", "1e12"}) {
-    CHECK_THAT(Refusal(ReadBvh(Figure("Frames: 2", fmt::format("Frames: {}", frames)))),
+    CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("Frames: 2", fmt::format("Frames: {}", frames)))),
                Contains("walk:26: expected the number of frames"));
   }
 }
 
 TEST_CASE("BVH: missing and extra frames are reported", "[core][format]") {
-  CHECK_THAT(Refusal(ReadBvh(Figure("Frames: 2", "Frames: 3"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("Frames: 2", "Frames: 3"))),
              Contains("truncated") && Contains("expected 3 frames, found 2"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("Frames: 2", "Frames: 2147483647"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("Frames: 2", "Frames: 2147483647"))),
              Contains("expected 2147483647 frames, found 2"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("0 0 0 6", "0 0 6"))), Contains("number 10 of 10 of frame 2"));
-  CHECK_THAT(Refusal(ReadBvh(std::string(kFigure) + "7\n")),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("0 0 0 6", "0 0 6"))),
+             Contains("number 10 of 10 of frame 2"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh(std::string(kFigure) + "7\n")),
              Contains("walk:30: expected the file to end after 2 frames, found '7'"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("CHANNELS 1 Xrotation", "CHANNELS 0"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("CHANNELS 1 Xrotation", "CHANNELS 0"))),
              Contains("first line of frames has 10 numbers, the hierarchy 9 channels"));
   // One extra frame is ignored: some writers count from 0.
   const auto more = ReadBvh(Figure("Frames: 2", "Frames: 1"));
@@ -289,8 +295,8 @@ TEST_CASE("BVH: missing and extra frames are reported", "[core][format]") {
 
 TEST_CASE("BVH: a missing or extra number is reported with its line", "[core][format]") {
   const auto refusal = [](std::string_view lines, int frames) {
-    return Refusal(ReadBvh(Replaced(Figure("1 92 3 10 20 30 0 0 0 6\n", lines), "Frames: 2",
-                                    fmt::format("Frames: {}", frames))));
+    return ErrorMessageOf(ReadBvh(Replaced(Figure("1 92 3 10 20 30 0 0 0 6\n", lines), "Frames: 2",
+                                           fmt::format("Frames: {}", frames))));
   };
   const std::string whole = "1 92 3 10 20 30 0 0 0 6\n", less = "1 92 3 10 20 30 0 0 6\n";
   CHECK_THAT(refusal(less + whole + whole, 4),
@@ -300,7 +306,7 @@ TEST_CASE("BVH: a missing or extra number is reported with its line", "[core][fo
   CHECK_THAT(refusal(less, 2), Contains("walk:29: the file ends here (truncated?)") &&
                                    Contains("number 10 of 10 of frame 2 of 2"));
   // The first line is wrong.
-  CHECK_THAT(Refusal(ReadBvh(Figure("0 0 0 5", "0 0 5"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("0 0 0 5", "0 0 5"))),
              Contains("walk:28: the line ends here, expected number 10 of 10 of frame 1 of 2"));
   // A line before an invalid number.
   CHECK_THAT(refusal(less + "1 x 3 10 20 30 0 0 0 6\n", 3),
@@ -310,28 +316,29 @@ TEST_CASE("BVH: a missing or extra number is reported with its line", "[core][fo
 TEST_CASE("BVH: an invalid number is reported with its position", "[core][format]") {
   for (const char* bad : {"1.2abc", "nan", "inf", "1,5", "1e400"}) {
     CHECK_THAT(
-        Refusal(ReadBvh(Figure("1 92 3", fmt::format("1 {} 3", bad)))),
+        ErrorMessageOf(ReadBvh(Figure("1 92 3", fmt::format("1 {} 3", bad)))),
         Contains(fmt::format("walk:29: expected number 2 of 10 of frame 2 of 2, found '{}'", bad)));
   }
-  CHECK_THAT(Refusal(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60"))),
              Contains("walk:8: the line ends here, expected a number (OFFSET has three)"));
 }
 
 TEST_CASE("BVH: an invalid hierarchy is refused", "[core][format]") {
-  CHECK_THAT(Refusal(ReadBvh("")), Contains("walk:1: ") && Contains("'HIERARCHY'"));
-  CHECK_THAT(Refusal(ReadBvh("HIERARCHY MOTION")), Contains("expected 'ROOT'"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("    OFFSET 0 60 0\n", ""))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh("")), Contains("walk:1: ") && Contains("'HIERARCHY'"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh("HIERARCHY MOTION")), Contains("expected 'ROOT'"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("    OFFSET 0 60 0\n", ""))),
              Contains("expected 'OFFSET' in joint 'Head'"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60 0 OFFSET 0 0 0"))),
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("OFFSET 0 60 0", "OFFSET 0 60 0 OFFSET 0 0 0"))),
              Contains("found a second"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("}\nMOTION", "MOTION"))), Contains("found 'MOTION'"));
-  CHECK_THAT(Refusal(ReadBvh(Figure("}\nMOTION", "}\n}\nMOTION"))), Contains("expected 'MOTION'"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("}\nMOTION", "MOTION"))), Contains("found 'MOTION'"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh(Figure("}\nMOTION", "}\n}\nMOTION"))),
+             Contains("expected 'MOTION'"));
 }
 
 TEST_CASE("BVH: very deep nesting is refused", "[core][format]") {
   std::string text = "HIERARCHY\nROOT a\n";
   for (int i = 0; i < 200000; ++i) text += "{ OFFSET 0 0 0 JOINT a\n";
-  CHECK_THAT(Refusal(ReadBvh(text)), Contains("walk:2002: expected at most 2000 joints"));
+  CHECK_THAT(ErrorMessageOf(ReadBvh(text)), Contains("walk:2002: expected at most 2000 joints"));
 }
 
 TEST_CASE("BVH: every truncation is refused with a message", "[core][format]") {

@@ -62,7 +62,7 @@ TEST_CASE("C3D: missing points are invalid, not a number, or exactly at the orig
   const auto file = ReadC3d(builder.Build());
   CHECK(Markers(file).positions_m.rightCols(3).array().isNaN().all());
   builder.frames[2][1] = {INFINITY, 2, 3, 0};
-  CHECK_THAT(Refusal(ReadC3d(builder.Build())),
+  CHECK_THAT(ErrorMessageOf(ReadC3d(builder.Build())),
              Contains("walk: byte ") && Contains("finite position of 'LTOE' in frame 3"));
 }
 
@@ -114,7 +114,7 @@ TEST_CASE("C3D: computed points are ignored", "[core][format]") {
   CHECK(Markers(file).positions_m(0, 2) == Approx(0.04));
   CHECK_THAT(core::Describe(file->report), Contains("1 computed points"));
   builder.angles = {"LFHD", "LTOE"};
-  CHECK_THAT(Refusal(ReadC3d(builder.Build())), Contains("expected at least one marker"));
+  CHECK_THAT(ErrorMessageOf(ReadC3d(builder.Build())), Contains("expected at least one marker"));
 }
 
 TEST_CASE("C3D: frames may start late and exceed 65535", "[core][format]") {
@@ -136,7 +136,7 @@ TEST_CASE("C3D: invalid headers are refused with their position", "[core][format
   const auto with = [&good](std::size_t offset, char byte) {
     std::string bad = good;
     bad[offset] = byte;
-    return Refusal(ReadC3d(bad));
+    return ErrorMessageOf(ReadC3d(bad));
   };
   CHECK_THAT(with(0, 0), Contains("walk: byte 0: expected the parameters' block"));
   CHECK_THAT(with(0, 100), Contains("of parameters, the file has only"));
@@ -149,7 +149,7 @@ TEST_CASE("C3D: invalid headers are refused with their position", "[core][format
   C3dBuilder builder = TwoMarkers();
   for (const float rate : {0.0F, -50.0F, NAN, INFINITY}) {
     builder.rate_hz = rate;
-    CHECK_THAT(Refusal(ReadC3d(builder.Build())), Contains("expected a frame rate"));
+    CHECK_THAT(ErrorMessageOf(ReadC3d(builder.Build())), Contains("expected a frame rate"));
   }
 }
 

@@ -164,7 +164,7 @@ TEST_CASE("WriteJointTable: the quaternion is continuous through full turns", "[
 
 TEST_CASE("WriteJointTable: refuses invalid motion", "[core][format]") {
   const auto refusal = [](const JointMotion& motion, std::vector<MimicJoint> mimics = {}) {
-    return Refusal(core::WriteJointTable(motion, mimics));
+    return ErrorMessageOf(core::WriteJointTable(motion, mimics));
   };
   const JointMotion good = Motion(OddJoints(), 3);
   JointMotion bad = good;

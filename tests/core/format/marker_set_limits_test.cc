@@ -13,7 +13,7 @@ using Catch::Contains;
 constexpr const char kHead[] = "motiondb-marker-set 1\nname n\nmarker lhip\nmarker rhip\n";
 
 std::string RefusalOf(const std::string& text) {
-  return Refusal(core::ReadMarkerSetFile({"many.markers", text}));
+  return ErrorMessageOf(core::ReadMarkerSetFile({"many.markers", text}));
 }
 
 std::string Points(std::size_t count) {

@@ -87,8 +87,8 @@ inline core::UrdfRobot GoodRobot(std::string_view text) {
 }
 
 // Returns the refusal of kRobot with `from` replaced.
-inline std::string RefusalWith(std::string_view from, std::string_view to) {
-  return Refusal(ReadRobot(Replaced(std::string(kRobot), from, to)));
+inline std::string ErrorMessageWith(std::string_view from, std::string_view to) {
+  return ErrorMessageOf(ReadRobot(Replaced(std::string(kRobot), from, to)));
 }
 
 }  // namespace motiondb::tests

@@ -39,7 +39,7 @@ std::string Comb(int joints, int ends) {
 
 TEST_CASE("BVH: more joints than a skeleton may have", "[core][format][hostile]") {
   const auto refusal = [](int joints, int ends) {
-    return Refusal(ReadText(core::FileFormat::kBvh, Comb(joints, ends)));
+    return ErrorMessageOf(ReadText(core::FileFormat::kBvh, Comb(joints, ends)));
   };
   CHECK(Joints(ReadText(core::FileFormat::kBvh, Comb(2000, 0))).skeleton->joint_count() == 2000);
   CHECK(Joints(ReadText(core::FileFormat::kBvh, Comb(1000, 1000))).skeleton->joint_count() == 2000);
@@ -74,12 +74,12 @@ TEST_CASE("ASF: more joints than a skeleton may have", "[core][format][hostile]"
   };
   // The root, the bones and the tip of the last one.
   CHECK(Joints(read(Bones(1998, true))).skeleton->joint_count() == 2000);
-  CHECK_THAT(Refusal(read(Bones(1999, true))),
+  CHECK_THAT(ErrorMessageOf(read(Bones(1999, true))),
              Catch::Contains("expected at most 2000 joints, found 2000 bones that end in 1 tips"));
   CHECK_THAT(
-      Refusal(read(Bones(1000, false))),
+      ErrorMessageOf(read(Bones(1000, false))),
       Catch::Contains("expected at most 2000 joints, found 1001 bones that end in 1000 tips"));
-  CHECK(Refusal(read(Bones(2000, true))) ==
+  CHECK(ErrorMessageOf(read(Bones(2000, true))) ==
         "body:14008: expected at most 2000 joints, found bone 'b2000' after them");
 }
 
@@ -102,7 +102,7 @@ TEST_CASE("ReadUrdf: more joints than a skeleton may have", "[core][format][host
   const auto robot = read(Links(1999));
   REQUIRE(robot.ok());
   CHECK(robot->skeleton.joint_count() == 2000);
-  CHECK(Refusal(read(Links(2000))) ==
+  CHECK(ErrorMessageOf(read(Links(2000))) ==
         "robot.urdf:2001: expected at most 1999 joints, found joint 'j2000' after them");
 }
 

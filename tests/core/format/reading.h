@@ -21,7 +21,7 @@ inline std::string MessageOf(const absl::Status& status) {
 
 // Returns the message of the error with which reading must fail.
 template <typename File>
-std::string Refusal(const absl::StatusOr<File>& file) {
+std::string ErrorMessageOf(const absl::StatusOr<File>& file) {
   if (file.ok()) return "it was read";
   CHECK(file.status().code() == absl::StatusCode::kInvalidArgument);
   return MessageOf(file.status());
@@ -71,7 +71,7 @@ void CheckEveryTruncation(std::string_view bytes, Read read, IsComplete is_compl
     if (is_complete(length)) {
       CHECK(file.ok());
     } else {
-      CHECK_THAT(Refusal(file), Catch::Contains("expected"));
+      CHECK_THAT(ErrorMessageOf(file), Catch::Contains("expected"));
     }
   }
 }

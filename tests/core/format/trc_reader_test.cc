@@ -54,9 +54,9 @@ TEST_CASE("TRC: markers in millimetres, y up, some missing", "[core][format]") {
 TEST_CASE("TRC: units and up axes, stated, deduced, assumed and given", "[core][format]") {
   CHECK(Markers(ReadTrc(Trc("\tmm", "\tcm"))).positions_m(0, 2) == Approx(17));
   CHECK(Markers(ReadTrc(Trc("\tmm", "\tm"))).positions_m(0, 2) == Approx(1700));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\tmm", "\tfurlong"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\tmm", "\tfurlong"))),
              Contains("walk:3: expected Units") && Contains("furlong"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\tmm", ""))), Contains("expected Units"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\tmm", ""))), Contains("expected Units"));
   const auto given = ReadTrc(Trc("\tmm", "\tfurlong"),
                              {.metres_per_unit = 0.01, .up_axis = UpAxis::kX, .frame_rate_hz = 10});
   CHECK(Markers(given).positions_m(0, 2) == Approx(0.01));
@@ -100,38 +100,40 @@ TEST_CASE("TRC: names, frame numbers and times that are unusual are reported", "
 }
 
 TEST_CASE("TRC: an invalid header is refused", "[core][format]") {
-  CHECK_THAT(Refusal(ReadTrc(Trc("PathFileType", "File"))), Contains("walk:1: expected"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("PathFileType", "File"))), Contains("walk:1: expected"));
   for (const char* rate : {"0", "-50", "nan", "", "fast"}) {
-    CHECK_THAT(Refusal(ReadTrc(Trc("50\t50", fmt::format("{}\t50", rate)))),
+    CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("50\t50", fmt::format("{}\t50", rate)))),
                Contains("walk:3: expected a DataRate"));
   }
   for (const char* frames : {"0", "-3", "2.5", "1e30", ""}) {
-    CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", fmt::format("\t{}\t2", frames)))),
+    CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\t3\t2", fmt::format("\t{}\t2", frames)))),
                Contains("walk:3: expected NumFrames"));
   }
-  CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t3\t3"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\t3\t2", "\t3\t3"))),
              Contains("walk:4: expected 3 marker names, as in NumMarkers, found 2"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("Frame#", "Index"))), Contains("expected 'Frame#'"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("Frame#", "Index"))), Contains("expected 'Frame#'"));
 }
 
 TEST_CASE("TRC: errors in frames name their line", "[core][format]") {
-  CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t4\t2"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\t3\t2", "\t4\t2"))),
              Contains("truncated") && Contains("expected 4 frames, found 3"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t500000000\t2"))), Contains("found 3"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\t3\t2", "\t2\t2"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\t3\t2", "\t500000000\t2"))), Contains("found 3"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\t3\t2", "\t2\t2"))),
              Contains("walk:9: expected the file to end after 2 frames"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\n2\t", "\n5\t"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\n2\t", "\n5\t"))),
              Contains("walk:8: expected frame 2, found '5'"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("0.02", "0.00"))), Contains("walk:8: expected a time after 0 s"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("\n2\t", "\n\t"))), Contains("expected frame 2"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("0.02", ""))), Contains("expected a time in seconds"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("4\t50\t6", "4\t50"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("0.02", "0.00"))),
+             Contains("walk:8: expected a time after 0 s"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("\n2\t", "\n\t"))), Contains("expected frame 2"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("0.02", ""))), Contains("expected a time in seconds"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("4\t50\t6", "4\t50"))),
              Contains("walk:7: ") && Contains("expected z of marker 'Left Toe'"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("4\t50\t6", "4\t\t6"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("4\t50\t6", "4\t\t6"))),
              Contains("all three coordinates of marker 'Left Toe' or none, found 2"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("4\t50\t6", "4\t5o\t6"))),
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("4\t50\t6", "4\t5o\t6"))),
              Contains("expected y of marker 'Left Toe', found '5o'"));
-  CHECK_THAT(Refusal(ReadTrc(Trc("4\t50\t6", "4\t50\t6\t7"))), Contains("found '7' after them"));
+  CHECK_THAT(ErrorMessageOf(ReadTrc(Trc("4\t50\t6", "4\t50\t6\t7"))),
+             Contains("found '7' after them"));
 }
 
 TEST_CASE("TRC: every truncation is refused with a message", "[core][format]") {

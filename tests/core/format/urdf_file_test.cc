@@ -11,27 +11,32 @@ using Catch::Contains;
 using core::UrdfRobot;
 
 TEST_CASE("ReadUrdf: missing or invalid parts are reported with their line", "[core][format]") {
-  CHECK_THAT(RefusalWith("name=\"elbow\" type", "type"),
+  CHECK_THAT(ErrorMessageWith("name=\"elbow\" type", "type"),
              Contains("robot.urdf:5: expected <joint> to have a name, found none"));
-  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link/>"), Contains("<link> to have a name"));
-  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link name=\"\"/>"), Contains("a name"));
-  CHECK_THAT(RefusalWith(" type=\"planar\"", ""), Contains("<joint> to have a type"));
-  CHECK_THAT(RefusalWith("planar", "screw"), Contains("floating or planar, found 'screw'"));
-  CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", ""), Contains("<parent link=...>"));
-  CHECK_THAT(RefusalWith("<parent link=\"upper\"/>", "<parent/>"), Contains("<parent> to have"));
-  CHECK_THAT(RefusalWith("xyz=\"0 2 0\"", "xyz=\"0 0 0\""),
+  CHECK_THAT(ErrorMessageWith("<link name=\"tip\"/>", "<link/>"),
+             Contains("<link> to have a name"));
+  CHECK_THAT(ErrorMessageWith("<link name=\"tip\"/>", "<link name=\"\"/>"), Contains("a name"));
+  CHECK_THAT(ErrorMessageWith(" type=\"planar\"", ""), Contains("<joint> to have a type"));
+  CHECK_THAT(ErrorMessageWith("planar", "screw"), Contains("floating or planar, found 'screw'"));
+  CHECK_THAT(ErrorMessageWith("<parent link=\"upper\"/>", ""), Contains("<parent link=...>"));
+  CHECK_THAT(ErrorMessageWith("<parent link=\"upper\"/>", "<parent/>"),
+             Contains("<parent> to have"));
+  CHECK_THAT(ErrorMessageWith("xyz=\"0 2 0\"", "xyz=\"0 0 0\""),
              Contains("robot.urdf:9: joint 'elbow': expected a nonzero axis"));
-  CHECK_THAT(RefusalWith("<limit lower=\"-0.5\" upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""),
-             Contains("joint 'elbow': expected <limit>"));
-  CHECK_THAT(RefusalWith("lower=\"-0.5\"", "lower=\"2.5\""), Contains("expected lower <= upper"));
+  CHECK_THAT(
+      ErrorMessageWith("<limit lower=\"-0.5\" upper=\"2\" effort=\"1\" velocity=\"1\"/>", ""),
+      Contains("joint 'elbow': expected <limit>"));
+  CHECK_THAT(ErrorMessageWith("lower=\"-0.5\"", "lower=\"2.5\""),
+             Contains("expected lower <= upper"));
   for (const char* numbers : {"nan 0 1", "inf 0 1", "1e999 0 1", "0 0", "0 0 0 0", "", "0,0,0",
                               "a b c", "${x} 0 0", "0x1 0 0"}) {
-    CHECK_THAT(RefusalWith("xyz=\"0 0 -0.3\"", fmt::format("xyz=\"{}\"", numbers)),
+    CHECK_THAT(ErrorMessageWith("xyz=\"0 0 -0.3\"", fmt::format("xyz=\"{}\"", numbers)),
                Contains("robot.urdf:8: expected 3 finite numbers as xyz of <origin>"));
-    CHECK_THAT(RefusalWith("rpy=\"0 0 1.5707963267948966\"", fmt::format("rpy=\"{}\"", numbers)),
-               Contains("expected 3 finite numbers as rpy"));
+    CHECK_THAT(
+        ErrorMessageWith("rpy=\"0 0 1.5707963267948966\"", fmt::format("rpy=\"{}\"", numbers)),
+        Contains("expected 3 finite numbers as rpy"));
   }
-  CHECK_THAT(RefusalWith("lower=\"-0.5\"", "lower=\"low\""),
+  CHECK_THAT(ErrorMessageWith("lower=\"-0.5\"", "lower=\"low\""),
              Contains("expected 1 finite number as lower of <limit>, found 'low'"));
 }
 
@@ -41,11 +46,11 @@ TEST_CASE("ReadUrdf: other files are refused", "[core][format]") {
                            "<sdf><model/></sdf>", "<!-- no -->", "<robot><link name='a'></robot>",
                            "<robot><link name='a' name='b'/></robot>", "\xff\xfe<\x01"}) {
     CAPTURE(text);
-    CHECK_THAT(Refusal(ReadRobot(text)), Contains("robot.urdf") && Contains("expected"));
+    CHECK_THAT(ErrorMessageOf(ReadRobot(text)), Contains("robot.urdf") && Contains("expected"));
   }
-  CHECK_THAT(Refusal(ReadRobot("<mujoco/>")), Contains("expected <robot>, found <mujoco>"));
-  CHECK_THAT(Refusal(ReadRobot(std::string_view("<robot/>\0<", 10))), Contains("zero byte"));
-  CHECK_THAT(Refusal(ReadRobot("<robot xmlns:xacro='x'>\n<xacro:arg name='a'/></robot>")),
+  CHECK_THAT(ErrorMessageOf(ReadRobot("<mujoco/>")), Contains("expected <robot>, found <mujoco>"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot(std::string_view("<robot/>\0<", 10))), Contains("zero byte"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot("<robot xmlns:xacro='x'>\n<xacro:arg name='a'/></robot>")),
              Contains("robot.urdf:2: expected URDF, found <xacro:arg>"));
 }
 
@@ -61,9 +66,9 @@ TEST_CASE("ReadUrdf: entities of a document type are refused, not expanded", "[c
     bomb += fmt::format("<!ENTITY e{} '&e{};&e{};'>\n", i, i - 1, i - 1);
   }
   bomb += "]>\n<robot name='&e29;'><link name='&e29;'/></robot>";
-  CHECK_THAT(Refusal(ReadRobot(bomb)), Contains("robot.urdf:2: expected no document type"));
-  CHECK_THAT(Refusal(ReadRobot("<!DOCTYPE r [<!ENTITY x SYSTEM 'file:///etc/hostname'>]>"
-                               "<robot><link name='&x;'/></robot>")),
+  CHECK_THAT(ErrorMessageOf(ReadRobot(bomb)), Contains("robot.urdf:2: expected no document type"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot("<!DOCTYPE r [<!ENTITY x SYSTEM 'file:///etc/hostname'>]>"
+                                      "<robot><link name='&x;'/></robot>")),
              Contains("expected no document type"));
   CHECK(GoodRobot("<robot><link name='&amp;&lt;&#65;'/></robot>").skeleton.joints()[0].name ==
         "&<A");
@@ -76,14 +81,15 @@ TEST_CASE("ReadUrdf: every file takes little time, memory and stack", "[core][fo
     return text;
   };
   constexpr std::size_t kJustUnder = (4 << 20) - 100;
-  CHECK_THAT(Refusal(ReadRobot(repeated("<a>", 100 << 20))), Contains("at most 4194304 bytes"));
-  CHECK_THAT(Refusal(ReadRobot(repeated("<a>", kJustUnder))), Contains("DEPTH"));
-  CHECK_THAT(Refusal(ReadRobot("<robot>" + repeated("<a/>", kJustUnder) + "</robot>")),
+  CHECK_THAT(ErrorMessageOf(ReadRobot(repeated("<a>", 100 << 20))),
+             Contains("at most 4194304 bytes"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot(repeated("<a>", kJustUnder))), Contains("DEPTH"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot("<robot>" + repeated("<a/>", kJustUnder) + "</robot>")),
              Contains("at least one <link>"));
   // Attributes of one tag, which the parser compares pairwise; quotes may contain a '>'.
   std::string attributes = "<robot>\n<link";
   for (int i = 0; attributes.size() < kJustUnder; ++i) attributes += fmt::format(" a{}='>'", i);
-  CHECK_THAT(Refusal(ReadRobot(attributes + "/></robot>")),
+  CHECK_THAT(ErrorMessageOf(ReadRobot(attributes + "/></robot>")),
              Contains("robot.urdf:2: expected a tag"));
   // Long comments are not tags.
   CHECK(ReadRobot("<robot><!--" + repeated(" a='", 1 << 20) + "--><link name='a'/></robot>").ok());

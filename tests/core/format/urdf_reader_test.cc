@@ -140,13 +140,13 @@ TEST_CASE(
             .norm() < 1e-15);
   CHECK((JointNamed(robot, "thumb").offset_m - Vector3d(0, 0.25, 0)).norm() < 1e-15);
 
-  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"thumb\" mult"), Contains("cycle"));
-  CHECK_THAT(RefusalWith("joint=\"elbow\" mult", "joint=\"finger\" mult"), Contains("cycle"));
+  CHECK_THAT(ErrorMessageWith("joint=\"elbow\" mult", "joint=\"thumb\" mult"), Contains("cycle"));
+  CHECK_THAT(ErrorMessageWith("joint=\"elbow\" mult", "joint=\"finger\" mult"), Contains("cycle"));
   for (const char* master : {"nobody", "puck", "tip_joint"}) {
-    CHECK_THAT(RefusalWith("joint=\"elbow\" mult", fmt::format("joint=\"{}\" mult", master)),
+    CHECK_THAT(ErrorMessageWith("joint=\"elbow\" mult", fmt::format("joint=\"{}\" mult", master)),
                Contains("robot.urdf:") && Contains(master));
   }
-  CHECK_THAT(RefusalWith("multiplier=\"2\"", "multiplier=\"inf\""), Contains("multiplier"));
+  CHECK_THAT(ErrorMessageWith("multiplier=\"2\"", "multiplier=\"inf\""), Contains("multiplier"));
 }
 
 TEST_CASE("ReadUrdf: a root link with one floating joint is the world", "[core][format]") {
@@ -182,34 +182,35 @@ TEST_CASE("ReadUrdf: the number of moving joints is limited", "[core][format]") 
   for (std::size_t at = 0; (at = chain.find("'fixed'", at)) != std::string::npos;) {
     chain.replace(at, 7, "'continuous'");
   }
-  CHECK_THAT(Refusal(ReadRobot(chain)), Contains("at most 300 degrees of freedom, found 405"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot(chain)),
+             Contains("at most 300 degrees of freedom, found 405"));
 }
 
 TEST_CASE("ReadUrdf: links and joints must form a tree", "[core][format]") {
-  CHECK_THAT(Refusal(ReadRobot("<robot/>")), Contains("expected at least one <link>"));
-  CHECK_THAT(RefusalWith("<child link=\"rail\"/>", "<child link=\"rial\"/>"),
+  CHECK_THAT(ErrorMessageOf(ReadRobot("<robot/>")), Contains("expected at least one <link>"));
+  CHECK_THAT(ErrorMessageWith("<child link=\"rail\"/>", "<child link=\"rial\"/>"),
              Contains("robot.urdf:26: joint 'slide': expected the name of a link, found 'rial'"));
-  CHECK_THAT(RefusalWith("<parent link=\"rail\"/>", "<parent link=\"rial\"/>"),
+  CHECK_THAT(ErrorMessageWith("<parent link=\"rail\"/>", "<parent link=\"rial\"/>"),
              Contains("robot.urdf:33: joint 'finger': expected the name of a link, found 'rial'"));
-  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link name=\"rail\"/>"),
+  CHECK_THAT(ErrorMessageWith("<link name=\"tip\"/>", "<link name=\"rail\"/>"),
              Contains("links of different names, found 'rail' twice"));
-  CHECK_THAT(RefusalWith("name=\"puck\" type", "name=\"elbow\" type"),
+  CHECK_THAT(ErrorMessageWith("name=\"puck\" type", "name=\"elbow\" type"),
              Contains("joints of different names, found 'elbow' twice"));
-  CHECK_THAT(RefusalWith("<child link=\"tip\"/>", "<child link=\"thumb\"/>"),
+  CHECK_THAT(ErrorMessageWith("<child link=\"tip\"/>", "<child link=\"thumb\"/>"),
              Contains("'thumb' to be the child of one joint"));
-  CHECK_THAT(RefusalWith("<link name=\"tip\"/>", "<link name=\"tip\"/><link name=\"loose\"/>"),
+  CHECK_THAT(ErrorMessageWith("<link name=\"tip\"/>", "<link name=\"tip\"/><link name=\"loose\"/>"),
              Contains("expected one link without a joint above it, found 'base' and 'loose'"));
-  CHECK_THAT(
-      Refusal(ReadRobot("<robot><link name='a'/><link name='b'/>"
-                        "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>"
-                        "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>"
-                        "</robot>")),
-      Contains("cycle"));
-  CHECK_THAT(
-      Refusal(ReadRobot("<robot><link name='r'/><link name='a'/>"
-                        "<joint name='j' type='fixed'><parent link='a'/><child link='a'/></joint>"
-                        "</robot>")),
-      Contains("joint 'j' in a cycle"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot(
+                 "<robot><link name='a'/><link name='b'/>"
+                 "<joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>"
+                 "<joint name='k' type='fixed'><parent link='b'/><child link='a'/></joint>"
+                 "</robot>")),
+             Contains("cycle"));
+  CHECK_THAT(ErrorMessageOf(ReadRobot(
+                 "<robot><link name='r'/><link name='a'/>"
+                 "<joint name='j' type='fixed'><parent link='a'/><child link='a'/></joint>"
+                 "</robot>")),
+             Contains("joint 'j' in a cycle"));
 }
 
 TEST_CASE("ReadUrdf: robots of several makers", "[core][format][data]") {

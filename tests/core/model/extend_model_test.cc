@@ -32,8 +32,7 @@ core::Model Extended(const core::Model& base, int first, int end) {
 
 }  // namespace
 
-TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with them",
-          "[core][model]") {
+TEST_CASE("ExtendModel: equals a model whose tree was built with the clips", "[core][model]") {
   const core::Model base = Built(12);
   const core::Model model = Extended(base, 12, 14);
   REQUIRE(model.frame_count() == 14 * kFrames);
@@ -41,7 +40,7 @@ TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with
   CHECK(model.clips()[13].first_frame == 13 * kFrames);
   CHECK(model.built_clip_count() == 12);
   CHECK(model.built_frame_count() == 12 * kFrames);
-  // Scaled by the base's scale, in the order given.
+  // Scaled by the base's scale, in the given order.
   const auto added = Clips(12, 13);
   const Eigen::RowVectorXf seventh =
       added[0].states.states.row(7).cwiseQuotient(base.scale().divisor);
@@ -68,7 +67,7 @@ TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with
       CHECK(graph->transitions.edges() == own.transitions.edges());
     }
   }
-  // Recognition's own view of the frames is that of a model made from the same parts anew.
+  // The metric frames equal those of a model created from the same parts.
   const auto anew = core::Model::Create(model.parts());
   REQUIRE(anew.ok());
   CHECK(model.metric_frames().rows.frame == anew->metric_frames().rows.frame);
@@ -78,7 +77,7 @@ TEST_CASE("ExtendModel: the clips are counted as if the tree had been built with
   CHECK(model.clip_index().clips(0).size() == anew->clip_index().clips(0).size());
 }
 
-TEST_CASE("ExtendModel: one clip after the other comes to the same", "[core][model]") {
+TEST_CASE("ExtendModel: adding clips one by one gives the same model", "[core][model]") {
   const core::Model base = Built(12);
   const core::Model at_once = Extended(base, 12, 14);
   const core::Model first = Extended(base, 12, 13);
@@ -92,8 +91,7 @@ TEST_CASE("ExtendModel: one clip after the other comes to the same", "[core][mod
   CHECK((second.gaussians().means() - at_once.gaussians().means()).cwiseAbs().maxCoeff() < 1e-5);
 }
 
-TEST_CASE("ExtendModel: the base stays as it was, also when it is extended twice",
-          "[core][model]") {
+TEST_CASE("ExtendModel: does not change the base, also if it is extended twice", "[core][model]") {
   const core::Model base = Built(12);
   const core::FrameMatrix before = base.states();
   const core::Model one = Extended(base, 12, 13);    // in memory that the base keeps room in
@@ -110,7 +108,7 @@ TEST_CASE("ExtendModel: the base stays as it was, also when it is extended twice
   CHECK(one.states().bottomRows(kFrames) != other.states().bottomRows(kFrames));
 }
 
-TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "[core][model]") {
+TEST_CASE("MeasureDrift: zero after a build, then the fraction of added frames", "[core][model]") {
   const core::Model base = Built(12);
   CHECK(core::MeasureDrift(base, core::RunSerially).added == 0);
   CHECK(core::MeasureDrift(base, core::RunSerially).stale == 0);
@@ -123,7 +121,7 @@ TEST_CASE("MeasureDrift: nothing after a build, and how much was added since", "
   CHECK(two.stale >= one.stale);
 }
 
-TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
+TEST_CASE("ExtendModel: rejects invalid input", "[core][model]") {
   const core::Model base = Built(3);
   const auto code = [&](std::vector<core::BuildInput> inputs) {
     return core::ExtendModel(base, std::move(inputs), core::RunSerially).status().code();
@@ -135,7 +133,7 @@ TEST_CASE("ExtendModel: refuses what does not fit", "[core][model]") {
   auto nan = Clips(3, 4);
   nan[0].states.states(3, 3) = NAN;
   CHECK(code(nan) == absl::StatusCode::kInvalidArgument);
-  // As a store of an older version gives it.
+  // As read from a store of an older version.
   core::ModelParts parts = base.parts();
   parts.tree = *core::Tree::Create(parts.tree.frame_order(), parts.tree.branches());
   const auto plain = core::Model::Create(std::move(parts));

@@ -7,7 +7,8 @@
 
 namespace motiondb::tests::familiarity_test {
 
-TEST_CASE("Familiarity: scores are those of every node of every layer", "[core][model]") {
+TEST_CASE("Familiarity: scores equal those computed from all nodes of all layers",
+          "[core][model]") {
   // Markers are few so that densities are alike in many nodes; 13 frames fill no block.
   for (const int markers : {1, 3, 34}) {
     const core::Model model = SmallModel(3, 150, markers, 8, 5);
@@ -39,8 +40,7 @@ TEST_CASE("Familiarity: scores are those of every node of every layer", "[core][
   }
 }
 
-TEST_CASE("Familiarity: the same in any order of work; clips shorter than a window count",
-          "[core][model]") {
+TEST_CASE("Familiarity: independent of the order of work; short clips count", "[core][model]") {
   const core::Model model = SmallModel(3, 80, 4, 8, 5);
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);

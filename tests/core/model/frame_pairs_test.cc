@@ -22,7 +22,7 @@ double Cost(const core::FrameMatrix& observed, const core::FrameMatrix& referenc
   return (observed.row(i) - reference.row(j)).cast<double>().squaredNorm();
 }
 
-// The least cost over all paths from (i, j) on.
+// Returns the minimum cost of all paths from (i, j).
 double LeastFrom(const core::FrameMatrix& observed, const core::FrameMatrix& reference, int i,
                  int j) {
   if (j >= reference.rows()) return std::numeric_limits<double>::infinity();
@@ -37,7 +37,7 @@ double LeastFrom(const core::FrameMatrix& observed, const core::FrameMatrix& ref
 
 }  // namespace
 
-TEST_CASE("AlignFrames: finds the cheapest of all paths", "[core][model]") {
+TEST_CASE("AlignFrames: finds the path with the lowest cost", "[core][model]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const int dimensions = 3;
     const core::FrameMatrix observed = WanderingStates(6, dimensions, seed);
@@ -62,13 +62,14 @@ TEST_CASE("AlignFrames: finds the cheapest of all paths", "[core][model]") {
   }
 }
 
-TEST_CASE("AlignFrames: a motion on itself stays where it is", "[core][model]") {
+TEST_CASE("AlignFrames: a motion is aligned with itself frame by frame", "[core][model]") {
   const core::FrameMatrix motion = WanderingStates(40, 6, 3);
   const auto pairs = core::AlignFrames(motion, motion);
   for (int i = 0; i < 40; ++i) CHECK(pairs[i] == IndexPair{i, i});
 }
 
-TEST_CASE("ClipPairs: only clips of one label, each with at most eight others", "[core][model]") {
+TEST_CASE("ClipPairs: pairs clips of one label, each with at most eight references",
+          "[core][model]") {
   CHECK(core::ClipPairs(ClipsOf({"a", "b", "c"})).empty());
   CHECK(core::ClipPairs(ClipsOf({"a", "b", "a"})) == std::vector<IndexPair>{{0, 2}, {2, 0}});
 

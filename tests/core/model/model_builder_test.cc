@@ -27,8 +27,7 @@ bool SameBytes(const Matrix& a, const Matrix& b) {
 
 }  // namespace
 
-TEST_CASE("BuildModel: the same clips give the same model, bit for bit, on any threads",
-          "[core][model]") {
+TEST_CASE("BuildModel: bitwise identical for any number of threads", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(3);
   core::BuildSettings settings;
   settings.min_frames = 8;
@@ -49,8 +48,7 @@ TEST_CASE("BuildModel: the same clips give the same model, bit for bit, on any t
   }
 }
 
-TEST_CASE("BuildModel: transition rows sum to 1, and clip counts to the global ones",
-          "[core][model]") {
+TEST_CASE("BuildModel: rows sum to 1, counts of clips sum to the global counts", "[core][model]") {
   const core::Model model = SmallModel(5, 200, 3, 8, 2);
   for (int layer = 1; layer <= model.layer_count(); ++layer) {
     const core::TransitionGraph& global = model.global_graph(layer);
@@ -80,7 +78,7 @@ TEST_CASE("BuildModel: transition rows sum to 1, and clip counts to the global o
   }
 }
 
-TEST_CASE("BuildModel: clips are runs of frames in the order given", "[core][model]") {
+TEST_CASE("BuildModel: clips are consecutive frames in the given order", "[core][model]") {
   const core::Model model = SmallModel(3, 50, 2, 8, 3);
   REQUIRE(model.clips().size() == 3);
   for (int c = 0; c < 3; ++c) {
@@ -95,7 +93,7 @@ TEST_CASE("BuildModel: clips are runs of frames in the order given", "[core][mod
         absl::StatusCode::kOutOfRange);
 }
 
-TEST_CASE("BuildModel: refuses clips that do not fit, and stops when told", "[core][model]") {
+TEST_CASE("BuildModel: rejects invalid clips, and can be cancelled", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(2);
   const auto code = [&](std::vector<core::BuildInput> inputs, core::BuildProgress progress = {}) {
     return core::BuildModel({}, set, std::move(inputs), core::RunSerially, progress)
@@ -130,7 +128,7 @@ TEST_CASE("BuildModel: progress rises from 0 to 1", "[core][model]") {
   CHECK(last == 1);
 }
 
-TEST_CASE("Model: refuses parts that do not fit each other", "[core][model]") {
+TEST_CASE("Model: rejects inconsistent parts", "[core][model]") {
   const core::Model model = SmallModel(3, 80, 2, 8, 3);
   const auto refused = [&](const std::function<void(core::ModelParts&)>& damage) {
     core::ModelParts parts = model.parts();

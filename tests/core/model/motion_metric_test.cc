@@ -10,7 +10,7 @@
 namespace motiondb::tests::motion_metric_test {
 namespace {
 
-// On other threads, in another order.
+// Uses other threads and another order.
 void Backwards(int count, const std::function<void(int)>& body) {
   for (int i = count - 1; i >= 0; --i) body(i);
 }
@@ -66,15 +66,15 @@ TEST_CASE("MotionMetric: differences within behaviours have unit variances", "[c
   CHECK(SmallModel(2, 60, 2, 8, 5).metric().projection.cols() == 12);
 }
 
-TEST_CASE("MotionMetric: behaviours are told apart where clips of one vary more than they differ",
-          "[core][model]") {
+TEST_CASE("MotionMetric: separates behaviours that vary more than they differ", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   std::mt19937 random(4);
   std::normal_distribution<float> normal;
   std::vector<core::BuildInput> inputs = WanderingClips(16, 90, set, 9);
   for (std::size_t c = 0; c < inputs.size(); ++c) {
     core::FrameMatrix& states = inputs[c].states.states;
-    states = WanderingStates(90, set.dimension_count(), 9);  // the same of all but for what follows
+    states = WanderingStates(90, set.dimension_count(),
+                             9);  // equal for all clips except for the following
     for (Eigen::Index d = 0; d < 18; ++d) states.col(d).array() += 3 * normal(random);
     states.rightCols(6).array() += c % 2 == 0 ? 0.5F : -0.5F;
   }
@@ -102,7 +102,7 @@ TEST_CASE("MotionMetric: behaviours are told apart where clips of one vary more 
   CHECK(right(model->metric_frames().projected.view()) == 16);
 }
 
-TEST_CASE("MotionMetric: the same for any order of the work", "[core][model]") {
+TEST_CASE("MotionMetric: independent of the order of work", "[core][model]") {
   const core::Model model = SmallModel(6, 150, 5, 8, 2);
   const core::MotionMetric again = core::FitMotionMetric(model.parts(), Backwards);
   CHECK(again.mean == model.metric().mean);
@@ -112,7 +112,7 @@ TEST_CASE("MotionMetric: the same for any order of the work", "[core][model]") {
   CHECK(again.projection == model.metric().projection);
 }
 
-TEST_CASE("MotionMetric: there is one of single clips, and of motion that stands still",
+TEST_CASE("MotionMetric: exists for single clips and for motion without movement",
           "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(3);
   const auto metric = [&](int frames, bool still) {

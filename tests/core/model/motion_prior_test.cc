@@ -9,7 +9,7 @@
 namespace motiondb::tests::motion_prior_test {
 namespace {
 
-// Markers that swing as pendulums do: where each will be follows linearly from its last moves.
+// Markers that swing like pendulums: their future is a linear function of their last movements.
 std::vector<core::BuildInput> Swinging(const core::MarkerSet& set, double phase) {
   auto inputs = WanderingClips(2, 400, set, 1);
   for (core::BuildInput& input : inputs) {
@@ -28,7 +28,7 @@ std::vector<core::BuildInput> Swinging(const core::MarkerSet& set, double phase)
 
 }  // namespace
 
-TEST_CASE("MotionPrior: a linear law of motion is found", "[core][model]") {
+TEST_CASE("MotionPrior: finds a linear motion model", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const auto model = core::BuildModel({}, set, Swinging(set, 0), core::RunSerially, {});
   REQUIRE(model.ok());
@@ -49,8 +49,7 @@ TEST_CASE("MotionPrior: a linear law of motion is found", "[core][model]") {
   }
 }
 
-TEST_CASE("MotionPrior: the same bytes in any order of work; none for short clips",
-          "[core][model]") {
+TEST_CASE("MotionPrior: independent of the order of work; empty for short clips", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const core::ParallelFor backwards = [](int count, const std::function<void(int)>& body) {
     for (int i = count; i-- > 0;) body(i);
@@ -64,8 +63,8 @@ TEST_CASE("MotionPrior: the same bytes in any order of work; none for short clip
   CHECK(brief->prior().Displacement(Eigen::RowVectorXf::Ones(120), 0.4).isZero());
 }
 
-// Eigen divides by the length of an update, so one of no rows ended the program.
-TEST_CASE("MotionPrior: there is one of any number of moments", "[core][model]") {
+// Regression test: Eigen divides by the size of an update, so an empty update crashed.
+TEST_CASE("MotionPrior: exists for any number of moments", "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   int fitted = 0;
   for (int frames = 83; frames < 100; ++frames) {
@@ -85,16 +84,16 @@ TEST_CASE("Track: poses between frames, before the first and after the last", "[
   CHECK((track.SeenFrom(10, 3.5) - halfway).norm() < 1e-5);
   CHECK(track.SeenFrom(10, -30) == track.SeenFrom(10, -10));
   CHECK(track.SeenFrom(10, 300) == track.SeenFrom(10, 39));
-  // Seen from itself a pose is its state's.
+  // A pose relative to its own frame equals the positions of its state.
   CHECK((track.SeenFrom(7, 0).head<3>() - clip.states.row(7).head<3>()).norm() < 1e-6);
-  // The same point of the world, seen from two frames.
+  // The same world position, relative to two frames.
   const core::FrameMatrix world = core::WorldPositions(clip);
   core::StateSequence there = clip;
   there.states.row(5).head<3>() = track.SeenFrom(5, 20).head<3>();
   CHECK((core::WorldPositions(there).row(5).head<3>() - world.row(25).head<3>()).norm() < 1e-4);
 }
 
-TEST_CASE("RigidTree: bones keep their length and direction, other markers their place",
+TEST_CASE("RigidTree: keeps lengths and directions of bones, positions of other markers",
           "[core][model]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   auto inputs = WanderingClips(2, 200, set, 3);

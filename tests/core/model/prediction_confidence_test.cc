@@ -7,7 +7,7 @@
 namespace motiondb::tests::prediction_confidence_test {
 namespace {
 
-// Errors that follow a law of their own.
+// Errors of a known error model.
 std::vector<core::ErrorSample> Samples(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::normal_distribution<double> normal;
@@ -25,8 +25,8 @@ std::vector<core::ErrorSample> Samples(int count, unsigned seed) {
 
 }  // namespace
 
-TEST_CASE("PredictionConfidence: a law that is fitted judges others right", "[core][model]") {
-  core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, Samples(200, 1))}};
+TEST_CASE("PredictionConfidence: a fitted error model is right for new samples", "[core][model]") {
+  core::PredictionConfidence confidence{{core::FitErrorModel(0.4, Samples(200, 1))}};
   const auto tests = Samples(4000, 2);
   double said = 0;
   double expected = 0;
@@ -49,12 +49,12 @@ TEST_CASE("PredictionConfidence: a law that is fitted judges others right", "[co
   CHECK(calibration_error < 0.05);
 }
 
-TEST_CASE("PredictionConfidence: between horizons it is interpolated, without laws the variance",
+TEST_CASE("PredictionConfidence: interpolates between horizons; uses the variance without models",
           "[core][model]") {
-  const core::ErrorModel early = core::FitErrorLaw(0.2, Samples(100, 1));
+  const core::ErrorModel early = core::FitErrorModel(0.2, Samples(100, 1));
   auto later = Samples(100, 3);
   for (core::ErrorSample& sample : later) sample.error *= 3;
-  const core::PredictionConfidence confidence{{early, core::FitErrorLaw(0.4, later)}};
+  const core::PredictionConfidence confidence{{early, core::FitErrorModel(0.4, later)}};
   const core::PredictionEvidence evidence{0.1, 0.05, 0.05};
   const double middle = confidence.Judge(evidence, 0.3, 0.01).mean;
   CHECK(middle == Approx((confidence.Judge(evidence, 0.2, 0.01).mean +
@@ -67,19 +67,20 @@ TEST_CASE("PredictionConfidence: between horizons it is interpolated, without la
   CHECK(unknown.probability == Approx(0.9));
 }
 
-TEST_CASE("FitErrorLaw: motion better known than any sample is expected nearer", "[core][model]") {
-  const core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, Samples(200, 1))}};
+TEST_CASE("FitErrorModel: extrapolates to motion that is better known than any sample",
+          "[core][model]") {
+  const core::PredictionConfidence confidence{{core::FitErrorModel(0.4, Samples(200, 1))}};
   const double known = confidence.Judge({0.02, 0.05, 0.05}, 0.4, 0.01).mean;
   const double stored = confidence.Judge({0.002, 0.05, 0.05}, 0.4, 0.01).mean;
   CHECK(stored < 0.3 * known);
-  // No sample is as slow: that says nothing.
+  // No sample is so slow; this must have no effect.
   CHECK(confidence.Judge({0.02, 0.05, 1e-4}, 0.4, 0.01).mean ==
         confidence.Judge({0.02, 0.05, 2e-4}, 0.4, 0.01).mean);
 }
 
-TEST_CASE("FitErrorLaw: evidence that never varies does no harm", "[core][model]") {
+TEST_CASE("FitErrorModel: accepts constant evidence", "[core][model]") {
   const std::vector<core::ErrorSample> same(20, {{0.5, 0, 0}, 0.02});
-  const core::PredictionConfidence confidence{{core::FitErrorLaw(0.4, same)}};
+  const core::PredictionConfidence confidence{{core::FitErrorModel(0.4, same)}};
   const core::ExpectedError judged = confidence.Judge({0.5, 0, 0}, 0.4, 0.1);
   CHECK(judged.mean == Approx(0.02).epsilon(0.05));
   CHECK(judged.probability > 0.99);

@@ -5,7 +5,7 @@
 
 namespace motiondb::tests::shared_rows_test {
 
-TEST_CASE("SharedRows: the first rows are taken over, not copied", "[core][model]") {
+TEST_CASE("SharedRows: moves the first rows instead of copying them", "[core][model]") {
   core::FrameMatrix first = core::FrameMatrix::Random(40, 3);
   const core::FrameMatrix expected = first;
   const float* const memory = first.data();
@@ -15,18 +15,17 @@ TEST_CASE("SharedRows: the first rows are taken over, not copied", "[core][model
   CHECK(core::SharedRows().rows() == 0);
 }
 
-TEST_CASE("SharedRows: more rows come behind those that are there, which never change",
-          "[core][model]") {
+TEST_CASE("SharedRows: appends rows without changing existing ones", "[core][model]") {
   const core::FrameMatrix all = core::FrameMatrix::Random(90, 3);
   const core::SharedRows first(all.topRows(80));
   const core::SharedRows copied = first.WithMore(all.middleRows(80, 2));
   CHECK(copied.view().data() != first.view().data());
   CHECK(copied.view() == all.topRows(82));
-  // The copy has an eighth to spare: the next rows go there.
+  // The copy has capacity for an eighth more: the next rows use it.
   const core::SharedRows grown = copied.WithMore(all.bottomRows(8));
   CHECK(grown.view().data() == copied.view().data());
   CHECK(grown.view() == all);
-  // Somebody took that room: others get their own.
+  // The capacity is used: others get their own copy.
   const core::FrameMatrix others = core::FrameMatrix::Constant(8, 3, 7);
   const core::SharedRows apart = copied.WithMore(others);
   CHECK(apart.view().data() != copied.view().data());

@@ -6,7 +6,7 @@
 
 namespace motiondb::tests::exemplar_process_test {
 
-TEST_CASE("WeighExemplars: the weights and variance are those of kriging", "[core][prediction]") {
+TEST_CASE("WeighExemplars: weights and variance equal those of kriging", "[core][prediction]") {
   std::mt19937 random(3);
   std::normal_distribution<float> normal;
   const auto draw = [&](int rows, int columns) {
@@ -31,7 +31,7 @@ TEST_CASE("WeighExemplars: the weights and variance are those of kriging", "[cor
   }
 }
 
-TEST_CASE("WeighExemplars: an example at the query takes nearly all, far ones nothing",
+TEST_CASE("WeighExemplars: an example at the query has nearly all weight, distant ones none",
           "[core][prediction]") {
   core::FrameMatrix keys(2, 1);
   keys << 0, 100;

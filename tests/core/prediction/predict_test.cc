@@ -16,7 +16,7 @@ core::StateSequence Cut(const core::StateSequence& clip, int first, int count) {
   return cut;
 }
 
-// One clip that repeats itself every second: 10 s of four markers on circles of their own.
+// One periodic clip (period 1 s): 10 s of four markers on circles.
 std::vector<core::BuildInput> PeriodicClip(const core::MarkerSet& set) {
   auto inputs = WanderingClips(1, 600, set, 43);
   core::StateSequence& clip = inputs[0].states;
@@ -33,7 +33,7 @@ std::vector<core::BuildInput> PeriodicClip(const core::MarkerSet& set) {
 
 }  // namespace
 
-TEST_CASE("Predict: nothing after the moment is used", "[core][prediction]") {
+TEST_CASE("Predict: uses nothing after the moment", "[core][prediction]") {
   const core::Model model = SmallModel(4, 200, 4, 8, 41);
   core::StateSequence clip = WanderingClips(4, 200, model.marker_set(), 41)[1].states;
   core::PredictOptions options;
@@ -50,7 +50,7 @@ TEST_CASE("Predict: nothing after the moment is used", "[core][prediction]") {
   }
 }
 
-TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips that go there",
+TEST_CASE("Predict: next nodes are the graph's transitions to other nodes, with their clips",
           "[core][prediction]") {
   const core::Model model = SmallModel(4, 200, 4, 8, 41);
   const auto clip = WanderingClips(4, 200, model.marker_set(), 41)[0].states;
@@ -70,7 +70,7 @@ TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips
     CHECK(sum <= 1 + 1e-9);
     CHECK(sum > 0.9);
     if (prediction->state.probability < 0.999) continue;
-    // One node for certain: eq. 6 without the transition to itself.
+    // The node is certain: eq. 6 without the transition to itself.
     const auto& graph = model.global_graph(prediction->layer);
     const int from = prediction->state.node;
     for (const core::NextNode& next : prediction->next_nodes) {
@@ -81,7 +81,7 @@ TEST_CASE("Predict: next nodes are the graph's, staying left out, with the clips
   }
 }
 
-TEST_CASE("Predict: a stored clip's future is found, in the observation's world and size",
+TEST_CASE("Predict: finds the future of a stored clip, in the observation's world and size",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
@@ -104,7 +104,7 @@ TEST_CASE("Predict: a stored clip's future is found, in the observation's world 
     CHECK(prediction->horizons[h].confidence <= 1);
   }
 
-  // The same observation elsewhere in the world, turned and larger: so is the prediction.
+  // The observation is moved, rotated and scaled: the prediction must follow.
   core::StateSequence moved = Cut(clip, 0, 151);
   const double turn = 1.2;
   const double c = std::cos(turn);
@@ -130,7 +130,7 @@ TEST_CASE("Predict: a stored clip's future is found, in the observation's world 
   }
 }
 
-TEST_CASE("Predict: missing markers are filled in the prediction", "[core][prediction]") {
+TEST_CASE("Predict: predicts missing markers", "[core][prediction]") {
   const core::Model model = SmallModel(2, 200, 4, 8, 41);
   core::StateSequence clip = WanderingClips(2, 200, model.marker_set(), 41)[0].states;
   clip.states.middleCols<6>(12).setConstant(std::nanf(""));
@@ -141,7 +141,7 @@ TEST_CASE("Predict: missing markers are filled in the prediction", "[core][predi
   }
 }
 
-TEST_CASE("PredictFrames: are the horizons of Predict", "[core][prediction]") {
+TEST_CASE("PredictFrames: equals the horizons of Predict", "[core][prediction]") {
   const core::Model model = SmallModel(4, 200, 4, 8, 41);
   const core::StateSequence whole = WanderingClips(4, 200, model.marker_set(), 41)[1].states;
   core::StateSequence gappy = whole;
@@ -173,8 +173,7 @@ TEST_CASE("PredictFrames: are the horizons of Predict", "[core][prediction]") {
   CHECK(absl::IsOutOfRange(core::PredictFrames(model, whole, missing).status()));
 }
 
-TEST_CASE("Predict: by the paper's method the nodes' means follow the graph",
-          "[core][prediction]") {
+TEST_CASE("Predict: kPaper predicts node means along the graph", "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
   REQUIRE(built.ok());
@@ -190,12 +189,12 @@ TEST_CASE("Predict: by the paper's method the nodes' means follow the graph",
     CHECK(prediction->horizons[h].seconds == options.horizon_seconds[h]);
     CHECK(prediction->horizons[h].confidence == 0);
   }
-  // Means of nodes are no more than near.
+  // Node means are only approximate.
   const auto& now = prediction->horizons[2].marker_positions_m;
   CHECK((now.transpose() - world.row(150)).norm() < 1);
 }
 
-TEST_CASE("Predict: a clip that is left out is no example", "[core][prediction]") {
+TEST_CASE("Predict: a left-out clip is not an example", "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   auto inputs = PeriodicClip(set);
   inputs.push_back(WanderingClips(2, 300, set, 4)[1]);
@@ -215,7 +214,7 @@ TEST_CASE("Predict: a clip that is left out is no example", "[core][prediction]"
   CHECK(error({0, 600}) > 3 * error({}));
 }
 
-TEST_CASE("Forecaster: an example counts where its clip goes on for so long",
+TEST_CASE("Forecaster: uses examples whose clips continue until the horizon",
           "[core][prediction]") {
   const core::MarkerSet set = SmallMarkerSet(4);
   const auto built = core::BuildModel({}, set, PeriodicClip(set), core::RunSerially, {});
@@ -230,7 +229,7 @@ TEST_CASE("Forecaster: an example counts where its clip goes on for so long",
   CHECK(forecast.positions.allFinite());
 }
 
-TEST_CASE("Predict: bad settings are refused by name", "[core][prediction]") {
+TEST_CASE("Predict: rejects invalid options, naming the field", "[core][prediction]") {
   const core::Model model = SmallModel(2, 100, 2, 8, 41);
   const auto clip = WanderingClips(1, 60, model.marker_set(), 41)[0].states;
   const auto message = [&](const std::function<void(core::PredictOptions&)>& change) {

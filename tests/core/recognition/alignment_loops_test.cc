@@ -10,7 +10,7 @@
 namespace motiondb::tests::alignment_loops_test {
 namespace {
 
-// A clip's rows, observed frames in lanes, and what the loops make of them.
+// Rows of a clip, observed frames in lanes, and the results of the loops.
 struct Case {
   int count;
   int dimensions;
@@ -31,14 +31,14 @@ struct Case {
 struct Results {
   core::FrameMatrix squared;  // frames x count
   Eigen::RowVectorXf squared_of_one;
-  float least = 0;
-  float greatest = 0;
+  float minimum = 0;
+  float maximum = 0;
   Eigen::ArrayXf roots;
   Eigen::ArrayXd next;
   double sum = 0;
 };
 
-// Of rows, summed in double precision, so that the order of the sum leaves no trace.
+// Returns the squared norms of rows, summed in double precision, independent of the order.
 Eigen::VectorXf SquaredNorms(const core::FrameMatrix& rows) {
   return rows.cast<double>().rowwise().squaredNorm().cast<float>();
 }
@@ -54,10 +54,10 @@ Results Run(const Case& of, float scale) {
   results.squared_of_one.resize(of.count);
   core::SquaredDistancesOfOne(of.rows.data(), norms.data(), of.count, of.dimensions, one.data(),
                               observed_norms[0], results.squared_of_one.data());
-  results.least = core::Least(results.squared.data(), of.count);
+  results.minimum = core::Minimum(results.squared.data(), of.count);
   results.roots.resize(of.count);
-  results.greatest =
-      core::Roots(results.squared.data(), of.count, results.least, scale, results.roots.data());
+  results.maximum =
+      core::Roots(results.squared.data(), of.count, results.minimum, scale, results.roots.data());
   const Eigen::ArrayXd ending = Eigen::ArrayXd::LinSpaced(of.count + 2, 0.1, 1);
   results.next.resize(of.count);
   results.sum = core::Advance(ending.data(), results.roots.data(), of.count, 0.2, 0.6, 0.2,
@@ -67,8 +67,8 @@ Results Run(const Case& of, float scale) {
 
 }  // namespace
 
-// Of both builds, as in row_kernels_test.cc.
-TEST_CASE("Alignment loops: the same bits on every processor", "[core][recognition]") {
+// For both instruction sets, as in row_kernels_test.cc.
+TEST_CASE("Alignment loops: bitwise identical on all processors", "[core][recognition]") {
   BitDigest digest;
   for (const int count : {1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 31, 250}) {
     for (const int dimensions : {1, 2, 7, 8, 9, 39, 40}) {
@@ -78,7 +78,7 @@ TEST_CASE("Alignment loops: the same bits on every processor", "[core][recogniti
         digest.AddAll(results.squared_of_one);
         digest.AddAll(results.roots);
         digest.AddAll(results.next);
-        for (const double number : {1.0 * results.least, 1.0 * results.greatest, results.sum})
+        for (const double number : {1.0 * results.minimum, 1.0 * results.maximum, results.sum})
           digest.Add(number);
       }
     }
@@ -86,13 +86,13 @@ TEST_CASE("Alignment loops: the same bits on every processor", "[core][recogniti
   CHECK(digest.value() == 0x2cb10c0058930b03U);
 }
 
-TEST_CASE("Alignment loops: equal the formulas in plain loops", "[core][recognition]") {
+TEST_CASE("Alignment loops: equal plain loops", "[core][recognition]") {
   for (const int count : {1, 2, 3, 4, 5, 7, 8, 9, 12, 13, 31, 250}) {
     for (const int dimensions : {1, 2, 7, 8, 9, 39, 40}) {
       for (const int frames : {1, 2, 4, 5, 8, 9, 12, 13, 16}) {
         CAPTURE(count, dimensions, frames);
         const Case of(count, dimensions, frames);
-        const float scale = frames % 2 == 0 ? 0.04F : 40.0F;  // the latter cuts off
+        const float scale = frames % 2 == 0 ? 0.04F : 40.0F;  // the latter raises roots
         const Results results = Run(of, scale);
 
         for (int f = 0; f < frames; ++f) {
@@ -102,11 +102,11 @@ TEST_CASE("Alignment loops: equal the formulas in plain loops", "[core][recognit
           if (f == 0) CHECK((results.squared_of_one - expected).cwiseAbs().maxCoeff() < 1e-4F);
         }
         const auto distances = results.squared.row(0).array();
-        CHECK(results.least == distances.minCoeff());
-        CHECK(results.greatest == distances.maxCoeff());
+        CHECK(results.minimum == distances.minCoeff());
+        CHECK(results.maximum == distances.maxCoeff());
         double sum = 0;
         for (int z = 0; z < count; ++z) {
-          const double exponent = (static_cast<double>(results.least) - distances[z]) * scale;
+          const double exponent = (static_cast<double>(results.minimum) - distances[z]) * scale;
           CHECK(results.roots[z] == Approx(std::exp(std::max(-80.0, exponent))).epsilon(2e-5));
           const double step = 0.9 / (count + 1);
           const double arriving = 0.1 + step * (z + 1);

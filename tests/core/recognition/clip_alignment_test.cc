@@ -10,7 +10,7 @@
 namespace motiondb::tests::clip_alignment_test {
 namespace {
 
-// Two clips; the second is the one asked for.
+// Two clips; the test uses the second.
 core::MetricFrames Stored(const core::FrameMatrix& clip) {
   core::MetricFrames stored;
   core::FrameMatrix projected(3 + clip.rows(), clip.cols());
@@ -22,7 +22,7 @@ core::MetricFrames Stored(const core::FrameMatrix& clip) {
   return stored;
 }
 
-// The sum of the probabilities of all paths on from stored frame j at observed frame t.
+// Returns the sum of the probabilities of all paths from stored frame j at observed frame t.
 double SumFrom(const core::FrameMatrix& observed, const core::FrameMatrix& clip, int t, int j) {
   if (j >= clip.rows()) return 0;
   const double here = std::exp(-(observed.row(t) - clip.row(j)).cast<double>().squaredNorm() / 6);
@@ -34,7 +34,7 @@ double SumFrom(const core::FrameMatrix& observed, const core::FrameMatrix& clip,
 
 }  // namespace
 
-TEST_CASE("AlignToClip: is the sum over all paths", "[core][recognition]") {
+TEST_CASE("AlignToClip: equals the sum over all paths", "[core][recognition]") {
   for (unsigned seed = 0; seed < 20; ++seed) {
     const core::FrameMatrix clip = WanderingStates(1 + static_cast<int>(seed % 9), 4, seed);
     const core::FrameMatrix observed =
@@ -59,7 +59,7 @@ TEST_CASE("AlignToClip: is the sum over all paths", "[core][recognition]") {
   }
 }
 
-TEST_CASE("AlignToClip: long observations that are far off stay finite", "[core][recognition]") {
+TEST_CASE("AlignToClip: finite for long dissimilar observations", "[core][recognition]") {
   const core::FrameMatrix clip = WanderingStates(90, 8, 1);
   core::FrameMatrix observed = WanderingStates(300, 8, 2);
   observed.array() += 300;
@@ -68,8 +68,7 @@ TEST_CASE("AlignToClip: long observations that are far off stay finite", "[core]
   CHECK(alignment.log_evidence < -1e5);
 }
 
-TEST_CASE("AlignToClip: a motion fits its own clip best, and from its own start",
-          "[core][recognition]") {
+TEST_CASE("AlignToClip: a motion fits its own clip and its own start best", "[core][recognition]") {
   const core::FrameMatrix clip = WanderingStates(60, 6, 1);
   const core::MetricFrames own = Stored(clip);
   const core::MetricFrames other = Stored(WanderingStates(60, 6, 2));

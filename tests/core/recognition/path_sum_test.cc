@@ -7,7 +7,7 @@
 namespace motiondb::tests::path_sum_test {
 namespace {
 
-// Squared distances of observed frames (columns) to a clip's (rows).
+// Squared distances between observed frames (columns) and a clip's frames (rows).
 Eigen::ArrayXXf Distances(int clip_frames, int frames, float scale, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> uniform(0, scale);
@@ -18,7 +18,7 @@ Eigen::ArrayXXf Distances(int clip_frames, int frames, float scale, unsigned see
 
 }  // namespace
 
-TEST_CASE("PathSum: from roots it is what it is from distances, or says that it is not",
+TEST_CASE("PathSum: sums from roots equal sums from distances, or are reported as inexact",
           "[core][recognition]") {
   int exact = 0;
   for (const float scale : {1.0F, 50.0F, 500.0F, 5000.0F, 1e6F}) {
@@ -26,7 +26,7 @@ TEST_CASE("PathSum: from roots it is what it is from distances, or says that it 
       const Eigen::ArrayXXf distances = Distances(40, 12, scale, seed);
       core::PathSum paths;
       paths.Begin(40, false);
-      for (Eigen::Index t = 0; t < 12; ++t) paths.See(distances.col(t));
+      for (Eigen::Index t = 0; t < 12; ++t) paths.AddFrame(distances.col(t));
       const double expected = paths.LogEvidence();
 
       core::PathSum from_roots;
@@ -36,7 +36,7 @@ TEST_CASE("PathSum: from roots it is what it is from distances, or says that it 
       for (Eigen::Index t = 0; t < 12; ++t) {
         const float nearest = distances.col(t).minCoeff();
         core::PathSum::Roots(distances.col(t), nearest, roots);
-        from_roots.SeeRoots(roots, nearest);
+        from_roots.AddRoots(roots, nearest);
         nearest_sum += nearest;
       }
       CAPTURE(scale, seed);
@@ -46,7 +46,7 @@ TEST_CASE("PathSum: from roots it is what it is from distances, or says that it 
       CHECK(from_roots.LogEvidence() == Approx(expected).epsilon(1e-6).margin(1e-4));
     }
   }
-  CHECK(exact >= 40);  // of 100; where distances are far apart only See can tell
+  CHECK(exact >= 40);  // of 100; for large distances only AddFrame is exact
   CHECK(exact < 100);
 }
 

@@ -1,4 +1,4 @@
-// What Recognize refuses to hold in memory: checked before it begins.
+// Memory limits of Recognize, checked before it begins.
 #include <catch2/catch.hpp>
 
 #include "core/recognition/recognize.h"
@@ -42,8 +42,7 @@ TEST_CASE("Recognize: many paths of long windows are refused", "[core][recogniti
   CHECK_THAT(std::string(windows.status().message()), Contains("path_count: "));
 }
 
-TEST_CASE("Recognize: asks within a clip whether its answer is wanted, and ends where it is not",
-          "[core][recognition][hostile]") {
+TEST_CASE("Recognize: can be cancelled within a clip", "[core][recognition][hostile]") {
   constexpr int kClips = 3;
   const core::Model model = SmallModel(kClips, 1500, 2, 8, 5);
   const core::StateSequence observation = Long(model, 8000);

@@ -18,7 +18,7 @@ core::StateSequence Clip(const core::Model& model, int index, int frames) {
 
 }  // namespace
 
-TEST_CASE("Recognize: names a stored clip's label and ranks its clips high",
+TEST_CASE("Recognize: recognizes the label of a stored clip and ranks its clips high",
           "[core][recognition]") {
   const core::Model model = SmallModel(6, 240, 3, 8, 31);
   for (int c = 0; c < 6; ++c) {
@@ -44,7 +44,7 @@ TEST_CASE("Recognize: names a stored clip's label and ranks its clips high",
   }
 }
 
-TEST_CASE("Recognize: the paper's labels and familiarity follow from its graphs alone",
+TEST_CASE("Recognize: labels and familiarity of kPaper follow from the graphs",
           "[core][recognition]") {
   const core::Model model = SmallModel(6, 120, 3, 8, 31);
   const core::StateSequence clip = Clip(model, 3, 24);
@@ -79,7 +79,7 @@ TEST_CASE("Recognize: the paper's labels and familiarity follow from its graphs 
       model.familiarity().Rank(layer, core::FamiliarityScore(model.global_graph(layer), density)));
 }
 
-TEST_CASE("Recognize: a model without a metric answers by the paper", "[core][recognition]") {
+TEST_CASE("Recognize: a model without a metric uses kPaper", "[core][recognition]") {
   core::ModelParts parts = SmallModel(4, 120, 3, 8, 31).parts();
   parts.metric = {};
   const auto model = core::Model::Create(std::move(parts));
@@ -98,7 +98,7 @@ TEST_CASE("Recognize: a model without a metric answers by the paper", "[core][re
   }
 }
 
-TEST_CASE("Recognize: windows slide by the hop, and each answers as if it were alone",
+TEST_CASE("Recognize: windows move by the hop, and each equals a query of its own",
           "[core][recognition]") {
   const core::Model model = SmallModel(4, 120, 3, 8, 31);
   const core::StateSequence clip = Clip(model, 1, 120);
@@ -132,7 +132,7 @@ TEST_CASE("Recognize: windows slide by the hop, and each answers as if it were a
   }
 }
 
-TEST_CASE("Recognize: the whole observation as one window, and a short one too",
+TEST_CASE("Recognize: recognizes a whole observation, also a short one, as one window",
           "[core][recognition]") {
   const core::Model model = SmallModel(2, 100, 2, 8, 31);
   core::RecognizeOptions options;
@@ -147,7 +147,7 @@ TEST_CASE("Recognize: the whole observation as one window, and a short one too",
   CHECK(brief->front().end_seconds == Approx(5 / 60.0));
 }
 
-TEST_CASE("Recognize: log probabilities are eq. 7 summed, on every layer", "[core][recognition]") {
+TEST_CASE("Recognize: log probabilities equal eq. 7 on every layer", "[core][recognition]") {
   const core::Model model = SmallModel(3, 90, 2, 8, 31);
   const core::StateSequence clip = Clip(model, 2, 12);
   const auto scaled = core::ScaledObservation(model, clip);
@@ -180,8 +180,7 @@ TEST_CASE("Recognize: log probabilities are eq. 7 summed, on every layer", "[cor
   }
 }
 
-TEST_CASE("Recognize: the best paths' sum rises to the exact one as paths are added",
-          "[core][recognition]") {
+TEST_CASE("Recognize: the sum of the best paths approaches the exact sum", "[core][recognition]") {
   const core::Model model = SmallModel(2, 80, 2, 8, 31);
   const core::StateSequence clip = Clip(model, 0, 6);
   core::RecognizeOptions options;
@@ -203,7 +202,7 @@ TEST_CASE("Recognize: the best paths' sum rises to the exact one as paths are ad
   CHECK(before == Approx(exact->front().clips.front().log_probability).margin(0.05));
 }
 
-TEST_CASE("Recognize: what is like nothing stored is unfamiliar", "[core][recognition]") {
+TEST_CASE("Recognize: motion unlike the stored motion is unfamiliar", "[core][recognition]") {
   const core::Model model = SmallModel(6, 240, 3, 8, 31);
   core::StateSequence odd = Clip(model, 0, 60);
   const auto known = core::Recognize(model, odd, {});
@@ -214,7 +213,7 @@ TEST_CASE("Recognize: what is like nothing stored is unfamiliar", "[core][recogn
   for (const auto& window : *unknown) CHECK(window.familiarity == 0);
 }
 
-TEST_CASE("Recognize: missing markers are passed over", "[core][recognition]") {
+TEST_CASE("Recognize: ignores missing markers", "[core][recognition]") {
   const core::Model model = SmallModel(4, 240, 5, 8, 31);
   core::StateSequence clip = Clip(model, 1, 240);
   for (Eigen::Index t = 0; t < clip.states.rows(); ++t) {
@@ -228,7 +227,8 @@ TEST_CASE("Recognize: missing markers are passed over", "[core][recognition]") {
   }
 }
 
-TEST_CASE("Recognize: bad settings and observations are refused by name", "[core][recognition]") {
+TEST_CASE("Recognize: rejects invalid options and observations, naming the field",
+          "[core][recognition]") {
   const core::Model model = SmallModel(2, 60, 2, 8, 31);
   const core::StateSequence clip = Clip(model, 0, 30);
   const auto message = [&](const core::StateSequence& observation,

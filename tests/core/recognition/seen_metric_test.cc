@@ -17,8 +17,7 @@ Eigen::MatrixXd WithinBehaviours(const core::MotionMetric& metric) {
 
 }  // namespace
 
-TEST_CASE("MetricOfSeen: whitens what is left as if there had been no more",
-          "[core][recognition]") {
+TEST_CASE("MetricOfSeen: equals the metric of the seen dimensions alone", "[core][recognition]") {
   const core::Model model = SmallModel(6, 200, 4, 8, 3);
   const core::MotionMetric& metric = model.metric();
   std::vector<Eigen::Index> seen;
@@ -38,7 +37,7 @@ TEST_CASE("MetricOfSeen: whitens what is left as if there had been no more",
     CHECK(own.whitening.row(d).isZero());
     CHECK(own.projection.row(d).isZero());
   }
-  // Where all is seen, distances are as before, as far as they are in the kept directions.
+  // If all dimensions are seen, distances in the kept directions do not change.
   std::vector<Eigen::Index> all(static_cast<std::size_t>(metric.mean.size()));
   std::iota(all.begin(), all.end(), 0);
   const core::MotionMetric same = core::MetricOfSeen(metric, all);
@@ -46,7 +45,7 @@ TEST_CASE("MetricOfSeen: whitens what is left as if there had been no more",
   CHECK((apart * same.whitening).norm() == Approx((apart * metric.whitening).norm()).epsilon(1e-3));
 }
 
-TEST_CASE("Recognize: a marker that is never seen does not count", "[core][recognition]") {
+TEST_CASE("Recognize: a marker that is never seen has no effect", "[core][recognition]") {
   const core::Model model = SmallModel(6, 240, 5, 8, 31);
   for (int c = 0; c < 6; ++c) {
     core::StateSequence clip = WanderingClips(6, 240, model.marker_set(), 31)[c].states;

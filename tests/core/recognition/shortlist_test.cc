@@ -45,8 +45,7 @@ TEST_CASE("ClipIndex: lists the clips of each node's frames", "[core][recognitio
   }
 }
 
-TEST_CASE("ShortlistClips: has the clip that a part of it is taken from, in noise too",
-          "[core][recognition]") {
+TEST_CASE("ShortlistClips: contains the clip of a window, also with noise", "[core][recognition]") {
   const core::Model model = SmallModel(kClips, kFrames, 3, 4, 3);
   std::mt19937 random(1);
   std::normal_distribution<float> noise;
@@ -64,7 +63,7 @@ TEST_CASE("ShortlistClips: has the clip that a part of it is taken from, in nois
   CHECK(first_of_all > kClips / 2);
 }
 
-TEST_CASE("ShortlistClips: leaves out what it is told to, and nothing where clips are few",
+TEST_CASE("ShortlistClips: excludes left-out clips, and nothing else if clips are few",
           "[core][recognition]") {
   const core::Model many = SmallModel(kClips, kFrames, 3, 4, 3);
   std::vector<bool> left_out(kClips, true);

@@ -26,7 +26,7 @@ core::MotionMetric SmallMetric() {
 
 }  // namespace
 
-TEST_CASE("FillUnseen: is the Gaussian's mean given what was seen", "[core][recognition]") {
+TEST_CASE("FillUnseen: equals the conditional mean of the Gaussian", "[core][recognition]") {
   const core::MotionMetric metric = SmallMetric();
   const Eigen::MatrixXd loadings = metric.loadings.cast<double>();
   const Eigen::MatrixXd covariance =
@@ -54,7 +54,8 @@ TEST_CASE("FillUnseen: is the Gaussian's mean given what was seen", "[core][reco
   }
 }
 
-TEST_CASE("FillUnseen: nothing seen is the mean, nothing missing stays", "[core][recognition]") {
+TEST_CASE("FillUnseen: the mean if nothing is seen; unchanged if nothing is missing",
+          "[core][recognition]") {
   const core::MotionMetric metric = SmallMetric();
   Eigen::RowVectorXf none = Eigen::RowVectorXf::Constant(12, std::nanf(""));
   core::FillUnseen(metric, none);

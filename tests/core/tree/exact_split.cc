@@ -67,7 +67,7 @@ std::vector<double> SortedProjections(const core::FrameMatrix& states,
   return values;
 }
 
-double LeastCutCost(const std::vector<double>& sorted) {
+double MinCutCost(const std::vector<double>& sorted) {
   const int cut = core::MinimumErrorThreshold(sorted);
   if (cut == 0) return 0;
   const auto cost = [](std::span<const double> side) {

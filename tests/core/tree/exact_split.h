@@ -26,7 +26,7 @@ std::vector<double> SortedProjections(const core::FrameMatrix& states,
 
 // Returns the minimum J (eq. 5, with variances) over cuts with at least two values on each side; 0
 // if all values are equal.
-double LeastCutCost(const std::vector<double>& sorted);
+double MinCutCost(const std::vector<double>& sorted);
 
 // Splits recursively with these functions. Returns each node's frames (ascending) in the order of
 // branches.

@@ -52,8 +52,8 @@ void CheckSplit(const core::FrameMatrix& states, bool compare_cuts = true) {
   CHECK(scatter >= largest * (1 - (tight ? 1e-9 : tolerance)));
 
   if (!compare_cuts) return;
-  const double cost = LeastCutCost(SortedProjections(states, exact.mean, axis));
-  const double exact_cost = LeastCutCost(SortedProjections(states, exact.mean, true_axis));
+  const double cost = MinCutCost(SortedProjections(states, exact.mean, axis));
+  const double exact_cost = MinCutCost(SortedProjections(states, exact.mean, true_axis));
   CHECK(cost <= exact_cost + (tight ? 1e-6 : 1e-3) * static_cast<double>(states.rows()));
 }
 
@@ -103,8 +103,8 @@ TEST_CASE("NodeAxis: equal frames have an axis", "[core][tree]") {
 TEST_CASE("NodeAxis: as good as exact in the nodes of real motion", "[core][tree][data]") {
   MOTIONDB_REQUIRE_DATA();
   for (const core::FrameMatrix& states :
-       {ScaledStatesOf("sets/database1.train.tsv", 60), ScaledStatesOf("sets/database2.tsv", 240),
-        ScaledStatesOf("index.tsv", 120, IsHdm05)}) {
+       {LoadScaledStates("sets/database1.train.tsv", 60),
+        LoadScaledStates("sets/database2.tsv", 240), LoadScaledStates("index.tsv", 120, IsHdm05)}) {
     const auto tree = core::BuildTree(states, 16, core::RunSerially);
     REQUIRE(tree.ok());
     int checked = 0;

@@ -10,8 +10,8 @@
 
 namespace motiondb::tests {
 
-core::FrameMatrix ScaledStatesOf(const std::string& list, double frame_rate_hz,
-                                 const std::function<bool(const ListedClip&)>& wanted) {
+core::FrameMatrix LoadScaledStates(const std::string& list, double frame_rate_hz,
+                                   const std::function<bool(const ListedClip&)>& wanted) {
   const auto listed = ReadClipList(DataDir() / list);
   REQUIRE(listed.ok());
   std::vector<core::FrameMatrix> clips;

@@ -11,7 +11,7 @@ namespace motiondb::tests {
 
 // Returns the scaled states of the selected clips of a list (frames x dimensions) on the standard
 // markers. Fails the test on an error.
-core::FrameMatrix ScaledStatesOf(
+core::FrameMatrix LoadScaledStates(
     const std::string& list, double frame_rate_hz,
     const std::function<bool(const ListedClip&)>& wanted = [](const ListedClip&) { return true; });
 

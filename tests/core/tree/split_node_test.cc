@@ -187,10 +187,10 @@ TEST_CASE("SplitNode: a glitch of one recorded clip does not affect the tree of 
     CAPTURE(frame_rate_hz);
     // Robust scales reduce its jump: a frame further away is added.
     const core::FrameMatrix states =
-        WithGlitches(ScaledStatesOf("index.tsv", frame_rate_hz, jogging), {100});
+        WithGlitches(LoadScaledStates("index.tsv", frame_rate_hz, jogging), {100});
     REQUIRE(NodesOfPaper(states).size() == 1);
     const core::Tree tree = Build(states);
-    const core::Tree others = Build(ScaledStatesOf("index.tsv", frame_rate_hz, other_jogging));
+    const core::Tree others = Build(LoadScaledStates("index.tsv", frame_rate_hz, other_jogging));
     CHECK(tree.layer_count() >= others.layer_count() - 2);
     CHECK(tree.branches().size() > others.branches().size() * 3 / 4);
     for (const core::Branch& branch : tree.branches()) {
@@ -204,10 +204,10 @@ TEST_CASE("SplitNode: recorded motion without outliers has the paper's tree",
   MOTIONDB_REQUIRE_DATA();
   for (const double frame_rate_hz : {30.0, 60.0, 120.0}) {
     CAPTURE(frame_rate_hz);
-    CheckIsPapers(ScaledStatesOf("sets/database1.train.tsv", frame_rate_hz));
-    CheckIsPapers(ScaledStatesOf("sets/database2.tsv", frame_rate_hz));
+    CheckIsPapers(LoadScaledStates("sets/database1.train.tsv", frame_rate_hz));
+    CheckIsPapers(LoadScaledStates("sets/database2.tsv", frame_rate_hz));
   }
-  CheckIsPapers(ScaledStatesOf("index.tsv", 60, IsHdm05));
+  CheckIsPapers(LoadScaledStates("index.tsv", 60, IsHdm05));
 }
 
 }  // namespace motiondb::tests::split_node_test

@@ -202,7 +202,7 @@ GaussianHmm GaussianHmm::Fit(const std::vector<Sequence>& sequences, const HmmOp
       at += sequence.rows();
     }
     if (likelihoods != nullptr) likelihoods->push_back(likelihood);
-    if (likelihood - before < options.least_gain * static_cast<double>(frames.rows())) break;
+    if (likelihood - before < options.min_gain * static_cast<double>(frames.rows())) break;
     before = likelihood;
 
     hmm.log_initial_ = (initial / initial.sum()).array().log();

@@ -17,7 +17,7 @@ struct HmmOptions {
   Topology topology = Topology::kLeftRight;
   double variance_floor = 0.1;  // minimum variance of a dimension
   int max_iterations = 20;
-  double least_gain = 1e-3;  // of the log likelihood per frame; stops if an iteration gains less
+  double min_gain = 1e-3;  // of the log likelihood per frame; stops if an iteration gains less
 };
 
 class GaussianHmm {

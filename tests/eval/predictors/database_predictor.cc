@@ -16,7 +16,7 @@ std::vector<DatabasePredictionSetting> DatabasePredictionSettings() {
 }  // namespace
 
 absl::Status DatabasePredictor::Fit(const ClipSet& training, const std::vector<double>&) {
-  MOTIONDB_ASSIGN_OR_RETURN(model_, ModelOf(set_, training));
+  MOTIONDB_ASSIGN_OR_RETURN(model_, BuildEvalModel(set_, training));
   return absl::OkStatus();
 }
 

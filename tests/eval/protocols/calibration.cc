@@ -1,4 +1,4 @@
-#include "tests/eval/figures/calibration.h"
+#include "tests/eval/statistics/calibration.h"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,9 @@
 namespace motiondb::tests {
 namespace {
 
-std::vector<Claim> ClaimsOf(const Judged& judged) {
+std::vector<Claim> ClaimsOf(const MethodResults& judged) {
   std::vector<Claim> claims;
-  for (const Judgement& judgement : judged.judgements) {
+  for (const ScoredObservation& judgement : judged.judgements) {
     const auto& probabilities = judgement.recognition.probabilities;
     claims.push_back({*std::max_element(probabilities.begin(), probabilities.end()),
                       judgement.clip->label == judgement.recognition.label});
@@ -45,9 +45,9 @@ absl::Status AddRecognition(RecognitionStudy& study, Tables& tables) {
        {Part{Experiments::kDatabase1Windows, Extent::kWindow, "windows, database 1"},
         Part{Experiments::kDatabase1Clips, Extent::kWhole, "whole clips, database 1"},
         Part{Experiments::kHdm05Clips, Extent::kWhole, "whole clips, HDM05"}}) {
-    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Judged> judged,
-                              study.Judge(fmt::format("calibration, {}", part.name), part.which,
-                                          part.extent, Unchanged(part.extent)));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodResults> judged,
+                              study.RunMethods(fmt::format("calibration, {}", part.name),
+                                               part.which, part.extent, Unchanged(part.extent)));
     errors.columns.push_back({part.name, 3});
     for (std::size_t m = 0; m < judged.size(); ++m) {
       const std::vector<Claim> claims = ClaimsOf(judged[m]);
@@ -82,7 +82,7 @@ absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
     for (std::size_t h = 0; h < kHorizonSeconds.size(); ++h) {
       std::vector<Claim> claims;
       for (const ScoredForecast& forecast : method.forecasts) {
-        claims.push_back({forecast.confidence[h], forecast.error_mm[h] <= kRightMm});
+        claims.push_back({forecast.confidence[h], forecast.error_mm[h] <= kCorrectMm});
       }
       row.figures.push_back(CalibrationError(Reliability(claims)));
       all.insert(all.end(), claims.begin(), claims.end());
@@ -91,8 +91,9 @@ absl::Status AddPrediction(PredictionStudy& study, Tables& tables) {
     reliability.push_back(
         ReliabilityTable(fmt::format("Reliability: {}, prediction", method.name), all));
   }
-  errors.notes.push_back(fmt::format(
-      "A prediction is correct if the mean error of its markers is at most {:.0f} mm.", kRightMm));
+  errors.notes.push_back(
+      fmt::format("A prediction is correct if the mean error of its markers is at most {:.0f} mm.",
+                  kCorrectMm));
   tables.push_back(std::move(errors));
   std::move(reliability.begin(), reliability.end(), std::back_inserter(tables));
   return absl::OkStatus();

@@ -88,7 +88,7 @@ absl::StatusOr<double> WindowAccuracy(const core::Model& model, const ClipSet& t
   int windows = 0;
   int right = 0;
   for (const EvalClip* clip : test) {
-    for (const core::StateSequence& window : WindowsOf(clip->states)) {
+    for (const core::StateSequence& window : SplitIntoWindows(clip->states)) {
       options.window_seconds = window.frame_count() / window.frame_rate_hz;
       MOTIONDB_ASSIGN_OR_RETURN(const auto recognized, core::Recognize(model, window, options));
       right += recognized.front().labels.front().label == clip->label ? 1 : 0;
@@ -135,7 +135,7 @@ absl::StatusOr<double> PredictionError(const core::Model& model, const core::Mar
 absl::StatusOr<Row> Measure(const Corpus& corpus, const Corruption& corruption,
                             core::GlitchPolicy policy, const char* policy_name) {
   MOTIONDB_ASSIGN_OR_RETURN(const Stored stored, Store(corpus, corruption, policy));
-  MOTIONDB_ASSIGN_OR_RETURN(const core::Model model, ModelOf(corpus.set, stored.set()));
+  MOTIONDB_ASSIGN_OR_RETURN(const core::Model model, BuildEvalModel(corpus.set, stored.set()));
   Row row{fmt::format("{}, {}", corruption.name, policy_name), {}, ""};
   for (const core::Method method : kMethods) {
     MOTIONDB_ASSIGN_OR_RETURN(row.figures.emplace_back(),

@@ -16,12 +16,12 @@ absl::StatusOr<Tables> RunEarly(Studies& studies) {
     const Observe beginning =
         [&](const EvalClip& clip) -> absl::StatusOr<std::vector<core::StateSequence>> {
       MOTIONDB_ASSIGN_OR_RETURN(core::StateSequence states,
-                                BeginningOf(corpus->set, clip, percent / 100.0));
+                                PrefixStates(corpus->set, clip, percent / 100.0));
       return std::vector<core::StateSequence>{std::move(states)};
     };
-    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Judged> judged,
-                              study.Judge(fmt::format("the first {} % of clips", percent), kWhich,
-                                          Extent::kPrefix, beginning));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodResults> judged,
+                              study.RunMethods(fmt::format("the first {} % of clips", percent),
+                                               kWhich, Extent::kPrefix, beginning));
     table.columns.push_back({fmt::format("first {} %", percent)});
     for (std::size_t m = 0; m < judged.size(); ++m) {
       table.rows[m].figures.push_back(100 * Accuracy(judged[m].names()));

@@ -38,12 +38,12 @@ struct Sums {
 
 absl::StatusOr<Sums> FillClip(const core::Model& model, const FillFromNearest& nearest,
                               const EvalClip& clip, const core::StateSequence& observation) {
-  const double begin = ThreadSeconds();
+  const double begin = ThreadCpuSeconds();
   core::EstimateOptions options;
   options.fill = core::Fill::kEveryFrame;
   MOTIONDB_ASSIGN_OR_RETURN(const core::Estimation estimation,
                             core::Estimate(model, observation, options));
-  Sums sums{.seconds = ThreadSeconds() - begin};
+  Sums sums{.seconds = ThreadCpuSeconds() - begin};
   const core::FrameMatrix truth = core::WorldPositions(clip.states);
   const core::FrameMatrix by_line = FillByInterpolation(observation);
   const core::FrameMatrix by_nearest = nearest.Fill(observation);
@@ -70,7 +70,8 @@ absl::StatusOr<Sums> FillClip(const core::Model& model, const FillFromNearest& n
 absl::StatusOr<Table> FillingErrors(RecognitionStudy& study,
                                     const std::vector<Condition>& conditions) {
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
-  MOTIONDB_ASSIGN_OR_RETURN(const core::Model model, ModelOf(corpus->set, corpus->database1_train));
+  MOTIONDB_ASSIGN_OR_RETURN(const core::Model model,
+                            BuildEvalModel(corpus->set, corpus->database1_train));
   const FillFromNearest nearest(corpus->database1_train);
   Table table{.title = "Estimation of missing markers: mean error, mm, test clips of database 1",
               .columns = {{"motiondb"},

@@ -23,9 +23,9 @@ absl::StatusOr<Table> Losses(RecognitionStudy& study, const std::string& what, E
   std::vector<double> clean;
   for (const Condition& condition : conditions) {
     MOTIONDB_ASSIGN_OR_RETURN(
-        const std::vector<Judged> judged,
-        study.Judge(fmt::format("{}, {}", what, condition.name), which, extent,
-                    extent == Extent::kWindow ? condition.windows : condition.whole));
+        const std::vector<MethodResults> judged,
+        study.RunMethods(fmt::format("{}, {}", what, condition.name), which, extent,
+                         extent == Extent::kWindow ? condition.windows : condition.whole));
     Row& row = table.rows.emplace_back(Row{condition.name});
     for (std::size_t m = 0; m < judged.size(); ++m) {
       const double accuracy = 100 * Accuracy(judged[m].names());
@@ -41,8 +41,8 @@ absl::StatusOr<Table> ByFormat(RecognitionStudy& study, const std::string& what,
                                Extent extent) {
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
   MOTIONDB_ASSIGN_OR_RETURN(
-      const std::vector<Judged> judged,
-      study.Judge(fmt::format("{}, by format", what), which, extent, Unchanged(extent)));
+      const std::vector<MethodResults> judged,
+      study.RunMethods(fmt::format("{}, by format", what), which, extent, Unchanged(extent)));
   const auto has_format = [](const std::string& format) {
     return [format](const EvalClip& clip) { return clip.format == format; };
   };
@@ -67,8 +67,8 @@ absl::StatusOr<Table> ByFormat(RecognitionStudy& study, const std::string& what,
   for (std::size_t m = 0; m < judged.size(); ++m) {
     Row& row = table.rows.emplace_back(Row{study.methods()[m].name});
     for (const auto& [name, holds] : parts) {
-      std::vector<Named> names;
-      for (const Judgement& judgement : judged[m].judgements) {
+      std::vector<LabelPair> names;
+      for (const ScoredObservation& judgement : judged[m].judgements) {
         if (holds(*judgement.clip)) {
           names.push_back({judgement.clip->label, judgement.recognition.label});
         }

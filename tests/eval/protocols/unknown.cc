@@ -4,8 +4,8 @@
 #include <map>
 
 #include "core/motion/error.h"
-#include "tests/eval/figures/auroc.h"
 #include "tests/eval/protocols/protocol.h"
+#include "tests/eval/statistics/auroc.h"
 
 namespace motiondb::tests {
 namespace {
@@ -26,7 +26,7 @@ bool IsOne(const ClipSet& clips, const EvalClip* clip) {
 }
 
 Table Compare(RecognitionStudy& study, Experiments which, const std::string& title,
-              const Corpus& corpus, const std::vector<Judged>& judged) {
+              const Corpus& corpus, const std::vector<MethodResults>& judged) {
   Table table{
       .title = title,
       .columns = {
@@ -34,7 +34,7 @@ Table Compare(RecognitionStudy& study, Experiments which, const std::string& tit
   std::size_t counts[4] = {};
   for (std::size_t m = 0; m < judged.size(); ++m) {
     std::vector<double> known, known_hdm05, other, actions;
-    for (const Judgement& judgement : judged[m].judgements) {
+    for (const ScoredObservation& judgement : judged[m].judgements) {
       const double familiarity = judgement.recognition.familiarity;
       if (IsOne(corpus.database1_test, judgement.clip)) {
         known.push_back(familiarity);
@@ -80,9 +80,9 @@ absl::StatusOr<Tables> RunUnknown(Studies& studies) {
   for (const auto& [which, extent, title] :
        {std::tuple{Experiments::kDatabase1Windows, Extent::kWindow, "AUROC of 0.4-s windows"},
         std::tuple{Experiments::kDatabase1Clips, Extent::kWhole, "AUROC of whole clips"}}) {
-    MOTIONDB_ASSIGN_OR_RETURN(
-        const std::vector<Judged> judged,
-        study.Judge(fmt::format("unknown, {}", title), which, extent, Unchanged(extent), &clips));
+    MOTIONDB_ASSIGN_OR_RETURN(const std::vector<MethodResults> judged,
+                              study.RunMethods(fmt::format("unknown, {}", title), which, extent,
+                                               Unchanged(extent), &clips));
     tables.push_back(Compare(study, which, title, *corpus, judged));
   }
   return tables;

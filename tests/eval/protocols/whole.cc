@@ -9,8 +9,8 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
   RecognitionStudy& study = studies.recognition;
   constexpr auto kWhich = Experiments::kHdm05Clips;
   MOTIONDB_ASSIGN_OR_RETURN(
-      const std::vector<Judged> judged,
-      study.Judge("whole clips", kWhich, Extent::kWhole, Unchanged(Extent::kWhole)));
+      const std::vector<MethodResults> judged,
+      study.RunMethods("whole clips", kWhich, Extent::kWhole, Unchanged(Extent::kWhole)));
   MOTIONDB_ASSIGN_OR_RETURN(const std::vector<Experiment>* const experiments, study.Fitted(kWhich));
 
   Table table{.title = "Whole clips recognized correctly, %"};
@@ -26,15 +26,15 @@ absl::StatusOr<Tables> RunWhole(Studies& studies) {
     Row& row = table.rows.emplace_back(Row{study.methods()[m].name, {}, study.Chosen(kWhich, m)});
     for (const Experiment& experiment : *experiments) {
       const std::string& actor = experiment.fold.test.front()->source;
-      std::vector<Named> of_actor;
-      for (const Judgement& judgement : judged[m].judgements) {
+      std::vector<LabelPair> of_actor;
+      for (const ScoredObservation& judgement : judged[m].judgements) {
         if (judgement.clip->source == actor) {
           of_actor.push_back({judgement.clip->label, judgement.recognition.label});
         }
       }
       row.figures.push_back(100 * Accuracy(of_actor));
     }
-    const std::vector<Named> names = judged[m].names();
+    const std::vector<LabelPair> names = judged[m].names();
     const double accuracy = Accuracy(names);
     row.figures.insert(row.figures.end(),
                        {100 * accuracy, 100 * MacroAccuracy(names),

@@ -9,8 +9,8 @@ absl::StatusOr<Tables> RunWindows(Studies& studies) {
   RecognitionStudy& study = studies.recognition;
   constexpr auto kWhich = Experiments::kDatabase1Windows;
   MOTIONDB_ASSIGN_OR_RETURN(
-      const std::vector<Judged> judged,
-      study.Judge("windows", kWhich, Extent::kWindow, Unchanged(Extent::kWindow)));
+      const std::vector<MethodResults> judged,
+      study.RunMethods("windows", kWhich, Extent::kWindow, Unchanged(Extent::kWindow)));
   MOTIONDB_ASSIGN_OR_RETURN(const Corpus* const corpus, study.LoadedCorpus());
   const std::vector<std::string> labels = LabelsOf(corpus->database1_test);
 
@@ -19,7 +19,7 @@ absl::StatusOr<Tables> RunWindows(Studies& studies) {
   table.columns.insert(table.columns.end(),
                        {{"macro"}, {"all windows"}, {"model, MB", 2}, {"ms per window", 2}});
   for (std::size_t m = 0; m < judged.size(); ++m) {
-    const std::vector<Named> names = judged[m].names();
+    const std::vector<LabelPair> names = judged[m].names();
     Row& row = table.rows.emplace_back(Row{study.methods()[m].name, {}, study.Chosen(kWhich, m)});
     for (const std::string& label : labels) {
       row.figures.push_back(100 * AccuracyOf(names, label));

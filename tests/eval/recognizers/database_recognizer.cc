@@ -19,7 +19,7 @@ std::vector<DatabaseSetting> DatabaseSettings() {
 
 absl::Status DatabaseRecognizer::Fit(const ClipSet& training, Extent) {
   labels_ = LabelsOf(training);
-  MOTIONDB_ASSIGN_OR_RETURN(model_, ModelOf(set_, training));
+  MOTIONDB_ASSIGN_OR_RETURN(model_, BuildEvalModel(set_, training));
   return absl::OkStatus();
 }
 

@@ -22,7 +22,7 @@ absl::Status TunedPeer::Fit(const ClipSet& training, Extent extent) {
       MOTIONDB_RETURN_IF_ERROR(peer->Learn(fold.training, labels_));
       for (const EvalClip* clip : fold.test) {
         const int truth = LabelIndex(*clip, labels_);
-        for (const core::StateSequence& states : PartsOf(clip->states, extent)) {
+        for (const core::StateSequence& states : SplitIntoParts(clip->states, extent)) {
           held_out.push_back({peer->Score(states, extent), truth});
         }
       }

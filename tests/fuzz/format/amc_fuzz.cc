@@ -10,7 +10,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto [asf, amc] = tests::SplitAtZero(tests::AsText(data, size));
   const tests::MemoryWatch watch;
   const auto read = core::ReadAmc({"input.amc", amc}, {"input.asf", asf}, {});
-  watch.HoldsProportional(size, 1 << 20, 200);
-  tests::HoldsMotionFile(read);
+  watch.CheckProportional(size, 1 << 20, 200);
+  tests::CheckMotionFile(read);
   return 0;
 }

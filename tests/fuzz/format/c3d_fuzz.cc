@@ -9,7 +9,7 @@ using namespace motiondb;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const tests::MemoryWatch watch;
   const auto read = core::ReadC3d({"input.c3d", tests::AsText(data, size)}, {});
-  watch.HoldsProportional(size, 1 << 20, 200);
-  tests::HoldsMotionFile(read);
+  watch.CheckProportional(size, 1 << 20, 200);
+  tests::CheckMotionFile(read);
   return 0;
 }

@@ -8,17 +8,18 @@ using namespace motiondb;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const tests::MemoryWatch watch;
   const auto scheme = core::ReadMarkerSetFile({"input.markers", tests::AsText(data, size)});
-  watch.HoldsProportional(size, 1 << 20, 200);
-  tests::HoldsError(scheme.status(), absl::StatusCode::kInvalidArgument);
+  watch.CheckProportional(size, 1 << 20, 200);
+  tests::CheckErrorContract(scheme.status(), absl::StatusCode::kInvalidArgument);
   if (!scheme.ok()) return 0;
 
   for (const core::MarkerMapping& mapping : scheme->mappings) {
-    tests::Holds(mapping.rules.size() == scheme->set.markers.size(),
-                 "a mapping has one rule per marker");
+    tests::CheckContract(mapping.rules.size() == scheme->set.markers.size(),
+                         "a mapping has one rule per marker");
   }
   const std::string text = core::WriteMarkerSetFile(*scheme);
   const auto again = core::ReadMarkerSetFile({"written.markers", text});
-  tests::Holds(again.ok(), "a written marker set can be read");
-  tests::Holds(core::WriteMarkerSetFile(*again) == text, "a written marker set is preserved");
+  tests::CheckContract(again.ok(), "a written marker set can be read");
+  tests::CheckContract(core::WriteMarkerSetFile(*again) == text,
+                       "a written marker set is preserved");
   return 0;
 }

@@ -12,23 +12,23 @@ using namespace motiondb;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const tests::MemoryWatch watch;
   const auto read = core::ReadUrdf({"input.urdf", tests::AsText(data, size)});
-  watch.HoldsProportional(size, 1 << 20, 200);
-  tests::HoldsError(read.status(), absl::StatusCode::kInvalidArgument);
+  watch.CheckProportional(size, 1 << 20, 200);
+  tests::CheckErrorContract(read.status(), absl::StatusCode::kInvalidArgument);
   if (!read.ok()) return 0;
 
-  tests::Holds(read->skeleton.dof_count() >= 6, "a robot has a floating base");
+  tests::CheckContract(read->skeleton.dof_count() >= 6, "a robot has a floating base");
   for (const core::MimicJoint& mimic : read->mimics) {
-    tests::Holds(read->skeleton.FindJoint(mimic.joint) >= 0, "a mimic joint is a joint");
-    tests::Holds(read->skeleton.FindJoint(mimic.master) >= 0,
-                 "the master of a mimic joint is a joint");
-    tests::Holds(std::isfinite(mimic.multiplier) && std::isfinite(mimic.offset),
-                 "multiplier and offset are finite");
+    tests::CheckContract(read->skeleton.FindJoint(mimic.joint) >= 0, "a mimic joint is a joint");
+    tests::CheckContract(read->skeleton.FindJoint(mimic.master) >= 0,
+                         "the master of a mimic joint is a joint");
+    tests::CheckContract(std::isfinite(mimic.multiplier) && std::isfinite(mimic.offset),
+                         "multiplier and offset are finite");
   }
   // A motion of a robot at rest can be written.
   core::JointMotion still{.skeleton = std::make_shared<const core::Skeleton>(read->skeleton),
                           .frame_rate_hz = 60,
                           .angles = core::JointMatrix::Zero(2, read->skeleton.dof_count())};
   const auto table = core::WriteJointTable(still, read->mimics);
-  tests::HoldsError(table.status(), absl::StatusCode::kInvalidArgument);
+  tests::CheckErrorContract(table.status(), absl::StatusCode::kInvalidArgument);
   return 0;
 }

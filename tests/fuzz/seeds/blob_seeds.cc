@@ -66,10 +66,10 @@ TEST_CASE("Seeds: models and their parts", "[seeds]") {
   WriteSeed("prediction_codec_fuzz", "prior", markers + Fields(storage::PutPrior, one.prior()));
   WriteSeed("recognition_codec_fuzz", "metric", markers + Fields(storage::PutMetric, one.metric()));
   core::PredictionConfidence confidence;
-  confidence.laws.resize(2);
-  confidence.laws[0].seconds = 0.1;
-  confidence.laws[1].seconds = 0.2;
-  for (core::ErrorModel& law : confidence.laws) law.deviation = 1;
+  confidence.models.resize(2);
+  confidence.models[0].seconds = 0.1;
+  confidence.models[1].seconds = 0.2;
+  for (core::ErrorModel& model : confidence.models) model.deviation = 1;
   WriteSeed("prediction_codec_fuzz", "confidence",
             markers + Fields(storage::PutConfidence, confidence));
   core::RecognitionCalibration calibration;

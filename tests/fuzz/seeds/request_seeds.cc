@@ -146,7 +146,7 @@ TEST_CASE("Seeds: Observe", "[seeds]") {
   start.mutable_start()->set_database("databases/db");
   start.mutable_start()->set_frame_rate_hz(60);
   start.mutable_start()->add_horizon_seconds(0.2);
-  std::string stream = InStream(start.SerializeAsString());
+  std::string stream = LengthPrefixed(start.SerializeAsString());
   const core::MarkerMotion motion = WalkMarkers();
   for (int first = 0; first < kFrames; first += kFrames / 3) {
     v1::ObserveRequest frames;
@@ -154,7 +154,7 @@ TEST_CASE("Seeds: Observe", "[seeds]") {
     frames.mutable_frames()->set_frame_count(kFrames / 3);
     frames.mutable_frames()->set_positions(
         Packed(motion.positions_m.middleRows(first, kFrames / 3)));
-    stream += InStream(frames.SerializeAsString());
+    stream += LengthPrefixed(frames.SerializeAsString());
   }
   WriteSeed("observe_fuzz", "walk", stream);
 }
@@ -163,11 +163,11 @@ TEST_CASE("Seeds: IngestClip", "[seeds]") {
   v1::IngestClipRequest message;
   message.mutable_header()->set_parent("databases/db");
   message.mutable_header()->set_file_name("small.bvh");
-  std::string stream = InStream(message.SerializeAsString());
+  std::string stream = LengthPrefixed(message.SerializeAsString());
   message.set_file_block(std::string(kSmallBvh.substr(0, 300)));
-  stream += InStream(message.SerializeAsString());
+  stream += LengthPrefixed(message.SerializeAsString());
   message.set_file_block(std::string(kSmallBvh.substr(300)));
-  stream += InStream(message.SerializeAsString());
+  stream += LengthPrefixed(message.SerializeAsString());
   WriteSeed("ingest_stream_fuzz", "bvh", stream);
 
   v1::IngestClipHeader* const header = message.mutable_header();
@@ -175,11 +175,11 @@ TEST_CASE("Seeds: IngestClip", "[seeds]") {
   header->set_file_name("small.amc");
   header->set_skeleton_file_name("small.asf");
   header->mutable_conventions()->set_frame_rate_hz(120);
-  stream = InStream(message.SerializeAsString());
+  stream = LengthPrefixed(message.SerializeAsString());
   message.set_skeleton_block(std::string(kSmallAsf));
-  stream += InStream(message.SerializeAsString());
+  stream += LengthPrefixed(message.SerializeAsString());
   message.set_file_block(std::string(kSmallAmc));
-  stream += InStream(message.SerializeAsString());
+  stream += LengthPrefixed(message.SerializeAsString());
   WriteSeed("ingest_stream_fuzz", "amc", stream);
 }
 

@@ -16,12 +16,12 @@ void HoldsNumber(const FieldDescriptor& field, double number) {
   const bool is_log = field.name().starts_with("log_");
   const bool is_valid = is_log ? !std::isnan(number) && number < INFINITY : std::isfinite(number);
   if (!is_valid) std::fprintf(stderr, "%s: %g\n", field.full_name().c_str(), number);
-  Holds(is_valid, "an answer's numbers are finite");
+  CheckContract(is_valid, "an answer's numbers are finite");
 }
 
 }  // namespace
 
-void HoldsFinite(const Message& answer) {
+void CheckAllFinite(const Message& answer) {
   const auto& reflection = *answer.GetReflection();
   std::vector<const FieldDescriptor*> fields;
   reflection.ListFields(answer, &fields);
@@ -32,21 +32,21 @@ void HoldsFinite(const Message& answer) {
         HoldsNumber(*field, field->is_repeated() ? reflection.GetRepeatedDouble(answer, field, i)
                                                  : reflection.GetDouble(answer, field));
       } else if (field->cpp_type() == FieldDescriptor::CPPTYPE_MESSAGE) {
-        HoldsFinite(field->is_repeated() ? reflection.GetRepeatedMessage(answer, field, i)
-                                         : reflection.GetMessage(answer, field));
+        CheckAllFinite(field->is_repeated() ? reflection.GetRepeatedMessage(answer, field, i)
+                                            : reflection.GetMessage(answer, field));
       }
     }
   }
 }
 
-void HoldsRefusal(const absl::Status& status) {
+void CheckRefusalContract(const absl::Status& status) {
   if (status.ok()) return;
   const bool expected = absl::IsInvalidArgument(status) || absl::IsOutOfRange(status) ||
                         absl::IsNotFound(status) || absl::IsFailedPrecondition(status) ||
                         absl::IsResourceExhausted(status);
   if (!expected) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  Holds(expected, "a query fails only by the client's fault or a limit");
-  Holds(!status.message().empty(), "an error has a message");
+  CheckContract(expected, "a query fails only by the client's fault or a limit");
+  CheckContract(!status.message().empty(), "an error has a message");
 }
 
 }  // namespace motiondb::tests

@@ -8,9 +8,9 @@
 namespace motiondb::tests {
 
 // All numbers are finite, except log probabilities, which may be -infinity.
-void HoldsFinite(const google::protobuf::Message& answer);
+void CheckAllFinite(const google::protobuf::Message& answer);
 
 // The error is the client's fault or a limit, and has a message.
-void HoldsRefusal(const absl::Status& status);
+void CheckRefusalContract(const absl::Status& status);
 
 }  // namespace motiondb::tests

@@ -18,7 +18,7 @@ namespace {
 absl::Status Estimate(const v1::EstimateRequest& request, v1::EstimateResponse& response) {
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            server::ObservationFrom("observation", request.observation(), "db"));
+                            server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParseEstimateOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, query.Estimate(observation, options));
   server::SetEstimation(answer, query.model(), response);
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   v1::EstimateRequest request;
   if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
   v1::EstimateResponse response;
-  tests::HoldsEnd(Estimate(request, response));
-  tests::HoldsFinite(response);
+  tests::CheckRefusalOrCancelled(Estimate(request, response));
+  tests::CheckAllFinite(response);
   return 0;
 }

@@ -24,19 +24,20 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   tests::ForEachMessage<v1::IngestClipRequest>(data, size,
                                                [&](const v1::IngestClipRequest& request) {
                                                  const absl::Status status = stream.Take(request);
-                                                 tests::HoldsRefusal(status);
+                                                 tests::CheckRefusalContract(status);
                                                  taken = status.ok();
                                                  return taken;
                                                });
   if (!taken) return 0;
   const auto clip = stream.Finish();
-  tests::HoldsRefusal(clip.status());
+  tests::CheckRefusalContract(clip.status());
   if (!clip.ok()) return 0;
-  tests::Holds(clip->file_bytes.size() + clip->skeleton_bytes.size() <= kMaxBytes,
-               "a file is within the limit");
+  tests::CheckContract(clip->file_bytes.size() + clip->skeleton_bytes.size() <= kMaxBytes,
+                       "a file is within the limit");
   const storage::ClipRecord& record = clip->record;
-  tests::Holds(record.file_name.find('/') == std::string::npos, "a file's name has no folder");
-  tests::HoldsMotionFile(core::ReadMotionFile(record.format, {record.file_name, clip->file_bytes},
+  tests::CheckContract(record.file_name.find('/') == std::string::npos,
+                       "a file's name has no folder");
+  tests::CheckMotionFile(core::ReadMotionFile(record.format, {record.file_name, clip->file_bytes},
                                               server::SkeletonFile(record, clip->skeleton_bytes),
                                               record.given));
   return 0;

@@ -12,7 +12,7 @@
 
 namespace motiondb::tests {
 
-inline std::string InStream(const std::string& message) {
+inline std::string LengthPrefixed(const std::string& message) {
   const auto length = static_cast<std::uint16_t>(message.size());
   std::string bytes(sizeof(length), '\0');
   std::memcpy(bytes.data(), &length, sizeof(length));
@@ -65,7 +65,7 @@ std::size_t MutateStream(std::uint8_t* data, std::size_t size, std::size_t max_s
   }
   std::string stream;
   for (const std::string& message : messages) {
-    const std::string next = InStream(message);
+    const std::string next = LengthPrefixed(message);
     if (stream.size() + next.size() <= max_size) stream += next;
   }
   std::copy(stream.begin(), stream.end(), data);

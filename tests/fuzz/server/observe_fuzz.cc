@@ -26,14 +26,14 @@ class Stream {
                               session_->Take(frames.first_frame(), server::FramesFrom(frames)));
     v1::ObserveResponse response;
     server::SetStep(step, top_count_, response);
-    tests::HoldsFinite(response);
+    tests::CheckAllFinite(response);
     return absl::OkStatus();
   }
 
  private:
   absl::Status Open(const v1::ObserveStart& start) {
     if (session_ != nullptr) return core::InvalidArgument("start: expected only one");
-    MOTIONDB_ASSIGN_OR_RETURN(auto setup, server::SetupFrom(start));
+    MOTIONDB_ASSIGN_OR_RETURN(auto setup, server::ParseObserveSetup(start));
     top_count_ = start.top_count();
     MOTIONDB_ASSIGN_OR_RETURN(
         session_, server::ObserveSession::Open(tests::Trained().Ask(), std::move(setup)));
@@ -50,7 +50,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Stream stream;
   tests::ForEachMessage<v1::ObserveRequest>(data, size, [&](const v1::ObserveRequest& request) {
     const absl::Status status = stream.Take(request);
-    tests::HoldsRefusal(status);
+    tests::CheckRefusalContract(status);
     return status.ok();
   });
   return 0;

@@ -19,7 +19,7 @@ absl::Status Predict(const v1::PredictRequest& request, v1::PredictResponse& res
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParsePredictOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            server::ObservationFrom("observation", request.observation(), "db"));
+                            server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer, query.Predict(observation, options));
   server::SetPrediction(answer, "db", query.model(), options.method, response);
   return absl::OkStatus();
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   v1::PredictRequest request;
   if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
   v1::PredictResponse response;
-  tests::HoldsEnd(Predict(request, response));
-  tests::HoldsFinite(response);
+  tests::CheckRefusalOrCancelled(Predict(request, response));
+  tests::CheckAllFinite(response);
   return 0;
 }

@@ -17,9 +17,9 @@ inline core::Cancelled AfterSeconds(double seconds) {
 
 constexpr double kQuerySeconds = 5;
 
-// HoldsRefusal, for a query that may have been cancelled.
-inline void HoldsEnd(const absl::Status& status) {
-  if (!absl::IsCancelled(status)) HoldsRefusal(status);
+// CheckRefusalContract, for a query that may have been cancelled.
+inline void CheckRefusalOrCancelled(const absl::Status& status) {
+  if (!absl::IsCancelled(status)) CheckRefusalContract(status);
 }
 
 }  // namespace motiondb::tests

@@ -19,7 +19,7 @@ absl::Status Recognize(const v1::RecognizeRequest& request, v1::RecognizeRespons
   const server::Query query = tests::Trained().Ask(tests::AfterSeconds(tests::kQuerySeconds));
   MOTIONDB_ASSIGN_OR_RETURN(const auto options, server::ParseRecognizeOptions(request));
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            server::ObservationFrom("observation", request.observation(), "db"));
+                            server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto answer,
                             query.Recognize(observation, options, request.top_count()));
   return server::SetRecognition(answer, "db", query.model(), request.top_count(), response);
@@ -31,7 +31,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   v1::RecognizeRequest request;
   if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
   v1::RecognizeResponse response;
-  tests::HoldsEnd(Recognize(request, response));
-  tests::HoldsFinite(response);
+  tests::CheckRefusalOrCancelled(Recognize(request, response));
+  tests::CheckAllFinite(response);
   return 0;
 }

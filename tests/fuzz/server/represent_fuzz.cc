@@ -16,9 +16,9 @@ namespace {
 
 absl::Status Represent(const v1::RepresentRequest& request, v1::RepresentResponse& response) {
   MOTIONDB_ASSIGN_OR_RETURN(const auto observation,
-                            server::ObservationFrom("observation", request.observation(), "db"));
+                            server::ParseObservation("observation", request.observation(), "db"));
   MOTIONDB_ASSIGN_OR_RETURN(const auto markers, tests::Trained().Ask().Markers(observation));
-  tests::HoldsMotion(markers);
+  tests::CheckMotion(markers);
   server::SetMarkers(markers, *response.mutable_markers());
   return absl::OkStatus();
 }
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   v1::RepresentRequest request;
   if (!request.ParseFromArray(data, static_cast<int>(size))) return 0;
   v1::RepresentResponse response;
-  tests::HoldsRefusal(Represent(request, response));
-  tests::HoldsFinite(response);
+  tests::CheckRefusalContract(Represent(request, response));
+  tests::CheckAllFinite(response);
   return 0;
 }

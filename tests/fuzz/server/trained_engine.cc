@@ -21,8 +21,9 @@ void Ingest(TrainedEngine& trained, const std::string& name, const StickFigure& 
   clip.record.label = name;
   clip.file_bytes = WriteBvh(figure);
   const auto in_flight = trained.engine->BeginIngest(trained.database);
-  Holds(in_flight.ok(), "an ingest begins");
-  Holds(trained.engine->Ingest(trained.database, std::move(clip), {}).ok(), "a figure is stored");
+  CheckContract(in_flight.ok(), "an ingest begins");
+  CheckContract(trained.engine->Ingest(trained.database, std::move(clip), {}).ok(),
+                "a figure is stored");
 }
 
 TrainedEngine Train() {
@@ -36,13 +37,13 @@ TrainedEngine Train() {
   TrainedEngine trained;
   static const TemporaryDirectory kDirectory;  // removed at exit
   auto store = storage::SqliteMotionStore::Open(kDirectory / "store.db");
-  Holds(store.ok(), "a store opens");
+  CheckContract(store.ok(), "a store opens");
   auto engine = server::Engine::Open(*std::move(store), options);
-  Holds(engine.ok(), "an engine opens");
+  CheckContract(engine.ok(), "an engine opens");
   trained.engine = *std::move(engine);
   const core::BuildSettings settings{.frame_rate_hz = 60, .min_frames = 4};
-  Holds(trained.engine->CreateDatabase("db", settings, {server::kSourceMarkerSet, ""}).ok(),
-        "a database is created");
+  CheckContract(trained.engine->CreateDatabase("db", settings, {server::kSourceMarkerSet, ""}).ok(),
+                "a database is created");
   trained.database = *trained.engine->FindDatabase("db");
   Ingest(trained, "walk", {.act = Act::kWalk, .frame_count = 90});
   Ingest(trained, "squat", {.act = Act::kSquat, .frame_count = 90});

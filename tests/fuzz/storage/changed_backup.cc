@@ -57,12 +57,12 @@ struct Base {
 
 std::string BackupOfTrained() {
   const auto backup = Trained().engine->store().maintenance().BeginBackup({});
-  Holds(backup.ok(), "a backup begins");
+  CheckContract(backup.ok(), "a backup begins");
   std::string bytes;
   std::string block;
   while (true) {
     const auto more = (*backup)->Read(block);
-    Holds(more.ok(), "a backup is read");
+    CheckContract(more.ok(), "a backup is read");
     if (!*more) break;
     bytes += block;
   }
@@ -75,7 +75,7 @@ class OpenFile {
  public:
   explicit OpenFile(std::string& bytes) : bytes_(bytes), path_(directory_ / "changed.db") {
     std::ofstream(path_, std::ios::binary) << bytes;
-    Holds(sqlite3_open(path_.c_str(), &handle_) == SQLITE_OK, "a backup can be opened");
+    CheckContract(sqlite3_open(path_.c_str(), &handle_) == SQLITE_OK, "a backup can be opened");
     Run("PRAGMA journal_mode = OFF; PRAGMA synchronous = OFF; PRAGMA foreign_keys = OFF; "
         "PRAGMA ignore_check_constraints = ON");
   }

@@ -49,8 +49,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
                               });
   std::vector<std::byte> read(payload_bytes);
   const absl::Status status = source.Read(read);
-  tests::HoldsError(status, absl::StatusCode::kDataLoss);
-  if (status.ok()) tests::HoldsError(source.Finish(), absl::StatusCode::kDataLoss);
-  watch.HoldsProportional(size, 64 << 10, 4);
+  tests::CheckErrorContract(status, absl::StatusCode::kDataLoss);
+  if (status.ok()) tests::CheckErrorContract(source.Finish(), absl::StatusCode::kDataLoss);
+  watch.CheckProportional(size, 64 << 10, 4);
   return 0;
 }

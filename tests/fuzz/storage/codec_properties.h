@@ -15,32 +15,32 @@ namespace motiondb::tests {
 inline constexpr std::size_t kDecodingBase = 64 << 10;
 inline constexpr std::size_t kDecodingFactor = 24;
 
-inline void HoldsSameBytes(const storage::StringSink& sink, std::span<const std::byte> bytes) {
-  Holds(std::ranges::equal(std::as_bytes(std::span(sink.bytes())), bytes),
-        "a decoded value encodes to the same bytes");
+inline void CheckSameBytes(const storage::StringSink& sink, std::span<const std::byte> bytes) {
+  CheckContract(std::ranges::equal(std::as_bytes(std::span(sink.bytes())), bytes),
+                "a decoded value encodes to the same bytes");
 }
 
 // decode(source) -> StatusOr<T>; encode(T, sink) -> Status. Returns the result of decode.
 template <typename Decode, typename Encode>
-auto HoldsCodec(std::span<const std::byte> bytes, const Decode& decode, const Encode& encode) {
+auto CheckCodec(std::span<const std::byte> bytes, const Decode& decode, const Encode& encode) {
   const MemoryWatch watch;
   storage::SpanSource source(bytes);
   auto decoded = decode(source);
-  watch.HoldsProportional(bytes.size(), kDecodingBase, kDecodingFactor);
-  HoldsError(decoded.status(), absl::StatusCode::kDataLoss);
+  watch.CheckProportional(bytes.size(), kDecodingBase, kDecodingFactor);
+  CheckErrorContract(decoded.status(), absl::StatusCode::kDataLoss);
   if (decoded.ok()) {
     storage::StringSink sink;
-    Holds(encode(*decoded, sink).ok(), "a decoded value can be encoded");
-    HoldsSameBytes(sink, bytes);
+    CheckContract(encode(*decoded, sink).ok(), "a decoded value can be encoded");
+    CheckSameBytes(sink, bytes);
   }
   return decoded;
 }
 
-// HoldsCodec for fields of a blob: get(reader) -> T, put(writer, T).
+// CheckCodec for fields of a blob: get(reader) -> T, put(writer, T).
 template <typename Get, typename Put>
-auto HoldsFields(std::span<const std::byte> bytes, const Get& get, const Put& put) {
+auto CheckFieldCodec(std::span<const std::byte> bytes, const Get& get, const Put& put) {
   using Value = decltype(get(std::declval<storage::FieldReader&>()));
-  return HoldsCodec(
+  return CheckCodec(
       bytes,
       [&](storage::ByteSource& source) -> absl::StatusOr<Value> {
         storage::FieldReader reader(source);

@@ -6,13 +6,14 @@ using namespace motiondb;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto bytes = std::as_bytes(std::span(data, size));
-  const auto graph = tests::HoldsFields(bytes, storage::GetGraph, storage::PutGraph);
-  (void)tests::HoldsFields(bytes, storage::GetClipGraph, storage::PutClipGraph);
+  const auto graph = tests::CheckFieldCodec(bytes, storage::GetGraph, storage::PutGraph);
+  (void)tests::CheckFieldCodec(bytes, storage::GetClipGraph, storage::PutClipGraph);
   if (!graph.ok()) return 0;
   for (int node = 0; node < graph->node_count(); ++node) {
     for (const core::Edge& edge : graph->row(node)) {
-      tests::Holds(edge.to >= 0 && edge.to < graph->node_count(), "an edge leads to a node");
-      tests::Holds(edge.count > 0, "an edge has a count");
+      tests::CheckContract(edge.to >= 0 && edge.to < graph->node_count(),
+                           "an edge leads to a node");
+      tests::CheckContract(edge.count > 0, "an edge has a count");
     }
   }
   return 0;

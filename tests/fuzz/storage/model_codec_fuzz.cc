@@ -16,13 +16,13 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const tests::MemoryWatch watch;
   storage::SpanSource source(bytes);
   auto parts = storage::DecodeModel(source);
-  watch.HoldsProportional(size, tests::kDecodingBase, tests::kDecodingFactor);
-  tests::HoldsError(parts.status(), absl::StatusCode::kDataLoss);
+  watch.CheckProportional(size, tests::kDecodingBase, tests::kDecodingFactor);
+  tests::CheckErrorContract(parts.status(), absl::StatusCode::kDataLoss);
   if (!parts.ok()) return 0;
   if (data[0] == kEncodedVersion) {
     storage::StringSink sink;
-    tests::Holds(storage::EncodeModel(*parts, sink).ok(), "a decoded value can be encoded");
-    tests::HoldsSameBytes(sink, bytes);
+    tests::CheckContract(storage::EncodeModel(*parts, sink).ok(), "a decoded value can be encoded");
+    tests::CheckSameBytes(sink, bytes);
   }
 
   const std::int64_t frames = parts->tree.frame_count();
@@ -31,6 +31,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   parts->states = core::SharedRows(core::FrameMatrix::Zero(frames, dimensions));
   parts->root_path = core::RootPath::Zero(frames, 3);
   const auto model = core::Model::Create(*std::move(parts));
-  tests::HoldsError(model.status(), absl::StatusCode::kDataLoss);
+  tests::CheckErrorContract(model.status(), absl::StatusCode::kDataLoss);
   return 0;
 }

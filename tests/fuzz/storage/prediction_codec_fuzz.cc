@@ -8,9 +8,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size < 1) return 0;
   const Eigen::Index dimensions = 6 * (data[0] % 64);
   const auto bytes = std::as_bytes(std::span(data + 1, size - 1));
-  (void)tests::HoldsFields(
+  (void)tests::CheckFieldCodec(
       bytes, [&](storage::FieldReader& reader) { return storage::GetPrior(reader, dimensions); },
       storage::PutPrior);
-  (void)tests::HoldsFields(bytes, storage::GetConfidence, storage::PutConfidence);
+  (void)tests::CheckFieldCodec(bytes, storage::GetConfidence, storage::PutConfidence);
   return 0;
 }

@@ -21,7 +21,7 @@ constexpr int kMaxRows = 1000;
 
 absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
   const auto restore = store.maintenance().BeginRestore();
-  tests::Holds(restore.ok(), "a restore begins in a store without databases");
+  tests::CheckContract(restore.ok(), "a restore begins in a store without databases");
   for (std::size_t begin = 0; begin < backup.size(); begin += kBlockBytes) {
     const absl::Status taken =
         (*restore)->Append(std::string_view(backup).substr(begin, kBlockBytes));
@@ -30,13 +30,13 @@ absl::Status Restore(storage::MotionStore& store, const std::string& backup) {
   const absl::Status checked = (*restore)->Check({});
   if (!checked.ok()) return checked;
   const absl::Status finished = (*restore)->Finish({});
-  tests::Holds(finished.ok(), "a backup that passes all checks is restored");
+  tests::CheckContract(finished.ok(), "a backup that passes all checks is restored");
   return finished;
 }
 
 void HoldsRead(const absl::Status& status) {
   if (!status.ok()) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  tests::Holds(status.ok(), "restored data can be read");
+  tests::CheckContract(status.ok(), "restored data can be read");
 }
 
 // Returns the value, which must exist.
@@ -72,20 +72,21 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const tests::TemporaryDirectory directory;
   const std::string path = directory / "store.db";
   auto store = storage::SqliteMotionStore::Open(path);
-  tests::Holds(store.ok(), "a store opens");
+  tests::CheckContract(store.ok(), "a store opens");
   const absl::Status restored = Restore(**store, backup);
-  tests::HoldsRefusal(restored);
+  tests::CheckRefusalContract(restored);
   if (restored.ok()) {
     ReadAll(**store);
   } else {
-    tests::Holds(Read((*store)->ListDatabases({})).empty(), "a refused backup changes nothing");
+    tests::CheckContract(Read((*store)->ListDatabases({})).empty(),
+                         "a refused backup changes nothing");
   }
   store->reset();
   const auto files = std::filesystem::directory_iterator(std::filesystem::path(path).parent_path());
-  tests::Holds(std::ranges::all_of(files,
-                                   [](const auto& file) {
-                                     return file.path().filename().string().starts_with("store.db");
-                                   }),
-               "nothing else is left in the folder");
+  tests::CheckContract(
+      std::ranges::all_of(
+          files,
+          [](const auto& file) { return file.path().filename().string().starts_with("store.db"); }),
+      "nothing else is left in the folder");
   return 0;
 }

@@ -5,7 +5,7 @@
 using namespace motiondb;
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  (void)tests::HoldsCodec(std::as_bytes(std::span(data, size)), storage::DecodeStates,
+  (void)tests::CheckCodec(std::as_bytes(std::span(data, size)), storage::DecodeStates,
                           storage::EncodeStates);
   return 0;
 }

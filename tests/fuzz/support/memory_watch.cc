@@ -38,7 +38,7 @@ MemoryWatch::MemoryWatch() {
 
 MemoryWatch::~MemoryWatch() { watching = false; }
 
-void MemoryWatch::HoldsProportional(std::size_t input_bytes, std::size_t base,
+void MemoryWatch::CheckProportional(std::size_t input_bytes, std::size_t base,
                                     std::size_t factor) const {
   const std::size_t limit = base + factor * input_bytes;
   if (peak <= static_cast<std::int64_t>(limit)) return;

@@ -15,7 +15,7 @@ class MemoryWatch {
   MemoryWatch& operator=(const MemoryWatch&) = delete;
 
   // Aborts if the peak since the start exceeds `base` + `factor` * input_bytes.
-  void HoldsProportional(std::size_t input_bytes, std::size_t base, std::size_t factor) const;
+  void CheckProportional(std::size_t input_bytes, std::size_t base, std::size_t factor) const;
 };
 
 }  // namespace motiondb::tests

@@ -7,10 +7,10 @@
 namespace motiondb::tests {
 
 // Shapes agree, values are finite (a missing marker is NaN in all three), names are distinct.
-void HoldsMotion(const core::Motion& motion);
+void CheckMotion(const core::Motion& motion);
 
 // Checks the result of a reader of motion files: the error, or the motion and the states that a
 // database with the motion's own markers computes.
-void HoldsMotionFile(const absl::StatusOr<core::MotionFile>& read);
+void CheckMotionFile(const absl::StatusOr<core::MotionFile>& read);
 
 }  // namespace motiondb::tests

@@ -5,17 +5,17 @@
 
 namespace motiondb::tests {
 
-void Holds(bool promise, std::string_view what) {
+void CheckContract(bool promise, std::string_view what) {
   if (promise) return;
   std::fprintf(stderr, "contract violated: %.*s\n", static_cast<int>(what.size()), what.data());
   std::abort();
 }
 
-void HoldsError(const absl::Status& status, absl::StatusCode code) {
+void CheckErrorContract(const absl::Status& status, absl::StatusCode code) {
   if (status.ok()) return;
   if (status.code() != code) std::fprintf(stderr, "%s\n", status.ToString().c_str());
-  Holds(status.code() == code, "an error has a code of its reader's contract");
-  Holds(!status.message().empty(), "an error has a message");
+  CheckContract(status.code() == code, "an error has a code of its reader's contract");
+  CheckContract(!status.message().empty(), "an error has a message");
 }
 
 TwoFiles SplitAtZero(std::string_view input) {

@@ -11,10 +11,10 @@
 namespace motiondb::tests {
 
 // Aborts with the text `what` if `promise` is false.
-void Holds(bool promise, std::string_view what);
+void CheckContract(bool promise, std::string_view what);
 
 // Checks that an error has this code and a message.
-void HoldsError(const absl::Status& status, absl::StatusCode code);
+void CheckErrorContract(const absl::Status& status, absl::StatusCode code);
 
 inline std::string_view AsText(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};

@@ -177,7 +177,7 @@ TEST_CASE("Ingest: a change succeeds and is built although its operation cannot 
           "[server][ingest]") {
   TestEngine engine;
   const auto live = engine.Create("db");
-  engine.disk().Set(FullDisk::Lacks::kRoomForOperations);
+  engine.disk().Set(SimulatedDisk::Lacks::kRoomForOperations);
   const auto ingested = engine->Ingest(live, File("walk.bvh", Walk()), {});
   INFO(ingested.status().ToString());
   REQUIRE(ingested.ok());

@@ -198,13 +198,13 @@ TEST_CASE("Lifecycle: a build that ran out of disk space is retried until it suc
   const auto ingested = engine.Ingest("db", "walk", Walk(0));
   REQUIRE(ingested.ok());
   engine.gate().AwaitArrival();
-  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.disk().Set(SimulatedDisk::Lacks::kRoom);
   engine.gate().Open();
   CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
   CHECK(engine.ModelVersion("db") == 0);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));  // one or two retries fail
   CHECK(engine.ModelVersion("db") == 0);
-  engine.disk().Set(FullDisk::Lacks::kNothing);
+  engine.disk().Set(SimulatedDisk::Lacks::kNothing);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (engine.ModelVersion("db") == 0 && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
@@ -222,10 +222,10 @@ TEST_CASE("Lifecycle: a retry ends with its database and with the server", "[ser
     const auto ingested = engine.Ingest(id, "walk", Walk(0));
     REQUIRE(ingested.ok());
     engine.gate().AwaitArrival();
-    engine.disk().Set(FullDisk::Lacks::kRoom);
+    engine.disk().Set(SimulatedDisk::Lacks::kRoom);
     engine.gate().Open();
     CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
-    engine.disk().Set(FullDisk::Lacks::kNothing);
+    engine.disk().Set(SimulatedDisk::Lacks::kNothing);
   };
   fail("deleted");
   CHECK(engine->DeleteDatabase("deleted").ok());
@@ -329,14 +329,14 @@ TEST_CASE("Lifecycle: a new model continues to answer if it cannot be stored",
   const auto ingested = engine.Ingest("db", "walk", Walk(0));
   REQUIRE(ingested.ok());
   engine.model_gate().AwaitArrival();
-  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.disk().Set(SimulatedDisk::Lacks::kRoom);
   engine.model_gate().Open();
   CHECK(engine.Wait(ingested->operation.id).state == OperationState::kFailed);
   const auto snapshot = live->lifecycle().snapshot();
   REQUIRE(snapshot != nullptr);
   CHECK_FALSE(snapshot->is_stored());
   CHECK(snapshot->model.clips().size() == 1);
-  engine.disk().Set(FullDisk::Lacks::kNothing);
+  engine.disk().Set(SimulatedDisk::Lacks::kNothing);
   const auto end = std::chrono::steady_clock::now() + std::chrono::minutes(1);
   while (engine.ModelVersion("db") == 0 && std::chrono::steady_clock::now() < end) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

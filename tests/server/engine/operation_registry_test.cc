@@ -28,10 +28,10 @@ class RegistryFixture {
   }
   OperationRegistry* operator->() { return &registry_; }
   storage::MotionStore& store() { return *store_; }
-  tests::FullDisk& disk() { return *disk_; }
+  tests::SimulatedDisk& disk() { return *disk_; }
 
  private:
-  const std::shared_ptr<tests::FullDisk> disk_ = std::make_shared<tests::FullDisk>();
+  const std::shared_ptr<tests::SimulatedDisk> disk_ = std::make_shared<tests::SimulatedDisk>();
   std::unique_ptr<storage::MotionStore> store_;
   OperationRegistry registry_;
 };
@@ -137,7 +137,7 @@ TEST_CASE("OperationRegistry: an operation that cannot be stored is kept in memo
           "[server]") {
   const Log log;
   RegistryFixture registry;
-  registry.disk().Set(tests::FullDisk::Lacks::kRoomForOperations);
+  registry.disk().Set(tests::SimulatedDisk::Lacks::kRoomForOperations);
   const auto created = registry->Create("db");
   INFO(created.status().ToString());
   REQUIRE(created.ok());
@@ -150,7 +150,7 @@ TEST_CASE("OperationRegistry: an operation that cannot be stored is kept in memo
   CHECK(registry->Get(created->id)->state == OperationState::kRunning);
 
   SECTION("the disk has space before it ends") {
-    registry.disk().Set(tests::FullDisk::Lacks::kNothing);
+    registry.disk().Set(tests::SimulatedDisk::Lacks::kNothing);
     registry->Succeed(created->id, 2);
     CHECK(registry.store().GetOperation(created->id)->state == OperationState::kSucceeded);
   }

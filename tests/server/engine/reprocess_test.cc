@@ -401,11 +401,11 @@ TEST_CASE("Reprocess: a full disk interrupts the run, which resumes later", "[se
   engine.Start();
   engine.derive_gate().AwaitArrival();
   const std::string operation = (*engine->FindDatabase("db"))->lifecycle().operation();
-  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.disk().Set(SimulatedDisk::Lacks::kRoom);
   engine.derive_gate().Open();
   engine.Wait(operation);
   CHECK(ClipsOfModel(engine) == "clean long short ");
-  engine.disk().Set(FullDisk::Lacks::kNothing);
+  engine.disk().Set(SimulatedDisk::Lacks::kNothing);
   for (int i = 0; i < 6000 && !IsUpToDate(engine); ++i) {
     std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }

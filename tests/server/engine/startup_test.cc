@@ -139,7 +139,7 @@ TEST_CASE("Startup: with a full disk, stored models are served and rebuilt when 
     REQUIRE(engine->CancelOperation(last_operation)->operation.state == OperationState::kCancelled);
   engine.Stop();
 
-  engine.disk().Set(FullDisk::Lacks::kRoom);
+  engine.disk().Set(SimulatedDisk::Lacks::kRoom);
   engine.Start();
   const auto live = *engine->FindDatabase("db");
   const auto model = engine->CurrentModel(*live);
@@ -152,7 +152,7 @@ TEST_CASE("Startup: with a full disk, stored models are served and rebuilt when 
         static_cast<int>(absl::StatusCode::kResourceExhausted));
   CHECK(engine.ModelVersion("db") == 1);
 
-  engine.disk().Set(FullDisk::Lacks::kNothing);
+  engine.disk().Set(SimulatedDisk::Lacks::kNothing);
   engine.Wait(engine.Ingest("db", "c", Walk(2))->operation.id);
   CHECK((*engine->FindDatabase("db"))->lifecycle().snapshot()->model.clips().size() == 3);
 }

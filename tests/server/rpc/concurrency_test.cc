@@ -30,7 +30,7 @@ TEST_CASE("Concurrency: 32 clients query during rebuilds without an error", "[se
       const auto stub = server.NewStub<v1::QueryService>();
       v1::RecognizeRequest request;
       request.set_database("databases/db");
-      *request.mutable_observation() = ObservedWalk();
+      *request.mutable_observation() = WalkObservation();
       while (!stop) {
         const auto answer = Ask(*stub, &Stub::Recognize, request);
         std::unique_lock lock(mutex);
@@ -72,7 +72,7 @@ TEST_CASE("Concurrency: queries are answered while a build is blocked", "[server
   const auto stub = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest request;
   request.set_database("databases/db");
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   const auto during = Ask(*stub, &Stub::Recognize, request);
   REQUIRE(during.status.ok());
   CHECK(during.response.windows(0).clips_size() == 3);
@@ -88,7 +88,7 @@ TEST_CASE("Concurrency: a restarted server answers as before, without rebuilding
   server.CreateTrained("db");
   v1::EstimateRequest request;
   request.set_database("databases/db");
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   const auto ask = [&] {
     const auto stub = server.NewStub<v1::QueryService>();
     const auto answer = Ask(*stub, &Stub::Estimate, request);

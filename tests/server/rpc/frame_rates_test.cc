@@ -23,7 +23,7 @@ template <typename Request, typename Method>
 void CheckQuery(TestServer& server, const std::string& database, Method method) {
   Request request;
   request.set_database(database);
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   const auto stub = server.NewStub<v1::QueryService>();
   CheckAnswered(Ask(*stub, method, request).status);
 }

@@ -39,7 +39,7 @@ TEST_CASE("RequestClass: the heavy and streaming calls exist in the protocol", "
 v1::Observation SlowMotion(TestServer& server) {
   v1::RepresentRequest represent;
   represent.set_database("databases/db");
-  *represent.mutable_observation() = ObservedWalk();
+  *represent.mutable_observation() = WalkObservation();
   const auto observe = server.NewStub<v1::ObserveService>();
   const auto walk = Ask(*observe, &v1::ObserveService::Stub::Represent, represent);
   REQUIRE(walk.status.ok());
@@ -61,7 +61,7 @@ TEST_CASE("Limits: a query about a long motion counts as a heavy call", "[server
   const auto queries = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest short_one;
   short_one.set_database("databases/db");
-  *short_one.mutable_observation() = ObservedWalk();
+  *short_one.mutable_observation() = WalkObservation();
   v1::RecognizeRequest long_one = short_one;
   long_one.mutable_observation()->mutable_file()->mutable_data()->append(2 << 20, '\n');
   const auto recognize = [&](const v1::RecognizeRequest& request) {
@@ -101,7 +101,7 @@ TEST_CASE("Limits: a query about a long motion counts as a heavy call", "[server
 
 // A file with minutes of motion: larger than a light call may be.
 v1::Observation LongWalk() {
-  v1::Observation observation = ObservedWalk();
+  v1::Observation observation = WalkObservation();
   observation.mutable_file()->set_data(WriteBvh({.act = Act::kWalk, .frame_count = 16000}));
   REQUIRE(observation.ByteSizeLong() > 1 << 20);
   return observation;

@@ -49,7 +49,7 @@ class Victim {
   v1::Observation Markers(int frames, double rate_hz = 60) {
     v1::RepresentRequest request;
     request.set_database("databases/db");
-    *request.mutable_observation() = ObservedWalk();
+    *request.mutable_observation() = WalkObservation();
     const auto stub = server_.NewStub<v1::ObserveService>();
     const auto answer = Ask(*stub, &v1::ObserveService::Stub::Represent, request);
     REQUIRE(answer.status.ok());
@@ -217,7 +217,7 @@ TEST_CASE("Hostile request: a prediction series without progress is refused",
   for (const double every : {1e-300, 1e-6, 0.5 / 60}) {
     v1::PredictSeriesRequest request;
     request.mutable_prediction()->set_database("databases/db");
-    *request.mutable_prediction()->mutable_observation() = ObservedWalk();
+    *request.mutable_prediction()->mutable_observation() = WalkObservation();
     request.set_every_seconds(every);
     grpc::ClientContext context;
     const auto reader = victim.query().PredictSeries(&context, request);
@@ -261,7 +261,7 @@ TEST_CASE("Hostile request: a client that does not read its series is disconnect
   v1::PredictSeriesResponse moment;
   REQUIRE(reader->Read(&moment));
   // Then its slot is free.
-  *series.mutable_prediction()->mutable_observation() = ObservedWalk();
+  *series.mutable_prediction()->mutable_observation() = WalkObservation();
   grpc::Status other;
   const auto latest = std::chrono::steady_clock::now() + std::chrono::seconds(180);
   do {

@@ -41,7 +41,7 @@ class AnsweredStream {
       : stub_(server.NewStub<v1::ObserveService>()), stream_(stub_->Observe(&context_)) {
     v1::RepresentRequest represent;
     represent.set_database("databases/db");
-    *represent.mutable_observation() = ObservedWalk();
+    *represent.mutable_observation() = WalkObservation();
     const auto walk = Ask(*stub_, &v1::ObserveService::Stub::Represent, represent);
     REQUIRE(walk.status.ok());
     const v1::MarkerObservation& markers = walk.response.markers();

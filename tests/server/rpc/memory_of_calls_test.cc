@@ -19,7 +19,7 @@ bool HasText(const grpc::Status& status, const std::string& text) {
 
 // Six frames of the markers of the stick figure.
 v1::Observation SixFrames(double frame_rate_hz) {
-  v1::Observation observation = ObservedWalk();
+  v1::Observation observation = WalkObservation();
   std::string& file = *observation.mutable_file()->mutable_data();
   file = WriteBvh({.frame_count = 6});
   const std::size_t at = file.find("Frame Time:");
@@ -93,7 +93,7 @@ TEST_CASE("Memory: a call releases its memory, however it ends", "[server][limit
   // Each call below reserves at least a tenth of the budget.
   TestServer server(With({.message_memory_bytes = 32 << 20}));
   server.CreateTrained("db");
-  v1::Observation walk = ObservedWalk();
+  v1::Observation walk = WalkObservation();
   walk.mutable_file()->set_data(WriteBvh({.frame_count = 1500}));
   v1::Observation broken = walk;
   broken.mutable_file()->mutable_data()->append("no number");
@@ -111,7 +111,7 @@ TEST_CASE("Work: the total work of a prediction series is bounded", "[server][li
   v1::PredictSeriesRequest request;
   request.mutable_prediction()->set_database("databases/db");
   v1::Observation& observation = *request.mutable_prediction()->mutable_observation();
-  observation = ObservedWalk();
+  observation = WalkObservation();
   observation.mutable_file()->set_data(WriteBvh({.frame_count = 2000}));
   for (int h = 0; h < 1000; ++h) {
     request.mutable_prediction()->add_horizon_seconds(0.001 * h);

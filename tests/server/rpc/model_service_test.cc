@@ -105,7 +105,7 @@ TEST_CASE("ModelService, GetDatabase, Recognize: a model that is not calibrated 
         grpc::StatusCode::FAILED_PRECONDITION);
   v1::RecognizeRequest recognize;
   recognize.set_database("databases/db");
-  *recognize.mutable_observation() = ObservedWalk();
+  *recognize.mutable_observation() = WalkObservation();
   const auto queries = server.NewStub<v1::QueryService>();
   const auto ask = [&] {
     const auto answer = Ask(*queries, &v1::QueryService::Stub::Recognize, recognize);

@@ -22,7 +22,7 @@ v1::MarkerObservation WalkingMarkers(TestServer& server) {
   const auto stub = server.NewStub<v1::ObserveService>();
   v1::RepresentRequest request;
   request.set_database("databases/db");
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   const auto answer = Ask(*stub, &Stub::Represent, request);
   INFO(answer.status.error_message());
   REQUIRE(answer.status.ok());

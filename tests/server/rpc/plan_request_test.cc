@@ -143,7 +143,7 @@ TEST_CASE("Plan: the error names the invalid start", "[server][rpc][plan]") {
   expect("clip_start.seconds", [](auto& r) { r.mutable_clip_start()->set_seconds(kNan); });
   expect("observation_start", [](auto& r) { r.mutable_observation_start(); });
   expect("observation_start.file.data", [](auto& r) {
-    *r.mutable_observation_start() = ObservedWalk();
+    *r.mutable_observation_start() = WalkObservation();
     r.mutable_observation_start()->mutable_file()->set_data("nonsense");
   });
 }

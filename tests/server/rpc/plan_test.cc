@@ -106,7 +106,7 @@ TEST_CASE("Plan: the files have the motion of the response", "[server][rpc][plan
 
 TEST_CASE("Plan: starts from an observation", "[server][rpc][plan]") {
   v1::PlanRequest request = WalkAhead();
-  *request.mutable_observation_start() = ObservedWalk();
+  *request.mutable_observation_start() = WalkObservation();
   request.add_labels("walk");
   const auto answer = AskPlan(PlanServer(), request);
   INFO(answer.status.error_message());
@@ -169,7 +169,7 @@ TEST_CASE("Plan: a cancelled call releases its thread immediately", "[server][rp
   const auto stub = server.NewStub<v1::QueryService>();
   v1::EstimateRequest estimate;
   estimate.set_database("databases/db");
-  *estimate.mutable_observation() = ObservedWalk();
+  *estimate.mutable_observation() = WalkObservation();
   const auto ask = [&] {
     const auto begin = Clock::now();
     CHECK(Ask(*stub, &Stub::Estimate, estimate).status.ok());

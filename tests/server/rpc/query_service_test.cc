@@ -22,7 +22,7 @@ template <typename Request>
 Request RequestFor(const std::string& database) {
   Request request;
   request.set_database("databases/" + database);
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   return request;
 }
 
@@ -339,7 +339,7 @@ TEST_CASE("QueryService: the error names the invalid observation", "[server][rpc
     CHECK(ViolatedFields(answer.status) == field);
   };
   const auto file = [&](const std::string& field, const auto& change) {
-    v1::Observation observation = ObservedWalk();
+    v1::Observation observation = WalkObservation();
     change(*observation.mutable_file());
     expect("observation.file." + field, observation);
   };

@@ -73,7 +73,7 @@ TEST_CASE("Monitor: calls and streams of a real server", "[server][status]") {
   const auto queries = server.NewStub<v1::QueryService>();
   v1::RecognizeRequest request;
   request.set_database("databases/db");
-  *request.mutable_observation() = ObservedWalk();
+  *request.mutable_observation() = WalkObservation();
   CHECK(Ask(*queries, &v1::QueryService::Stub::Recognize, request).status.ok());
   request.set_database("databases/none");
   CHECK(!Ask(*queries, &v1::QueryService::Stub::Recognize, request).status.ok());
@@ -122,7 +122,7 @@ TEST_CASE("Health: services that add are NOT_SERVING while the store refuses add
   };
   CHECK(CheckHealth(server).bytes == kServing);
   CHECK(StatusOf(server).not_ready_reason().empty());
-  server.disk().Set(FullDisk::Lacks::kRoom);
+  server.disk().Set(SimulatedDisk::Lacks::kRoom);
   await_health(kNotServing);
   for (const std::string& service : ListOwnServices(server)) {
     CAPTURE(service);
@@ -132,7 +132,7 @@ TEST_CASE("Health: services that add are NOT_SERVING while the store refuses add
   CHECK_THAT(StatusOf(server).not_ready_reason(),
              Contains("nothing is stored") && Contains("disk is full"));
   CHECK(!server.server().monitor().CheckReadiness().ready);
-  server.disk().Set(FullDisk::Lacks::kNothing);
+  server.disk().Set(SimulatedDisk::Lacks::kNothing);
   await_health(kServing);
   CHECK(CheckHealth(server, "motiondb.v1.ClipService").bytes == kServing);
   CHECK(server.server().monitor().CheckReadiness().ready);

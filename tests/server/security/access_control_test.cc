@@ -34,7 +34,7 @@ struct Access {
   explicit Access(AccessOptions options = {.authentication = true}) : control(store, options) {
     spdlog::set_level(spdlog::level::off);
   }
-  server::MadeToken Make(Role role, const std::string& database = "", std::int64_t life_us = 0) {
+  server::CreatedToken Make(Role role, const std::string& database = "", std::int64_t life_us = 0) {
     const std::int64_t now = NowMicroseconds();
     auto made = control.tokens().Make(role, database, "", now, life_us == 0 ? 0 : now + life_us);
     REQUIRE(made.ok());
@@ -152,7 +152,7 @@ bool IsLastAdmin(const absl::Status& revoked) {
 
 TEST_CASE("Access: the last admin token cannot be revoked", "[security]") {
   Access access;
-  const auto revoke = [&](const server::MadeToken& token) {
+  const auto revoke = [&](const server::CreatedToken& token) {
     return access.control.RevokeToken(token.record.id, NowMicroseconds()).status();
   };
   const auto last = access.Make(Role::kAdmin);

@@ -33,11 +33,11 @@ TEST_CASE("AttemptLimit: memory is bounded, and the latest sources are kept", "[
 }
 
 TEST_CASE("AttemptLimit: an IPv6 network is one source", "[security]") {
-  CHECK(server::SourceOf("10.1.2.3") == "10.1.2.3");
-  CHECK(server::SourceOf("2001:db8:1:2:3:4:5:6") == server::SourceOf("2001:db8:1:2::9"));
-  CHECK(server::SourceOf("2001:db8:1:2::9") != server::SourceOf("2001:db8:1:3::9"));
-  CHECK(server::SourceOf("::ffff:10.1.2.3") != server::SourceOf("::ffff:10.1.2.4"));
-  CHECK(server::SourceOf("unix") == "unix");
+  CHECK(server::AttemptSource("10.1.2.3") == "10.1.2.3");
+  CHECK(server::AttemptSource("2001:db8:1:2:3:4:5:6") == server::AttemptSource("2001:db8:1:2::9"));
+  CHECK(server::AttemptSource("2001:db8:1:2::9") != server::AttemptSource("2001:db8:1:3::9"));
+  CHECK(server::AttemptSource("::ffff:10.1.2.3") != server::AttemptSource("::ffff:10.1.2.4"));
+  CHECK(server::AttemptSource("unix") == "unix");
 }
 
 }  // namespace

@@ -10,8 +10,8 @@ using server::CallRule;
 using server::Scope;
 using storage::Role;
 
-CallRule Rule(Role least_role, Scope scope) {
-  return {"S.M", least_role, false, server::RequestClass::kLight, scope, "name"};
+CallRule Rule(Role min_role, Scope scope) {
+  return {"S.M", min_role, false, server::RequestClass::kLight, scope, "name"};
 }
 
 TEST_CASE("Authorize: each role includes the lower roles", "[security]") {

@@ -8,18 +8,18 @@
 namespace motiondb::tests::certificate_end_test {
 namespace {
 
-using server::CertificateEnd;
+using server::CertificateExpiry;
 
 constexpr std::int64_t kDay = 86'400;
 constexpr std::int64_t kNow = 1'800'000'000;  // 2027-01-15 08:00 UTC
 
 auto Lines(const CapturedLog& log) { return std::ranges::count(log.text(), '\n'); }
 
-TEST_CASE("CertificateEnd: warns from 14 days before expiry, once for each certificate",
+TEST_CASE("CertificateExpiry: warns from 14 days before expiry, once for each certificate",
           "[security]") {
   const CapturedLog log(spdlog::level::debug);
   std::vector<std::int64_t> reported;
-  CertificateEnd end([&](std::int64_t time_s) { reported.push_back(time_s); });
+  CertificateExpiry end([&](std::int64_t time_s) { reported.push_back(time_s); });
   const std::int64_t first = kNow + 15 * kDay;
   end.Look("/etc/server.pem", first, kNow);
   end.Look("/etc/server.pem", first, kNow + kDay - 1);
@@ -38,9 +38,9 @@ TEST_CASE("CertificateEnd: warns from 14 days before expiry, once for each certi
   CHECK(reported == std::vector<std::int64_t>{first, first + 1, kNow + 300 * kDay});
 }
 
-TEST_CASE("CertificateEnd: an expired certificate is logged, too", "[security]") {
+TEST_CASE("CertificateExpiry: an expired certificate is logged, too", "[security]") {
   const CapturedLog log(spdlog::level::debug);
-  CertificateEnd end({});
+  CertificateExpiry end({});
   end.Look("a.pem", kNow - kDay, kNow);
   CHECK(Lines(log) == 1);
 }

@@ -139,7 +139,7 @@ TEST_CASE("Every call: succeeds with permission only", "[security][rpc]") {
     CHECK(code(calls.expired) == StatusCode::UNAUTHENTICATED);
     for (const auto& [role, token] : calls.tokens) {
       INFO("role " << role);
-      const bool may = role >= ToProto(rule.least_role);
+      const bool may = role >= ToProto(rule.min_role);
       const grpc::Status status = calls.CallAs(rule, token);
       INFO(status.error_message());
       CHECK(IsRefused(status) == !may);

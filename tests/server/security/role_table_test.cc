@@ -98,7 +98,7 @@ TEST_CASE("Role table: recorded calls are not for readers; calls of admins are r
   for (const server::CallRule& rule : server::CallRules()) {
     INFO(rule.method);
     CHECK(rule.recorded ==
-          (rule.least_role > storage::Role::kReader && !looks.contains(rule.method)));
+          (rule.min_role > storage::Role::kReader && !looks.contains(rule.method)));
   }
 }
 

@@ -14,7 +14,7 @@ namespace motiondb::tests::security_options_test {
 namespace {
 
 using server::Authentication;
-using server::PlanSecurity;
+using server::DeriveSecurityConfig;
 using server::SecurityOptions;
 
 constexpr char kLoopback[] = "127.0.0.1:0";
@@ -31,7 +31,7 @@ struct Files {
 };
 
 std::string Message(const SecurityOptions& options, const char* listen = kLoopback) {
-  const auto plan = PlanSecurity(options, listen);
+  const auto plan = DeriveSecurityConfig(options, listen);
   return std::string(plan.status().message());
 }
 
@@ -49,12 +49,12 @@ TEST_CASE("Security: loopback addresses", "[security]") {
 
 TEST_CASE("Security: on loopback every caller is accepted unless tokens are required",
           "[security]") {
-  const auto plain = PlanSecurity({}, kLoopback);
+  const auto plain = DeriveSecurityConfig({}, kLoopback);
   REQUIRE(plain.ok());
   CHECK(!plain->access.authentication);
   CHECK(plain->reflection);
   CHECK(plain->warnings.empty());
-  const auto tokens = PlanSecurity({.authentication = Authentication::kToken}, kLoopback);
+  const auto tokens = DeriveSecurityConfig({.authentication = Authentication::kToken}, kLoopback);
   REQUIRE(tokens.ok());
   CHECK(tokens->access.authentication);
   CHECK(!tokens->reflection);
@@ -65,25 +65,25 @@ TEST_CASE("Security: warns of roles without authentication", "[security]") {
   SecurityOptions options = files.Encrypted();
   options.tls.client_ca = files.authority.certificate();
   options.certificate_role = storage::Role::kReader;
-  const auto none = PlanSecurity(options, kLoopback);
+  const auto none = DeriveSecurityConfig(options, kLoopback);
   REQUIRE(none.ok());
   REQUIRE(none->warnings.size() == 1);
   CHECK_THAT(none->warnings[0],
              Catch::Contains("certificate-role") && Catch::Contains("--authentication token"));
   options.authentication = Authentication::kToken;
-  const auto asked = PlanSecurity(options, kLoopback);
+  const auto asked = DeriveSecurityConfig(options, kLoopback);
   REQUIRE(asked.ok());
   CHECK(asked->warnings.empty());
 }
 
 TEST_CASE("Security: other addresses need TLS and tokens", "[security]") {
   const Files files;
-  const absl::Status bare = PlanSecurity({}, kEverywhere).status();
+  const absl::Status bare = DeriveSecurityConfig({}, kEverywhere).status();
   CHECK(absl::IsFailedPrecondition(bare));
   CHECK_THAT(std::string(bare.message()),
              Catch::Contains("without TLS;") && Catch::Contains("--insecure"));
   SecurityOptions options = files.Encrypted();
-  const auto good = PlanSecurity(options, kEverywhere);
+  const auto good = DeriveSecurityConfig(options, kEverywhere);
   REQUIRE(good.ok());
   CHECK(good->access.authentication);
   CHECK(good->warnings.empty());
@@ -95,21 +95,21 @@ TEST_CASE("Security: other addresses need TLS and tokens", "[security]") {
 
 TEST_CASE("Security: --insecure serves with a warning", "[security]") {
   const Files files;
-  const auto bare = PlanSecurity({.insecure = true}, kEverywhere);
+  const auto bare = DeriveSecurityConfig({.insecure = true}, kEverywhere);
   REQUIRE(bare.ok());
   CHECK(!bare->access.authentication);
   REQUIRE(bare->warnings.size() == 1);
   CHECK_THAT(bare->warnings[0], Catch::StartsWith("INSECURE: 0.0.0.0:0") &&
                                     Catch::Contains("without TLS and authentication"));
-  const auto tokens =
-      PlanSecurity({.authentication = Authentication::kToken, .insecure = true}, kEverywhere);
+  const auto tokens = DeriveSecurityConfig(
+      {.authentication = Authentication::kToken, .insecure = true}, kEverywhere);
   REQUIRE(tokens.ok());
   CHECK(tokens->access.authentication);
   REQUIRE(tokens->warnings.size() == 1);
   CHECK_THAT(tokens->warnings[0], Catch::Contains("without TLS."));
   SecurityOptions options = files.Encrypted();
   options.insecure = true;
-  const auto encrypted = PlanSecurity(options, kEverywhere);
+  const auto encrypted = DeriveSecurityConfig(options, kEverywhere);
   REQUIRE(encrypted.ok());
   CHECK(encrypted->access.authentication);
   CHECK(encrypted->warnings.empty());
@@ -155,7 +155,7 @@ TEST_CASE("Security: warns of a key that others can read", "[security]") {
   for (const auto& [mode, fault] : {std::pair(0644, "can read it"), std::pair(0622, "can write it"),
                                     std::pair(0660, "its group can write it")}) {
     chmod(files.pair.key.c_str(), mode);
-    const auto plan = PlanSecurity(files.Encrypted(), kEverywhere);
+    const auto plan = DeriveSecurityConfig(files.Encrypted(), kEverywhere);
     REQUIRE(plan.ok());
     REQUIRE(plan->warnings.size() == 1);
     CHECK_THAT(plan->warnings[0],
@@ -163,7 +163,7 @@ TEST_CASE("Security: warns of a key that others can read", "[security]") {
   }
   for (const mode_t mode : {0400, 0440, 0600, 0640}) {
     chmod(files.pair.key.c_str(), mode);
-    CHECK(PlanSecurity(files.Encrypted(), kEverywhere)->warnings.empty());
+    CHECK(DeriveSecurityConfig(files.Encrypted(), kEverywhere)->warnings.empty());
   }
 }
 
@@ -185,7 +185,7 @@ TEST_CASE("Security: an admin token file that others can read is refused", "[sec
   }
   for (const mode_t mode : {0400, 0440, 0600, 0640}) {
     chmod(path.c_str(), mode);
-    const auto plan = PlanSecurity({.admin_token_file = path}, kLoopback);
+    const auto plan = DeriveSecurityConfig({.admin_token_file = path}, kLoopback);
     REQUIRE(plan.ok());
     CHECK(plan->access.admin_token == "a long enough secret of an admin");
   }

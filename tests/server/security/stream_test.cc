@@ -48,7 +48,7 @@ TEST_CASE("Streams: an observation ends when its token is revoked", "[security][
   const auto stub = guarded.server.NewStub<v1::ObserveService>();
   v1::RepresentRequest represent;
   represent.set_database("databases/db");
-  *represent.mutable_observation() = ObservedWalk();
+  *represent.mutable_observation() = WalkObservation();
   const auto walk =
       Ask(*stub, &v1::ObserveService::Stub::Represent, represent, guarded.user.secret());
   REQUIRE(walk.status.ok());

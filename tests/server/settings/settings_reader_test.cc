@@ -159,7 +159,7 @@ TEST_CASE("Settings: HTTP and gRPC need different addresses", "[settings]") {
     const auto read = Read(reader, {"--store", directory / "a.db", "--listen", listen,
                                     "--http-listen", http, "--insecure"});
     REQUIRE(read.empty());
-    const auto problems = reader.CheckToServe();
+    const auto problems = reader.CheckForStart();
     if (problems.empty()) return false;
     REQUIRE(problems.size() == 1);
     CHECK_THAT(std::string(problems[0].message()),
@@ -318,7 +318,7 @@ TEST_CASE("Settings: ingests delay a build by at most 10 s or the configured del
     SettingsReader reader;
     REQUIRE(Read(reader, {"--store", "/s.db", "--rebuild-delay", delay}).empty());
     CHECK(reader.settings().server.engine.rebuild_delay_limit == std::chrono::seconds(limit));
-    CHECK(reader.CheckToServe().empty());
+    CHECK(reader.CheckForStart().empty());
   }
 }
 
@@ -419,7 +419,7 @@ TEST_CASE("Settings: a start and a check refuse the same, except the store", "[s
     SettingsReader reader;
     REQUIRE(Read(reader, std::move(arguments)).empty());
     std::vector<std::string> messages;
-    for (const absl::Status& problem : reader.CheckToServe()) {
+    for (const absl::Status& problem : reader.CheckForStart()) {
       messages.emplace_back(problem.message());
     }
     return messages;

@@ -6,33 +6,33 @@
 namespace motiondb::tests::access_message_test {
 namespace {
 
-TEST_CASE("WantedToken: is read from a request", "[server]") {
+TEST_CASE("NewTokenSpec: is read from a request", "[server]") {
   v1::CreateTokenRequest request;
   request.mutable_token()->set_role(v1::ROLE_ADMIN);
   request.mutable_token()->set_database("databases/walks");
   request.mutable_token()->set_description("for tests");
   request.mutable_ttl()->set_seconds(2);
   request.mutable_ttl()->set_nanos(500'000'000);
-  const auto wanted = server::WantedFrom(request);
+  const auto wanted = server::ParseCreateToken(request);
   REQUIRE(wanted.ok());
   CHECK(wanted->role == storage::Role::kAdmin);
   CHECK(wanted->database == "walks");
   CHECK(wanted->description == "for tests");
   CHECK(wanted->ttl_us == 2'500'000);
   request.clear_ttl();
-  CHECK(server::WantedFrom(request)->ttl_us == 0);
+  CHECK(server::ParseCreateToken(request)->ttl_us == 0);
   request.mutable_ttl()->set_nanos(1'000'000'000);
-  CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
   request.clear_ttl();
   for (const std::string& text :
        {std::string("\x1b[31mred"), std::string("two\nlines"), std::string(201, 'x')}) {
     request.mutable_token()->set_description(text);
-    CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+    CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
   }
   request.mutable_token()->clear_description();
-  REQUIRE(server::WantedFrom(request).ok());
+  REQUIRE(server::ParseCreateToken(request).ok());
   request.mutable_token()->set_role(static_cast<v1::Role>(9));
-  CHECK(absl::IsInvalidArgument(server::WantedFrom(request).status()));
+  CHECK(absl::IsInvalidArgument(server::ParseCreateToken(request).status()));
 }
 
 TEST_CASE("AuditEntry: texts of a refused caller have no control characters", "[server]") {

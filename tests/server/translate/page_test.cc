@@ -47,8 +47,8 @@ TEST_CASE("Page: a position in a model is bound to its version and time", "[serv
   CHECK(absl::IsAborted(
       CheckStillCurrent(*position, {.version = 4, .create_time_us = 1234567890123456})));
   CHECK(CheckStillCurrent({}, {.version = 4}).ok());
-  CHECK(PinnedTo(*position, {"db", 3}).version == 0);
-  CHECK(PinnedTo({}, {"db", 3}).version == 3);
+  CHECK(ModelOfPage(*position, {"db", 3}).version == 0);
+  CHECK(ModelOfPage({}, {"db", 3}).version == 3);
   for (const char* forged : {"x", "3", "3:", "3:5", "3:5:", "3:5:-1", "3:5:4:5", ":5:4", "3::4"}) {
     CHECK(!DecodeModelPosition("nodes", EncodePageToken("nodes", forged)).ok());
   }

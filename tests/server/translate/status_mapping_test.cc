@@ -74,7 +74,7 @@ TEST_CASE("StatusMapping: messages fit gRPC's trailers and are UTF-8", "[server]
 
 TEST_CASE("StatusMapping: messages and details have no secrets and no display controls",
           "[server][translate]") {
-  for (const auto& [text, shown] : tests::ShownTexts()) {
+  for (const auto& [text, shown] : tests::DisplayedTextCases()) {
     CAPTURE(text);
     const grpc::Status mapped = ToGrpcStatus(FieldViolation("field", "got '{}'", text));
     CHECK(mapped.error_message() == "field: got '" + shown + "'");

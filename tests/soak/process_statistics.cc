@@ -1,4 +1,4 @@
-#include "tests/soak/process_figures.h"
+#include "tests/soak/process_statistics.h"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,7 @@ double Megabytes(const std::string& file) {
 
 }  // namespace
 
-ProcessStatistics ReadFigures(pid_t process, const std::string& store) {
+ProcessStatistics ReadProcessStatistics(pid_t process, const std::string& store) {
   const std::string folder = fmt::format("/proc/{}", process);
   std::ifstream status(folder + "/status");
   if (!status) throw std::runtime_error(fmt::format("process {} has ended", process));

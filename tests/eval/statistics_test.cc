@@ -3,15 +3,15 @@
 #include <cmath>
 #include <random>
 
-#include "tests/eval/figures/accuracy.h"
-#include "tests/eval/figures/auroc.h"
-#include "tests/eval/figures/calibration.h"
+#include "tests/eval/statistics/accuracy.h"
+#include "tests/eval/statistics/auroc.h"
+#include "tests/eval/statistics/calibration.h"
 #include "tests/eval/table.h"
 
-namespace motiondb::tests::figures_test {
+namespace motiondb::tests::statistics_test {
 
 TEST_CASE("Accuracy: macro accuracy weights labels equally", "[eval]") {
-  const std::vector<Named> names = {
+  const std::vector<LabelPair> names = {
       {"walk", "walk"}, {"walk", "walk"}, {"walk", "jog"}, {"walk", "walk"}, {"kick", "walk"}};
   CHECK(Accuracy(names) == Approx(0.6));
   CHECK(AccuracyOf(names, "walk") == Approx(0.75));
@@ -85,4 +85,4 @@ TEST_CASE("Table: the same numbers in Markdown and JSON; NaN is a dash and null"
   CHECK(json["notes"][0] == "Few.");
 }
 
-}  // namespace motiondb::tests::figures_test
+}  // namespace motiondb::tests::statistics_test

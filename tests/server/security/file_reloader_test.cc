@@ -9,7 +9,7 @@
 #include "server/security/tls.h"
 #include "tests/support/captured_log.h"
 
-namespace motiondb::tests::file_watch_test {
+namespace motiondb::tests::file_reloader_test {
 namespace {
 
 using std::chrono::milliseconds;
@@ -19,7 +19,7 @@ std::vector<std::string> LogOf(const std::vector<absl::StatusOr<bool>>& results)
   const CapturedLog log(spdlog::level::info);
   std::atomic<std::size_t> done = 0;
   {
-    const server::FileWatch watch(
+    const server::FileReloader watch(
         "certificates", "server.pem",
         [&] { return done < results.size() ? results[done++] : absl::StatusOr<bool>(false); },
         milliseconds(1));
@@ -34,7 +34,7 @@ std::vector<std::string> LogOf(const std::vector<absl::StatusOr<bool>>& results)
   return lines;
 }
 
-TEST_CASE("FileWatch: logs changes, and each error once", "[security]") {
+TEST_CASE("FileReloader: logs changes, and each error once", "[security]") {
   const absl::Status missing = absl::InvalidArgumentError("server.pem: No such file");
   const absl::Status other = absl::InvalidArgumentError("server.key: is another's");
   const std::string reloaded = "info: reloaded certificates: file=server.pem";
@@ -47,10 +47,10 @@ TEST_CASE("FileWatch: logs changes, and each error once", "[security]") {
   CHECK(LogOf({missing, false, missing}).size() == 2);
 }
 
-TEST_CASE("FileWatch: stops immediately, with any interval", "[security]") {
+TEST_CASE("FileReloader: stops immediately, with any interval", "[security]") {
   bool was_read = false;
   {
-    const server::FileWatch watch(
+    const server::FileReloader watch(
         "certificates", "server.pem",
         [&] {
           was_read = true;
@@ -62,4 +62,4 @@ TEST_CASE("FileWatch: stops immediately, with any interval", "[security]") {
 }
 
 }  // namespace
-}  // namespace motiondb::tests::file_watch_test
+}  // namespace motiondb::tests::file_reloader_test

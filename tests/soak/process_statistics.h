@@ -17,7 +17,7 @@ struct ProcessStatistics {
 };
 
 // Throws std::runtime_error if the process has ended.
-ProcessStatistics ReadFigures(pid_t process, const std::string& store);
+ProcessStatistics ReadProcessStatistics(pid_t process, const std::string& store);
 
 // Returns the larger value of each field.
 ProcessStatistics Largest(const ProcessStatistics& a, const ProcessStatistics& b);

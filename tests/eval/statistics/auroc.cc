@@ -1,4 +1,4 @@
-#include "tests/eval/figures/auroc.h"
+#include "tests/eval/statistics/auroc.h"
 
 #include <algorithm>
 #include <limits>

@@ -6,18 +6,18 @@
 
 namespace motiondb::tests {
 
-struct Named {
+struct LabelPair {
   std::string truth;
   std::string named;
 };
 
 // Returns the fraction of correct labels. NaN if there are none.
-double Accuracy(const std::vector<Named>& names);
+double Accuracy(const std::vector<LabelPair>& names);
 
 // Returns the accuracy over the names whose truth is `label`.
-double AccuracyOf(const std::vector<Named>& names, const std::string& label);
+double AccuracyOf(const std::vector<LabelPair>& names, const std::string& label);
 
 // Returns the mean of the accuracies of all labels that occur as truth.
-double MacroAccuracy(const std::vector<Named>& names);
+double MacroAccuracy(const std::vector<LabelPair>& names);
 
 }  // namespace motiondb::tests

@@ -1,4 +1,4 @@
-#include "tests/eval/figures/calibration.h"
+#include "tests/eval/statistics/calibration.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tests/eval/figures/accuracy.h"
+#include "tests/eval/statistics/accuracy.h"
 
 #include <algorithm>
 #include <limits>
@@ -6,23 +6,23 @@
 
 namespace motiondb::tests {
 
-double Accuracy(const std::vector<Named>& names) {
+double Accuracy(const std::vector<LabelPair>& names) {
   if (names.empty()) return std::numeric_limits<double>::quiet_NaN();
-  const auto right =
-      std::count_if(names.begin(), names.end(), [](const Named& n) { return n.truth == n.named; });
+  const auto right = std::count_if(names.begin(), names.end(),
+                                   [](const LabelPair& n) { return n.truth == n.named; });
   return static_cast<double>(right) / static_cast<double>(names.size());
 }
 
-double AccuracyOf(const std::vector<Named>& names, const std::string& label) {
-  std::vector<Named> of_label;
+double AccuracyOf(const std::vector<LabelPair>& names, const std::string& label) {
+  std::vector<LabelPair> of_label;
   std::copy_if(names.begin(), names.end(), std::back_inserter(of_label),
-               [&](const Named& n) { return n.truth == label; });
+               [&](const LabelPair& n) { return n.truth == label; });
   return Accuracy(of_label);
 }
 
-double MacroAccuracy(const std::vector<Named>& names) {
+double MacroAccuracy(const std::vector<LabelPair>& names) {
   std::set<std::string> labels;
-  for (const Named& n : names) labels.insert(n.truth);
+  for (const LabelPair& n : names) labels.insert(n.truth);
   if (labels.empty()) return std::numeric_limits<double>::quiet_NaN();
   double sum = 0;
   for (const std::string& label : labels) sum += AccuracyOf(names, label);

@@ -62,8 +62,8 @@ std::unique_ptr<IdleTimer> WatchUnreadResponses(ServiceContext& host) {
   const auto longest = host.limits.options().idle_limit;
   const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
   return std::make_unique<IdleTimer>(host.engine.workers(), period, period,
-                                     [&gate = host.gate, longest] {
-                                       gate.CancelEndedBefore(CallRegistry::Clock::now() - longest);
+                                     [&registry = host.registry, longest] {
+                                       registry.CancelEndedBefore(CallRegistry::Clock::now() - longest);
                                      });
 }
 
@@ -176,10 +176,10 @@ void Server::Drain(milliseconds grace) {
   const auto latest = std::chrono::steady_clock::now() + grace;
   health_.reset();
   grpc_->GetHealthCheckService()->Shutdown();
-  host_->gate.Close();
+  host_->registry.Close();
   // Ends calls that wait for an operation, and stops builds.
   engine_->Drain();
-  host_->gate.AwaitEmpty(latest);
+  host_->registry.AwaitEmpty(latest);
   // All calls have ended or `grace` is over. Clients get a moment to close their connections.
   const milliseconds close_time = std::min(grace, kCloseTime);
   if (listener_ != nullptr) listener_->Close(close_time);

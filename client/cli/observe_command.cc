@@ -115,7 +115,7 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
   if (options.realtime) replay.frames_per_second = options.rate_multiplier * motion.frame_rate_hz();
   LiveLine line(motion.frame_rate_hz());
   v1::ObserveResponse last;
-  const auto figures = Replay(*client, Start(options, request, motion), motion, replay,
+  const auto statistics = Replay(*client, Start(options, request, motion), motion, replay,
                               [&](const v1::ObserveResponse& answer) {
                                 if (global.json) {
                                   PrintJson(answer);
@@ -125,8 +125,8 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
                                 last = answer;
                               });
   if (!global.json) line.End();
-  if (!figures.ok()) return figures.status();
-  if (!global.json) PrintText(ReplayText(*figures, last, options.realtime));
+  if (!statistics.ok()) return statistics.status();
+  if (!global.json) PrintText(ReplayText(*statistics, last, options.realtime));
   return absl::OkStatus();
 }
 

@@ -72,19 +72,19 @@ absl::StatusOr<ReplayStatistics> Replay(
 
   ObserveStream stream = client.Observe(start);
   SendTimes times;
-  ReplayStatistics figures{.frames = motion.frame_count()};
+  ReplayStatistics statistics{.frames = motion.frame_count()};
   const auto begin = Clock::now();
   std::thread sender(SendAll, std::cref(positions), motion.frame_count(), std::cref(options),
                      std::ref(stream), std::ref(times));
   v1::ObserveResponse answer;
   while (stream.Receive(answer)) {
-    figures.latencies_ms.push_back(MillisecondsSince(times.Of(figures.latencies_ms.size())));
+    statistics.latencies_ms.push_back(MillisecondsSince(times.Of(statistics.latencies_ms.size())));
     on_answer(answer);
   }
-  figures.seconds = MillisecondsSince(begin) / 1000;
+  statistics.seconds = MillisecondsSince(begin) / 1000;
   sender.join();
   if (const absl::Status status = stream.Finish(); !status.ok()) return status;
-  return figures;
+  return statistics;
 }
 
 namespace {
@@ -136,13 +136,13 @@ std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds)
   return line;
 }
 
-std::string ReplayText(const ReplayStatistics& figures, const v1::ObserveResponse& last,
+std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResponse& last,
                        bool paced) {
-  std::vector<double> sorted = figures.latencies_ms;
+  std::vector<double> sorted = statistics.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
   std::string text = fmt::format(
-      "{} in {:.2f} s, {:.0f} per second; model {}\n", CountText(figures.frames, "frame"),
-      figures.seconds, figures.frames / std::max(figures.seconds, 1e-9), last.model_version());
+      "{} in {:.2f} s, {:.0f} per second; model {}\n", CountText(statistics.frames, "frame"),
+      statistics.seconds, statistics.frames / std::max(statistics.seconds, 1e-9), last.model_version());
   if (paced && !sorted.empty()) {
     text += fmt::format("{} after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
                         CountText(sorted.size(), "answer"), Quantile(sorted, 0.5),

@@ -34,7 +34,7 @@ absl::StatusOr<ReplayStatistics> Replay(
 std::string ObserveAnswerLine(const v1::ObserveResponse& answer, double seconds);
 
 // Returns a summary. `paced`: messages were sent at a fixed rate, so that latencies are meaningful.
-std::string ReplayText(const ReplayStatistics& figures, const v1::ObserveResponse& last,
+std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResponse& last,
                        bool paced);
 
 }  // namespace motiondb::client

@@ -158,9 +158,9 @@ struct VerifyOptions {};
 void Declare(CLI::App&, VerifyOptions&) {}
 
 // Prints a corrupt item as one line.
-void Print(const v1::Corruption& damage) {
-  PrintLine("corrupt: {}{}{}", damage.resource(), damage.resource().empty() ? "" : ": ",
-            damage.description());
+void Print(const v1::Corruption& corruption) {
+  PrintLine("corrupt: {}{}{}", corruption.resource(), corruption.resource().empty() ? "" : ": ",
+            corruption.description());
 }
 
 absl::Status Run(const VerifyOptions&, const GlobalOptions& global) {

@@ -1,5 +1,5 @@
-// What state vectors are divided by before the tree is built: metres and metres per second are not
-// comparable as they stand. Belongs to the model. Plain value.
+// Scale of state vectors: positions and velocities have different units, so they are divided by
+// their deviations before the tree is built. Part of the model.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,16 +24,16 @@ struct FeatureScale {
   void Revert(FrameMatrix& states) const;
 };
 
-// The variance of each dimension (1 x dimensions) about its own mean, but for numbers that are
-// further from the middle 98 % of their dimension than twice its width (or, where that is narrow,
-// than twice the mean width of its kind): a few corrupt frames do not change it. REQUIRES: finite
-// states. The same bytes for any number of threads.
+// Returns the variance of each dimension (1 x dimensions) without outliers: numbers whose distance
+// from the middle 98 % of their dimension is more than twice its width (or twice the mean width of
+// the kind, if that is larger). A few corrupt frames do not change it. REQUIRES: finite states. The
+// result does not depend on the number of threads.
 Eigen::RowVectorXd RobustVariances(const Eigen::Ref<const FrameMatrix>& states,
                                    const ParallelFor& parallel = RunSerially);
 
-// The scale for these states (frames x dimensions, six numbers a marker: position, velocity). The
-// pooled standard deviation is the root of the mean of the dimensions' variances, each about its
-// own mean (RobustVariances). A dimension or kind that never varies is divided by 1.
+// Returns the scale for states (frames x dimensions; position and velocity of each marker). The
+// pooled standard deviation is the square root of the mean of the dimensions' variances
+// (RobustVariances). The divisor of a dimension or kind without variance is 1.
 FeatureScale MakeFeatureScale(Scaling scaling, const Eigen::Ref<const FrameMatrix>& states,
                               const ParallelFor& parallel = RunSerially);
 

@@ -201,9 +201,9 @@ double NodeGaussians::LogDensity(int branch, const float* x) const {
   return log_density;
 }
 
-bool NodeGaussians::IsBoxBelow(int branch, const float* least, const float* most,
+bool NodeGaussians::IsBoxBelow(int branch, const float* low, const float* high,
                                float log_density) const {
-  return IsBoxBeyond(least, most, means_.row(branch).data(), inverse_deviations_.row(branch).data(),
+  return IsBoxBeyond(low, high, means_.row(branch).data(), inverse_deviations_.row(branch).data(),
                      dimension_count(),
                      2 * (static_cast<float>(log_normalizers_[branch]) - log_density));
 }

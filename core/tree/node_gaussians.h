@@ -1,6 +1,6 @@
-// The distribution of states in each node: a Gaussian with diagonal covariance, shrunk towards the
-// whole database's, for a node may have 16 frames and the state 204 dimensions. Immutable; safe to
-// share. The one place that knows what P_o(x | k) is.
+// The distribution P_o(x | k) of states in each node: a Gaussian with diagonal covariance, shrunk
+// towards that of the whole database, because a node may have 16 frames and a state 204 dimensions.
+// Immutable.
 #pragma once
 
 #include <Eigen/Core>
@@ -17,23 +17,23 @@ class NodeGaussians {
  public:
   NodeGaussians() = default;
 
-  // From stored means and variances, branches x dimensions. DATA_LOSS if a variance is not
-  // positive.
+  // Creates it from stored means and variances (branches x dimensions). DATA_LOSS if a variance is
+  // not positive.
   static absl::StatusOr<NodeGaussians> Create(FrameMatrix means, FrameMatrix variances);
 
-  // From the tree and the scaled states it was built on. Variance of dimension d in node k with n_k
-  // frames: (1 - l) var_k + l * 0.3 * var_all, l = 16 / (n_k + 16), at least 1e-3 of the mean of
-  // var_all. Leaves are read once, and the other nodes put together from their children:
-  // O(frames * dimensions + branches * dimensions), with 16 bytes a branch and dimension beside.
+  // Computes the statistics of a tree from its scaled states. Variance of a dimension in node k
+  // with n_k frames: (1 - l) var_k + l * 0.3 * var_all, l = 16 / (n_k + 16), at least 1e-3 of the
+  // mean of var_all. Reads the frames of leaves once and combines the statistics of children for
+  // other nodes: O(frames * dimensions + branches * dimensions); temporary memory: 16 bytes for
+  // each branch and dimension.
   static NodeGaussians Fit(const Tree& tree, const Eigen::Ref<const FrameMatrix>& states,
                            const ParallelFor& parallel);
 
-  // Those of the tree with more frames (core/tree/tree_builder.h): `tree` and `states` (scaled)
-  // hold the frames that these are of, then, from `first_added` on, others. Leaves with added
-  // frames are read anew; of the other branches the moments that these statistics tell are put
-  // together with those of the added frames, so they follow Fit to single precision, and where a
-  // variance stood at its least, to that least. O(added * depth * dimensions + branches *
-  // dimensions).
+  // Returns the statistics of an extended tree (core/tree/tree_builder.h): `tree` and `states`
+  // (scaled) have the frames of these statistics, followed by added frames from `first_added` on.
+  // Reads all frames of leaves with added frames. For other branches, combines the moments of these
+  // statistics with those of the added frames: equal to Fit within single precision, except for
+  // variances at their minimum. O(added * depth * dimensions + branches * dimensions).
   NodeGaussians Grown(const Tree& tree, int first_added,
                       const Eigen::Ref<const FrameMatrix>& states,
                       const ParallelFor& parallel) const;
@@ -43,17 +43,17 @@ class NodeGaussians {
   const FrameMatrix& means() const { return means_; }
   const FrameMatrix& variances() const { return variances_; }
 
-  // log P_o(x | branch), natural, of a scaled state x (dimensions). Missing dimensions (NaN) are
-  // left out: the density is that of the others. O(dimensions).
+  // Returns the natural logarithm of P_o(x | branch) for a scaled state x (dimensions). Ignores
+  // missing dimensions (NaN). O(dimensions).
   double LogDensity(int branch, const float* x) const;
 
-  // Whether log P_o(x | branch) is below `log_density` for every x with least <= x <= most
-  // (dimensions each, no NaN). May be false though it is.
-  bool IsBoxBelow(int branch, const float* least, const float* most, float log_density) const;
+  // Returns whether log P_o(x | branch) is below `log_density` for every x with low <= x <= high
+  // (dimensions each, no NaN). Can be false although it is.
+  bool IsBoxBelow(int branch, const float* low, const float* high, float log_density) const;
 
-  // The same as LogDensity, in single precision, of blocks of frames (ScaledSquaresWithin) without
-  // NaN, where it is at least `at_least` (blocks x kSquaresLanes, one a frame); elsewhere it may be
-  // minus infinity. Returns false if all are. `scratch` is used again.
+  // LogDensity in single precision for blocks of frames (ScaledSquaresWithin) without NaN.
+  // Densities below `at_least` (blocks x kSquaresLanes, one for each frame) may be minus infinity.
+  // Returns false if all are. `scratch` is reused.
   bool LogDensitiesFrom(int branch, const float* frames, int blocks, const float* at_least,
                         std::vector<float>& scratch, float* log_densities) const;
 

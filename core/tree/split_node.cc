@@ -77,10 +77,10 @@ bool IsLarge(std::int32_t frames, const SplitRule& rule) {
 
 int SplitNode(const SplitRule& rule, PermutedStates& permuted, NodeRange& places,
               std::vector<float>& scratch, const ParallelFor& parallel, SplitPlane& plane) {
-  const auto divide = [&](const NodeRange& of) {
+  const auto partition = [&](const NodeRange& of) {
     return permuted.Split(of.begin, of.end, rule.min_frames, scratch, parallel, plane);
   };
-  int left = divide(places);
+  int left = partition(places);
   const std::int32_t frames = places.end - places.begin;
   if (left > 0 || !IsLarge(frames, rule)) return left;
 
@@ -88,7 +88,7 @@ int SplitNode(const SplitRule& rule, PermutedStates& permuted, NodeRange& places
   for (int round = 0; left == 0 && round < kMaxRounds; ++round) {
     if (!permuted.ExcludeOutliers(others.begin, others.end, parallel)) return 0;
     if (frames - (others.end - others.begin) > frames / kMany) return 0;
-    left = divide(others);
+    left = partition(others);
   }
   if (left > 0) places = others;
   return left;
@@ -98,20 +98,20 @@ bool IsSingleNode(const Tree& tree, int min_frames) {
   return tree.layer_count() == 1 && tree.frame_count() / kMany >= min_frames;
 }
 
-void OutlierFrames::Add(std::int32_t branch, const NodeRange& places, const NodeRange& divided) {
-  if (divided.begin == places.begin && divided.end == places.end) return;
+void OutlierFrames::Add(std::int32_t branch, const NodeRange& places, const NodeRange& kept) {
+  if (kept.begin == places.begin && kept.end == places.end) return;
   std::vector<std::int32_t>& aside = of_branch_[branch];
-  for (std::int32_t place = places.begin; place < divided.begin; ++place) aside.push_back(place);
-  for (std::int32_t place = divided.end; place < places.end; ++place) aside.push_back(place);
+  for (std::int32_t place = places.begin; place < kept.begin; ++place) aside.push_back(place);
+  for (std::int32_t place = kept.end; place < places.end; ++place) aside.push_back(place);
 }
 
-void OutlierFrames::MoveToChildren(std::int32_t branch, const Branch& divided,
+void OutlierFrames::MoveToChildren(std::int32_t branch, const Branch& split,
                                    const SplitPlane& plane, const PermutedStates& permuted) {
   const auto aside = of_branch_.extract(branch);
   if (aside.empty()) return;
   for (const std::int32_t place : aside.mapped()) {
     const bool left = IsLeft(plane.axis, plane.threshold, permuted.row(place));
-    of_branch_[left ? divided.left : divided.right].push_back(place);
+    of_branch_[left ? split.left : split.right].push_back(place);
   }
 }
 

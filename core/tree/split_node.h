@@ -56,10 +56,10 @@ int MinimumErrorThreshold(std::span<const double> sorted);
 // Outlier frames excluded from splits (see SplitNode), on their way down the tree during a build.
 class OutlierFrames {
  public:
-  // Adds the frames of a branch in `places` outside `divided`.
-  void Add(std::int32_t branch, const NodeRange& places, const NodeRange& divided);
+  // Adds the frames of a branch in `places` outside `kept`.
+  void Add(std::int32_t branch, const NodeRange& places, const NodeRange& kept);
   // Moves the outliers of a split branch to its children, by its plane.
-  void MoveToChildren(std::int32_t branch, const Branch& divided, const SplitPlane& plane,
+  void MoveToChildren(std::int32_t branch, const Branch& split, const SplitPlane& plane,
                       const PermutedStates& permuted);
   // Appends each leaf's outliers to its frames, and updates the branches' ranges to the order of
   // all frames.

@@ -15,9 +15,9 @@ absl::StatusOr<Tree> Tree::Create(std::vector<std::int32_t> frame_order,
   tree.planes_ = std::move(planes);
   MOTIONDB_RETURN_IF_ERROR(tree.Check());
   MOTIONDB_RETURN_IF_ERROR(tree.CheckPlanes());
-  std::int32_t divided = 0;
+  std::int32_t split_count = 0;
   for (const Branch& branch : tree.branches_) {
-    tree.plane_of_branch_.push_back(branch.left < 0 ? -1 : divided++);
+    tree.plane_of_branch_.push_back(branch.left < 0 ? -1 : split_count++);
   }
   tree.MakeLayers();
   return tree;
@@ -60,15 +60,16 @@ absl::Status Tree::Check() const {
 
 absl::Status Tree::CheckPlanes() const {
   if (planes_.empty() && planes_.axes.size() == 0) return absl::OkStatus();
-  const auto divided =
+  const auto split_count =
       std::ranges::count_if(branches_, [](const Branch& b) { return b.left >= 0; });
   const bool finite = planes_.axes.allFinite() &&
                       std::ranges::all_of(planes_.thresholds, [](double t) { return t - t == 0; });
-  if (std::ssize(planes_.thresholds) == divided && planes_.axes.rows() == divided && finite) {
+  if (std::ssize(planes_.thresholds) == split_count && planes_.axes.rows() == split_count &&
+      finite) {
     return absl::OkStatus();
   }
   return DataLoss("tree: {} thresholds on {} axes for {} split branches", planes_.thresholds.size(),
-                  planes_.axes.rows(), divided);
+                  planes_.axes.rows(), split_count);
 }
 
 int Tree::LeafOf(const float* state) const {

@@ -22,8 +22,8 @@ constexpr int kCachedFrames = 512;
 
 // How a node is split, and its children if they are known.
 struct NodeSplit {
-  NodeRange divided;  // without outlier frames
-  int left = 0;       // frames; 0: it is a leaf
+  NodeRange kept;  // without outlier frames
+  int left = 0;    // frames; 0: it is a leaf
   SplitPlane plane;
   std::unique_ptr<NodeSplit> children[2];
 };
@@ -32,12 +32,12 @@ std::unique_ptr<NodeSplit> Split(const SplitRule& rule, PermutedStates& permuted
                                  const NodeRange& places, std::vector<float>& scratch,
                                  const ParallelFor& parallel) {
   auto division = std::make_unique<NodeSplit>();
-  division->divided = places;
+  division->kept = places;
   const std::int32_t frames = places.end - places.begin;
   if (frames < 2 * rule.min_frames) return division;
-  division->left = SplitNode(rule, permuted, division->divided, scratch, parallel, division->plane);
+  division->left = SplitNode(rule, permuted, division->kept, scratch, parallel, division->plane);
   if (division->left == 0 || frames > kCachedFrames) return division;
-  const auto [begin, end] = division->divided;
+  const auto [begin, end] = division->kept;
   const std::int32_t middle = begin + division->left;
   division->children[0] = Split(rule, permuted, {begin, middle}, scratch, parallel);
   division->children[1] = Split(rule, permuted, {middle, end}, scratch, parallel);
@@ -102,17 +102,17 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
     std::stable_sort(work.begin(), work.end(), [&](std::size_t a, std::size_t b) {
       return frames(open[a]) > frames(open[b]);
     });
-    const auto divide = [&](std::size_t i, int batch, const ParallelFor& threads) {
+    const auto split = [&](std::size_t i, int batch, const ParallelFor& threads) {
       const Branch& branch = branches[open[i].branch];
       open[i].division = Split(rule, permuted, {branch.begin, branch.end}, scratch[batch], threads);
     };
     std::size_t shared = 0;
     while (shared < work.size() && frames(open[work[shared]]) >= kSharedFrames) {
-      divide(work[shared++], 0, parallel);
+      split(work[shared++], 0, parallel);
     }
     parallel(kBatches, [&](int batch) {
       for (std::size_t i = shared + batch; i < work.size(); i += kBatches)
-        divide(work[i], batch, RunSerially);
+        split(work[i], batch, RunSerially);
     });
 
     std::vector<Open> children;
@@ -123,8 +123,8 @@ absl::StatusOr<Tree> BuildTreeInPlace(Eigen::Map<FrameMatrix> states, int min_fr
       const auto left = static_cast<std::int32_t>(branches.size());
       branches[b].left = left;
       branches[b].right = left + 1;
-      const auto [begin, end] = division.divided;
-      aside.Add(b, {branches[b].begin, branches[b].end}, division.divided);
+      const auto [begin, end] = division.kept;
+      aside.Add(b, {branches[b].begin, branches[b].end}, division.kept);
       aside.MoveToChildren(b, branches[b], division.plane, permuted);
       planes.push_back(std::move(division.plane));
       const std::int32_t middle = begin + division.left;

@@ -20,7 +20,7 @@ class CorruptionLog {
 
  private:
   mutable storage::Mutex mutex_;
-  std::vector<storage::Corruption> damages_ ABSL_GUARDED_BY(mutex_);
+  std::vector<storage::Corruption> corruptions_ ABSL_GUARDED_BY(mutex_);
 };
 
 }  // namespace motiondb::server

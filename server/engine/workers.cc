@@ -72,7 +72,7 @@ void Workers::Post(Pool pool, Work work) {
 
 void Workers::PostFair(Pool pool, const std::string& client, Work work) {
   Threads& to = At(pool);
-  to.lane.Post(client, Counted(to.queued_in_turn, std::move(work)));
+  to.limiter.Post(client, Counted(to.queued_in_turn, std::move(work)));
 }
 
 std::unique_ptr<Executor::Timer> Workers::MakeTimer(Pool pool) {

@@ -46,7 +46,7 @@ class Workers : public Executor {
   int queued(Pool pool) const { return At(pool).queued + At(pool).queued_in_turn; }
   int request_threads() const { return At(Pool::kRequests).thread_count; }
   // Heavy work that runs or is next to run.
-  int running_heavy() { return At(Pool::kRequests).lane.running(); }
+  int running_heavy() { return At(Pool::kRequests).limiter.running(); }
 
   // Returns when all work is done. No work may be posted afterwards.
   void Join();
@@ -54,12 +54,12 @@ class Workers : public Executor {
  private:
   struct Threads {
     // `in_turn`: maximum threads for work of PostFair.
-    Threads(int count, int in_turn) : thread_count(count), threads(count), lane(threads, in_turn) {}
+    Threads(int count, int in_turn) : thread_count(count), threads(count), limiter(threads, in_turn) {}
     const int thread_count;
     std::atomic<int> queued{0};
     std::atomic<int> queued_in_turn{0};
     ThreadPool threads;
-    ConcurrencyLimiter lane;
+    ConcurrencyLimiter limiter;
   };
 
   Threads& At(Pool pool) { return pools_[static_cast<std::size_t>(pool)]; }

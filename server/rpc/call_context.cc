@@ -81,7 +81,7 @@ CallContext::CallContext(ServiceContext& host, const grpc::CallbackServerContext
       response_memory_(host.memory, client_),
       file_memory_(host.memory, client_),
       work_memory_(host.memory, client_),
-      ticket_(host.gate, std::move(on_close), [&context] { context.TryCancel(); }) {}
+      registration_(host.registry, std::move(on_close), [&context] { context.TryCancel(); }) {}
 
 void CallContext::SetRequestSize(std::size_t request_bytes) {
   const bool is_query = request_class_ == RequestClass::kLight && method_.pool == Pool::kRequests;
@@ -89,7 +89,7 @@ void CallContext::SetRequestSize(std::size_t request_bytes) {
 }
 
 grpc::Status CallContext::Admission() const {
-  if (!ticket_.admitted()) return StoppingStatus();
+  if (!registration_.admitted()) return StoppingStatus();
   return ToGrpcStatus(slot_.status());
 }
 
@@ -252,7 +252,7 @@ grpc::Status CallContext::End(grpc::Status status, std::size_t answer_bytes) {
   if (answer_bytes <= kLargeBytes) class_slot_ = {};  // before the client sees the end and retries
   watch_.End(static_cast<absl::StatusCode>(status.error_code()), status.error_message(),
              request_id_, peer());
-  ticket_.SetEnded(
+  registration_.SetEnded(
       std::chrono::milliseconds(static_cast<std::int64_t>(answer_bytes) / kMinBytesPerMillisecond));
   return status.ok() ? status : WithRequestInfo(status, request_id_);
 }

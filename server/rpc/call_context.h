@@ -140,7 +140,7 @@ class CallContext {
   std::optional<Caller> caller_;  // set by a successful Check
   std::string principal_ = kAnonymous;
   std::string resource_;
-  CallRegistry::RegisteredCall ticket_;  // last: destroyed before the other members
+  CallRegistry::RegisteredCall registration_;  // last: destroyed before the other members
 };
 
 }  // namespace motiondb::server

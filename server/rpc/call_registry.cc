@@ -3,11 +3,11 @@
 namespace motiondb::server {
 
 void CallRegistry::Close() {
-  // A ticket needs this lock to leave, so no call is destroyed during its callback.
+  // A call needs this lock to leave, so no call is destroyed during its callback.
   const storage::MutexLock lock(mutex_);
   closed_ = true;
-  for (const RegisteredCall* const ticket : calls_) {
-    if (ticket->on_close_) ticket->on_close_();
+  for (const RegisteredCall* const call : calls_) {
+    if (call->on_close_) call->on_close_();
   }
 }
 
@@ -22,21 +22,21 @@ void CallRegistry::AwaitEmpty(Clock::time_point latest) {
 void CallRegistry::CancelEndedBefore(Clock::time_point time) {
   // With the lock, as in Close.
   const storage::MutexLock lock(mutex_);
-  for (const RegisteredCall* const ticket : calls_) {
-    if (ticket->cancel_ && ticket->ended_.load() < time) ticket->cancel_();
+  for (const RegisteredCall* const call : calls_) {
+    if (call->cancel_ && call->ended_.load() < time) call->cancel_();
   }
 }
 
-bool CallRegistry::Enter(const RegisteredCall& ticket) {
+bool CallRegistry::Enter(const RegisteredCall& call) {
   const storage::MutexLock lock(mutex_);
   if (closed_) return false;
-  calls_.insert(&ticket);
+  calls_.insert(&call);
   return true;
 }
 
-void CallRegistry::Leave(const RegisteredCall& ticket) {
+void CallRegistry::Leave(const RegisteredCall& call) {
   const storage::MutexLock lock(mutex_);
-  calls_.erase(&ticket);
+  calls_.erase(&call);
   if (calls_.empty()) empty_.NotifyAll();
 }
 

@@ -22,14 +22,14 @@ class CallRegistry {
    public:
     // Close calls `on_close`, for calls that only their client would end. CancelEndedBefore calls
     // `cancel`. Neither may wait for the end of a call.
-    explicit RegisteredCall(CallRegistry& gate, std::function<void()> on_close = {},
+    explicit RegisteredCall(CallRegistry& registry, std::function<void()> on_close = {},
                             std::function<void()> cancel = {})
-        : gate_(gate),
+        : registry_(registry),
           on_close_(std::move(on_close)),
           cancel_(std::move(cancel)),
-          admitted_(gate.Enter(*this)) {}
+          admitted_(registry.Enter(*this)) {}
     ~RegisteredCall() {
-      if (admitted_) gate_.Leave(*this);
+      if (admitted_) registry_.Leave(*this);
     }
     RegisteredCall(const RegisteredCall&) = delete;
     RegisteredCall& operator=(const RegisteredCall&) = delete;
@@ -42,7 +42,7 @@ class CallRegistry {
 
    private:
     friend class CallRegistry;
-    CallRegistry& gate_;
+    CallRegistry& registry_;
     const std::function<void()> on_close_;
     const std::function<void()> cancel_;
     std::atomic<Clock::time_point> ended_ = Clock::time_point::max();
@@ -57,8 +57,8 @@ class CallRegistry {
   void CancelEndedBefore(Clock::time_point time);
 
  private:
-  bool Enter(const RegisteredCall& ticket);
-  void Leave(const RegisteredCall& ticket);
+  bool Enter(const RegisteredCall& call);
+  void Leave(const RegisteredCall& call);
 
   storage::Mutex mutex_;
   storage::ConditionVariable empty_;

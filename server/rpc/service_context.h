@@ -15,7 +15,7 @@ struct ServiceContext {
   AccessControl access;
   CallLimits limits;
   CallMemory memory;
-  CallRegistry gate;
+  CallRegistry registry;
   Monitor& monitor;
 };
 

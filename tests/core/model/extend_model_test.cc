@@ -68,13 +68,13 @@ TEST_CASE("ExtendModel: equals a model whose tree was built with the clips", "[c
     }
   }
   // The metric frames equal those of a model created from the same parts.
-  const auto anew = core::Model::Create(model.parts());
-  REQUIRE(anew.ok());
-  CHECK(model.metric_frames().rows.frame == anew->metric_frames().rows.frame);
-  CHECK((model.metric_frames().projected.view() - anew->metric_frames().projected.view())
+  const auto recreated = core::Model::Create(model.parts());
+  REQUIRE(recreated.ok());
+  CHECK(model.metric_frames().rows.frame == recreated->metric_frames().rows.frame);
+  CHECK((model.metric_frames().projected.view() - recreated->metric_frames().projected.view())
             .cwiseAbs()
             .maxCoeff() < 1e-5);
-  CHECK(model.clip_index().clips(0).size() == anew->clip_index().clips(0).size());
+  CHECK(model.clip_index().clips(0).size() == recreated->clip_index().clips(0).size());
 }
 
 TEST_CASE("ExtendModel: adding clips one by one gives the same model", "[core][model]") {

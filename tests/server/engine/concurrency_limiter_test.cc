@@ -23,9 +23,9 @@ TEST_CASE("ConcurrencyLimiter: runs all work in order, at most `width` at a time
     std::atomic<int> peak{0};
     std::mutex mutex;
     std::vector<int> order;
-    ConcurrencyLimiter lane(pool, width);
+    ConcurrencyLimiter limiter(pool, width);
     for (int i = 0; i < 200; ++i) {
-      lane.Post("", [&, i] {
+      limiter.Post("", [&, i] {
         const int now = ++running;
         for (int seen = peak; now > seen && !peak.compare_exchange_weak(seen, now);) {
         }
@@ -45,13 +45,13 @@ TEST_CASE("ConcurrencyLimiter: runs all work in order, at most `width` at a time
 
 TEST_CASE("ConcurrencyLimiter: clients take turns, also if one has a long queue", "[server]") {
   ThreadPool pool(1);
-  ConcurrencyLimiter lane(pool, 1);
+  ConcurrencyLimiter limiter(pool, 1);
   std::string order;
   std::promise<void> all_posted;
-  lane.Post("a", [&] { all_posted.get_future().wait(); });
-  for (int i = 0; i < 100; ++i) lane.Post("a", [&] { order += 'a'; });
-  for (int i = 0; i < 2; ++i) lane.Post("b", [&] { order += 'b'; });
-  lane.Post("c", [&] { order += 'c'; });
+  limiter.Post("a", [&] { all_posted.get_future().wait(); });
+  for (int i = 0; i < 100; ++i) limiter.Post("a", [&] { order += 'a'; });
+  for (int i = 0; i < 2; ++i) limiter.Post("b", [&] { order += 'b'; });
+  limiter.Post("c", [&] { order += 'c'; });
   all_posted.set_value();
   pool.Join();
   CHECK(order.size() == 103);
@@ -60,19 +60,19 @@ TEST_CASE("ConcurrencyLimiter: clients take turns, also if one has a long queue"
 
 TEST_CASE("ConcurrencyLimiter: a call in several pieces lets others run in between", "[server]") {
   ThreadPool pool(1);
-  ConcurrencyLimiter lane(pool, 1);
+  ConcurrencyLimiter limiter(pool, 1);
   std::string order;
   int remaining = 50;
   std::promise<void> other_posted;
   std::function<void()> piece = [&] {
     order += 'a';
-    if (--remaining > 0) lane.Post("a", piece);
+    if (--remaining > 0) limiter.Post("a", piece);
   };
-  lane.Post("a", [&] {
+  limiter.Post("a", [&] {
     other_posted.get_future().wait();
     piece();
   });
-  lane.Post("b", [&] { order += 'b'; });
+  limiter.Post("b", [&] { order += 'b'; });
   other_posted.set_value();
   pool.Join();
   CHECK(order.size() == 51);

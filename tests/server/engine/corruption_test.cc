@@ -8,7 +8,7 @@
 #include "tests/storage/corrupt_store.h"
 #include "tests/support/test_engine.h"
 
-namespace motiondb::tests::damage_test {
+namespace motiondb::tests::corruption_test {
 namespace {
 
 using storage::OperationState;
@@ -174,4 +174,4 @@ TEST_CASE("Corruption: the build of a database without a readable clip fails",
   CHECK(ClipsOfModel(engine) == "d");
 }
 
-}  // namespace motiondb::tests::damage_test
+}  // namespace motiondb::tests::corruption_test

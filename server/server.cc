@@ -61,10 +61,10 @@ void EnablePlugins() {
 std::unique_ptr<IdleTimer> WatchUnreadResponses(ServiceContext& host) {
   const auto longest = host.limits.options().idle_limit;
   const auto period = std::clamp(longest / 10, milliseconds(10), milliseconds(10'000));
-  return std::make_unique<IdleTimer>(host.engine.workers(), period, period,
-                                     [&registry = host.registry, longest] {
-                                       registry.CancelEndedBefore(CallRegistry::Clock::now() - longest);
-                                     });
+  return std::make_unique<IdleTimer>(
+      host.engine.workers(), period, period, [&registry = host.registry, longest] {
+        registry.CancelEndedBefore(CallRegistry::Clock::now() - longest);
+      });
 }
 
 // Time for clients to close their connections before the server closes them.

@@ -140,9 +140,10 @@ std::string ReplayText(const ReplayStatistics& statistics, const v1::ObserveResp
                        bool paced) {
   std::vector<double> sorted = statistics.latencies_ms;
   std::sort(sorted.begin(), sorted.end());
-  std::string text = fmt::format(
-      "{} in {:.2f} s, {:.0f} per second; model {}\n", CountText(statistics.frames, "frame"),
-      statistics.seconds, statistics.frames / std::max(statistics.seconds, 1e-9), last.model_version());
+  std::string text =
+      fmt::format("{} in {:.2f} s, {:.0f} per second; model {}\n",
+                  CountText(statistics.frames, "frame"), statistics.seconds,
+                  statistics.frames / std::max(statistics.seconds, 1e-9), last.model_version());
   if (paced && !sorted.empty()) {
     text += fmt::format("{} after {:.2f} ms (median), {:.2f} (99 %), {:.2f} (longest)\n",
                         CountText(sorted.size(), "answer"), Quantile(sorted, 0.5),

@@ -195,9 +195,10 @@ std::string DamagesText(const v1::GetServerStatusResponse& status) {
   std::string text = fmt::format("\ncorrupt: {} (`motiondb verify` checks everything)\n", count);
   for (int i = 0; i < std::min(count, kShownDamages); ++i) {
     const v1::Corruption& corruption = status.corruptions(i);
-    const std::string what = corruption.resource().empty() ? "the store's file" : corruption.resource();
-    text +=
-        fmt::format("  {}: {}\n", text::DisplayText(what), text::DisplayText(corruption.description()));
+    const std::string what =
+        corruption.resource().empty() ? "the store's file" : corruption.resource();
+    text += fmt::format("  {}: {}\n", text::DisplayText(what),
+                        text::DisplayText(corruption.description()));
   }
   if (count > kShownDamages) text += fmt::format("  and {} more\n", count - kShownDamages);
   return text;

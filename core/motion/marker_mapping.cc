@@ -1,3 +1,4 @@
+#include <limits>
 #include <utility>
 
 #include "core/motion/error.h"
@@ -15,6 +16,8 @@ std::vector<std::string> PointNames(const Motion& motion) {
   return JointNames(*std::get<JointMotion>(motion).skeleton);
 }
 
+constexpr float kMissing = std::numeric_limits<float>::quiet_NaN();
+
 // Returns the weighted sums (weights sum to 1), relative to `origin`.
 FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix& points,
                          const Eigen::Vector2d& origin) {
@@ -23,6 +26,9 @@ FrameMatrix WeightedSums(const std::vector<BoundRule>& rules, const FrameMatrix&
                                       .cwiseProduct(Eigen::RowVector3f(1, 1, 0));
   FrameMatrix sums = FrameMatrix::Zero(points.rows(), static_cast<Eigen::Index>(3 * rules.size()));
   for (std::size_t m = 0; m < rules.size(); ++m) {
+    if (rules[m].points.empty()) {
+      sums.middleCols<3>(static_cast<Eigen::Index>(3 * m)).setConstant(kMissing);
+    }
     for (const auto& [point, weight] : rules[m].points) {
       sums.middleCols<3>(static_cast<Eigen::Index>(3 * m)) +=
           static_cast<float>(weight) * (points.middleCols<3>(3 * point).rowwise() - from);
@@ -77,6 +83,7 @@ absl::StatusOr<JointMarkers> MarkersOfJoints(const BoundMapping& mapping, const 
     ForwardKinematics(*motion.skeleton, motion.angles.row(t), needed, world_from_joint);
     for (std::size_t m = 0; m < rules.size(); ++m) {
       const auto at = static_cast<Eigen::Index>(3 * m);
+      if (rules[m].points.empty()) markers.positions_m.row(t).segment<3>(at).setConstant(kMissing);
       for (const auto& [joint, weight] : rules[m].points) {
         markers.positions_m.row(t).segment<3>(at) +=
             static_cast<float>(weight) *

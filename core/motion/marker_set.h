@@ -43,8 +43,8 @@ struct WeightedPoint {
 // Position of one virtual marker: a weighted sum of points (weights sum to 1) plus an offset in the
 // frame of a link. The offset is in leg lengths, so that it fits every subject.
 struct MarkerRule {
-  std::vector<WeightedPoint> points;
-  std::string offset_joint;  // empty: no offset
+  std::vector<WeightedPoint> points;  // none: the marker is missing
+  std::string offset_joint;           // empty: no offset
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
 };
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 #include "server/engine/live_database.h"
 
@@ -114,7 +115,9 @@ absl::StatusOr<core::MarkerMotion> MarkersOf(const Observation& observation,
   const RepresentationLimits limits{FrameRate(motion), max_frames, terms};
   MOTIONDB_RETURN_IF_ERROR(
       core::AtField(observation.field, CheckSize(limits, scheme->set.marker_count(), motion)));
-  auto markers = core::ApplyScheme(*scheme, motion, observation.leg_length_m, terms.cancelled);
+  const auto fitted = core::FitScheme(*scheme, motion);
+  if (!fitted.ok()) return core::AtField(observation.field, fitted.status());
+  auto markers = core::ApplyScheme(*fitted, motion, observation.leg_length_m, terms.cancelled);
   if (!markers.ok()) return core::AtField(observation.field, markers.status());
   return markers;
 }

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "absl/strings/cord.h"
+#include "core/mapping/fit_scheme.h"
 #include "core/motion/error.h"
 
 namespace motiondb::server {
@@ -117,7 +118,11 @@ absl::StatusOr<core::StateSequence> RepresentWithin(const RepresentationLimits& 
                                                     std::optional<double> leg_length_m,
                                                     std::vector<std::string>* notes) {
   MOTIONDB_RETURN_IF_ERROR(CheckSize(limits, scheme.set.marker_count(), motion));
-  return core::Represent(scheme, motion, limits.frame_rate_hz, cleaning, leg_length_m, notes,
+  std::string note;
+  MOTIONDB_ASSIGN_OR_RETURN(const core::MarkerScheme fitted,
+                            core::FitScheme(scheme, motion, &note));
+  if (notes != nullptr && !note.empty()) notes->push_back(note);
+  return core::Represent(fitted, motion, limits.frame_rate_hz, cleaning, leg_length_m, notes,
                          limits.terms.cancelled);
 }
 

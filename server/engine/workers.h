@@ -54,7 +54,8 @@ class Workers : public Executor {
  private:
   struct Threads {
     // `in_turn`: maximum threads for work of PostFair.
-    Threads(int count, int in_turn) : thread_count(count), threads(count), limiter(threads, in_turn) {}
+    Threads(int count, int in_turn)
+        : thread_count(count), threads(count), limiter(threads, in_turn) {}
     const int thread_count;
     std::atomic<int> queued{0};
     std::atomic<int> queued_in_turn{0};

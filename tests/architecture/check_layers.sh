@@ -8,6 +8,7 @@ declare -A may_include=(
   [text]="text"
   [core/motion]="core/motion"
   [core/format]="core/format core/motion text"
+  [core/mapping]="core/mapping core/motion"
   [core/kinematics]="core/kinematics core/motion"
   [core/tree]="core/tree core/motion"
   [core/graph]="core/graph core/tree core/motion"

@@ -116,14 +116,14 @@ absl::Status Run(const ObserveOptions& options, const GlobalOptions& global) {
   LiveLine line(motion.frame_rate_hz());
   v1::ObserveResponse last;
   const auto statistics = Replay(*client, Start(options, request, motion), motion, replay,
-                              [&](const v1::ObserveResponse& answer) {
-                                if (global.json) {
-                                  PrintJson(answer);
-                                } else {
-                                  line.Show(answer);
-                                }
-                                last = answer;
-                              });
+                                 [&](const v1::ObserveResponse& answer) {
+                                   if (global.json) {
+                                     PrintJson(answer);
+                                   } else {
+                                     line.Show(answer);
+                                   }
+                                   last = answer;
+                                 });
   if (!global.json) line.End();
   if (!statistics.ok()) return statistics.status();
   if (!global.json) PrintText(ReplayText(*statistics, last, options.realtime));

@@ -1,3 +1,4 @@
+#include <absl/status/status.h>
 #include <fmt/chrono.h>
 #include <google/protobuf/util/time_util.h>
 #include <motiondb/v1/server.pb.h>
@@ -19,7 +20,7 @@ namespace motiondb::client {
 namespace {
 
 // Maximum numbers of rows, so that the status fits on a screen. --json prints all.
-constexpr int kShownDamages = 5;
+constexpr int kShownCorruptions = 5;
 constexpr std::size_t kShownMethods = 10;
 constexpr std::size_t kShownDatabases = 12;
 
@@ -193,14 +194,14 @@ std::string DamagesText(const v1::GetServerStatusResponse& status) {
   const int count = status.corruptions_size();
   if (count == 0) return "";
   std::string text = fmt::format("\ncorrupt: {} (`motiondb verify` checks everything)\n", count);
-  for (int i = 0; i < std::min(count, kShownDamages); ++i) {
+  for (int i = 0; i < std::min(count, kShownCorruptions); ++i) {
     const v1::Corruption& corruption = status.corruptions(i);
     const std::string what =
         corruption.resource().empty() ? "the store's file" : corruption.resource();
     text += fmt::format("  {}: {}\n", text::DisplayText(what),
                         text::DisplayText(corruption.description()));
   }
-  if (count > kShownDamages) text += fmt::format("  and {} more\n", count - kShownDamages);
+  if (count > kShownCorruptions) text += fmt::format("  and {} more\n", count - kShownCorruptions);
   return text;
 }
 

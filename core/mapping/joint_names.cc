@@ -304,7 +304,7 @@ NameMeaning MeaningOf(std::span<const std::string> words) {
 // Decides ambiguous names of one side by the others: a "shoulder" is the clavicle if there is an
 // "arm", a "leg" is the shank if there is a "thigh", and the thigh if there is a "shin".
 void ResolveSide(Side side, std::vector<NameMeaning>& meanings) {
-  constexpr auto index = [](Role role) { return static_cast<std::size_t>(role); };
+  const auto index = [](Role role) { return static_cast<std::size_t>(role); };
   const auto has = [&](Role role, float least, Role not_role) {
     return std::ranges::any_of(meanings, [&](const NameMeaning& meaning) {
       return meaning.side == side && meaning.fit_for(role) >= least &&
@@ -348,6 +348,7 @@ std::vector<std::string> NameWords(std::string_view name) {
 std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names) {
   std::vector<std::vector<std::string>> words;
   std::map<std::string, std::size_t> first_words;
+  words.reserve(names.size());
   for (const std::string& name : names) words.push_back(NameWords(name));
   // Removes the words that most names begin with, one after another.
   while (names.size() >= 4) {
@@ -366,6 +367,7 @@ std::vector<NameMeaning> NameMeanings(const std::vector<std::string>& names) {
     }
   }
   std::vector<NameMeaning> meanings;
+  meanings.reserve(names.size());
   for (const auto& of_name : words) meanings.push_back(MeaningOf(of_name));
   ResolveSide(Side::kLeft, meanings);
   ResolveSide(Side::kRight, meanings);

@@ -180,6 +180,7 @@ std::vector<LimbPair> FindLimbPairs(const BoneTree& tree) {
     }
     if (roots.size() > 12) continue;  // a crowd of props or markers
     std::vector<LimbChain> chains;
+    chains.reserve(roots.size());
     for (const int root : roots) chains.emplace_back(tree, root);
     for (std::size_t i = 0; i < roots.size(); ++i) {
       for (std::size_t k = i + 1; k < roots.size(); ++k) {

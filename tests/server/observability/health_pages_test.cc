@@ -56,12 +56,12 @@ TEST_CASE("HealthServer: no pages, and an address in use", "[server][http]") {
   const auto started = server::StartHealthServer("127.0.0.1:0", monitor);
   REQUIRE(started.ok());
   CHECK(absl::IsUnavailable(server::StartHealthServer((*started)->address(), monitor).status()));
-  // The default address in use does not prevent a start.
+  // The default address in use does not prevent a start. Another program may use it now and then.
   const auto first = server::StartHealthServer("", monitor);
   const auto second = server::StartHealthServer("", monitor);
-  CHECK(first.ok());
+  REQUIRE(first.ok());
   REQUIRE(second.ok());
-  CHECK(*second == nullptr);
+  CHECK((*first == nullptr || *second == nullptr));
 }
 
 }  // namespace

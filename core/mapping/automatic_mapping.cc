@@ -50,6 +50,8 @@ constexpr double kSpineShare = 0.73;
 constexpr double kHandShare = 0.25;  // beyond the wrist, in forearm lengths
 constexpr double kBallShare = 0.72;  // of the way from the ankle to the tip of the toes
 
+std::string Letter(Side side) { return side == Side::kLeft ? "L" : "R"; }
+
 // The markers of the standard set as sums of the figure's points.
 class FigureMarkers {
  public:
@@ -88,8 +90,6 @@ class FigureMarkers {
   }
 
  private:
-  static std::string Letter(Side side) { return side == Side::kLeft ? "L" : "R"; }
-
   void AddLeg(Side side, std::map<std::string, Sum>& markers) const {
     const std::string s = Letter(side);
     const auto at = [&](Role role) { return Point(figure_.at(role, side)); };
@@ -187,11 +187,8 @@ class FigureMarkers {
     std::size_t end = 1;
     while (end + 1 < line_at_.size() && line_at_[end] < distance) ++end;
     // A short last segment has no reliable direction.
-    while (end > 1 && end + 1 == line_at_.size() && line_at_[end] < distance &&
-           line_at_[end] - line_at_[end - 1] < 0.05) {
-      --end;
-      if (line_at_[end] - line_at_[end - 1] >= 0.05) break;
-    }
+    const bool is_beyond = line_at_[end] < distance;
+    if (is_beyond && end > 1 && line_at_[end] - line_at_[end - 1] < 0.05) --end;
     const double length = line_at_[end] - line_at_[end - 1];
     return Between(line_[end - 1], line_[end],
                    length > 0 ? (distance - line_at_[end - 1]) / length : 0);
@@ -294,7 +291,7 @@ absl::StatusOr<MarkerMapping> MapFigure(const MarkerSet& set, const Figure& figu
   for (const Side side : {Side::kLeft, Side::kRight}) {
     const int ankle = figure.at(Role::kAnkle, side).index;
     for (const auto& [name, forward, up] : kFoot) {
-      const std::string marker = (side == Side::kLeft ? "L" : "R") + std::string(name);
+      const std::string marker = Letter(side) + name;
       const auto at = std::ranges::find(set.markers, marker) - set.markers.begin();
       if (at == std::ssize(set.markers) || !mapping.rules[at].points.empty()) continue;
       mapping.rules[at] = {{{figure.names[ankle], 1}},

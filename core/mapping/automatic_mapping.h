@@ -10,10 +10,6 @@
 
 namespace motiondb::core {
 
-// Without these there is no figure.
-inline constexpr Role kNecessaryRoles[] = {Role::kHip,      Role::kKnee,  Role::kAnkle,
-                                           Role::kShoulder, Role::kElbow, Role::kWrist};
-
 // Returns rules for the markers of the standard set, in the order of `set`. Points of the body that
 // the motion lacks are derived from others by proportions of a person. A marker that cannot be
 // derived has a rule without points: it is missing.

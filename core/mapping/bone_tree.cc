@@ -29,9 +29,12 @@ BoneTree::BoneTree(const PointCloud& points, const std::vector<NameMeaning>& mea
   }
   for (int j = count() - 1; j >= 0; --j) {
     if (parent(j) < 0) continue;
-    const double weight = meaning(j).is_accessory ? kAccessoryWeight : 1;
-    reach_[parent(j)] = std::max(reach_[parent(j)], weight * length_[j] + reach_[j]);
+    reach_[parent(j)] = std::max(reach_[parent(j)], way(j));
   }
+}
+
+double BoneTree::way(int joint) const {
+  return (meaning(joint).is_accessory ? kAccessoryWeight : 1) * length_[joint] + reach_[joint];
 }
 
 bool BoneTree::IsAncestor(int ancestor, int joint) const {
@@ -42,9 +45,8 @@ bool BoneTree::IsAncestor(int ancestor, int joint) const {
 std::vector<int> BoneTree::LongestPath(int joint) const {
   std::vector<int> path = {joint};
   while (!children_[path.back()].empty()) {
-    path.push_back(*std::ranges::max_element(children_[path.back()], {}, [&](int child) {
-      return (meaning(child).is_accessory ? kAccessoryWeight : 1) * length_[child] + reach_[child];
-    }));
+    path.push_back(*std::ranges::max_element(children_[path.back()], {},
+                                             [&](int child) { return way(child); }));
   }
   return path;
 }

@@ -49,6 +49,9 @@ class BoneTree {
   const NameMeaning& meaning(int joint) const { return (*meanings_)[joint]; }
 
  private:
+  // Length of the longest path from the parent down through `joint`.
+  double way(int joint) const;
+
   const PointCloud* points_;
   const std::vector<NameMeaning>* meanings_;
   std::vector<std::vector<int>> children_;

@@ -16,8 +16,7 @@ constexpr double kMinSideEvidence = 0.25;
 using Frame = Eigen::Matrix3Xd;
 
 bool IsComplete(const Figure& figure) {
-  for (const Role role :
-       {Role::kHip, Role::kKnee, Role::kAnkle, Role::kShoulder, Role::kElbow, Role::kWrist}) {
+  for (const Role role : kNecessaryRoles) {
     for (const Side side : {Side::kLeft, Side::kRight}) {
       if (!figure.at(role, side).is_found()) return false;
     }
@@ -161,15 +160,16 @@ void CheckSides(const PointCloud& points, const std::vector<NameMeaning>& meanin
 
 PointCloud SamplePoints(const Motion& motion, int max_frames) {
   PointCloud cloud;
+  const auto for_samples = [&](Eigen::Index frames, const auto& add) {
+    const Eigen::Index count = std::min<Eigen::Index>(max_frames, frames);
+    for (Eigen::Index i = 0; i < count; ++i) add(count > 1 ? i * (frames - 1) / (count - 1) : 0);
+  };
   if (const auto* markers = std::get_if<MarkerMotion>(&motion)) {
     cloud.names = markers->names;
-    const auto frames = markers->positions_m.rows();
-    const Eigen::Index count = std::min<Eigen::Index>(max_frames, frames);
-    for (Eigen::Index i = 0; i < count; ++i) {
-      const Eigen::Index t = count > 1 ? i * (frames - 1) / (count - 1) : 0;
+    for_samples(markers->positions_m.rows(), [&](Eigen::Index t) {
       const Eigen::RowVectorXd row = markers->positions_m.row(t).cast<double>();
       cloud.frames.emplace_back(Eigen::Map<const Frame>(row.data(), 3, cloud.count()));
-    }
+    });
     return cloud;
   }
   const JointMotion& joints = std::get<JointMotion>(motion);
@@ -177,11 +177,8 @@ PointCloud SamplePoints(const Motion& motion, int max_frames) {
     cloud.names.push_back(joint.name);
     cloud.parents.push_back(joint.parent);
   }
-  const Eigen::Index frames = joints.angles.rows();
-  const Eigen::Index count = std::min<Eigen::Index>(max_frames, frames);
   std::vector<Eigen::Isometry3d> pose(cloud.names.size());
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const Eigen::Index t = count > 1 ? i * (frames - 1) / (count - 1) : 0;
+  for_samples(joints.angles.rows(), [&](Eigen::Index t) {
     ForwardKinematics(*joints.skeleton, joints.angles.row(t), pose);
     Frame& frame = cloud.frames.emplace_back(3, cloud.count());
     auto& rotations = cloud.rotations.emplace_back();
@@ -189,7 +186,7 @@ PointCloud SamplePoints(const Motion& motion, int max_frames) {
       frame.col(j) = pose[j].translation();
       rotations.push_back(pose[j].linear());
     }
-  }
+  });
   return cloud;
 }
 

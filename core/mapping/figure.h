@@ -37,6 +37,10 @@ struct Figure {
   }
 };
 
+// Without these there is no figure.
+inline constexpr Role kNecessaryRoles[] = {Role::kHip,      Role::kKnee,  Role::kAnkle,
+                                           Role::kShoulder, Role::kElbow, Role::kWrist};
+
 // Positions (m or any unit, any axes) of all points in some frames spread over a motion, and the
 // hierarchy, if there is one.
 struct PointCloud {

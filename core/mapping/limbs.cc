@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 
 namespace motiondb::core {
@@ -203,6 +204,10 @@ std::vector<LimbPair> FindLimbPairs(const BoneTree& tree) {
       }
     }
   }
+  std::ranges::stable_sort(pairs, std::ranges::greater(), [](const LimbPair& pair) {
+    return std::max(pair.leg_score(), pair.arm_score());
+  });
+  if (pairs.size() > kMaxPairs) pairs.resize(kMaxPairs);
   return pairs;
 }
 

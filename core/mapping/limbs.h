@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 #include "core/mapping/bone_tree.h"
@@ -39,7 +40,9 @@ struct LimbPair {
   double arm_score() const { return as_arms[0].score() + as_arms[1].score() + 2 * symmetry; }
 };
 
-// Returns all pairs that may be legs or arms. Pairs of different sides if the names tell sides.
+// Returns the pairs that may be legs or arms: the best kMaxPairs, so that a search over all
+// combinations is bounded for any hierarchy. Pairs of different sides if the names tell sides.
+inline constexpr std::size_t kMaxPairs = 64;
 std::vector<LimbPair> FindLimbPairs(const BoneTree& tree);
 
 }  // namespace motiondb::core

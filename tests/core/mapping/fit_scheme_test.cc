@@ -282,6 +282,29 @@ TEST_CASE("FitScheme: a skeleton without toes gets toes in front of its ankles",
   CHECK(distances.back() < 0.12);
 }
 
+// Thousands of equal pairs of limbs: all their combinations take half a minute.
+TEST_CASE("FitScheme: the search is bounded in a bush of equal limbs", "[core][mapping][hostile]") {
+  std::vector<core::Joint> joints(1);
+  joints[0].name = "j0";
+  const auto add = [&](int parent, const Eigen::Vector3d& offset_m) {
+    joints.push_back(
+        {.name = "j" + std::to_string(joints.size()), .parent = parent, .offset_m = offset_m});
+    return static_cast<int>(joints.size()) - 1;
+  };
+  int trunk = 0;
+  while (joints.size() < 1900) {
+    trunk = add(trunk, {0, 0, 0.01});
+    for (int limb = 0; limb < 11; ++limb) {
+      add(add(add(trunk, {0.01 * limb, 0, 0.1}), {0, 0, 0.4}), {0, 0, 0.4});
+    }
+  }
+  auto bush = core::Skeleton::Create("bush", joints);
+  REQUIRE(bush.ok());
+  const core::JointMotion motion{std::make_shared<const core::Skeleton>(*std::move(bush)), 30,
+                                 core::JointMatrix::Zero(24, 0)};
+  CHECK(!core::FitScheme(core::StandardScheme(), motion).ok());
+}
+
 TEST_CASE("FitScheme: what is no person is rejected with a reason", "[core][mapping]") {
   std::vector<core::Joint> joints(1);
   joints[0].name = "base";
